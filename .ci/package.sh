@@ -62,7 +62,7 @@ done
 say "licences"
 sources="${CARGO_HOME:-$HOME/.cargo}/registry/src"
 cargo tree --locked --features attack -e normal --prefix none --format '{p} | {l}' | sed 's/ (\*)$//; s/ (proc-macro)//' | sort -u |
-  grep -v '^scaleproof ' > "$folder/licences/crates.txt"
+  grep -v '^scaleproof' > "$folder/licences/crates.txt"
 while read -r crate number _; do
   # Crates of one version come from one place.
   for text in "$sources"/*/"$crate-${number#v}"/{LICENSE,LICENCE,License,COPYING,COPYRIGHT,NOTICE,UNLICENSE,license}*; do
@@ -71,7 +71,7 @@ while read -r crate number _; do
   done
 done < "$folder/licences/crates.txt"
 cp LICENSE-APACHE LICENSE-MIT "$folder/licences/"
-cp src/print/fonts/*[Ll][Ii][Cc][Ee]* "$folder/licences/" 2>/dev/null || true
+cp crates/core/fonts/*[Ll][Ii][Cc][Ee]* "$folder/licences/" 2>/dev/null || true
 
 say "manual pages, completions, the stored photos, the guide"
 "$folder/scaleproof" manuals -o "$folder/man/man1" >/dev/null
@@ -80,7 +80,7 @@ for shell in bash zsh fish; do
   "$folder/scaleproof" completions "$shell" > "$folder/completions/scaleproof.$shell"
 done
 # What belongs to the project, and not what else lies in its folders.
-parts=(captures calibration docs print_templates src/detect/manifests ARCHITECTURE.md CHANGELOG.md)
+parts=(captures calibration docs print_templates crates/detect/src/manifests ARCHITECTURE.md CHANGELOG.md)
 { git -c safe.directory='*' ls-files -z "${parts[@]}" 2>/dev/null || find "${parts[@]}" -type f -print0; } | tar -c --null -T - | tar -x -C "$folder"
 { sed -n 1p README.md; printf '\n(This is the unpacked archive: type `./scaleproof` wherever this page and the guide have `./run`.)\n'; sed 1d README.md; } > "$folder/README.md"
 

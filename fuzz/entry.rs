@@ -5,22 +5,22 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
-use scaleproof::board::Definition;
-use scaleproof::camera::{Camera, CameraFormat};
-use scaleproof::detect::{Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest};
-use scaleproof::files::sha256_hex;
-use scaleproof::frames::FrameSet;
-use scaleproof::frames::import::import as import_frames;
-use scaleproof::mesh::{Mesh, MeshPlacement};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::palette::Palette;
-use scaleproof::photo::Photo;
-use scaleproof::print::printer::PrinterFile;
-use scaleproof::scene::Scene;
-use scaleproof::score::shard::{self, Run, Shard, ShardId};
-use scaleproof::session::Session;
-use scaleproof::session::import;
-use scaleproof::texture::{FaceTexels, MappedImages, SurfacePoint, Texture};
+use scaleproof_core::files::sha256_hex;
+use scaleproof_detect::{Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest};
+use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::frames::import::import as import_frames;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::board::Definition;
+use scaleproof_pose::camera::{Camera, CameraFormat};
+use scaleproof_pose::scene::Scene;
+use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_score::score::shard::{self, Run, Shard, ShardId};
+use scaleproof_session::session::Session;
+use scaleproof_session::session::import;
+use scaleproof_surface::mesh::{Mesh, MeshPlacement};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::palette::Palette;
+use scaleproof_surface::texture::{FaceTexels, MappedImages, SurfacePoint, Texture};
 
 /// Camera files: what is read can be written, and reads back as the same camera.
 pub fn camera(bytes: &[u8]) {
@@ -263,7 +263,7 @@ pub fn results(bytes: &[u8]) {
 /// What a program says: a hello, an answer about a photo of 64 × 48 px, a manifest that starts it, and a command line.
 pub fn program(bytes: &[u8]) {
     let Some(text) = text(bytes) else { return };
-    scaleproof::detect::read_as_a_programs(text);
+    scaleproof_detect::read_as_a_programs(text);
     let _ = ProgramSpec::parse(text, Path::new("mine.toml"));
     let _ = ProgramSpec::named(&format!("exec:{text}"));
 }

@@ -6,7 +6,7 @@
 #   fuzz/sanitize.sh PART …       some of them
 #
 #   raw       C AprilTag below this program's guard, every size from 1×1 to 64×64: from which size on it is clean. Sizes below the guard
-#             (LEAST_SIDE_PX in src/tags/search.rs) are expected to fail: that they do shows that the sanitizer is on
+#             (LEAST_SIDE_PX in crates/pose/src/tags/search.rs) are expected to fail: that they do shows that the sanitizer is on
 #   sizes     the same sizes through every tag detector
 #   photos    the stored photos, whole and shrunk by 2, 3 and 4, through every tag detector and the pose
 #   corpus    fuzz/corpus through its parsers, its photos through every tag detector
@@ -121,8 +121,8 @@ asan_part() { check "$1" "$1" "$most_findings" '' "$CARGO_TARGET_DIR/$program-as
 
 raw() {
   local failed=$logs/raw/failed least clean
-  least=$(sed -n 's/^const LEAST_SIDE_PX: u32 = \([0-9]*\);.*/\1/p' "$fuzz/../src/tags/search.rs")
-  [ -n "$least" ] || stop "LEAST_SIDE_PX is no longer in src/tags/search.rs: say here where the guard is"
+  least=$(sed -n 's/^const LEAST_SIDE_PX: u32 = \([0-9]*\);.*/\1/p' "$fuzz/../crates/pose/src/tags/search.rs")
+  [ -n "$least" ] || stop "LEAST_SIDE_PX is no longer in crates/pose/src/tags/search.rs: say here where the guard is"
   run_part raw raw 4096 '' "$CARGO_TARGET_DIR/$program-asan"
   [ -s "$failed" ] || stop "no size failed, not even 1x1: is the sanitizer on, or was the library mended?"
   clean=$(sed 's/[x\t]/ /g' "$failed" | awk '{ least = $1 < $2 ? $1 : $2; if (least > worst) worst = least } END { print worst + 1 }')

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Output;
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
 use serde_json::Value;
@@ -121,12 +121,13 @@ fn what_cannot_tell_says_so() {
     let out = tempfile::tempdir().unwrap();
     let output = advise(session.path(), out.path(), &[]);
     let said = stdout(&output) + &stderr(&output);
-    match output.status.success() {
-        true => assert!(
+    if output.status.success() {
+        assert!(
             said.contains("no advice on poses") && said.contains("print more tags"),
             "{said}"
-        ),
-        false => assert_refused(&output, &["no photo of the session is located"]),
+        )
+    } else {
+        assert_refused(&output, &["no photo of the session is located"])
     }
 
     // Two photos are too few for anything.

@@ -2,18 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use crate::tests::common;
+use crate::common;
 
 use common::{rendered, skyline};
 use image::{GrayImage, imageops};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::advise::{CameraVerdict, Choice, PoseAdvice, Question, Sample, advise_poses};
-use scaleproof::camera::Camera;
-use scaleproof::chart::{Spoil, locate::is_silently_wrong, true_views};
-use scaleproof::photo::Photo;
-use scaleproof::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing, Viewpoint};
-use scaleproof::session::Session;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing, Viewpoint};
+use scaleproof_session::session::Session;
+use scaleproof_study::advise::{CameraVerdict, Choice, PoseAdvice, Question, Sample, advise_poses};
+use scaleproof_study::chart::{Spoil, locate::is_silently_wrong, true_views};
 
 /// A session whose truth is known.
 struct Known {

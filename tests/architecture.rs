@@ -1,32 +1,50 @@
-//! Reads the `use` lines of `src/` and holds them against the table of rooms in ARCHITECTURE.md.
+//! What Cargo does not hold: that ARCHITECTURE.md shows the crates as they are, that files of a crate do not use each other in circles, and
+//! that some things are done in one place.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-type Table = BTreeMap<String, BTreeSet<String>>;
+use crate::common::home;
 
-/// What stands in the third column of the room above all others.
-const ALL: &str = "every other room";
+/// The crates that each crate depends on, by the manifests.
+fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
+    let folders = std::fs::read_dir(home().join("crates")).unwrap();
+    let of_crate = |folder: PathBuf| {
+        let text = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        let manifest: toml::Table = text.parse().unwrap();
+        let names = manifest["dependencies"].as_table().unwrap().keys();
+        let used = names.filter_map(|name| name.strip_prefix("scaleproof-").map(str::to_owned));
+        let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+        (name, used.collect())
+    };
+    folders.map(|entry| of_crate(entry.unwrap().path())).collect()
+}
 
-/// Room → rooms it may use, from the lines "| `room` | what it holds | may use |" of ARCHITECTURE.md.
-fn table(markdown: &str) -> Table {
-    let mut table = Table::new();
-    let rows = || markdown.lines().filter(|l| l.starts_with("| `"));
-    let rooms: BTreeSet<String> = rows()
-        .skip(1)
-        .filter_map(|l| Some(l.split('`').nth(1)?.to_owned()))
-        .collect();
-    for line in rows() {
-        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        let [_, room, _, may_use, _] = cells[..] else { continue };
-        let used = may_use.split('`').skip(1).step_by(2).map(str::to_owned);
-        let used: BTreeSet<String> = match may_use {
-            ALL => rooms.clone(),
-            _ => used.collect(),
-        };
-        table.insert(room.trim_matches('`').to_owned(), used);
+/// The lines "`crate` → crates" of ARCHITECTURE.md, from top to bottom.
+fn shown() -> Vec<(String, BTreeSet<String>)> {
+    let text = std::fs::read_to_string(home().join("ARCHITECTURE.md")).unwrap();
+    let diagram = text
+        .split("<!-- crates -->")
+        .nth(1)
+        .expect("ARCHITECTURE.md has the crates between two remarks");
+    let line = |line: &str| {
+        let (name, used) = line.split_once('→')?;
+        let used = used.split([',', ' ']).filter(|name| !name.is_empty() && *name != "–");
+        Some((name.trim().to_owned(), used.map(str::to_owned).collect()))
+    };
+    diagram.lines().filter_map(line).collect()
+}
+
+#[test]
+fn the_diagram_shows_the_crates_as_they_are_and_arrows_point_down() {
+    let shown = shown();
+    let by_name: BTreeMap<String, BTreeSet<String>> = shown.iter().cloned().collect();
+    assert_eq!(by_name, dependencies());
+    for (at, (name, used)) in shown.iter().enumerate() {
+        let is_below = |used: &&String| shown[at + 1..].iter().any(|(below, _)| below == *used);
+        let up = used.iter().find(|used| !is_below(used));
+        assert_eq!(up, None, "`{name}` uses a crate that stands above it");
     }
-    table
 }
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -40,126 +58,34 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The rooms that a source names after `crate::`, in `use` lines, groups and paths inside the code.
-fn rooms_named(source: &str) -> BTreeSet<String> {
-    let mut rooms = BTreeSet::new();
-    let code: String = source
-        .lines()
-        .map(|l| l.split("//").next().unwrap_or_default())
-        .collect::<Vec<_>>()
-        .join("\n");
-    for (at, _) in code.match_indices("crate::") {
-        let rest = &code[at + "crate::".len()..];
-        match rest.strip_prefix('{') {
-            None => rooms.insert(rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()),
-            Some(group) => {
-                rooms.extend(first_names(group));
-                true
-            }
-        };
-    }
-    rooms.retain(|r| !r.is_empty());
-    rooms
+/// The folders `src` of the program and of every crate, each with the name of its crate.
+fn crates() -> Vec<(String, PathBuf)> {
+    let named = dependencies().into_keys().map(|name| {
+        let folder = home().join("crates").join(&name).join("src");
+        (name, folder)
+    });
+    named.chain([("program".to_owned(), home().join("src"))]).collect()
 }
 
-/// The first name of each member of a `use` group, given what follows its opening brace.
-fn first_names(group: &str) -> Vec<String> {
-    let (mut depth, mut top) = (0, String::new());
-    for c in group.chars() {
-        match c {
-            '{' => depth += 1,
-            '}' if depth == 0 => break,
-            '}' => depth -= 1,
-            c if depth == 0 => top.push(c),
-            _ => {}
-        }
-    }
-    top.split(',')
-        .map(|member| member.trim().split("::").next().unwrap_or_default().to_owned())
-        .collect()
-}
-
-/// The room of a file: the folder or file directly below `src`.
-fn room_of(path: &Path, src: &Path) -> String {
-    let first = path.strip_prefix(src).unwrap().components().next().unwrap();
-    first.as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned()
-}
-
-fn project() -> (Table, Vec<(String, PathBuf, String)>) {
-    let home = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let (src, mut files) = (home.join("src"), Vec::new());
-    sources(&src, &mut files);
-    let files = files
-        .into_iter()
-        .map(|f| (room_of(&f, &src), f.clone(), std::fs::read_to_string(f).unwrap()));
-    (
-        table(&std::fs::read_to_string(home.join("ARCHITECTURE.md")).unwrap()),
-        files.collect(),
-    )
-}
-
-#[test]
-fn no_arrow_points_up_or_sideways() {
-    let (table, files) = project();
-    let mut wrong = Vec::new();
-    for (room, path, source) in &files {
-        if matches!(room.as_str(), "lib" | "main") {
-            continue;
-        }
-        let allowed = table
-            .get(room)
-            .unwrap_or_else(|| panic!("ARCHITECTURE.md has no row for the room `{room}`"));
-        for used in rooms_named(source)
-            .iter()
-            .filter(|used| *used != room && !allowed.contains(*used))
-        {
-            wrong.push(format!("{} uses `{used}`, which `{room}` may not", path.display()));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
-fn the_table_has_no_cycle_and_no_room_that_is_not_there() {
-    let (table, files) = project();
-    let rooms: BTreeSet<&String> = files.iter().map(|(room, ..)| room).collect();
-    for room in table.keys() {
-        assert!(
-            rooms.contains(room),
-            "ARCHITECTURE.md lists `{room}`, which src/ does not have"
-        );
-    }
-    // Arrows point down: every room may use only rooms listed below it.
-    let markdown = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/ARCHITECTURE.md")).unwrap();
-    let line = |room: &String| {
-        markdown
-            .find(&format!("\n| `{room}` |"))
-            .unwrap_or_else(|| panic!("no row for `{room}`"))
-    };
-    for (room, used) in &table {
-        for used in used {
-            assert!(
-                line(used) > line(room),
-                "`{room}` may use `{used}`, which stands above it"
-            );
-        }
-    }
-}
-
-/// A module's path below `src`, as `["score", "run"]`.
+/// A module's path from its crate, as `["score", "report", "html"]`.
 type Module = Vec<String>;
 /// Each module's code, without its comments and its tests.
 type Modules = BTreeMap<Module, String>;
 
 fn modules() -> Modules {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let module = |(_, path, source): (String, PathBuf, String)| {
-        let below = path.strip_prefix(&src).unwrap().with_extension("");
-        let mut names: Module = below.iter().map(|n| n.to_string_lossy().into_owned()).collect();
-        names.pop_if(|last| last == "mod");
-        (names, code_of(&source))
-    };
-    project().1.into_iter().map(module).collect()
+    let mut modules = Modules::new();
+    for (name, src) in crates() {
+        let mut files = Vec::new();
+        sources(&src, &mut files);
+        for path in files {
+            let below = path.strip_prefix(&src).unwrap().with_extension("");
+            let parts = below.iter().map(|n| n.to_string_lossy().into_owned());
+            let mut module: Module = std::iter::once(name.clone()).chain(parts).collect();
+            module.pop_if(|last| ["mod", "lib"].contains(&last.as_str()));
+            modules.insert(module, code_of(&std::fs::read_to_string(path).unwrap()));
+        }
+    }
+    modules
 }
 
 fn code_of(source: &str) -> String {
@@ -232,7 +158,7 @@ fn from_root(modules: &Modules, at: &Module, path: &str) -> Option<Module> {
     let mut names = path.split("::").map(str::to_owned).peekable();
     match names.peek()?.as_str() {
         "crate" => {
-            base.clear();
+            base.truncate(1);
             names.next();
         }
         "self" => drop(names.next()),
@@ -264,7 +190,7 @@ fn home_of(modules: &Modules, exported: &BTreeMap<Module, Module>, item: &Module
     }
 }
 
-/// Pairs of modules of one room that use each other. A `mod.rs` and its children may.
+/// Pairs of modules of one crate that use each other. A `mod.rs` and its children may.
 fn two_file_circles(modules: &Modules) -> Vec<String> {
     let mut named = Vec::new();
     for (module, code) in modules {
@@ -295,9 +221,55 @@ fn two_file_circles(modules: &Modules) -> Vec<String> {
 }
 
 #[test]
-fn no_two_files_of_a_room_use_each_other() {
+fn no_two_files_of_a_crate_use_each_other() {
     let circles = two_file_circles(&modules());
     assert!(circles.is_empty(), "these use each other:\n{}", circles.join("\n"));
+}
+
+/// The rooms of a crate, which are the folders and files directly below its `src`, that reach themselves through others.
+fn room_circles(modules: &Modules) -> Vec<String> {
+    let mut uses: BTreeMap<Module, BTreeSet<Module>> = BTreeMap::new();
+    for (module, code) in modules.iter().filter(|(module, _)| module.len() > 1) {
+        for (path, _) in paths_named(code) {
+            let Some(item) = from_root(modules, module, &path) else {
+                continue;
+            };
+            let is_room = item.len() > 1 && modules.contains_key(&item[..2]);
+            if is_room && item[0] == module[0] && item[1] != module[1] {
+                uses.entry(module[..2].to_vec()).or_default().insert(item[..2].to_vec());
+            }
+        }
+    }
+    let reaches_itself = |room: &&Module| {
+        let (mut open, mut seen) = (vec![(*room).clone()], BTreeSet::new());
+        while let Some(next) = open.pop() {
+            open.extend(
+                uses.get(&next)
+                    .into_iter()
+                    .flatten()
+                    .filter(|used| seen.insert((*used).clone()))
+                    .cloned(),
+            );
+        }
+        seen.contains(*room)
+    };
+    uses.keys().filter(reaches_itself).map(|room| room.join("/")).collect()
+}
+
+#[test]
+fn no_room_of_a_crate_uses_itself_through_others() {
+    assert_eq!(room_circles(&modules()), [""; 0]);
+    let of = |files: &[(&str, &str)]| -> Modules {
+        let module = |(path, code): &(&str, &str)| (path.split('/').map(str::to_owned).collect(), (*code).to_owned());
+        files.iter().map(module).collect()
+    };
+    let circle = of(&[
+        ("k", ""),
+        ("k/a", "use crate::b::B;"),
+        ("k/b", "use crate::c;"),
+        ("k/c", "fn f() { super::a::run() }"),
+    ]);
+    assert_eq!(room_circles(&circle), ["k/a", "k/b", "k/c"]);
 }
 
 #[test]
@@ -306,60 +278,54 @@ fn a_circle_is_found_through_exports_and_a_parent_with_its_children_is_none() {
         let module = |(path, code): &(&str, &str)| (path.split('/').map(str::to_owned).collect(), code_of(code));
         files.iter().map(module).collect()
     };
-    let parent = ("room", "mod a;\nmod b;\npub use a::{A, Other};\nfn f() { b::run() }");
+    let parent = ("k/room", "mod a;\nmod b;\npub use a::{A, Other};\nfn f() { b::run() }");
     let through_export = of(&[
         parent,
-        ("room/a", "use super::b::B;"),
-        ("room/b", "use super::{\n    A,\n    C,\n};"),
+        ("k/room/a", "use super::b::B;"),
+        ("k/room/b", "use super::{\n    A,\n    C,\n};"),
     ]);
-    assert_eq!(two_file_circles(&through_export), ["room/a and room/b"]);
+    assert_eq!(two_file_circles(&through_export), ["k/room/a and k/room/b"]);
     let inline = of(&[
         parent,
-        ("room/a", "fn f() { super::b::run() }"),
-        ("room/b", "use crate::room::a;"),
+        ("k/room/a", "fn f() { super::b::run() }"),
+        ("k/room/b", "use crate::room::a;"),
     ]);
-    assert_eq!(two_file_circles(&inline), ["room/a and room/b"]);
+    assert_eq!(two_file_circles(&inline), ["k/room/a and k/room/b"]);
     let none = of(&[
         parent,
-        ("room/a", "use super::C; // super::b\n#[cfg(test)]\nuse super::b;"),
-        ("room/b", "use super::{A, C};"),
+        ("k/room/a", "use super::C; // super::b\n#[cfg(test)]\nuse super::b;"),
+        ("k/room/b", "use super::{A, C};"),
     ]);
     assert_eq!(two_file_circles(&none), [""; 0]);
-}
-
-#[test]
-fn the_reader_of_use_lines_sees_every_form() {
-    let source = "use crate::scene::{Bin, Scene};\nuse crate::{files, geometry::{BoxPx, rigid}, locate};\n\
-        // use crate::report;\nlet x = crate::tags::find();";
-    let rooms: Vec<_> = rooms_named(source).into_iter().collect();
-    assert_eq!(rooms, ["files", "geometry", "locate", "scene", "tags"]);
 }
 
 /// What only one place may do, and the files that may.
 const ONE_PLACE: [(&str, &[&str]); 7] = [
     // A variable that is set to nothing counts as unset.
-    ("env::var", &["files/environment.rs"]),
+    ("env::var", &["crates/core/src/files/environment.rs"]),
     // The library neither exits nor hooks panics; its program does.
-    ("process::exit", &["cli/"]),
-    ("set_hook(", &["cli/mod.rs"]),
+    ("process::exit", &["src/cli/"]),
+    ("set_hook(", &["src/cli/mod.rs"]),
     // A QR code is drawn with the colours that phones need.
-    ("eprintln!", &["cli/capture/page.rs"]),
+    ("eprintln!", &["src/cli/capture/page.rs"]),
     (" println!", &[]),
     // Every image is measured before it is decoded; this one the program has made itself.
     ("ImageReader", &[]),
-    ("load_from_memory", &["chart/spoil.rs"]),
+    ("load_from_memory", &["crates/study/src/chart/spoil.rs"]),
 ];
 
 #[test]
 fn what_belongs_in_one_place_is_in_no_other() {
-    let (_, files) = project();
-    for (_, path, source) in &files {
-        let code = code_of(source);
-        let path = path.to_string_lossy();
-        for (word, allowed) in ONE_PLACE {
-            let is_used = code.contains(word);
-            let may = allowed.iter().any(|place| path.contains(&format!("src/{place}")));
-            assert!(!is_used || may, "{path} uses {word}");
+    for (_, src) in crates() {
+        let mut files = Vec::new();
+        sources(&src, &mut files);
+        for path in files {
+            let code = code_of(&std::fs::read_to_string(&path).unwrap());
+            let below = path.strip_prefix(home()).unwrap().to_string_lossy().into_owned();
+            for (word, allowed) in ONE_PLACE {
+                let may = allowed.iter().any(|place| below.starts_with(place));
+                assert!(!code.contains(word) || may, "{below} uses {word}");
+            }
         }
     }
 }

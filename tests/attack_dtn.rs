@@ -1,7 +1,7 @@
 //! Trained surrogate renderers (DTN, NTR): the formula against a second writing of it and finite differences; training, going on with it, and
 //! what must be refused.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -10,16 +10,16 @@ use burn::tensor::Device;
 use common::{assert_refused, home, program, read_json, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::frames::FrameSet;
-use scaleproof::frames::light;
-use scaleproof::frames::views;
-use scaleproof::surrogate::dtn::data::TrainingSet;
-use scaleproof::surrogate::dtn::run::{TrainingBudget, train};
-use scaleproof::surrogate::dtn::trained::DtnView;
-use scaleproof::surrogate::dtn::training::{Trainer, TrainingPlan};
-use scaleproof::surrogate::dtn::transformer::Maps;
-use scaleproof::surrogate::dtn::{Architecture, Encoder, Transformer, file};
-use scaleproof::surrogate::renderer::Renderer;
+use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::frames::light;
+use scaleproof_frames::frames::views;
+use scaleproof_frames::surrogate::dtn::data::TrainingSet;
+use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
+use scaleproof_frames::surrogate::dtn::trained::DtnView;
+use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
+use scaleproof_frames::surrogate::dtn::transformer::Maps;
+use scaleproof_frames::surrogate::dtn::{Architecture, Encoder, Transformer, file};
+use scaleproof_frames::surrogate::renderer::Renderer;
 
 const GREY: [u8; 3] = [128; 3];
 

@@ -2,18 +2,18 @@
 //! tables against figures by hand, resume, and what is refused.
 #![cfg(unix)]
 
-use crate::tests::common;
-use crate::tests::common::onnx;
+use crate::common;
+use crate::common::onnx;
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
-use scaleproof::frames::FrameSet;
-use scaleproof::frames::light;
-use scaleproof::pattern::Pattern;
-use scaleproof::session::Session;
+use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::frames::light;
+use scaleproof_session::session::Session;
+use scaleproof_surface::pattern::Pattern;
 
 /// Length, width, height of the test's model.
 const SIZE_MM: [f64; 3] = [180.0, 90.0, 60.0];
@@ -64,7 +64,7 @@ impl Bench {
             &[onnx::Input::floats("images", &[1, 3, 64, 64])],
             &[onnx::Output::floats("output0", &[1, 1, 6], answer)],
         );
-        let hash = scaleproof::files::sha256_hex(&network);
+        let hash = scaleproof_core::files::sha256_hex(&network);
         std::fs::write(self.at("made.onnx"), network).unwrap();
         for name in ["made", "other"] {
             let manifest = format!(
@@ -253,7 +253,7 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
             page.contains(&format!("p{seed}.png: 4 × 4 cells, a repeat 60 mm wide")),
             "{seed}"
         );
-        assert!(page.contains(&scaleproof::files::sha256_hex(&png)), "{seed}");
+        assert!(page.contains(&scaleproof_core::files::sha256_hex(&png)), "{seed}");
     }
     assert_eq!(page.matches("data:image/png;base64,").count(), 2);
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 3 * 2);
@@ -412,7 +412,7 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     assert_refused(&history(&["slow"]), &["slow has no figures of held-out views"]);
     // A pattern that was put in another's place, as the card of the first one tells.
     write_run(&bench, ("exchanged", "p1.png"), (60.0, 5.0));
-    let other = scaleproof::files::sha256_hex(&std::fs::read(bench.at("p2.png")).unwrap());
+    let other = scaleproof_core::files::sha256_hex(&std::fs::read(bench.at("p2.png")).unwrap());
     let card = |sides: bool, sha256: &str| {
         let card = serde_json::json!({"pattern_sha256": sha256, "tile_mm": 60.0, "sides": sides});
         std::fs::write(bench.at("exchanged/pattern.json"), card.to_string()).unwrap();
@@ -421,7 +421,7 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     assert_refused(&history(&["exchanged"]), &["exchanged/pattern.json", "another pattern"]);
     card(
         true,
-        &scaleproof::files::sha256_hex(&std::fs::read(bench.at("p1.png")).unwrap()),
+        &scaleproof_core::files::sha256_hex(&std::fs::read(bench.at("p1.png")).unwrap()),
     );
     assert_refused(
         &history(&["exchanged"]),

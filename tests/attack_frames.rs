@@ -1,7 +1,7 @@
 //! Frames: the stored ones are whole, damaged ones are refused; what is asked of Blender is what print has; a render is gone on with
 //! after it stopped (with a program that stands in for Blender); frames of another engine.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -10,16 +10,16 @@ use std::sync::Arc;
 use common::{assert_refused, home, program, read_json, shared, stdout};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
-use scaleproof::bake::TriangleImage;
-use scaleproof::frames::FrameSet;
-use scaleproof::frames::import::carla::{Transform, pose};
-use scaleproof::frames::light;
-use scaleproof::frames::render::{RenderPaint, RenderPlan, RenderRequest};
-use scaleproof::mesh::{Mesh, MeshPlacement, doubled_area};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::world_aligned::WorldAligned;
-use scaleproof::scene::Viewpoint;
-use scaleproof::texture::Texture;
+use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::frames::import::carla::{Transform, pose};
+use scaleproof_frames::frames::light;
+use scaleproof_frames::frames::render::{RenderPaint, RenderPlan, RenderRequest};
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_surface::mesh::{Mesh, MeshPlacement, doubled_area};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::world_aligned::WorldAligned;
+use scaleproof_surface::texture::Texture;
+use scaleproof_wrap::bake::TriangleImage;
 
 fn stored() -> PathBuf {
     home().join("captures/skyline_frames")
@@ -343,7 +343,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
         .push(RenderPaint::Texture("t".into(), Arc::new(texture)));
     let plan = RenderPlan::new(request).unwrap();
     let script = plan.to_script(&plan.everything(), Path::new("raw"));
-    let source = std::fs::read_to_string(home().join("src/frames/render/render_frames.py")).unwrap();
+    let source = std::fs::read_to_string(home().join("crates/frames/src/frames/render/render_frames.py")).unwrap();
     let first = |v: &serde_json::Value| v.as_object().unwrap().values().next().unwrap().clone();
     let objects = [
         ("plan", script.clone()),

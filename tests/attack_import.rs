@@ -1,7 +1,7 @@
 //! Frames in the layout of the FCA line of work: where the mesh lies in the image, by hand and on real frames of CARLA (against a mask that this
 //! file cuts out of the image by itself); broken folders are refused.
 
-use crate::tests::common;
+use crate::common;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::process::Output;
 
 use common::{assert_refused, program, shared, stdout};
 use image::{GrayImage, RgbImage};
-use scaleproof::frames::FrameSet;
+use scaleproof_frames::frames::FrameSet;
 
 /// Vehicle and camera as such scripts write them: x, y, z, pitch, yaw, roll.
 const VEHICLE: [f64; 6] = [30.0, -7.0, 0.5, 0.0, 90.0, 0.0];

@@ -1,9 +1,9 @@
 //! `attack judge`: what is printed is what a run's own judging says, of all views.
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, home, program, shared};
-use scaleproof::pattern::Pattern;
+use scaleproof_surface::pattern::Pattern;
 use serde_json::Value;
 
 #[test]

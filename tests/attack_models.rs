@@ -1,6 +1,6 @@
 //! Models of a view: light adds up, surrogate renderers, projections; against direct renders, finite differences and each other.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::PathBuf;
 
@@ -8,13 +8,13 @@ use common::{assert_refused, home, program, read_json};
 use image::{Rgb, RgbImage};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::frames::light;
-use scaleproof::frames::views;
-use scaleproof::frames::{Frame, FrameSet};
-use scaleproof::surrogate::additive::Additive;
-use scaleproof::surrogate::chart::mse;
-use scaleproof::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
-use scaleproof::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer, Tone};
+use scaleproof_frames::frames::light;
+use scaleproof_frames::frames::views;
+use scaleproof_frames::frames::{Frame, FrameSet};
+use scaleproof_frames::surrogate::additive::Additive;
+use scaleproof_frames::surrogate::chart::mse;
+use scaleproof_frames::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer, Tone};
 
 fn stored() -> FrameSet {
     FrameSet::open(&home().join("captures/skyline_frames")).unwrap()
@@ -339,14 +339,14 @@ fn the_repeated_texture_has_its_true_size_at_the_target() {
     let set = stored();
     let frame = &set.list.frames[0];
     let target = nalgebra::Point3::from(set.list.target_mm);
-    let view = scaleproof::scene::Viewpoint {
+    let view = scaleproof_pose::scene::Viewpoint {
         azimuth_deg: 90.0,
         pitch_deg: 0.0,
         distance_mm: 560.0,
     };
-    let pose = scaleproof::simulate::looking_at(&view, target);
+    let pose = scaleproof_pose::simulate::looking_at(&view, target);
     let frame = Frame {
-        t_camera_model: scaleproof::geometry::rigid::rows(&pose),
+        t_camera_model: scaleproof_core::geometry::rigid::rows(&pose),
         ..frame.clone()
     };
     let everywhere = image::GrayImage::from_pixel(96, 64, image::Luma([255]));

@@ -1,6 +1,6 @@
 //! Detectors that gradients pass: outputs against ONNX Runtime, gradients against finite differences, confidences against scoring.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -11,18 +11,18 @@ use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::run::augmentation::Eot;
-use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
-use scaleproof::attack::run::weights::Against;
-use scaleproof::attack::run::{Attack, AttackConfig, CellColours};
-use scaleproof::detect::{Detector, Manifest, Runtime};
-use scaleproof::frames::FrameSet;
-use scaleproof::surrogate::projection::Grid;
-use scaleproof::whitebox::detector::OnnxDetector;
-use scaleproof::whitebox::onnx::OnnxNetwork;
-use scaleproof::whitebox::{Boxes, Prediction, WhiteBox};
+use scaleproof_attack::run::augmentation::Eot;
+use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof_attack::run::weights::Against;
+use scaleproof_attack::run::{Attack, AttackConfig, CellColours};
+use scaleproof_detect::{Detector, Manifest, Runtime};
+use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::surrogate::projection::Grid;
+use scaleproof_gradients::detector::OnnxDetector;
+use scaleproof_gradients::onnx::OnnxNetwork;
+use scaleproof_gradients::{Boxes, Prediction, WhiteBox};
 
-use crate::tests::common::onnx;
+use crate::common::onnx;
 pub(super) mod parity;
 
 const CAR: usize = 2;
@@ -86,12 +86,15 @@ fn best_predictions(confidences: &[f64], count: usize) -> Vec<f64> {
 fn loss(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], known: &[Prediction], weights: &[f64]) -> f64 {
     let predictions = detector.predictions(picture, size).unwrap();
     let is_sorted = detector.name().starts_with("deim");
-    let again = |i: usize| match is_sorted {
-        false => &predictions[i],
-        true => predictions
-            .iter()
-            .min_by(|a, b| distance(a, &known[i]).total_cmp(&distance(b, &known[i])))
-            .unwrap(),
+    let again = |i: usize| {
+        if is_sorted {
+            predictions
+                .iter()
+                .min_by(|a, b| distance(a, &known[i]).total_cmp(&distance(b, &known[i])))
+                .unwrap()
+        } else {
+            &predictions[i]
+        }
     };
     let weighted = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
     weighted.map(|(i, weight)| weight * again(i).loss).sum()

@@ -1,13 +1,13 @@
 //! The networks that gradients pass, in 64 bits: what differs from ONNX Runtime then is not our rounding. A process of its own, since the
 //! precision is one for the whole process.
 
-use crate::tests::attack_onnx::parity;
-use crate::tests::common;
+use crate::attack_onnx::parity;
+use crate::common;
 
 use burn::tensor::{Device, FloatDType};
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
-use scaleproof::detect::Manifest;
-use scaleproof::whitebox::onnx::OnnxNetwork;
+use scaleproof_detect::Manifest;
+use scaleproof_gradients::onnx::OnnxNetwork;
 
 /// Tells the test that it runs in the process that it started.
 const ALONE: &str = "SCALEPROOF_IN_64_BITS";
@@ -22,7 +22,7 @@ fn outputs_in_64_bits_are_those_of_onnx_runtime() {
     let mut command = std::process::Command::new(this);
     command.args([
         "--exact",
-        "tests::attack_onnx_exact::outputs_in_64_bits_are_those_of_onnx_runtime",
+        "attack_onnx_exact::outputs_in_64_bits_are_those_of_onnx_runtime",
         "--ignored",
         "--nocapture",
     ]);

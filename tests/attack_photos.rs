@@ -1,7 +1,7 @@
 //! Frames from photos: a session that the test renders itself (two boxes on a ground with tags, lens distortion, another exposure for every
 //! photo) against direct renders from the reference's true pose; what the rasteriser sees against Blender; refusals.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -10,19 +10,19 @@ use std::sync::OnceLock;
 use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
 use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
-use scaleproof::camera::Camera;
-use scaleproof::frames::light;
-use scaleproof::frames::raster::Raster;
-use scaleproof::frames::views;
-use scaleproof::frames::{Frame, FrameSet, Pinhole};
-use scaleproof::geometry::Rigid;
-use scaleproof::mesh::{Mesh, MeshPlacement};
-use scaleproof::pattern::world_aligned::Side;
-use scaleproof::scene::{Scene, TagFamily, Viewpoint};
-use scaleproof::simulate::looking_at;
-use scaleproof::surrogate::projection::{Grid, Sampling, world};
-use scaleproof::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
-use scaleproof::tags::TagImage;
+use scaleproof_core::geometry::Rigid;
+use scaleproof_frames::frames::light;
+use scaleproof_frames::frames::raster::Raster;
+use scaleproof_frames::frames::views;
+use scaleproof_frames::frames::{Frame, FrameSet, Pinhole};
+use scaleproof_frames::surrogate::projection::{Grid, Sampling, world};
+use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Scene, TagFamily, Viewpoint};
+use scaleproof_pose::simulate::looking_at;
+use scaleproof_pose::tags::TagImage;
+use scaleproof_surface::mesh::{Mesh, MeshPlacement};
+use scaleproof_surface::pattern::world_aligned::Side;
 
 const BLACK: [u8; 3] = [0x20, 0x20, 0x20];
 const GREY: [u8; 3] = [0x80, 0x80, 0x80];
@@ -146,13 +146,13 @@ fn meet(eye: &Point3<f64>, ray: &Vector3<f64>) -> Met {
 
 /// The world, with the model in a colour.
 struct World {
-    tags: Vec<(scaleproof::scene::Tag, TagImage)>,
+    tags: Vec<(scaleproof_pose::scene::Tag, TagImage)>,
 }
 
 impl World {
     fn new() -> Self {
         let scene = Scene::parse(&scene_text(""), Path::new("scene.toml")).unwrap();
-        let tag = |tag: scaleproof::scene::Tag| {
+        let tag = |tag: scaleproof_pose::scene::Tag| {
             let picture = TagImage::new(TagFamily::Tag36h11, tag.id).unwrap();
             (tag, picture)
         };
@@ -325,7 +325,7 @@ fn session(name: &str, model: &str, width_px: u32, photos: &[Taken]) -> PathBuf 
         let picture = photo.picture(&world, &camera, &rays);
         picture.save(folder.join(photo.name())).map_err(|e| e.to_string())
     };
-    scaleproof::workers::map(photos, || Ok(()), take, || {}).unwrap();
+    scaleproof_core::workers::map(photos, || Ok(()), take, || {}).unwrap();
     folder
 }
 
@@ -379,7 +379,7 @@ fn hashes(folder: &Path) -> Vec<(String, String)> {
         .map(|f| {
             (
                 f.display().to_string(),
-                scaleproof::files::sha256_hex(&std::fs::read(&f).unwrap()),
+                scaleproof_core::files::sha256_hex(&std::fs::read(&f).unwrap()),
             )
         })
         .collect();
@@ -894,7 +894,7 @@ fn the_rasteriser_sees_what_blender_saw() {
                 let place = raster.point(x as i64, y as i64, &hit);
                 near += usize::from((place - Point3::from(point.place_mm)).norm() < 0.2);
                 let corners = mesh.corners_mm(&mesh.triangles()[hit.triangle]);
-                same_side += usize::from(Side::of(&scaleproof::mesh::doubled_area(&corners)) == side);
+                same_side += usize::from(Side::of(&scaleproof_surface::mesh::doubled_area(&corners)) == side);
             }
         }
         // How much of the paint is seen from beside as well.

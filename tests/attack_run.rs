@@ -1,6 +1,6 @@
 //! The attack, its baselines and their files, against a detector made up in the test whose gradient is known.
 
-use crate::tests::common;
+use crate::common;
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
@@ -11,29 +11,29 @@ use std::time::Instant;
 use common::{assert_refused, home, program};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::baseline::patches::{PlacedPatch, is_seen, paint};
-use scaleproof::attack::baseline::{self, BlackBox, genetic};
-use scaleproof::attack::run::augmentation::{Augmentation, Eot, rolled};
-use scaleproof::attack::run::history::Entry;
-use scaleproof::attack::run::judge::{judge, look};
-use scaleproof::attack::run::loss::from_floor;
-use scaleproof::attack::run::penalty::{distance, nearest, smooth};
-use scaleproof::attack::run::printer::PrinterMap;
-use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
-use scaleproof::attack::run::weights::Against;
-use scaleproof::attack::run::{
+use scaleproof_attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use scaleproof_attack::baseline::{self, BlackBox, genetic};
+use scaleproof_attack::run::augmentation::{Augmentation, Eot, rolled};
+use scaleproof_attack::run::history::Entry;
+use scaleproof_attack::run::judge::{judge, look};
+use scaleproof_attack::run::loss::from_floor;
+use scaleproof_attack::run::penalty::{distance, nearest, smooth};
+use scaleproof_attack::run::printer::PrinterMap;
+use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof_attack::run::weights::Against;
+use scaleproof_attack::run::{
     Attack, AttackConfig, CellColours, Near, Rgb, RunError, batch, loss_and_gradient, of_pattern,
 };
-use scaleproof::frames::light;
-use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
-use scaleproof::geometry::BoxPx;
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::colour::Lab;
-use scaleproof::pattern::gamut::Gamut;
-use scaleproof::pattern::world_aligned::Side;
-use scaleproof::surrogate::projection::world::{self, Misplacement};
-use scaleproof::surrogate::projection::{Grid, Sampling};
-use scaleproof::whitebox::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_frames::frames::light;
+use scaleproof_frames::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
+use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
+use scaleproof_frames::surrogate::projection::{Grid, Sampling};
+use scaleproof_gradients::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::colour::Lab;
+use scaleproof_surface::pattern::gamut::Gamut;
+use scaleproof_surface::pattern::world_aligned::Side;
 
 /// C = σ(z), z = gain · Σ w(x, y) · (image − base) / pixels: sees the model the better, the more its image is like
 /// a fixed weave. Unsure of a grey model.
@@ -688,13 +688,14 @@ fn frames_of_several_models_are_looked_at_together_each_at_its_size() {
         // The last view's surroundings fit those of its own size alone; the model is still there.
         let other = both.textured(view, &cells, &background).augmented.image;
         let differ = image.iter().zip(&other).filter(|(a, b)| a != b).count();
-        match sizes[set] == sizes[1] {
-            true => assert!(
+        if sizes[set] == sizes[1] {
+            assert!(
                 differ > image.len() / 4 && differ < image.len(),
                 "{differ} of {}",
                 image.len()
-            ),
-            false => assert_eq!(differ, 0),
+            )
+        } else {
+            assert_eq!(differ, 0)
         }
     }
 }
@@ -1107,7 +1108,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
 #[cfg(feature = "attack")]
 #[test]
 fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
-    use scaleproof::attack::baseline::camou;
+    use scaleproof_attack::baseline::camou;
     let view_set = view_set(TextureMapping::World);
     let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     let config = baseline::SearchConfig {
@@ -1263,7 +1264,8 @@ fn patches_lie_where_they_are_put() {
         let part =
             |p: usize| points[((i / width) * factor + p / factor) * width * factor + (i % width) * factor + p % factor];
         let all: Vec<_> = (0..factor * factor).map(part).collect();
-        let roof = |p: &scaleproof::frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
+        let roof =
+            |p: &scaleproof_frames::frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
         // Seen from above with the front up, the model's left is on the left.
         if all.iter().all(|p| roof(p) && p.place_mm[1] > 1.0) {
             assert_eq!(*colour, [1.0, 0.0, 0.0]);
@@ -1362,8 +1364,8 @@ fn bad_arguments_are_one_sentence() {
 
 #[test]
 fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
-    use scaleproof::attack::result::{CONFIG, PATTERN, write};
-    use scaleproof::attack::setup::Setup;
+    use scaleproof_attack::result::{CONFIG, PATTERN, write};
+    use scaleproof_attack::setup::Setup;
     let texture = (CELLS, 240.0, TextureMapping::World);
     let detectors = (Vec::new(), Vec::new(), "car".parse().unwrap());
     let setup = Setup::open(vec![stored()], texture, &Eot::NONE, detectors, || {}).unwrap();

@@ -1,12 +1,12 @@
 //! AP and recall against pycocotools: this project's own cases (see `data/make_ap_cases.py`) and the shared oracle.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 
 use common::{home, read_json, shared};
-use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_score::score::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use serde_json::Value;
 
 fn box_of(v: &Value) -> BoxPx {

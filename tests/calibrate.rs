@@ -1,6 +1,6 @@
 //! Calibration against known cameras: the stored board photos, synthetic corners, and printed boards photographed by a simulated lens.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -10,10 +10,10 @@ use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::board::Definition;
-use scaleproof::calibrate::{BoardPhoto, Calibration, CalibrationError, LensModel, SeenCorner, calibrate};
-use scaleproof::camera::Camera;
-use scaleproof::workers;
+use scaleproof_core::workers;
+use scaleproof_pose::board::Definition;
+use scaleproof_pose::camera::Camera;
+use scaleproof_rig::calibrate::{BoardPhoto, Calibration, CalibrationError, LensModel, SeenCorner, calibrate};
 
 fn board_file(name: &str) -> PathBuf {
     home().join("calibration").join(name)

@@ -1,6 +1,6 @@
 //! Camera files: each format against other readers and round trips, `camera`, and cameras that must fit another photo.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use opencv::core::{FileStorage, FileStorage_Mode, Mat};
 use opencv::prelude::*;
 use proptest::prelude::*;
-use scaleproof::camera::{Camera, CameraFormat, Guess, SizeError};
+use scaleproof_pose::camera::{Camera, CameraFormat, Guess, SizeError};
 
 fn parse(text: &str) -> Result<Camera, String> {
     Camera::parse(text, Path::new("camera.yaml")).map_err(|e| e.to_string())

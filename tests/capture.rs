@@ -1,6 +1,6 @@
 //! Guided capture without a camera: replayed sessions and watched folders, spoiled frames among good ones, and a program that is killed.
 
-use crate::tests::common;
+use crate::common;
 pub(super) mod live;
 
 use std::collections::BTreeSet;
@@ -12,11 +12,11 @@ use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use image::{GrayImage, Rgb, RgbImage};
 use live::live_capture;
 use rand::{RngExt, SeedableRng};
-use scaleproof::capture::{Capture, FrameAnswer, Original, SourceFrame};
-use scaleproof::files::sha256_hex;
-use scaleproof::photo::Photo;
-use scaleproof::scene::Scene;
-use scaleproof::tags::{CoarseToFine, SeenTag, TagDetector};
+use scaleproof_capture::capture::{Capture, FrameAnswer, Original, SourceFrame};
+use scaleproof_core::files::sha256_hex;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::scene::Scene;
+use scaleproof_pose::tags::{CoarseToFine, SeenTag, TagDetector};
 use serde_json::Value;
 
 /// The session's eight `normal` photos; none of the stored session is blurred, dark or out of place.
@@ -187,9 +187,10 @@ fn one_sharp_photo_of_each_view_is_taken_and_every_spoiled_frame_is_told_why() {
             let is_original = matches!(kind, "good" | "repeated");
             let code = line["code"].as_str().unwrap_or("accepted");
             // Which of two equal files comes first is the shuffle's.
-            match is_original {
-                true => assert!(matches!(code, "accepted" | "repeated"), "{frame}: {line}"),
-                false => assert_eq!(code, kind, "{frame}: {line}"),
+            if is_original {
+                assert!(matches!(code, "accepted" | "repeated"), "{frame}: {line}")
+            } else {
+                assert_eq!(code, kind, "{frame}: {line}")
             }
             if code == "accepted" {
                 assert!(

@@ -1,7 +1,7 @@
 //! A running camera without one: known images in every pixel format, a slow reader, and a cable that is pulled.
 
-use crate::tests::capture::live;
-use crate::tests::common;
+use crate::capture::live;
+use crate::common;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 use common::{assert_refused, program, read_json, skyline, stdout};
 use image::{Rgb, RgbImage};
 use live::live_capture;
-use scaleproof::capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
-use scaleproof::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
-use scaleproof::photo::{Budget, Photo};
-use scaleproof::scene::Scene;
+use scaleproof_capture::capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
+use scaleproof_capture::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
+use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_pose::scene::Scene;
 
 /// Patches of 8 × 8 px of many colours.
 fn known() -> RgbImage {

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::tests::capture_page::{http, running::Running};
-use crate::tests::common;
+use crate::capture_page::{http, running::Running};
+use crate::common;
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use serde_json::{Value, json};
@@ -31,9 +31,10 @@ impl Desk {
                 .max_by(|a, b| a["score"].as_f64().unwrap().total_cmp(&b["score"].as_f64().unwrap()))
                 .unwrap();
             let [x, y, w, h] = [0, 1, 2, 3].map(|i| best["bbox"][i].as_f64().unwrap());
-            let answer = match MISSED.contains(&(photo as usize)) {
-                true => json!([]),
-                false => json!([{"label": "car", "score": 0.9, "box": [x, y, x + w, y + h]}]),
+            let answer = if MISSED.contains(&(photo as usize)) {
+                json!([])
+            } else {
+                json!([{"label": "car", "score": 0.9, "box": [x, y, x + w, y + h]}])
             };
             std::fs::write(desk.at("answers").join(photo.to_string()), answer.to_string()).unwrap();
         }

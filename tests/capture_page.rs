@@ -1,6 +1,6 @@
 //! The page of a guided capture: over loopback as raw HTTP, among them ten thousand uploads that are none, and in headless Chromium.
 
-use crate::tests::common;
+use crate::common;
 
 mod browser;
 pub(super) mod http;
@@ -233,9 +233,10 @@ fn tree(folder: &Path) -> BTreeSet<(PathBuf, u64)> {
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => found.extend(tree(&path)),
-            false => drop(found.insert((path.clone(), std::fs::metadata(&path).unwrap().len()))),
+        if path.is_dir() {
+            found.extend(tree(&path));
+        } else {
+            found.insert((path.clone(), std::fs::metadata(&path).unwrap().len()));
         }
     }
     found

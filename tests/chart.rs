@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, skyline, stderr, stdout, tinted_twice};
-use scaleproof::chart::locate::{LensTerms, PhotoSample, detectors, measure};
-use scaleproof::chart::{stability, true_views};
-use scaleproof::locate::Solver;
-use scaleproof::photo::Photo;
-use scaleproof::session::Session;
-use scaleproof::tags::TagDetectorChoice;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::locate::Solver;
+use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::session::Session;
+use scaleproof_study::chart::locate::{LensTerms, PhotoSample, detectors, measure};
+use scaleproof_study::chart::{stability, true_views};
 
 fn samples() -> (Session, Vec<PhotoSample>) {
     let session = Session::open(&skyline()).unwrap();
@@ -41,7 +41,7 @@ fn the_default_is_on_the_chart_s_accurate_end() {
     let [default] = default[..] else {
         panic!("one row is the default")
     };
-    println!("{}", scaleproof::chart::locate::table(&rows));
+    println!("{}", scaleproof_study::chart::locate::table(&rows));
     assert_eq!((default.answered, default.silently_wrong), (1.0, 0.0));
     assert!(default.azimuth_error_median_deg.unwrap() <= 0.02 && default.azimuth_error_max_deg.unwrap() <= 0.1);
     assert!(default.pitch_error_median_deg.unwrap() <= 0.02 && default.pitch_error_max_deg.unwrap() <= 0.1);
@@ -128,7 +128,7 @@ fn no_finder_answers_more_spoiled_photos_than_the_default() {
     let spoiled = stability::spoiled(&samples[..8], &session.scene, 4, 5).unwrap();
     assert_eq!(spoiled.len(), 32);
     let rows = measure(&spoiled, &session.scene, session.known_camera().unwrap(), || {}).unwrap();
-    println!("{}", scaleproof::chart::locate::table(&rows));
+    println!("{}", scaleproof_study::chart::locate::table(&rows));
     let default = rows.iter().find(|row| row.is_default).unwrap();
     assert!(default.answered < 1.0, "some are hopeless");
     assert_eq!(default.silently_wrong, 0.0);

@@ -1,8 +1,8 @@
 //! The colour chart: rendered by poppler, printed and photographed by simulation, read back; and patterns checked with what was
 //! read.
 
-use crate::tests::common;
-use crate::tests::print_template::render;
+use crate::common;
+use crate::print_template::render;
 mod simulate;
 
 use std::path::{Path, PathBuf};
@@ -10,17 +10,17 @@ use std::path::{Path, PathBuf};
 use common::{assert_refused, skyline, stdout};
 use image::{Rgb, RgbImage};
 use render::{done, pages, scaleproof};
-use scaleproof::colour_chart::ColourChartError;
-use scaleproof::colour_chart::layout::{CELL_MM, ChartKind, ChartLayout};
-use scaleproof::colour_chart::read::{ChartReading, FAMILIES, read};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::colour::Lab;
-use scaleproof::photo::Photo;
-use scaleproof::print::chart::chart;
-use scaleproof::print::page::Media;
-use scaleproof::print::paper::Paper;
-use scaleproof::print::printer::{Printer as Correction, PrinterFile};
-use scaleproof::tags::AprilTagC;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::tags::AprilTagC;
+use scaleproof_print::colour_chart::ColourChartError;
+use scaleproof_print::colour_chart::layout::{CELL_MM, ChartKind, ChartLayout};
+use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, read};
+use scaleproof_print::print::chart::chart;
+use scaleproof_print::print::page::Media;
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::printer::{Printer as Correction, PrinterFile};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::colour::Lab;
 use simulate::{PLAIN_PAPER, Picture, Printer, VIEW, View, jpeg, photo, photo_with};
 
 const DPI: f64 = 150.0;
@@ -409,7 +409,7 @@ fn a_pattern_is_checked_with_what_the_printer_makes() {
     let file = PrinterFile::load(Path::new(&name("printer.toml"))).unwrap();
     assert_eq!(file.printer, Correction::measured(99.3, 99.8).unwrap());
     let colours = file.colours.unwrap();
-    assert_eq!(colours.photos_sha256, [scaleproof::files::sha256_hex(&before)]);
+    assert_eq!(colours.photos_sha256, [scaleproof_core::files::sha256_hex(&before)]);
     println!(
         "gamut {} ({} of sRGB), mean ΔE2000 {}, interpolation {}",
         colours.gamut_volume_lab, colours.gamut_share_of_srgb, colours.delta_e_mean, colours.interpolation_delta_e_mean

@@ -1,13 +1,13 @@
 //! `compare` and `plan`: intervals that cover what they claim, exact tests against hand-computed cases, and pairing.
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ImageBoxes, average_precision, pairs_needed, places_needed, power, power_by_place};
-use scaleproof::statistics::{holm, interval_95, mcnemar_p};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::statistics::{holm, interval_95, mcnemar_p};
+use scaleproof_score::score::{ImageBoxes, average_precision, pairs_needed, places_needed, power, power_by_place};
 use serde_json::Value;
 
 /// Photos of each side in a simulated cluster.

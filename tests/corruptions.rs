@@ -1,7 +1,7 @@
 //! `score --corrupt`: images made worse as the published code makes them, and drops that are followed until they are no longer shown, on photos whose
 //! fate follows by hand.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -10,7 +10,7 @@ use common::{assert_refused, home, program, read_json, skyline, stderr, stdout};
 use image::{Rgb, RgbImage};
 use serde_json::{Value, json};
 
-use crate::score::Corruption;
+use scaleproof_score::score::Corruption;
 
 /// The same as the published code's, up to a level. Of JPEG, whose encoders differ, up to two on average; and the published blur over 10 px adds up to
 /// 1.01, which makes the image brighter.

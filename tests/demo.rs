@@ -1,6 +1,6 @@
 //! The demo, as a new user meets it: without weights and network, and with weights.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Command;

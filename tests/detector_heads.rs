@@ -1,10 +1,10 @@
 //! Every detector family: known boxes are written as its network would answer them, a network made here answers so through
 //! ONNX Runtime, and the boxes must come back in the photo. Encoding and placement are written down here a second time.
 
-use crate::tests::common::onnx;
+use crate::common::onnx;
 
 use onnx::{Input, Output};
-use scaleproof::detect::{Detector, Manifest, Runtime};
+use scaleproof_detect::{Detector, Manifest, Runtime};
 
 /// Width, height of the photos: odd, wide and tall, larger and smaller than the inputs.
 const PHOTOS: [[u32; 2]; 3] = [[1001, 613], [613, 1001], [333, 217]];

@@ -1,14 +1,14 @@
 //! `detectors add`: every family from a network made here, the real ones, honest questions where the file does not tell, and
 //! bad input.
 
-use crate::tests::common;
-use crate::tests::common::onnx;
+use crate::common;
+use crate::common::onnx;
 
 use std::path::{Path, PathBuf};
 
 use common::{assert_refused, program, shared, stdout};
 use onnx::{Input, Output};
-use scaleproof::detect::{Family, Hints, Labels, Manifest, Proposal, Runtime, propose};
+use scaleproof_detect::{Family, Hints, Labels, Manifest, Proposal, Runtime, propose};
 
 /// Width 96, height 64: 126 cells at strides 8, 16 and 32, and 2 more at stride 64.
 fn picture() -> Input {
@@ -729,9 +729,10 @@ fn the_real_detectors_get_the_manifests_that_ship() {
             let error = run(none).unwrap_err().to_string();
             assert!(error.contains("labels"), "{}: {error}", built_in.name);
         }
-        let hints = match asked.contains(&built_in.name.as_str()) {
-            true => coco(Labels::Coco80),
-            false => none,
+        let hints = if asked.contains(&built_in.name.as_str()) {
+            coco(Labels::Coco80)
+        } else {
+            none
         };
         let found = run(hints).unwrap().manifest;
         assert_eq!(found.labels, built_in.labels, "{}", built_in.name);

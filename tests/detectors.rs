@@ -1,13 +1,13 @@
 //! The detectors: a tiny network made here, run by ONNX Runtime, and the five real ones against published scores.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 
 use common::{assert_refused, program, shared, skyline, stdout};
-use scaleproof::detect::{Detector, Manifest, Recorded, RecordedPhoto, Recording, Runtime, Speeds};
+use scaleproof_detect::{Detector, Manifest, Recorded, RecordedPhoto, Recording, Runtime, Speeds};
 
-use crate::tests::common::onnx;
+use crate::common::onnx;
 
 /// A YOLOX answer with one box: centre (208, 104), 104 × 52 input pixels, at stride 8, car .72, truck .18.
 fn yolox_answer() -> Vec<f32> {
@@ -100,8 +100,8 @@ fn a_network_that_does_not_fit_its_manifest_is_named() {
 fn own_manifest(folder: &Path) -> String {
     let network = constant_network(&[1, 3549, 85], yolox_answer());
     std::fs::write(folder.join("mine.onnx"), &network).unwrap();
-    let built_in = std::fs::read_to_string(common::home().join("src/detect/manifests/yolox_nano.toml")).unwrap();
-    let hash = scaleproof::files::sha256_hex(&network);
+    let built_in = std::fs::read_to_string(common::home().join("crates/detect/src/manifests/yolox_nano.toml")).unwrap();
+    let hash = scaleproof_core::files::sha256_hex(&network);
     built_in
         .replace("\"yolox_nano\"", "\"mine\"")
         .replace("yolox_nano.onnx", "mine.onnx")
@@ -190,7 +190,7 @@ fn score_with(network: &[u8], labels: &str, head: &str) -> (std::process::Output
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     std::fs::write(folder.path().join("made.onnx"), network).unwrap();
-    let hash = scaleproof::files::sha256_hex(network);
+    let hash = scaleproof_core::files::sha256_hex(network);
     write(
         "made.toml",
         &format!(

@@ -1,7 +1,7 @@
 //! `detectors validate`: the AP of labelled photos beside the published one, and the change of a manifest that explains a difference.
 
-use crate::tests::common;
-use crate::tests::common::onnx;
+use crate::common;
+use crate::common::onnx;
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ fn truth_box(truth: &Value, file: &str) -> [f64; 4] {
 /// The manifest of yolox_nano under another name, with a text replaced.
 fn changed(folder: &Path, from: &str, to: &str) -> PathBuf {
     let weights = shared("detectors/yolox_nano.onnx");
-    let text = std::fs::read_to_string(home().join("src/detect/manifests/yolox_nano.toml")).unwrap();
+    let text = std::fs::read_to_string(home().join("crates/detect/src/manifests/yolox_nano.toml")).unwrap();
     assert!(text.contains(from), "{text}");
     let text = text
         .replace("name = \"yolox_nano\"", "name = \"mine\"")
@@ -114,7 +114,7 @@ fn what_a_manifest_says_otherwise_than_its_origin_is_named() {
     ];
     for (from, to, explanation) in wrong {
         let shifted = std::iter::once("background".to_owned()).chain(
-            scaleproof::detect::Manifest::named("yolox_nano")
+            scaleproof_detect::Manifest::named("yolox_nano")
                 .map(|m| (0..79).map(move |i| m.labels.name(i).unwrap().to_owned()))
                 .unwrap(),
         );
@@ -237,7 +237,7 @@ fn the_order_of_channels_and_the_way_of_resizing_are_named() {
             "name = \"made\"\ntitle = \"Made\"\nlicence = \"none\"\norigin = \"this test\"\nlabels = \"coco80\"\npublished_ap = 1.0\n[weights]\n\
              file = \"made.onnx\"\nsha256 = \"{}\"\n[input]\nsize_px = [64, 64]\nresize = \"{resize}\"\nkernel = \"opencv_linear\"\npad = 114\n\
              channels = \"{channels}\"\nmean = [0.0, 0.0, 0.0]\nstd = [255.0, 255.0, 255.0]\n[head]\nkind = \"yolov10\"\n",
-            scaleproof::files::sha256_hex(&network)
+            scaleproof_core::files::sha256_hex(&network)
         )
     };
     let path = folder.path().join("made.toml");

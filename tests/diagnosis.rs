@@ -1,7 +1,7 @@
 //! One cause for many bad photos: named when it is the cause, by simulated photos of random scenes and by the stored ones; and never
 //! another one.
 
-use crate::tests::common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -11,11 +11,11 @@ use common::{program, read_json, skyline, stderr, stdout};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::camera::Camera;
-use scaleproof::locate::diagnosis::{self, is_bad};
-use scaleproof::locate::{Diagnosis, LocatedPhoto, locate};
-use scaleproof::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing};
-use scaleproof::simulate::{Noise, SimulatedFault, Simulator};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::diagnosis::{self, is_bad};
+use scaleproof_pose::locate::{Diagnosis, LocatedPhoto, locate};
+use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing};
+use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
 
 const NOISE: Noise = Noise {
     sigma_px: 0.3,

@@ -1,7 +1,7 @@
 //! The documentation, held against the project: links lead somewhere, commands run, options exist, examples are read, keys are those that
 //! are written.
 
-use crate::tests::common;
+use crate::common;
 mod examples;
 mod help;
 mod markdown;
@@ -56,7 +56,7 @@ fn is_guide(page: &Page) -> bool {
 
 /// What is said of the program as it is: the change log also says what it was, and the fonts were made by other programs.
 fn is_current(page: &Page) -> bool {
-    page.name != "CHANGELOG.md" && !page.name.starts_with("src/print/fonts/")
+    page.name != "CHANGELOG.md" && !page.name.starts_with("crates/core/fonts/")
 }
 
 fn assert_none(faults: &[String]) {
@@ -252,8 +252,12 @@ fn every_command_is_in_the_guide() {
 #[test]
 fn every_code_is_in_the_reference() {
     let page = std::fs::read_to_string(home().join("docs/guide/reference/codes.md")).unwrap();
-    for file in ["locate/abstention.rs", "capture/advice.rs", "survey/problem.rs"] {
-        let source = std::fs::read_to_string(home().join("src").join(file)).unwrap();
+    for file in [
+        "pose/src/locate/abstention.rs",
+        "capture/src/capture/advice.rs",
+        "rig/src/survey/problem.rs",
+    ] {
+        let source = std::fs::read_to_string(home().join("crates").join(file)).unwrap();
         let (_, body) = source.split_once("fn code(&self)").unwrap();
         let body = body.split("\n    }\n").next().unwrap();
         let codes: Vec<&str> = body.split('"').skip(1).step_by(2).collect();
@@ -262,7 +266,7 @@ fn every_code_is_in_the_reference() {
             .iter()
             .filter(|code| !page.contains(&format!("`{code}`")))
             .collect();
-        assert!(missing.is_empty(), "codes.md lacks {missing:?} of src/{file}");
+        assert!(missing.is_empty(), "codes.md lacks {missing:?} of crates/{file}");
     }
 }
 

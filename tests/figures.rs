@@ -1,6 +1,6 @@
 //! What a reader takes out of the report: charts as SVG and PDF files that show what the page shows, and the patterns that were on the model.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -184,7 +184,7 @@ fn the_report_shows_the_pattern_and_says_what_is_not_known() {
     done("score", out.path(), &["--pattern", &named, "--tile-mm", "240"]);
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     let bytes = std::fs::read(random16()).unwrap();
-    let hash = scaleproof::files::sha256_hex(&bytes);
+    let hash = scaleproof_core::files::sha256_hex(&bytes);
     for words in [
         "random16.png: 16 × 16 cells",
         "a repeat 240 mm wide on the model",

@@ -1,7 +1,7 @@
 //! From folders of photos to figures: `score` and `compare` of VARIANT=DIR, `session new` and `session show`, and the detectors at hand.
 
-use crate::tests::common;
-use crate::tests::common::onnx;
+use crate::common;
+use crate::common::onnx;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ impl Desk {
             &[onnx::Input::floats("images", &[1, 3, 64, 64])],
             &[onnx::Output::floats("output0", &[1, 1, 6], answer)],
         );
-        let hash = scaleproof::files::sha256_hex(&network);
+        let hash = scaleproof_core::files::sha256_hex(&network);
         std::fs::write(self.at("made.onnx"), network).unwrap();
         let manifest = format!(
             "name = \"made\"\ntitle = \"Made\"\nlicence = \"none\"\norigin = \"this test\"\nlabels = \"coco80\"\n[weights]\n\
@@ -103,9 +103,10 @@ fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => found.extend(contents(&path)),
-            false => drop(found.insert(path.clone(), std::fs::read(&path).unwrap())),
+        if path.is_dir() {
+            found.extend(contents(&path))
+        } else {
+            drop(found.insert(path.clone(), std::fs::read(&path).unwrap()))
         }
     }
     found

@@ -1,12 +1,12 @@
 //! A headline that cannot mislead: intervals beside drops, red only for what is shown, cautions, another base, and plans by place.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Output;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
-use scaleproof::score::{power_by_place, smallest_drop_by_place};
+use scaleproof_score::score::{power_by_place, smallest_drop_by_place};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {

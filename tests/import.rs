@@ -1,9 +1,9 @@
 //! Sessions made of truth from elsewhere: COCO annotations and tables become a session that scores without tags and camera.
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
-use scaleproof::session::Session;
+use scaleproof_session::session::Session;
 use std::path::Path;
 use std::process::Output;
 

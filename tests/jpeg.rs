@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageFormat, RgbImage, imageops};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof::photo::{Budget, Photo};
+use scaleproof_photo::photo::{Budget, Photo};
 
-use crate::tests::common::{home, oriented, skyline};
+use crate::common::{home, oriented, skyline};
 
 fn folder() -> PathBuf {
     home().join("tests/data/jpeg")

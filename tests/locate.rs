@@ -1,12 +1,12 @@
 //! `locate` on the stored session, against the session's exact truth, and on bad input.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
-use scaleproof::geometry::angle::turn;
+use scaleproof_core::geometry::angle::turn;
 
 fn locate(photos: &[PathBuf], scene: &Path, camera: &Path, more: &[&str]) -> Output {
     program()

@@ -1,7 +1,7 @@
 //! How the program speaks: which word was meant, quiet, JSON, progress in a log, colours, completions, manual pages, help, and doubts about
 //! units.
 
-use crate::tests::common;
+use crate::common;
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
@@ -233,7 +233,7 @@ fn slow_detector(folder: &Path, pause: Duration) {
         std::thread::sleep(pause);
         stream.write_all(&CONTENT[1_000_000..]).unwrap();
     });
-    let hash = scaleproof::files::sha256_hex(CONTENT);
+    let hash = scaleproof_core::files::sha256_hex(CONTENT);
     let manifest = format!(
         "name = \"slow\"\ntitle = \"Slow\"\nlicence = \"none\"\norigin = \"this test\"\nlabels = [\"car\"]\n[weights]\nfile = \"slow.onnx\"\n\
          url = \"http://{address}/slow.onnx\"\nsha256 = \"{hash}\"\n[input]\nsize_px = [64, 64]\nresize = \"stretch\"\nkernel = \

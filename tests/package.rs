@@ -3,7 +3,7 @@
 //! Whether it runs on bare systems is tried by hand (`docs/lessons.md`); here it runs with nothing but the C library from outside.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Command;

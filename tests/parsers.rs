@@ -188,8 +188,8 @@ fn texels_of_triangles() {
 /// The corpus must reach past the first check of each parser, or the tests above say little.
 #[test]
 fn the_corpus_has_files_that_are_accepted() {
-    use scaleproof::camera::Camera;
-    use scaleproof::session::import;
+    use scaleproof_pose::camera::Camera;
+    use scaleproof_session::session::import;
     let read = |bytes: &Vec<u8>| Camera::parse(std::str::from_utf8(bytes).unwrap_or(""), Path::new("camera")).is_ok();
     assert!(corpus("camera").iter().filter(|bytes| read(bytes)).count() >= 7);
     let rows = |name: &str, format| {
@@ -202,13 +202,13 @@ fn the_corpus_has_files_that_are_accepted() {
     let opened = corpus("photo").into_iter().filter(|bytes| {
         let path = folder.path().join("photo");
         std::fs::write(&path, bytes).unwrap();
-        scaleproof::photo::Photo::open(&path).is_ok_and(|photo| photo.rgb(1).is_ok())
+        scaleproof_photo::photo::Photo::open(&path).is_ok_and(|photo| photo.rgb(1).is_ok())
     });
     assert!(opened.count() >= 4);
     let folder = entry::frames_folder("accepted");
     let whole = corpus("frames").into_iter().filter(|list| {
         std::fs::write(folder.join("frames.json"), list).unwrap();
-        let set = scaleproof::frames::FrameSet::open(&folder);
+        let set = scaleproof_frames::frames::FrameSet::open(&folder);
         set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_images(frame).is_ok()))
     });
     assert!(whole.count() >= 1);
@@ -224,14 +224,14 @@ fn the_corpus_has_files_that_are_accepted() {
     let texels = corpus("npy").into_iter().filter(|bytes| {
         let path = folder.join("t.npy");
         std::fs::write(&path, bytes).unwrap();
-        scaleproof::texture::FaceTexels::load(&path, &scaleproof::mesh::Mesh::cuboid([1.0; 3])).is_ok()
+        scaleproof_surface::texture::FaceTexels::load(&path, &scaleproof_surface::mesh::Mesh::cuboid([1.0; 3])).is_ok()
     });
     assert!(texels.count() >= 3);
 }
 
 /// Whether a mesh has images that can be laid on it.
 fn textured(format: &str, bytes: &[u8], folder: &Path) -> bool {
-    use scaleproof::mesh::{Mesh, MeshPlacement};
+    use scaleproof_surface::mesh::{Mesh, MeshPlacement};
     let path = match format {
         "mtl" => {
             std::fs::write(folder.join("m.mtl"), bytes).unwrap();
@@ -247,5 +247,5 @@ fn textured(format: &str, bytes: &[u8], folder: &Path) -> bool {
         }
     };
     let mesh = Mesh::load(&path, &MeshPlacement::default());
-    mesh.is_ok_and(|mesh| scaleproof::texture::MappedImages::of_mesh(&mesh, &[]).is_ok())
+    mesh.is_ok_and(|mesh| scaleproof_surface::texture::MappedImages::of_mesh(&mesh, &[]).is_ok())
 }

@@ -1,7 +1,7 @@
 //! Patterns from any image: the mean light of cells against sums of our own, enlarged grids with the noise of JPEG, photos that are none; textures
 //! without cells, measured on the rendered page; images that cannot be used.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -12,12 +12,12 @@ use image::imageops::{FilterType, resize};
 use image::{Rgb, RgbImage};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::enlarged::grid_of;
-use scaleproof::photo::Photo;
-use scaleproof::print::template::{LayoutRequest, layout};
+use scaleproof_photo::photo::Photo;
+use scaleproof_print::print::template::{LayoutRequest, layout};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::enlarged::grid_of;
 
-use crate::tests::print_template::render::{pages, usual_request};
+use crate::print_template::render::{pages, usual_request};
 
 fn run(folder: &Path, command: &str) -> Output {
     program().current_dir(folder).args(command.split(' ')).output().unwrap()

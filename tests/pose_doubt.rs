@@ -10,15 +10,15 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use opencv::core::{Mat, Point2d, Point3d, Vector};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use scaleproof::camera::Camera;
-use scaleproof::chart::Spoil;
-use scaleproof::geometry::{Rigid, angle::turn, rigid};
-use scaleproof::locate::{Abstention, Located, Solver, Warning, locate, locate_by};
-use scaleproof::photo::Photo;
-use scaleproof::scene::{Scene, Viewpoint};
-use scaleproof::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
-use scaleproof::tags::{SeenTag, TagDetector, TagDetectorChoice};
-use scaleproof::workers;
+use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
+use scaleproof_core::workers;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::{Abstention, Located, Solver, Warning, locate, locate_by};
+use scaleproof_pose::scene::{Scene, Viewpoint};
+use scaleproof_pose::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
+use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof_study::chart::Spoil;
 
 fn skyline() -> (Scene, Camera) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");

@@ -1,7 +1,7 @@
 //! Prints calibration boards, renders the PDF with poppler, and finds them with OpenCV.
 
-use crate::tests::common;
-use crate::tests::print_tags::paper;
+use crate::common;
+use crate::print_tags::paper;
 mod theirs;
 
 use std::path::Path;
@@ -10,11 +10,11 @@ use common::{assert_refused, program, stderr};
 use opencv::core::{Mat, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 use paper::{A4, Mm, Page, distance, render};
-use scaleproof::print::board::{BoardKind, BoardRequest, Definition, board};
-use scaleproof::print::page::Media;
-use scaleproof::print::paper::Paper;
-use scaleproof::print::printer::Printer;
-use scaleproof::print::sheet::RectMm;
+use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, board};
+use scaleproof_print::print::page::Media;
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::sheet::RectMm;
 use theirs::Charuco;
 
 const DICT_5X5_100: i32 = 5;

@@ -1,9 +1,9 @@
 //! Paint mode: stencils rendered and measured as images; paints against formulas written for the test; what is refused.
 
 mod colour;
-use crate::tests::common;
+use crate::common;
 pub mod raster;
-use crate::tests::print_template::render;
+use crate::print_template::render;
 
 use std::path::Path;
 
@@ -12,13 +12,13 @@ use image::{Rgb, RgbImage};
 use proptest::prelude::*;
 use raster::{Stencil, filled};
 use render::{done, pages, scaleproof, usual_request, words};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::palette::{Painted, Palette};
-use scaleproof::print::paint::{PaintRequest, PaintSheets, paint_sheets};
-use scaleproof::print::paper::Paper;
-use scaleproof::print::sheet::{Mark, Sheet};
-use scaleproof::print::template::{Front, LayoutRequest, SheetPlan, TemplateRequest};
-use scaleproof::print::{pdf, svg};
+use scaleproof_print::print::paint::{PaintRequest, PaintSheets, paint_sheets};
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::sheet::{Mark, Sheet};
+use scaleproof_print::print::template::{Front, LayoutRequest, SheetPlan, TemplateRequest};
+use scaleproof_print::print::{pdf, svg};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::palette::{Painted, Palette};
 
 const FEATURE_MM: f64 = 1.5;
 const SOME: [[u8; 3]; 4] = [[200, 30, 30], [30, 160, 60], [40, 60, 200], [230, 220, 90]];
@@ -246,7 +246,8 @@ fn cut_outlines(sheet: &Sheet) -> Vec<Vec<(f64, f64)>> {
         _ => None,
     });
     let place = |o: &Vec<_>| {
-        let corner = |p: &scaleproof::print::sheet::PointMm| (p.x_mm - sheet.trim.left_mm, sheet.trim.top_mm - p.y_mm);
+        let corner =
+            |p: &scaleproof_print::print::sheet::PointMm| (p.x_mm - sheet.trim.left_mm, sheet.trim.top_mm - p.y_mm);
         o.iter().map(corner).collect()
     };
     cuts.flatten().map(place).collect()

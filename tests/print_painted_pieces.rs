@@ -1,10 +1,10 @@
 //! Prints the stencils of wrapped models, renders the pages with poppler, sprays them in their order and holds the result against the tile at
 //! points of the surface. Nothing here knows how the stencils were made.
 
-use crate::tests::common;
-use crate::tests::print_paint::raster::Stencil;
-use crate::tests::print_pieces::{at_border, house, placement, points, request, turns};
-use crate::tests::print_template::render;
+use crate::common;
+use crate::print_paint::raster::Stencil;
+use crate::print_pieces::{at_border, house, placement, points, request, turns};
+use crate::print_template::render;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,14 +14,14 @@ use image::RgbImage;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of};
-use scaleproof::mesh::{Mesh, MeshPlacement};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::palette::{Painted, Palette};
-use scaleproof::pattern::world_aligned::WorldAligned;
-use scaleproof::print::paper::Paper;
-use scaleproof::print::pdf;
-use scaleproof::print::pieces::painted::{PaintedPieces, PaintedRequest, flattened, painted_pieces};
-use scaleproof::texture::Tile;
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::pdf;
+use scaleproof_surface::mesh::{Mesh, MeshPlacement};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::palette::{Painted, Palette};
+use scaleproof_surface::pattern::world_aligned::WorldAligned;
+use scaleproof_surface::texture::Tile;
+use scaleproof_wrap::pieces::painted::{PaintedPieces, PaintedRequest, flattened, painted_pieces};
 
 const COLOURS: [[u8; 3]; 4] = [[200, 30, 30], [30, 160, 60], [40, 60, 200], [230, 220, 90]];
 const FEATURE_MM: f64 = 1.5;
@@ -92,9 +92,10 @@ impl Sprayed {
     fn pixel(&self, paint: usize, piece: usize, p: [f64; 2]) -> Option<(u32, u32)> {
         let [x, y] = self.made.places[piece].pose.at(p);
         let printable = self.made.frame.printable;
-        let x = match self.mirror && paint > 0 {
-            true => printable.left_mm + printable.right_mm - x,
-            false => x,
+        let x = if self.mirror && paint > 0 {
+            printable.left_mm + printable.right_mm - x
+        } else {
+            x
         };
         let page = self.pages.get(&(paint, self.made.places[piece].page))?;
         let px = |mm: f64| (mm / 25.4 * DPI) as u32;
@@ -227,7 +228,7 @@ impl Sprayed {
             let material: Vec<bool> = (0..outside.len()).map(|i| !outside[i] && !open[i]).collect();
             let labels = image(open).labelled(&material, false, &mut vec![0.0]);
             let mut sheets = Vec::new();
-            let here = |s: &&scaleproof::print::pieces::painted::PieceStencil| {
+            let here = |s: &&scaleproof_wrap::pieces::painted::PieceStencil| {
                 s.paint == *paint && self.made.places[s.piece].page == *sheet
             };
             for stencil in self.made.stencils.iter().filter(here) {

@@ -1,8 +1,8 @@
 //! Prints models in pieces, renders the pages with poppler, and holds what is on paper against the model: colours, lengths, letters, and
 //! that nothing lies over anything.
 
-use crate::tests::common;
-use crate::tests::print_template::render;
+use crate::common;
+use crate::print_template::render;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -13,15 +13,15 @@ use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of, words};
-use scaleproof::mesh::{FaceList, Mesh, MeshPlacement};
-use scaleproof::pattern::colour::Lab;
-use scaleproof::pattern::world_aligned::{Side, WorldAligned};
-use scaleproof::pattern::{Pattern, light};
-use scaleproof::print::paper::Paper;
-use scaleproof::print::pdf;
-use scaleproof::print::pieces::{Piece, PiecesRequest, PrintedPieces, flattened, pieces};
-use scaleproof::print::printer::Printer;
-use scaleproof::texture::{MappedImages, Texture, Tile};
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::pdf;
+use scaleproof_print::print::printer::Printer;
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
+use scaleproof_surface::pattern::colour::Lab;
+use scaleproof_surface::pattern::world_aligned::{Side, WorldAligned};
+use scaleproof_surface::pattern::{Pattern, light};
+use scaleproof_surface::texture::{MappedImages, Texture, Tile};
+use scaleproof_wrap::pieces::{Piece, PiecesRequest, PrintedPieces, flattened, pieces};
 
 /// What the program takes when nothing is said.
 pub fn request(most_pieces: usize, paper: Paper) -> PiecesRequest {

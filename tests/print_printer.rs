@@ -1,8 +1,8 @@
 //! The check page measured, printer files made and refused, and a stretching printer corrected.
 
-use crate::tests::common;
-use crate::tests::print_template::measure;
-use crate::tests::print_template::render;
+use crate::common;
+use crate::print_template::measure;
+use crate::print_template::render;
 
 use std::path::Path;
 
@@ -11,11 +11,11 @@ use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_rulers, dark_lines_mm};
 use render::{done, pages, pattern_file, scaleproof, usual_request};
-use scaleproof::pattern::Pattern;
-use scaleproof::print::check::{self, CheckRequest};
-use scaleproof::print::paper::Paper;
-use scaleproof::print::printer::Printer;
-use scaleproof::print::template::{LayoutRequest, layout};
+use scaleproof_print::print::check::{self, CheckRequest};
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::template::{LayoutRequest, layout};
+use scaleproof_surface::pattern::Pattern;
 
 /// What a printer does that makes `x` and `y` mm of 100 mm, with the page's centre where it belongs.
 fn stretched(page: &RgbImage, x: f64, y: f64) -> RgbImage {

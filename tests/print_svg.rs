@@ -1,8 +1,8 @@
 //! Prints templates as SVG, reads the files, renders them with Chromium, and measures the image.
 
-use crate::tests::common;
-use crate::tests::print_template::measure;
-use crate::tests::print_template::render;
+use crate::common;
+use crate::print_template::measure;
+use crate::print_template::render;
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use image::RgbImage;
 use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the_whole, assert_rulers};
 use render::{done, pattern_file, usual_request};
 use roxmltree::{Document, Node};
-use scaleproof::pattern::Pattern;
-use scaleproof::print::template::layout;
+use scaleproof_print::print::template::layout;
+use scaleproof_surface::pattern::Pattern;
 
 const COMMAND: &str = "print template --tile-mm 118 --size-mm 600x300 --format svg";
 

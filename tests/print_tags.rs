@@ -1,7 +1,7 @@
 //! Prints the tags of scenes, renders the PDF with poppler, finds the tags again with the detector, folds the cards, and lays
 //! the mat together.
 
-use crate::tests::common;
+use crate::common;
 mod fold;
 pub(super) mod paper;
 
@@ -10,12 +10,12 @@ use std::path::Path;
 use common::{assert_refused, home, program, stderr, stdout};
 use image::GrayImage;
 use paper::{A4, Page, distance, render};
-use scaleproof::print::page::Media;
-use scaleproof::print::paper::Paper;
-use scaleproof::print::printer::Printer;
-use scaleproof::print::sheet::Sheet;
-use scaleproof::print::tags::{TagRequest, TagSheets, arrange, tag_sheets};
-use scaleproof::scene::{Scene, TagFamily};
+use scaleproof_pose::scene::{Scene, TagFamily};
+use scaleproof_print::print::page::Media;
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::sheet::Sheet;
+use scaleproof_print::print::tags::{TagRequest, TagSheets, arrange, tag_sheets};
 
 /// Runs the program; it must succeed.
 fn run(folder: &Path, command: &str) -> String {
@@ -363,9 +363,9 @@ fn place_strips_put_cards_where_the_scene_says() {
 }
 
 fn texts(sheet: &Sheet) -> Vec<&str> {
-    fn of(mark: &scaleproof::print::sheet::Mark) -> Option<&str> {
+    fn of(mark: &scaleproof_print::print::sheet::Mark) -> Option<&str> {
         match mark {
-            scaleproof::print::sheet::Mark::Text { text, .. } => Some(text),
+            scaleproof_print::print::sheet::Mark::Text { text, .. } => Some(text),
             _ => None,
         }
     }
@@ -516,7 +516,7 @@ fn place(sheet: &Sheet) -> (usize, usize) {
 
 fn label(sheet: &Sheet) -> String {
     match sheet.marks.last() {
-        Some(scaleproof::print::sheet::Mark::Text { text, .. }) => text.clone(),
+        Some(scaleproof_print::print::sheet::Mark::Text { text, .. }) => text.clone(),
         other => panic!("the last mark is the label, not {other:?}"),
     }
 }

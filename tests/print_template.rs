@@ -1,6 +1,6 @@
 //! Prints templates, renders the PDF with poppler at 600 dpi, and measures the image.
 
-use crate::tests::common;
+use crate::common;
 pub(super) mod measure;
 pub(super) mod render;
 
@@ -13,12 +13,12 @@ use lopdf::{Document, Object};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the_whole, assert_rulers};
 use proptest::prelude::*;
 use render::{done, oblong_pattern, pages, pattern_file, scaleproof, text_of, usual_request};
-use scaleproof::files;
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::card::Card;
-use scaleproof::print::paper::{Orientation, Paper, Stock};
-use scaleproof::print::printer::Printer;
-use scaleproof::print::template::{LayoutRequest, TemplateRect, layout};
+use scaleproof_core::files;
+use scaleproof_print::print::paper::{Orientation, Paper, Stock};
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::template::{LayoutRequest, TemplateRect, layout};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::Card;
 
 fn print(pattern: Pattern, tile_mm: f64, request: LayoutRequest, paper: &str) -> Printed {
     let folder = tempfile::tempdir().unwrap();
@@ -171,7 +171,7 @@ fn the_file_tells_viewers_not_to_scale_it_and_has_its_trim() {
             let mm = |o: &Object| f64::from(o.as_float().unwrap()) * 25.4 / 72.0;
             page.get(key).unwrap().as_array().unwrap().iter().map(mm).collect()
         };
-        let edges = |r: scaleproof::print::sheet::RectMm| [r.left_mm, r.bottom_mm, r.right_mm, r.top_mm];
+        let edges = |r: scaleproof_print::print::sheet::RectMm| [r.left_mm, r.bottom_mm, r.right_mm, r.top_mm];
         let close = |a: Vec<f64>, b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.001);
         assert!(close(corners(b"MediaBox"), [0.0, 0.0, 297.0, 210.0]));
         assert!(close(corners(b"TrimBox"), edges(plan.trim)));

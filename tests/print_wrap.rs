@@ -1,7 +1,7 @@
 //! Prints the panels of models, renders them with poppler, and reads the colours where the model's surface is.
 
-use crate::tests::common;
-use crate::tests::print_template::render;
+use crate::common;
+use crate::print_template::render;
 
 use std::path::{Path, PathBuf};
 
@@ -11,13 +11,13 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of};
-use scaleproof::mesh::{Mesh, MeshPlacement};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::world_aligned::{Side, WorldAligned};
-use scaleproof::print::paper::Paper;
-use scaleproof::print::printer::Printer;
-use scaleproof::print::wrap::{Face, PaintedSurface, Wrap, WrapRequest, wrap};
-use scaleproof::texture::{Texture, Tile};
+use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::wrap::{Face, PaintedSurface, Wrap, WrapRequest, wrap};
+use scaleproof_surface::mesh::{Mesh, MeshPlacement};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::world_aligned::{Side, WorldAligned};
+use scaleproof_surface::texture::{Texture, Tile};
 
 const DPI: f64 = 400.0;
 /// What the program takes when nothing is said.

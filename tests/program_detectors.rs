@@ -1,7 +1,7 @@
 //! Detectors that are programs: the figures are those of the same detections recorded, what they say of themselves is kept, and whatever a
 //! program does wrong ends with one sentence and without a process left behind. The programs are shell scripts.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -57,7 +57,7 @@ impl Desk {
             let found: Vec<Value> = own
                 .map(|line| {
                     let category = u32::try_from(line["category_id"].as_u64().unwrap()).unwrap();
-                    let labels = scaleproof::detect::Labels::Coco80;
+                    let labels = scaleproof_detect::Labels::Coco80;
                     let label = labels.name(labels.of_category(category).unwrap());
                     let [x, y, w, h] = [0, 1, 2, 3].map(|i| line["bbox"][i].as_f64().unwrap());
                     json!({"label": label, "score": line["score"], "box": [x, y, x + w, y + h]})
@@ -150,7 +150,7 @@ fn a_program_scores_as_the_same_detections_recorded() {
     assert_eq!(desk.asked(), 16);
 
     let detector = &read_json(&desk.at("live/summary.json"))["provenance"]["detectors"][0];
-    let hash = |name: &str| scaleproof::files::sha256_hex(&std::fs::read(desk.at(name)).unwrap());
+    let hash = |name: &str| scaleproof_core::files::sha256_hex(&std::fs::read(desk.at(name)).unwrap());
     assert_eq!(
         *detector,
         json!({

@@ -1,17 +1,17 @@
 //! Programs that give gradients: the attack follows them as it follows a network, and what is wrong with a gradient is said before anything is moved.
 //! The programs are Python without packages; their loss is a formula.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Duration;
 
 use common::{assert_refused, home, program, read_json, stderr};
-use scaleproof::detect::{Manifest, ProgramDetector, ProgramSpec};
-use scaleproof::geometry::BoxPx;
-use scaleproof::whitebox::program::ProgramWhiteBox;
-use scaleproof::whitebox::{Boxes, WhiteBox};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_detect::{Manifest, ProgramDetector, ProgramSpec};
+use scaleproof_gradients::program::ProgramWhiteBox;
+use scaleproof_gradients::{Boxes, WhiteBox};
 
 /// C = σ(z), z = 30 · Σ w · (value − 0.5) / values, so that −ln(1 − C) = ln(1 + e^z). Its one box is at 10, 10, 86, 54.
 const WEAVE: &str = r#"

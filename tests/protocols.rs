@@ -1,6 +1,6 @@
 //! Numbers that compare with papers: attack success rates with intervals, AP over IoUs, protocols, and groups by conditions of imported photos.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Output;
@@ -8,10 +8,10 @@ use std::process::Output;
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::detect::Detection;
-use scaleproof::geometry::BoxPx;
-use scaleproof::score::{Protocol, apricot_ap, rates_as_armory};
-use scaleproof::statistics::intervals_95;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::statistics::intervals_95;
+use scaleproof_detect::Detection;
+use scaleproof_score::score::{Protocol, apricot_ap, rates_as_armory};
 use serde_json::Value;
 
 fn run(command: &str, session: &Path, out: &Path, more: &[&str]) -> Output {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
 use serde_json::{Value, json};

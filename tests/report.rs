@@ -1,13 +1,13 @@
 //! The HTML report as a person meets it: rendered by Chromium, offline, at desktop and phone size; and its LaTeX tables.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use common::{assert_refused, chromium, copy_of_skyline, program, read_json, skyline, stderr, stdout};
 use image::RgbImage;
-use scaleproof::detect::{Manifest, Speed, Speeds};
+use scaleproof_detect::{Manifest, Speed, Speeds};
 use serde_json::Value;
 
 fn run(subcommand: &str, out: &Path, more: &[&str]) -> std::process::Output {

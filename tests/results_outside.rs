@@ -1,7 +1,7 @@
 //! Detections from outside: what the five detectors found, read back as another program's files, gives the same figures; what such files leave
 //! open is refused or said; and sessions are exported for other programs.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -169,7 +169,7 @@ fn the_detectors_own_results_come_back_as_the_same_summary() {
     // Where they came from is said.
     let summary = read_json(&numbered.join("summary.json"));
     let detector = &summary["provenance"]["detectors"][0];
-    let hash = |path: &Path| scaleproof::files::sha256_hex(&std::fs::read(path).unwrap());
+    let hash = |path: &Path| scaleproof_core::files::sha256_hex(&std::fs::read(path).unwrap());
     assert_eq!(detector["source"], "results");
     assert_eq!(detector["weights_sha256"], Value::Null);
     let results = report.join("coco_results_yolox_nano.json");

@@ -1,6 +1,6 @@
 //! Large runs: results kept and taken up again, shards merged, photos decoded reduced. The detector is a network made here.
 
-use crate::tests::common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 
 use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
-use scaleproof::detect::{Detection, Detector, Manifest, Runtime, WeightFolders};
-use scaleproof::photo::Photo;
-use scaleproof::score::{self, Cache, EvaluatedDetector, Options, Scores};
-use scaleproof::session::Session;
+use scaleproof_detect::{Detection, Detector, Manifest, Runtime, WeightFolders};
+use scaleproof_photo::photo::Photo;
+use scaleproof_score::score::{self, Cache, EvaluatedDetector, Options, Scores};
+use scaleproof_session::session::Session;
 
-use crate::tests::common::onnx;
+use crate::common::onnx;
 
 /// Six photos of the stored session, one of them cut short, and one without tags; and a detector that answers with one car.
 struct Set {
@@ -69,13 +69,14 @@ impl Set {
             &[onnx::Output::floats("output", &[1, 3549, 85], answer)],
         );
         std::fs::write(self.path("mine.onnx"), &network).unwrap();
-        let built_in = std::fs::read_to_string(common::home().join("src/detect/manifests/yolox_nano.toml")).unwrap();
+        let built_in =
+            std::fs::read_to_string(common::home().join("crates/detect/src/manifests/yolox_nano.toml")).unwrap();
         let mine = built_in
             .replace("\"yolox_nano\"", "\"mine\"")
             .replace("yolox_nano.onnx", "mine.onnx")
             .replace(
                 "695e750a5d5754bb5a8d5325643b59282191a7e7a564e435a415fd3c578eab14",
-                &scaleproof::files::sha256_hex(&network),
+                &scaleproof_core::files::sha256_hex(&network),
             );
         std::fs::write(self.path("mine.toml"), mine).unwrap();
     }

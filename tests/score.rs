@@ -1,13 +1,13 @@
 //! `score` on the stored session: figures against pycocotools and by hand, recorded against live, and bad input.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Output;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
-use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ImageBoxes, average_precision};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_score::score::{ImageBoxes, average_precision};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {

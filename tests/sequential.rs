@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, copy_of_skyline, home, program, read_json, skyline, stderr, stdout};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::statistics::{Sequence, Shown, mcnemar_p};
+use scaleproof_core::statistics::{Sequence, Shown, mcnemar_p};
 use serde_json::Value;
 
 /// Experiments behind each error rate.
@@ -684,9 +684,10 @@ fn another_mesh_camera_or_truth_is_found() {
     mesh(0.0);
     let text = std::fs::read_to_string(&scene).unwrap();
     let [before, after] = ["envelope = \"box\"", "envelope = \"mesh\"\nmesh = \"model.stl\""];
-    let text = match text.contains(before) {
-        true => text.replace(before, after),
-        false => text.replacen("[model]\n", &format!("[model]\n{after}\n"), 1),
+    let text = if text.contains(before) {
+        text.replace(before, after)
+    } else {
+        text.replacen("[model]\n", &format!("[model]\n{after}\n"), 1)
     };
     std::fs::write(&scene, text).unwrap();
     let plan = session.path().join("plan.json");

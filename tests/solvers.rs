@@ -8,10 +8,10 @@ use opencv::core::{Mat, Point2d, Point3d, Vector, no_array};
 use opencv::prelude::*;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use scaleproof::camera::Camera;
-use scaleproof::camera::projection::{PARAMETERS, by_step, project_unchecked};
-use scaleproof::geometry::{Rigid, homography, rigid};
-use scaleproof::locate::{planar_branches, sqpnp};
+use scaleproof_core::geometry::{Rigid, homography, rigid};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::camera::projection::{PARAMETERS, by_step, project_unchecked};
+use scaleproof_pose::locate::{planar_branches, sqpnp};
 
 fn camera() -> Camera {
     Camera::pinhole(1280, 960, 1180.0, 1175.0, 645.0, 472.0).with_distortion(&[-0.08, 0.02, 0.001, -0.0005])

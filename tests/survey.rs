@@ -1,6 +1,6 @@
 //! `survey`: the stored session against its exact truth, synthetic views with noise, and everything that must be noticed.
 
-use crate::tests::common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -11,11 +11,11 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::camera::Camera;
-use scaleproof::geometry::{Rigid, angle::turn, rigid};
-use scaleproof::scene::{Scene, Tag, TagFamily, Viewpoint};
-use scaleproof::survey::{LeftOutReason, PhotoTags, Sizes, Survey, SurveyError, SurveyInput, shift, survey};
-use scaleproof::tags::SeenTag;
+use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Scene, Tag, TagFamily, Viewpoint};
+use scaleproof_pose::tags::SeenTag;
+use scaleproof_rig::survey::{LeftOutReason, PhotoTags, Sizes, Survey, SurveyError, SurveyInput, shift, survey};
 
 const FAMILY: TagFamily = TagFamily::Tag36h11;
 

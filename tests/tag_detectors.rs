@@ -1,6 +1,6 @@
 //! The tag detectors against exact corners: the stored session's truth, rendered tags, real photos.
 
-use crate::tests::common;
+use crate::common;
 
 use std::time::Instant;
 
@@ -10,12 +10,12 @@ use nalgebra::{Matrix4, Point3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::camera::Camera;
-use scaleproof::geometry::angle::turn;
-use scaleproof::locate::locate;
-use scaleproof::photo::Photo;
-use scaleproof::scene::{Scene, TagFamily};
-use scaleproof::tags::{CornersBy, SeenTag, TagDetector, TagDetectorChoice, TagImage};
+use scaleproof_core::geometry::angle::turn;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::locate;
+use scaleproof_pose::scene::{Scene, TagFamily};
+use scaleproof_pose::tags::{CornersBy, SeenTag, TagDetector, TagDetectorChoice, TagImage};
 
 type Corners = [[f64; 2]; 4];
 
@@ -275,14 +275,15 @@ fn blurred(lights: &[f64], width: usize, step: usize, sigma: f64) -> Vec<f64> {
     let height = lights.len() / width;
     let inside = |v: usize, size: usize| v >= REACH && v + REACH < size;
     (0..lights.len())
-        .map(|i| match inside(i % width, width) && inside(i / width, height) {
-            true => {
+        .map(|i| {
+            if inside(i % width, width) && inside(i / width, height) {
                 (0..=2 * REACH)
                     .map(|k| weights[k] * lights[i + k * step - REACH * step])
                     .sum::<f64>()
                     / total
+            } else {
+                lights[i]
             }
-            false => lights[i],
         })
         .collect()
 }
@@ -647,7 +648,7 @@ fn a_detector_is_chosen_by_name() {
     );
 }
 
-#[path = "../build/apriltag.rs"]
+#[path = "../crates/pose/build/apriltag.rs"]
 mod build_apriltag;
 
 /// The version that a file of TOML or CMake states in the line after `mark`, up to its end.

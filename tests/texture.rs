@@ -1,6 +1,6 @@
 //! Textures of meshes: files written here with known coordinates, and the published camouflage, against colours read in another way.
 
-use crate::tests::common::{assert_refused, home, program, shared, stderr};
+use crate::common::{assert_refused, home, program, shared, stderr};
 
 use std::path::Path;
 
@@ -8,11 +8,11 @@ use image::{Rgb, RgbImage, Rgba, RgbaImage};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::mesh::{FaceList, Mesh, MeshPlacement, Wrap};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::card::Card;
-use scaleproof::pattern::world_aligned::Side;
-use scaleproof::texture::{FaceTexels, Mapped, MappedImages, SidePatterns, SurfacePoint, Texture};
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement, Wrap};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::Card;
+use scaleproof_surface::pattern::world_aligned::Side;
+use scaleproof_surface::texture::{FaceTexels, Mapped, MappedImages, SidePatterns, SurfacePoint, Texture};
 use serde_json::{Value, json};
 
 /// Columns and rows of the image of the tests.
@@ -45,15 +45,16 @@ fn own_images(mesh: &Mesh) -> Mapped {
 
 /// A square of two triangles, corners (0, 0), (1, 0), (1, 1), (0, 1) of the plane: the colour at a place of it.
 fn at(texture: &Texture, mesh: &Mesh, x: f64, y: f64) -> [u8; 3] {
-    let point = match x >= y {
-        true => SurfacePoint {
+    let point = if x >= y {
+        SurfacePoint {
             triangle: 0,
             weights: [1.0 - x, x - y, y],
-        },
-        false => SurfacePoint {
+        }
+    } else {
+        SurfacePoint {
             triangle: 1,
             weights: [1.0 - y, x, y - x],
-        },
+        }
     };
     texture.colour(mesh, &point)
 }

@@ -1,7 +1,7 @@
 //! Textures on their way out: the image and the mesh that `texture bake` writes, read back by a parser of this test and held against the pattern's
 //! own formula; previews; the published camouflage drawn as its authors drew it.
 
-use crate::tests::common::{assert_refused, program, shared, stderr, stdout};
+use crate::common::{assert_refused, program, shared, stderr, stdout};
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -11,15 +11,15 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::frames::Pinhole;
-use scaleproof::frames::raster::{Hit, Raster};
-use scaleproof::mesh::{FaceList, Mesh, MeshPlacement};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::colour::Lab;
-use scaleproof::pattern::world_aligned::{Side, WorldAligned};
-use scaleproof::scene::Viewpoint;
-use scaleproof::simulate::looking_at;
-use scaleproof::texture::{MappedImages, SurfacePoint, Texture};
+use scaleproof_frames::frames::Pinhole;
+use scaleproof_frames::frames::raster::{Hit, Raster};
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_pose::simulate::looking_at;
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::colour::Lab;
+use scaleproof_surface::pattern::world_aligned::{Side, WorldAligned};
+use scaleproof_surface::texture::{MappedImages, SurfacePoint, Texture};
 
 /// Triangles of a written .obj: places, texture coordinates and the material of each face.
 struct Written {

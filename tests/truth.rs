@@ -1,17 +1,17 @@
 //! Truth boxes: box, hull and mesh against images drawn here, against the exact truth of the stored session, and bad input.
 
-use crate::tests::common;
+use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
 use nalgebra::{Point3, Rotation3, Vector3};
 use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point3d, Vector, no_array};
 use proptest::prelude::*;
-use scaleproof::camera::Camera;
-use scaleproof::envelope::{EnvelopeShape, NoTruth};
-use scaleproof::geometry::{BoxPx, Rigid};
-use scaleproof::mesh::{Mesh, MeshPlacement};
-use scaleproof::scene::{Envelope, ScaleModel};
+use scaleproof_core::geometry::{BoxPx, Rigid};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Envelope, ScaleModel};
+use scaleproof_session::envelope::{EnvelopeShape, NoTruth};
+use scaleproof_surface::mesh::{Mesh, MeshPlacement};
 use std::path::Path;
 
 /// Length, width and height of the car below, mm: those of the stored session's model.
@@ -381,6 +381,6 @@ fn a_surveyed_scene_keeps_its_mesh() {
         .arg(out.path().join("scene.toml"));
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
-    let scene = scaleproof::scene::Scene::open(&out.path().join("scene.toml")).unwrap();
+    let scene = scaleproof_pose::scene::Scene::open(&out.path().join("scene.toml")).unwrap();
     assert!(EnvelopeShape::open(&scene.model, out.path()).is_ok());
 }

@@ -1,6 +1,6 @@
 //! Cuts shapes whose truth is known, two real cars and broken meshes into pieces, and holds every piece against the surface.
 
-use crate::tests::common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,8 +9,8 @@ use std::path::Path;
 use common::shared;
 use nalgebra::{Matrix2, Point3, Vector2};
 use proptest::prelude::*;
-use scaleproof::mesh::{Mesh, MeshPlacement};
-use scaleproof::unwrap::{Chart, FlatFace, LeftOutReason, UnwrapError, UnwrapRequest, Unwrapped, unwrap};
+use scaleproof_surface::mesh::{Mesh, MeshPlacement};
+use scaleproof_wrap::unwrap::{Chart, FlatFace, LeftOutReason, UnwrapError, UnwrapRequest, Unwrapped, unwrap};
 
 /// A3 and A4 within margins of 8 mm.
 const A3: [f64; 2] = [404.0, 281.0];

@@ -1,5 +1,5 @@
 #![no_main]
 
-use scaleproof::fuzz_entry as entry;
+use scaleproof_fuzz as entry;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| entry::photo(bytes));

@@ -19,8 +19,8 @@ pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detect::WeightsError;
-    use crate::score::{EvaluatedDetectorError, ScoreError};
+    use scaleproof_detect::WeightsError;
+    use scaleproof_score::score::{EvaluatedDetectorError, ScoreError};
 
     #[test]
     fn what_the_library_leaves_out_the_commands_add() {

@@ -5,12 +5,12 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, Outcome, Result, at_hand, detectors, progress, results, score as score_command, sessions};
-use crate::advise::{self, Advice, FigureAdvice, Sample};
-use crate::envelope::EnvelopeShape;
-use crate::photo::Photo;
-use crate::score::{self, EvaluatedDetector, Scores};
-use crate::session::Session;
-use crate::{files, workers};
+use scaleproof_core::{files, workers};
+use scaleproof_photo::photo::Photo;
+use scaleproof_score::score::{self, EvaluatedDetector, Scores};
+use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_session::session::Session;
+use scaleproof_study::advise::{self, Advice, FigureAdvice, Sample};
 
 /// Say which tag detector, solver, camera model, how many tags and which resolution are enough for a session, and whether findings depend on the definition of AP or on the box behind the truth.
 ///
@@ -65,15 +65,16 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         (args.output.join("advice.json"), json.clone().into_bytes()),
         (settings.clone(), advise::settings(&advice).into_bytes()),
     ])?;
-    match args.json {
-        true => write!(out, "{json}")?,
-        false => writeln!(
+    if args.json {
+        write!(out, "{json}")?
+    } else {
+        writeln!(
             out,
             "{}\n\npage: {}\nsettings: {}",
             advise::table(&advice),
             page.display(),
             settings.display()
-        )?,
+        )?
     }
     Ok(Outcome::Done)
 }

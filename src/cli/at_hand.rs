@@ -7,9 +7,9 @@ use super::Result;
 use super::detectors;
 use super::results::Results;
 use super::sessions::quoted;
-use crate::detect::{Manifest, Recording, WeightFolders};
-use crate::score::{EvaluatedDetector, evaluated_detectors};
-use crate::session::Session;
+use scaleproof_detect::{Manifest, Recording, WeightFolders};
+use scaleproof_score::score::{EvaluatedDetector, evaluated_detectors};
+use scaleproof_session::session::Session;
 
 /// Detectors that run, with the weights in some folders, or are played back from what the sessions store.
 ///
@@ -24,9 +24,10 @@ pub(super) fn evaluated(
 ) -> Result<Vec<EvaluatedDetector>> {
     let (names, programs) = results.programs(names)?;
     let stand_alone = (!programs.is_empty() || results.are_given()) && names.is_empty() && !is_recorded;
-    let mut evaluated = match stand_alone {
-        true => Vec::new(),
-        false => networks(sessions, &names, is_recorded, folder)?,
+    let mut evaluated = if stand_alone {
+        Vec::new()
+    } else {
+        networks(sessions, &names, is_recorded, folder)?
     };
     evaluated.extend(results.start(programs, sessions)?);
     evaluated.extend(results.open(sessions)?);
@@ -67,9 +68,10 @@ fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Man
     let (here, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| folders.find(m).is_some());
     if here.is_empty() {
         let is_stored = |s: &Session| !Recording::names_in(&EvaluatedDetector::recordings_of(&s.folder)).is_empty();
-        let or = match sessions.iter().all(is_stored) {
-            true => ", or score what the session stores with --recorded",
-            false => "",
+        let or = if sessions.iter().all(is_stored) {
+            ", or score what the session stores with --recorded"
+        } else {
+            ""
         };
         return Err(format!("no detector's weights are here: get them with `scaleproof detectors fetch`{or}").into());
     }

@@ -25,9 +25,9 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::{CommandResult, Outcome, detectors, progress, score};
-use crate::frames::FrameSet;
-use crate::spelling::count;
 pub(super) use render::{azimuths, size};
+use scaleproof_core::spelling::count;
+use scaleproof_frames::frames::FrameSet;
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
@@ -87,9 +87,10 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 /// What a command that wrote frames ends with.
 fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
-    match json {
-        true => writeln!(out, "{}", serde_json::json!({ "file": list, "frames": frames }))?,
-        false => writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?,
+    if json {
+        writeln!(out, "{}", serde_json::json!({ "file": list, "frames": frames }))?
+    } else {
+        writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?
     }
     Ok(Outcome::Done)
 }
@@ -100,13 +101,14 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         set.check_images(frame)?;
     }
     let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
-    match args.json {
-        true => writeln!(
+    if args.json {
+        writeln!(
             out,
             "{}",
             serde_json::json!({"frames": frames, "size_px": [width, height]})
-        )?,
-        false => writeln!(out, "{frames} frames of {width}×{height} px are whole")?,
+        )?
+    } else {
+        writeln!(out, "{frames} frames of {width}×{height} px are whole")?
     }
     Ok(Outcome::Done)
 }

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::print::write_files;
 use super::{CommandResult, Outcome, progress};
-use crate::board::Definition;
-use crate::calibrate::{self, Calibration};
-use crate::camera::CameraFormat;
+use scaleproof_pose::board::Definition;
+use scaleproof_pose::camera::CameraFormat;
+use scaleproof_rig::calibrate::{self, Calibration};
 
 /// Find the camera's focal length, centre and distortion from photos of a calibration board.
 ///

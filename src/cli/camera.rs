@@ -7,9 +7,9 @@ use clap::Subcommand;
 
 use super::choice::one_of;
 use super::{CommandResult, Outcome, Result};
-use crate::camera::{Camera, CameraFormat};
-use crate::files;
-use crate::photo::Photo;
+use scaleproof_core::files;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::camera::{Camera, CameraFormat};
 
 /// Convert, show and guess camera files
 #[derive(clap::Args)]
@@ -152,9 +152,10 @@ fn lens_model(camera: &Camera) -> String {
         .zip(camera.distortion())
         .filter(|(_, value)| **value != 0.0);
     let terms: Vec<String> = named.map(|(name, value)| format!("{name} {value}")).collect();
-    match terms.is_empty() {
-        true => "pinhole without distortion".into(),
-        false => format!("Brown–Conrady with {}", terms.join(", ")),
+    if terms.is_empty() {
+        "pinhole without distortion".into()
+    } else {
+        format!("Brown–Conrady with {}", terms.join(", "))
     }
 }
 

@@ -15,15 +15,15 @@ use self::decided::Question;
 use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
 use super::{CommandResult, Outcome, Result};
-use crate::camera::Camera;
-use crate::capture::{
+use scaleproof_capture::capture::{
     Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store, Target, Tolerance,
     Watch, live::list_cameras, pair, usual, viewpoints_of,
 };
-use crate::page::{CaptureInfo, Page};
-use crate::scene::{Bin, Bins, Scene, Viewpoint};
-use crate::spelling::count;
-use crate::tags::TagDetectorChoice;
+use scaleproof_capture::page::{CaptureInfo, Page};
+use scaleproof_core::spelling::count;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Bin, Bins, Scene, Viewpoint};
+use scaleproof_pose::tags::TagDetectorChoice;
 
 /// Guide a photographer round the model: photos of every required view are taken into a session, the others get a sentence of advice.
 ///
@@ -190,12 +190,11 @@ fn guide(
     };
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
-    let page = match browser.page {
-        true => {
-            let at_once = || std::process::exit(130);
-            Some(Page::open(browser.port, browser.lan, &args.output, at_once).map_err(page::advised)?)
-        }
-        false => None,
+    let page = if browser.page {
+        let at_once = || std::process::exit(130);
+        Some(Page::open(browser.port, browser.lan, &args.output, at_once).map_err(page::advised)?)
+    } else {
+        None
     };
     let question = decided.question(args.output.clone(), &args.variant, &args.place)?;
     let store = Store::open(&args.output, &args.scene, &args.camera, &args.variant)?;
@@ -302,13 +301,14 @@ fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::
     if args.json {
         return Ok(());
     }
-    let views = match open == all {
-        true => format!("{} to take; start {}", count(all, "view"), place(&first.viewpoint)),
-        false => format!(
+    let views = if open == all {
+        format!("{} to take; start {}", count(all, "view"), place(&first.viewpoint))
+    } else {
+        format!(
             "{open} of {} still open; go on {}",
             count(all, "view"),
             place(&first.viewpoint)
-        ),
+        )
     };
     let how = match source {
         SourceName::Watch(folder) if args.headless => format!("looking at the photos in {}", folder.display()),
@@ -374,13 +374,14 @@ fn asked(question: Option<&Question>, capture: &Capture, terminal: &mut Terminal
 fn enough(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
     let guidance = capture.guidance();
     let (all, open) = (guidance.targets().len(), guidance.open().count());
-    match json {
-        true => writeln!(
+    if json {
+        writeln!(
             out,
             "{}",
             serde_json::json!({"targets": all, "filled": all - open, "decided": true})
-        )?,
-        false => writeln!(out, "decided; {} of {} not needed", open, count(all, "view"))?,
+        )?
+    } else {
+        writeln!(out, "decided; {} of {} not needed", open, count(all, "view"))?
     }
     Ok(Outcome::Done)
 }
@@ -402,9 +403,10 @@ fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
         let names: Vec<String> = open.iter().map(|target| name(target)).collect();
         writeln!(out, "{filled} of {all} views are there; open: {}", names.join(", "))?;
     }
-    Ok(match open.is_empty() {
-        true => Outcome::Done,
-        false => Outcome::SomeInputBad,
+    Ok(if open.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeInputBad
     })
 }
 

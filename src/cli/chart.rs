@@ -9,16 +9,16 @@ use serde::Serialize;
 use super::detectors::Folder;
 use super::results::Results;
 use super::{CommandResult, Outcome, Result, at_hand, print, progress};
-use crate::chart::locate::PhotoSample;
-use crate::chart::{
+use scaleproof_core::files;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::locate::locate_photo;
+use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::envelope::{self, EnvelopeShape};
+use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_study::chart::locate::PhotoSample;
+use scaleproof_study::chart::{
     capture, envelope as envelope_chart, locate, score as score_chart, stability, true_boxes, true_views,
 };
-use crate::envelope::{self, EnvelopeShape};
-use crate::files;
-use crate::locate::locate_photo;
-use crate::photo::Photo;
-use crate::session::{PhotoEntry, Session};
-use crate::tags::TagDetectorChoice;
 
 /// Chart methods against each other, on the same photos
 #[derive(clap::Args)]

@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use super::print::write_files;
 use super::{CommandResult, Outcome, progress};
-use crate::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
-use crate::pattern::printed::PrintedColours;
-use crate::photo::Photo;
-use crate::print::printer::{Printer, PrinterFile};
-use crate::tags::AprilTagC;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::tags::AprilTagC;
+use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
+use scaleproof_print::print::printer::{Printer, PrinterFile};
+use scaleproof_surface::pattern::printed::PrintedColours;
 
 /// Measure a printer's colours
 #[derive(clap::Args)]

@@ -8,8 +8,9 @@ use super::choice::one_of;
 use super::criteria::Reading;
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, at_hand, detectors, results, score as score_command, sessions};
-use crate::score::{self, ClusteredBy, CompareError, SealedPlan};
-use crate::{files, report};
+use scaleproof_core::files;
+use scaleproof_score::report;
+use scaleproof_score::score::{self, ClusteredBy, CompareError, SealedPlan};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
@@ -115,15 +116,16 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if let Some(more) = comparison.unpaired.len().checked_sub(MOST_LISTED + 1) {
         say!("not compared: {} more, which {} lists", more + 1, page.display());
     }
-    match args.json {
-        true => write!(out, "{}", report::comparison_json(&scores, &comparison)?)?,
-        false => writeln!(
+    if args.json {
+        write!(out, "{}", report::comparison_json(&scores, &comparison)?)?
+    } else {
+        writeln!(
             out,
             "{}\ncounts as the model: {}\npage: {}",
             report::comparison_table(&scores, &comparison),
             report::counted(&scores),
             page.display()
-        )?,
+        )?
     }
     Ok(Outcome::Done)
 }

@@ -8,7 +8,7 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 
 use super::{CommandResult, Outcome};
-use crate::files;
+use scaleproof_core::files;
 
 /// Print what lets a shell complete commands and options
 #[derive(clap::Args)]

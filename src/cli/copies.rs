@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::files::{self, FileError};
+use scaleproof_core::files::{self, FileError};
 
 /// Stands in a JPEG's comment: such a file may be replaced by the next run.
 const MARK: &[u8] = b"drawn by scaleproof";

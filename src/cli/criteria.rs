@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use crate::detect::SCORE_FLOOR;
-use crate::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
-use crate::session::Session;
+use scaleproof_detect::SCORE_FLOOR;
+use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
+use scaleproof_session::session::Session;
 
 /// The definition of AP and the threshold of a hit, by themselves or as a protocol has them.
 #[derive(clap::Args)]
@@ -78,13 +78,14 @@ impl Tables {
             .iter()
             .flat_map(|s| s.photos.iter().map(|p| p.variant.as_str()))
             .collect();
-        match self.base == score::BASE_VARIANT || variants.contains(self.base.as_str()) {
-            true => Ok(()),
-            false => Err(CompareError::NoBase {
+        if self.base == score::BASE_VARIANT || variants.contains(self.base.as_str()) {
+            Ok(())
+        } else {
+            Err(CompareError::NoBase {
                 base: self.base.clone(),
                 variants: variants.into_iter().collect::<Vec<_>>().join(", "),
             }
-            .into()),
+            .into())
         }
     }
 

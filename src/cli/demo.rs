@@ -4,14 +4,15 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome, Result, advice, detectors, locate, print, score};
-use crate::detect::{Manifest, Runtime, WeightFolders};
-use crate::pattern::Pattern;
-use crate::print::paper::{Orientation, Paper};
-use crate::print::printer::Printer;
-use crate::print::template::{Front, LayoutRequest, TemplateRequest};
-use crate::score::{EvaluatedDetector, Options, Scores};
-use crate::session::Session;
-use crate::{files, report};
+use scaleproof_core::files;
+use scaleproof_detect::{Manifest, Runtime, WeightFolders};
+use scaleproof_print::print::paper::{Orientation, Paper};
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::template::{Front, LayoutRequest, TemplateRequest};
+use scaleproof_score::report;
+use scaleproof_score::score::{EvaluatedDetector, Options, Scores};
+use scaleproof_session::session::Session;
+use scaleproof_surface::pattern::Pattern;
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.
 ///

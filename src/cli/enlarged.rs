@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::pattern::Pattern;
-use crate::pattern::enlarged::grid_of;
-use crate::pattern::picture::{Picture, PictureError};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::enlarged::grid_of;
+use scaleproof_surface::pattern::picture::{Picture, PictureError};
 
 /// From here on a pattern is looked at: smaller ones have cells of several pixels by chance or by design.
 const LARGE: u32 = 64;

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::camera::Camera;
-use crate::locate::{Diagnosis, LocatedPhoto, diagnosis, locate_photo, spread};
-use crate::photo::Photo;
-use crate::scene::{Scene, TagFamily};
-use crate::score::{NotScored, ScoreError, Scores};
-use crate::session::Session;
-use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::{Diagnosis, LocatedPhoto, diagnosis, locate_photo, spread};
+use scaleproof_pose::scene::{Scene, TagFamily};
+use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof_score::score::{NotScored, ScoreError, Scores};
+use scaleproof_session::session::Session;
 
 /// Fewer are listed one by one: that is read as fast.
 pub(super) const MOST_LISTED: usize = 3;
@@ -31,9 +31,10 @@ impl LocateFiles {
     /// The one cause for photos that were examined, as a sentence, if there is one.
     pub(super) fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
         let examined: Vec<&LocatedPhoto> = photos.iter().map(|(_, examined)| *examined).collect();
-        let others = match diagnosis::is_without_tags(&examined) {
-            true => self.with_every_family(&photos.iter().map(|(path, _)| *path).collect::<Vec<_>>()),
-            false => Vec::new(),
+        let others = if diagnosis::is_without_tags(&examined) {
+            self.with_every_family(&photos.iter().map(|(path, _)| *path).collect::<Vec<_>>())
+        } else {
+            Vec::new()
         };
         let found = diagnosis::diagnose(&examined, &others, &self.scene)?;
         Some(self.sentence(&found))
@@ -43,7 +44,7 @@ impl LocateFiles {
         found.sentence(&self.scene, &self.scene_file, &self.camera, &self.camera_file)
     }
 
-    /// The same for photos that only have names.
+    /// The one cause for photos that were not kept after they were examined, as a sentence, if there is one: some of them are located again.
     pub(super) fn cause_in_files(&self, photos: &[PathBuf]) -> Option<String> {
         let paths: Vec<&Path> = photos.iter().map(PathBuf::as_path).collect();
         let mut tags = TagDetectorChoice::default().open(&self.scene.families()).ok()?;

@@ -19,7 +19,7 @@ pub(super) fn end_programs_first() {
                 _ = terminate.recv() => 15,
                 _ = hangup.recv() => 1,
             };
-            crate::detect::kill_programs();
+            scaleproof_detect::kill_programs();
             std::process::exit(128 + number);
         });
     });

@@ -11,16 +11,16 @@ use serde::Serialize;
 
 use super::failing_alike::{LocateFiles, MOST_LISTED};
 use super::{CommandResult, Outcome, Result, progress};
-use crate::camera::{Camera, FittedCamera};
-use crate::envelope::EnvelopeShape;
-use crate::geometry::rigid;
-use crate::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
-use crate::photo::{Photo, PhotoError};
-use crate::scene::{Bin, Scene};
-use crate::score::ScoreError;
-use crate::session::Session;
-use crate::tags::{StartError, TagDetector, TagDetectorChoice};
-use crate::{spelling, workers};
+use scaleproof_core::geometry::rigid;
+use scaleproof_core::{spelling, workers};
+use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_pose::camera::{Camera, FittedCamera};
+use scaleproof_pose::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+use scaleproof_pose::scene::{Bin, Scene};
+use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
+use scaleproof_score::score::ScoreError;
+use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_session::session::Session;
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
 ///
@@ -56,7 +56,7 @@ struct OutputLine {
     status: &'static str,
     /// Why there is no pose, as a sentence.
     reason: Option<String>,
-    /// The same as a word for programs.
+    /// Why there is no pose, as a word for programs.
     code: Option<&'static str>,
     azimuth_deg: Option<f64>,
     pitch_deg: Option<f64>,
@@ -219,9 +219,10 @@ fn write_table(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool, out: &m
 /// `all 24 photos`, `23 of 24 photos`.
 fn without_pose(answers: &[PhotoAnswer]) -> String {
     let count = answers.iter().filter(|answer| abstention(answer).is_some()).count();
-    match count == answers.len() {
-        true => format!("all {count} photos"),
-        false => format!("{count} of {} photos", answers.len()),
+    if count == answers.len() {
+        format!("all {count} photos")
+    } else {
+        format!("{count} of {} photos", answers.len())
     }
 }
 

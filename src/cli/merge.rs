@@ -5,8 +5,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, detectors, score as score_command};
-use crate::score::shard::{self, ShardError};
-use crate::{files, report, score};
+use scaleproof_core::files;
+use scaleproof_score::score::shard::{self, ShardError};
+use scaleproof_score::{report, score};
 
 /// Put the shards of `score --shard` together: the same files as one run over all photos writes, byte for byte.
 ///

@@ -20,9 +20,12 @@ pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString])
                 format!("'{command}' does not take '{given}'")
             }
         }),
-        ErrorKind::InvalidSubcommand => text(ContextKind::InvalidSubcommand).map(|given| match left_out(&given) {
-            true => format!("this build has no '{given}', only what the demo needs: `./run {given}` builds the rest"),
-            false => format!("there is no command '{command} {given}'"),
+        ErrorKind::InvalidSubcommand => text(ContextKind::InvalidSubcommand).map(|given| {
+            if left_out(&given) {
+                format!("this build has no '{given}', only what the demo needs: `./run {given}` builds the rest")
+            } else {
+                format!("there is no command '{command} {given}'")
+            }
         }),
         _ => None,
     };

@@ -139,7 +139,7 @@ const ADVICE: &[advice::Advise] = &[
 pub(crate) fn main() -> ExitCode {
     keep_to_ourselves();
     keep_refusals_quiet();
-    crate::workers::memory::keep();
+    scaleproof_core::workers::memory::keep();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     // Results name files in JSON, which is UTF-8.
     if let Some(argument) = arguments.iter().skip(1).find(|argument| argument.to_str().is_none()) {
@@ -224,7 +224,7 @@ fn keep_refusals_quiet() {
     {
         let usual = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |about| {
-            if !crate::whitebox::is_refusing() {
+            if !scaleproof_gradients::is_refusing() {
                 usual(about);
             }
         }));

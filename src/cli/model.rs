@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use crate::mesh::{FaceList, Mesh, MeshError, MeshPlacement};
-use crate::print::template::check_scale;
-use crate::print::wrap::{WrapError, check_size};
-use crate::scene::Scene;
-use crate::spelling::count;
+use scaleproof_core::spelling::count;
+use scaleproof_pose::scene::Scene;
+use scaleproof_print::print::template::check_scale;
+use scaleproof_print::print::wrap::{WrapError, check_size};
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement};
 
 /// The model.
 #[derive(clap::Args)]
@@ -52,7 +52,7 @@ impl ModelArgs {
         self.load_or(None)
     }
 
-    /// The same; without `--mesh` it is the mesh that brings the texture.
+    /// Loads the model; without `--mesh`, the mesh that brings the texture is taken, if there is one.
     pub(crate) fn load_or(&self, textured: Option<&Path>) -> Result<Model, Box<dyn Error>> {
         let scene = self.scene.as_deref().map(Scene::open).transpose()?;
         let file = self.mesh.as_deref().or(textured);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Arg, ArgMatches, Command};
 
-use crate::files;
+use scaleproof_core::files;
 
 /// Options that name an output.
 const OUTPUTS: [&str; 3] = ["output", "report", "definition"];

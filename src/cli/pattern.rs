@@ -12,14 +12,14 @@ use serde_json::json;
 use super::enlarged::{note_enlarged, picture};
 use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
-use crate::files;
-use crate::pattern::fate::{PatternFate, fate};
-use crate::pattern::gamut::PRINTABLE_DELTA_E;
-use crate::pattern::import::{enlarged_pattern, in_cells, rows_for};
-use crate::pattern::picture::Picture;
-use crate::pattern::{Pattern, PatternError, contrast};
-use crate::print::lettering::number;
-use crate::print::printer::PrinterFile;
+use scaleproof_core::files;
+use scaleproof_print::print::lettering::number;
+use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_surface::pattern::fate::{PatternFate, fate};
+use scaleproof_surface::pattern::gamut::PRINTABLE_DELTA_E;
+use scaleproof_surface::pattern::import::{enlarged_pattern, in_cells, rows_for};
+use scaleproof_surface::pattern::picture::Picture;
+use scaleproof_surface::pattern::{Pattern, PatternError, contrast};
 
 /// So many of the worst colours are listed; `--json` has all.
 const LISTED: usize = 8;
@@ -46,7 +46,7 @@ struct RandomArgs {
     /// Cells along each side
     #[arg(long, default_value_t = 16)]
     cells: u32,
-    /// The same seed gives the same pattern everywhere
+    /// Seed of the random colours; one seed gives one pattern everywhere
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The PNG to write, one pixel per cell
@@ -96,7 +96,7 @@ struct Answer {
     distinct_colours: usize,
     /// Between neighbouring cells.
     contrast_delta_e_median: f64,
-    /// The same of the printed cells.
+    /// Between neighbouring cells as printed; `null` without a printer.
     printed_contrast_delta_e_median: Option<f64>,
     /// `null` without a printer.
     print: Option<PatternFate>,

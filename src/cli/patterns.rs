@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::Result;
-use crate::pattern::Pattern;
-use crate::pattern::card::{CardError, tile_mm};
-use crate::pattern::fate::fate;
-use crate::print::printer::PrinterFile;
-use crate::score::WornPattern;
-use crate::session::Session;
+use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_score::score::WornPattern;
+use scaleproof_session::session::Session;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::{CardError, tile_mm};
+use scaleproof_surface::pattern::fate::fate;
 
 /// What is on the model; no figure depends on it.
 #[derive(clap::Args)]

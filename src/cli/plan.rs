@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 
 use super::compare::inside;
 use super::{CommandResult, Outcome, progress};
-use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
-use crate::scene::Scene;
-use crate::score::SequentialPlan;
-use crate::spelling::digits;
-use crate::statistics::FEWEST_CLUSTERS;
-use crate::{files, score, spelling};
+use scaleproof_core::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
+use scaleproof_core::spelling::digits;
+use scaleproof_core::statistics::FEWEST_CLUSTERS;
+use scaleproof_core::{files, spelling};
+use scaleproof_pose::scene::Scene;
+use scaleproof_score::score;
+use scaleproof_score::score::SequentialPlan;
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
 ///

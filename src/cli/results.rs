@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::interrupt;
-use crate::detect::{
+use scaleproof_detect::{
     Manifest, OutsideError, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
     ResultsRequest,
 };
-use crate::score::{EvaluatedDetector, EvaluatedDetectorError, ScoreError};
-use crate::session::Session;
+use scaleproof_score::score::{EvaluatedDetector, EvaluatedDetectorError, ScoreError};
+use scaleproof_session::session::Session;
 
 /// Detections from outside.
 #[derive(Default, clap::Args)]

@@ -45,9 +45,10 @@ pub(super) struct Visible<W>(pub W);
 impl<W: Write> Write for Visible<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let text = String::from_utf8_lossy(bytes);
-        match text.chars().any(is_hidden) {
-            true => self.0.write_all(shown(&text).as_bytes())?,
-            false => self.0.write_all(bytes)?,
+        if text.chars().any(is_hidden) {
+            self.0.write_all(shown(&text).as_bytes())?
+        } else {
+            self.0.write_all(bytes)?
         }
         Ok(bytes.len())
     }
@@ -60,9 +61,10 @@ impl<W: Write> Write for Visible<W> {
 fn shown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len() + 16);
     for c in text.chars() {
-        match is_hidden(c) {
-            true => shown.push_str(&format!("\\u{:04x}", u32::from(c))),
-            false => shown.push(c),
+        if is_hidden(c) {
+            shown.push_str(&format!("\\u{:04x}", u32::from(c)))
+        } else {
+            shown.push(c)
         }
     }
     shown

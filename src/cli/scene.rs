@@ -8,8 +8,8 @@ use serde_json::json;
 
 use super::print::write_json;
 use super::{CommandResult, Outcome, units};
-use crate::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
-use crate::{files, spelling};
+use scaleproof_core::{files, spelling};
+use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 
 /// Make scene files
 #[derive(clap::Args)]

@@ -8,14 +8,15 @@ use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
-use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
-use crate::score::shard::{Run, Shard, ShardId};
-use crate::score::{
+use scaleproof_core::{files, workers};
+use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
+use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_score::report;
+use scaleproof_score::score::shard::{Run, Shard, ShardId};
+use scaleproof_score::score::{
     self, Cache, Corruption, EvaluatedDetector, Options, Ranking, RecordError, Robustness, ScoreError, Scores, Settings,
 };
-use crate::session::Session;
-use crate::tags::TagDetectorChoice;
-use crate::{files, report, workers};
+use scaleproof_session::session::Session;
 
 /// Score detectors on photos: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
 ///
@@ -188,9 +189,10 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let options = args.effort.options_with(&detectors, settings.tags()?)?;
     if let Some(shard) = args.shard {
         let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
-        match args.json {
-            true => writeln!(out, "{}", serde_json::json!({"shard": shard.to_string(), "file": path}))?,
-            false => writeln!(out, "shard {shard}: {}", path.display())?,
+        if args.json {
+            writeln!(out, "{}", serde_json::json!({"shard": shard.to_string(), "file": path}))?
+        } else {
+            writeln!(out, "shard {shard}: {}", path.display())?
         }
         return Ok(Outcome::Done);
     }

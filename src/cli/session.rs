@@ -14,9 +14,9 @@ use clap::Subcommand;
 
 use super::CommandResult;
 use super::sessions::quoted;
-use crate::session::import::SessionImportError;
-use crate::session::{NewSessionError, PhotoEntry};
-use crate::spelling;
+use scaleproof_core::spelling;
+use scaleproof_session::session::import::SessionImportError;
+use scaleproof_session::session::{NewSessionError, PhotoEntry};
 
 /// Make a session of photos that are there already, show what is in one, or export it for other programs.
 #[derive(clap::Args)]

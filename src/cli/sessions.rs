@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::Result;
-use crate::session::folders::{self, Gathered, Listing, PhotoFolder};
-use crate::session::{Session, SessionError};
-use crate::spelling;
+use scaleproof_core::spelling;
+use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
+use scaleproof_session::session::{Session, SessionError};
 
 /// Where photos were taken when nobody says.
 const PLACE: &str = "here";
@@ -129,28 +129,30 @@ impl FolderFiles {
 impl OpenedPhotos {
     /// Refuses what only stored sessions can do: `option` needs files in them.
     pub(super) fn refuse_for_folders(&self, option: &str, is_given: bool) -> Result<(), String> {
-        match is_given && !self.folders.is_empty() {
-            false => Ok(()),
-            true => Err(format!(
+        if is_given && !self.folders.is_empty() {
+            Err(format!(
                 "{option} needs a session, and folders of photos get no files: make one with `scaleproof session new NAME` and the same \
                  folders, --scene and --camera, and name that instead{}",
                 match option {
                     "--recorded" => " (once with --record)",
                     _ => "",
                 }
-            )),
+            ))
+        } else {
+            Ok(())
         }
     }
 
     /// Nothing is written among the user's photos.
     pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
         let real = output.canonicalize();
-        match real.is_ok_and(|real| self.folders.contains(&real)) {
-            false => Ok(()),
-            true => Err(format!(
+        if real.is_ok_and(|real| self.folders.contains(&real)) {
+            Err(format!(
                 "the report would be written among the photos in {}: name another folder with -o",
                 output.display()
-            )),
+            ))
+        } else {
+            Ok(())
         }
     }
 }
@@ -258,8 +260,9 @@ fn pair_of(variant: &str, folder: &Path) -> String {
 /// A word as a shell takes it.
 pub(super) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "._-/=+:,@%".contains(c);
-    match word.chars().all(is_plain) && !word.is_empty() {
-        true => word.to_owned(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
+    if word.chars().all(is_plain) && !word.is_empty() {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
     }
 }

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, advice, print, progress, scene};
-use crate::camera::Camera;
-use crate::print::tags::arrange;
-use crate::scene::{Scene, TagFamily};
-use crate::survey::{
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Scene, TagFamily};
+use scaleproof_print::print::tags::arrange;
+use scaleproof_rig::survey::{
     LeftOutReason, PhotoReport, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey,
 };
 
@@ -157,7 +157,7 @@ struct LeftOutJson {
 }
 
 fn json(found: &Survey) -> SurveyJson<'_> {
-    let tag = |(report, tag): (&TagReport, &crate::scene::Tag)| TagJson {
+    let tag = |(report, tag): (&TagReport, &scaleproof_pose::scene::Tag)| TagJson {
         id: tag.id,
         family: tag.family,
         size_mm: tag.size_mm,

@@ -4,12 +4,12 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use super::model::Model;
-use crate::files;
-use crate::mesh::{FaceList, Mesh, MeshPlacement};
-use crate::pattern::Pattern;
-use crate::pattern::card::{Card, card, says_sides};
-use crate::print::patch::PanelPatch;
-use crate::texture::{
+use scaleproof_core::files;
+use scaleproof_print::print::patch::PanelPatch;
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::{Card, card, says_sides};
+use scaleproof_surface::texture::{
     FaceTexels, Mapped, MappedImages, PlacedPatch, SidePatterns, Texture, TextureError, Tile, check_same_shape,
 };
 
@@ -155,9 +155,10 @@ fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped, Box<dyn Error>> {
     }
     let textured = Mesh::load(path, &MeshPlacement::default())?;
     check_same_shape(&textured, &model.mesh)?;
-    let (textured, paint) = match model.materials.is_empty() {
-        true => (textured, Vec::new()),
-        false => textured.with_paint(&FaceList::of(&model.mesh, &model.materials)),
+    let (textured, paint) = if model.materials.is_empty() {
+        (textured, Vec::new())
+    } else {
+        textured.with_paint(&FaceList::of(&model.mesh, &model.materials))
     };
     Ok(MappedImages::of_mesh(&textured, &paint)?)
 }

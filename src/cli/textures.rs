@@ -14,11 +14,11 @@ use super::print::patch::{PlaceArgs, asked};
 use super::print::write_files;
 use super::texture::{TextureArgs, with_patches};
 use super::{CommandResult, Outcome, progress, units};
-use crate::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
-use crate::files;
-use crate::frames::encode_rgb;
-use crate::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
-use crate::texture::{MappedImages, Texture};
+use scaleproof_core::files;
+use scaleproof_frames::frames::encode_rgb;
+use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
+use scaleproof_surface::texture::{MappedImages, Texture};
+use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
 
 /// What has no colour of its own in a preview.
 const GREY: [u8; 3] = [96; 3];
@@ -197,13 +197,12 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     }
     bar.finish_and_clear();
     let is_one = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    let files = match is_one || files::is_standard_output(&args.output) {
-        true => vec![(args.output.clone(), encode_rgb(&side_by_side(&views)?)?)],
-        false => {
-            let named = azimuths.iter().zip(&views);
-            let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
-            named.map(file).collect::<Result<Vec<_>, Box<dyn Error>>>()?
-        }
+    let files = if is_one || files::is_standard_output(&args.output) {
+        vec![(args.output.clone(), encode_rgb(&side_by_side(&views)?)?)]
+    } else {
+        let named = azimuths.iter().zip(&views);
+        let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
+        named.map(file).collect::<Result<Vec<_>, Box<dyn Error>>>()?
     };
     write_files(&files, &args.painted.inputs())?;
     if args.json {

@@ -1,6 +1,6 @@
 //! Lengths that were probably meant in another unit, or in another order: a note, never a refusal.
 
-use crate::print::lettering::number;
+use scaleproof_print::print::lettering::number;
 
 /// The longest vehicle on a road, an articulated bus, is 25 m long.
 const LONGEST_VEHICLE_MM: f64 = 25_000.0;
@@ -151,7 +151,7 @@ mod tests {
         ] {
             assert_eq!(model_of(class, size, scale), None);
         }
-        let scene = crate::scene::Scene::open(
+        let scene = scaleproof_pose::scene::Scene::open(
             &std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline/scene.toml"),
         );
         let stored = scene.unwrap().model;

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
-use scaleproof::detect::{Manifest, Runtime};
-use scaleproof::whitebox::onnx::OnnxNetwork;
+use scaleproof_detect::{Manifest, Runtime};
+use scaleproof_gradients::onnx::OnnxNetwork;
 
-use crate::tests::common::{home, shared};
+use crate::common::{home, shared};
 
 /// Name, shape and numbers of an output.
 pub type Answered = (String, Vec<usize>, Vec<f32>);

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use scaleproof::camera::Camera;
-use scaleproof::capture::{Capture, Guidance, Judge, Store, Tolerance, usual, viewpoints_of};
-use scaleproof::scene::Scene;
-use scaleproof::tags::TagDetectorChoice;
+use scaleproof_capture::capture::{Capture, Guidance, Judge, Store, Tolerance, usual, viewpoints_of};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::Scene;
+use scaleproof_pose::tags::TagDetectorChoice;
 
-use crate::tests::common::skyline;
+use crate::common::skyline;
 
 /// Of the usual pitch at a distance.
 pub fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {

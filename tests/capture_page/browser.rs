@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-use crate::tests::capture_page::http::Client;
-use crate::tests::common::with_chromium;
+use crate::capture_page::http::Client;
+use crate::common::with_chromium;
 
 /// A browser with one tab; ended when dropped.
 pub struct Browser {

@@ -8,8 +8,8 @@ use std::thread::JoinHandle;
 
 use serde_json::Value;
 
-use crate::tests::capture_page::http::Client;
-use crate::tests::common::{program, skyline};
+use crate::capture_page::http::Client;
+use crate::common::{program, skyline};
 
 /// A capture with a page; killed when dropped.
 pub struct Running {

@@ -8,7 +8,7 @@ use image::{ImageBuffer, Rgb, RgbImage, imageops};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::pattern::colour::Lab;
+use scaleproof_surface::pattern::colour::Lab;
 
 /// Linear light.
 pub type Picture = ImageBuffer<Rgb<f32>, Vec<f32>>;

@@ -4,12 +4,12 @@ use std::convert::Infallible;
 
 use image::{GrayImage, Luma};
 use nalgebra::{Point3, Vector3};
-use scaleproof::camera::Camera;
-use scaleproof::geometry::Rigid;
-use scaleproof::scene::{Scene, Tag, Viewpoint};
-use scaleproof::simulate::looking_at;
-use scaleproof::tags::TagImage;
-use scaleproof::workers;
+use scaleproof_core::geometry::Rigid;
+use scaleproof_core::workers;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
+use scaleproof_pose::simulate::looking_at;
+use scaleproof_pose::tags::TagImage;
 
 /// Rays along each side of a pixel.
 const FINE: u32 = 3;

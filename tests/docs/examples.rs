@@ -4,19 +4,19 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use scaleproof::board::Definition;
-use scaleproof::camera::Camera;
-use scaleproof::capture::Sidecar;
-use scaleproof::detect::{Manifest, ProgramSpec, Recording, Speeds};
-use scaleproof::pattern::Pattern;
-use scaleproof::pattern::card;
-use scaleproof::pattern::palette::Palette;
-use scaleproof::print::printer::PrinterFile;
-use scaleproof::scene::Scene;
-use scaleproof::session::{Session, import};
+use scaleproof_capture::capture::Sidecar;
+use scaleproof_detect::{Manifest, ProgramSpec, Recording, Speeds};
+use scaleproof_pose::board::Definition;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::Scene;
+use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_session::session::{Session, import};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card;
+use scaleproof_surface::pattern::palette::Palette;
 
 use super::markdown::{Block, Page};
-use crate::tests::common;
+use crate::common;
 
 type Read = Result<(), String>;
 
@@ -93,7 +93,7 @@ fn frames(text: &str, at: &Path) -> Read {
             _ => {}
         }
     }
-    said(scaleproof::frames::FrameSet::open(at))
+    said(scaleproof_frames::frames::FrameSet::open(at))
 }
 
 /// `import.json` and `poses.csv` in one example, with a blank line between; the images are made here.
@@ -136,9 +136,10 @@ fn run(command: &[&str], input: &Path, output: &Path) -> Read {
         .arg(output)
         .output()
         .unwrap();
-    match ran.status.success() {
-        true => Ok(()),
-        false => Err(common::stderr(&ran)),
+    if ran.status.success() {
+        Ok(())
+    } else {
+        Err(common::stderr(&ran))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-use crate::tests::common;
+use crate::common;
 
 /// Words of a command, as in `["print", "template"]`, with what its help says.
 pub struct Commands(BTreeMap<Vec<String>, Command>);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::markdown::Page;
 use super::shell::{Kind, kind, script};
-use crate::tests::common;
+use crate::common;
 
 /// What commands of the documentation read.
 const COPIED: [&str; 3] = ["captures", "calibration", "print_templates"];

@@ -4,7 +4,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::tests::common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr};
+use crate::common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr};
 
 fn capture(source: &Path, variant: &str, session: &Path) -> Command {
     let mut command = program();

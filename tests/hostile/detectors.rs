@@ -1,6 +1,6 @@
 //! Manifests and networks of strangers: what they make the program write, what their numbers come to, and how long they hold it up.
 
-use crate::tests::common::onnx;
+use crate::common::onnx;
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 
 use image::RgbImage;
 use onnx::{Input, Output};
-use scaleproof::detect::{DetectError, Detection, Detector, Hints, Manifest, Runtime, propose_within};
-use scaleproof::files::sha256_hex;
+use scaleproof_core::files::sha256_hex;
+use scaleproof_detect::{DetectError, Detection, Detector, Hints, Manifest, Runtime, propose_within};
 
-use crate::tests::common::{assert_refused, program, stderr};
+use crate::common::{assert_refused, program, stderr};
 
 const CONTENT: &[u8] = b"chosen by a stranger";
 

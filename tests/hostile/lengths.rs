@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use image::RgbImage;
-use scaleproof::files::sha256_hex;
-use scaleproof::pattern::{Pattern, card::Card};
+use scaleproof_core::files::sha256_hex;
+use scaleproof_surface::pattern::{Pattern, card::Card};
 
-use crate::tests::common::{assert_refused, program, stderr};
+use crate::common::{assert_refused, program, stderr};
 
 const SCENE: &str = "[model]\nname = \"m\"\nscale = 10\nclass = \"car\"\nsize_mm = [455, 186, 128]\n\
     [bins]\nazimuth_deg = 45\npitch_deg = [0]\ndistance_mm = [900]\n\

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
-use crate::tests::common::{assert_refused, home, program, read_json, skyline, stderr};
-use crate::tests::hostile::bounded;
+use crate::common::{assert_refused, home, program, read_json, skyline, stderr};
+use crate::hostile::bounded;
 
 /// Commands with one output file; `OUT` stands for it.
 const COMMANDS: [&str; 2] = [

@@ -8,12 +8,12 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder, ImageFormat, Luma, RgbImage};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof::photo::Photo;
-use scaleproof::scene::TagFamily;
-use scaleproof::tags::TagDetectorChoice;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::scene::TagFamily;
+use scaleproof_pose::tags::TagDetectorChoice;
 
-use crate::tests::common::{self, home, program, skyline, stderr};
-use crate::tests::hostile::bounded;
+use crate::common::{self, home, program, skyline, stderr};
+use crate::hostile::bounded;
 
 /// A name, its bytes, and words of the sentence about it; no words where an image may be accepted or refused.
 type Case = (&'static str, Vec<u8>, &'static [&'static str]);
@@ -158,7 +158,7 @@ fn a_capture_sees_a_folder_of_hostile_pictures_through() {
 #[test]
 fn score_survives_every_picture_and_refuses_what_locate_refuses() {
     for (name, bytes, words) in cases() {
-        let session = crate::tests::common::copy_of_skyline();
+        let session = crate::common::copy_of_skyline();
         std::fs::write(session.path().join("normal_000.jpg"), bytes).unwrap();
         let out = tempfile::tempdir().unwrap();
         let mut command = program();

@@ -8,10 +8,10 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::tests::capture_page::http::{Request, connect, upload};
-use crate::tests::capture_page::running::Running;
-use crate::tests::common::skyline;
-use crate::tests::hostile::bounded::highest_memory;
+use crate::capture_page::http::{Request, connect, upload};
+use crate::capture_page::running::Running;
+use crate::common::skyline;
+use crate::hostile::bounded::highest_memory;
 
 /// Heads, and the status of the answer; `None` where the connection may also end without one. `{host}` is the server's.
 const REQUESTS: [(&str, Option<u16>); 16] = [

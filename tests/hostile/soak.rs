@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::tests::capture_page::http::{Answer, Client, Request, post, upload};
-use crate::tests::capture_page::running::{Running, capture};
-use crate::tests::common::{self, assert_refused, skyline};
-use crate::tests::hostile::bounded::highest_memory;
+use crate::capture_page::http::{Answer, Client, Request, post, upload};
+use crate::capture_page::running::{Running, capture};
+use crate::common::{self, assert_refused, skyline};
+use crate::hostile::bounded::highest_memory;
 
 /// What an honest answer may take.
 const QUICK_MS: f64 = 200.0;

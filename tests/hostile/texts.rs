@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Output;
 
-use crate::tests::common::{assert_refused, copy_of_skyline, home, program, read_json, skyline};
+use crate::common::{assert_refused, copy_of_skyline, home, program, read_json, skyline};
 
 /// Clears the screen; the same in one byte of C1; text that reads from right to left; a line that overwrites itself.
 const EVIL: &str = "a\u{1b}[2Jb\u{9b}31mc\u{202e}d\re";

@@ -25,7 +25,7 @@ fn square(corners: Vector<Point2f>) -> [[f64; 2]; 4] {
     [0, 1, 2, 3].map(at)
 }
 
-#[cfg(not(opencv_aruco_in_objdetect))]
+scaleproof_pose::before_opencv_4_7! {
 mod of_this_version {
     use opencv::aruco::{
         CharucoBoard, DetectorParameters, detect_markers, detect_markers_def, get_predefined_dictionary_i32,
@@ -71,8 +71,9 @@ mod of_this_version {
         numbered(&numbers, &places)
     }
 }
+}
 
-#[cfg(opencv_aruco_in_objdetect)]
+scaleproof_pose::since_opencv_4_7! {
 mod of_this_version {
     use opencv::objdetect::{
         ArucoDetector, CharucoBoard, CharucoDetector, DetectorParameters, RefineParameters,
@@ -115,6 +116,7 @@ mod of_this_version {
         detector.detect_board_def(picture, &mut places, &mut numbers).unwrap();
         numbered(&numbers, &places)
     }
+}
 }
 
 fn numbered(numbers: &Vector<i32>, places: &Vector<Point2f>) -> Vec<(u32, [f64; 2])> {

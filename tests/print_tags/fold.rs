@@ -3,9 +3,9 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use scaleproof::print::sheet::{Mark, Sheet};
-use scaleproof::print::tags::arrange;
-use scaleproof::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily};
+use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily};
+use scaleproof_print::print::sheet::{Mark, Sheet};
+use scaleproof_print::print::tags::arrange;
 
 use super::paper::Mm;
 

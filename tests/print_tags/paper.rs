@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use image::GrayImage;
-use scaleproof::scene::TagFamily;
-use scaleproof::tags::{AprilTagC, TagDetector};
+use scaleproof_pose::scene::TagFamily;
+use scaleproof_pose::tags::{AprilTagC, TagDetector};
 
-use crate::tests::common::pictured;
+use crate::common::pictured;
 
 /// The short and the long side of A4.
 pub const A4: (f64, f64) = (210.0, 297.0);

@@ -3,8 +3,8 @@
 #![allow(dead_code)] // each test file uses its part
 
 use image::{Rgb, RgbImage};
-use scaleproof::pattern::Pattern;
-use scaleproof::print::template::{SheetLayout, SheetPlan};
+use scaleproof_print::print::template::{SheetLayout, SheetPlan};
+use scaleproof_surface::pattern::Pattern;
 
 /// How far from its nominal place an edge is looked for.
 const REACH_MM: f64 = 0.42;

@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use image::RgbImage;
-use scaleproof::pattern::Pattern;
-use scaleproof::print::paper::{Orientation, Paper};
-use scaleproof::print::printer::Printer;
-use scaleproof::print::template::LayoutRequest;
+use scaleproof_print::print::paper::{Orientation, Paper};
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::template::LayoutRequest;
+use scaleproof_surface::pattern::Pattern;
 
-use crate::tests::common::pictured;
+use crate::common::pictured;
 
 pub fn scaleproof(command: &str) -> Output {
-    Command::new(crate::tests::common::built())
+    Command::new(crate::common::built())
         .args(command.split(' '))
         .output()
         .unwrap()

@@ -16,13 +16,13 @@ use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma};
 use rand::rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::board::Definition;
-use scaleproof::calibrate;
-use scaleproof::camera::Camera;
-use scaleproof::locate::locate;
-use scaleproof::photo::Photo;
-use scaleproof::scene::{Scene, TagFamily};
-use scaleproof::tags::{TagDetector, TagDetectorChoice};
+use scaleproof_pose::board::Definition;
+use scaleproof_rig::calibrate;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::locate;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::scene::{Scene, TagFamily};
+use scaleproof_pose::tags::{TagDetector, TagDetectorChoice};
 
 /// Sides of the small pictures, px.
 const SIDES: std::ops::RangeInclusive<u32> = 1..=64;
@@ -286,7 +286,7 @@ fn tag_detectors(is_few: bool) -> Vec<Box<dyn TagDetector>> {
     detectors
 }
 
-/// As `src/tags/apriltag_c.rs` sets it up.
+/// As `crates/pose/src/tags/apriltag_c.rs` sets it up.
 fn c_detector(family: TagFamily) -> Detector {
     let family = match family {
         TagFamily::Tag16h5 => Family::tag_16h5(),

@@ -2,16 +2,16 @@
 
 use std::error::Error;
 
-use crate::attack::evaluate::EvaluateError;
-use crate::attack::run::RunError;
 use crate::cli::results;
-use crate::frames::render::RenderError;
-use crate::surrogate::additive::AdditiveError;
-use crate::surrogate::chart::SurrogateChartError;
+use scaleproof_attack::evaluate::EvaluateError;
+use scaleproof_attack::run::RunError;
+use scaleproof_frames::frames::render::RenderError;
+use scaleproof_frames::surrogate::additive::AdditiveError;
+use scaleproof_frames::surrogate::chart::SurrogateChartError;
 #[cfg(feature = "attack")]
-use crate::surrogate::dtn::DtnError;
-use crate::whitebox::WhiteBoxError;
-use crate::whitebox::device::DeviceError;
+use scaleproof_frames::surrogate::dtn::DtnError;
+use scaleproof_gradients::WhiteBoxError;
+use scaleproof_gradients::device::DeviceError;
 
 /// The option that helps.
 pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {

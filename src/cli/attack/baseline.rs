@@ -9,20 +9,20 @@ use clap::Subcommand;
 use super::on_frames::{OnFrames, cells_of};
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::baseline::patches::{PlacedPatch, is_seen, paint};
-use crate::attack::baseline::{self, BlackBox, genetic};
-use crate::attack::run::augmentation::Eot;
-use crate::attack::run::history::Entry;
-use crate::attack::run::judge::{HeldOutFigures, judge, judge_images};
-use crate::attack::run::view_set::{TextureMapping, ViewSet};
-use crate::attack::run::{Rgb, RunError, checkpoint, of_pattern, srgb};
-use crate::attack::setup::Setup;
 use crate::cli::print::patch::{self, PlaceArgs};
-use crate::files;
-use crate::frames::FrameSet;
-use crate::pattern::Pattern;
+use scaleproof_attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use scaleproof_attack::baseline::{self, BlackBox, genetic};
+use scaleproof_attack::run::augmentation::Eot;
+use scaleproof_attack::run::history::Entry;
+use scaleproof_attack::run::judge::{HeldOutFigures, judge, judge_images};
+use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof_attack::run::{Rgb, RunError, checkpoint, of_pattern, srgb};
+use scaleproof_attack::setup::Setup;
+use scaleproof_core::files;
+use scaleproof_frames::frames::FrameSet;
 #[cfg(feature = "attack")]
-use crate::whitebox::device::DeviceKind;
+use scaleproof_gradients::device::DeviceKind;
+use scaleproof_surface::pattern::Pattern;
 
 /// Make the patterns an attack must beat, and judge them by the same views
 #[derive(clap::Args)]
@@ -156,9 +156,10 @@ fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> 
 /// What is found without a search keeps no checkpoint, so one in the folder is another result's.
 fn refuse_other_results(on: &OnFrames) -> Result<(), String> {
     let path = on.output.join(checkpoint::FILE);
-    match path.exists() {
-        true => Err(format!("{} is of another run: give another folder", path.display())),
-        false => Ok(()),
+    if path.exists() {
+        Err(format!("{} is of another run: give another folder", path.display()))
+    } else {
+        Ok(())
     }
 }
 
@@ -292,8 +293,8 @@ fn painted(
 
 fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
-    asked.iter().try_for_each(crate::print::patch::check)?;
-    let of = |patch: crate::print::patch::PanelPatch| PlacedPatch {
+    asked.iter().try_for_each(scaleproof_print::print::patch::check)?;
+    let of = |patch: scaleproof_print::print::patch::PanelPatch| PlacedPatch {
         image: patch.image.pixels().clone(),
         side: patch.side,
         at_mm: patch.at_mm,

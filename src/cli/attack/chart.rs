@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::files;
-use crate::frames::{FrameSet, views};
-use crate::surrogate::chart::{draw, draw_training, measure, numbers, table};
-use crate::surrogate::renderer::NeuralRenderer;
+use scaleproof_core::files;
+use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};
+use scaleproof_frames::surrogate::renderer::NeuralRenderer;
 
 /// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
@@ -67,7 +67,7 @@ pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
 
 #[cfg(feature = "attack")]
 fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn NeuralRenderer>>, Box<dyn std::error::Error>> {
-    use crate::surrogate::dtn::file;
+    use scaleproof_frames::surrogate::dtn::file;
     let device = args.on.device.open()?;
     let open = |path: &PathBuf| {
         let network = file::load(path)?.network(device.clone())?;

@@ -10,9 +10,9 @@ use rand_pcg::Pcg32;
 
 use super::CommandResult;
 use super::render::hex;
-use crate::files;
-use crate::frames::{FrameSet, LIST, light};
-use crate::surrogate::additive::recoloured;
+use scaleproof_core::files;
+use scaleproof_frames::frames::{FrameSet, LIST, light};
+use scaleproof_frames::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
@@ -64,8 +64,9 @@ fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
             colours.push(rgb);
         }
     }
-    match colours.is_empty() {
-        true => Err("no colours were given: give --flat, --random, or both".into()),
-        false => Ok(colours),
+    if colours.is_empty() {
+        Err("no colours were given: give --flat, --random, or both".into())
+    } else {
+        Ok(colours)
     }
 }

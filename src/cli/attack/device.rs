@@ -1,6 +1,6 @@
 //! `--device` of the commands that run networks.
 
-use crate::whitebox::device::DeviceKind;
+use scaleproof_gradients::device::DeviceKind;
 
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub(super) struct OnDevice {

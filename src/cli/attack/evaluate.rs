@@ -8,20 +8,21 @@ use super::detectors::{self, Folder};
 use super::render::{MESH, azimuths, cache, hex, named, size, textured, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
-use crate::attack::evaluate::{EvaluateError, RenderedSet};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::{at_hand, patterns};
-use crate::detect::Manifest;
-use crate::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
-use crate::pattern::Pattern;
-use crate::scene::Classes;
-use crate::score::{
+use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
+use scaleproof_core::files;
+use scaleproof_detect::Manifest;
+use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
+use scaleproof_pose::scene::Classes;
+use scaleproof_score::report;
+use scaleproof_score::score::{
     ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
 };
-use crate::session::Session;
-use crate::{files, report};
+use scaleproof_session::session::Session;
+use scaleproof_surface::pattern::Pattern;
 
 /// Judge patterns on the model: render them at the paper's viewpoints under other lights, and score the detectors on the photos
 ///
@@ -216,9 +217,10 @@ impl EvaluateArgs {
     /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
     fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>), Box<dyn Error>> {
         let (networks, programs) = self.programs.among(&self.detectors)?;
-        let manifests = match networks.is_empty() && !programs.is_empty() {
-            true => Vec::new(),
-            false => detectors::present(&networks, &self.folder.folders()?)?,
+        let manifests = if networks.is_empty() && !programs.is_empty() {
+            Vec::new()
+        } else {
+            detectors::present(&networks, &self.folder.folders()?)?
         };
         for manifest in &manifests {
             manifest.counted(self.class.labels())?;

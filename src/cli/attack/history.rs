@@ -6,14 +6,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome};
-use crate::attack::evaluate::finished::figures_of;
-use crate::attack::evaluate::time_chart::{self, RenderedRun};
-use crate::attack::result;
-use crate::attack::run::history::{History, draw};
 use crate::cli::print::card_fault;
-use crate::files;
-use crate::pattern::Pattern;
-use crate::pattern::card::{self, CardError};
+use scaleproof_attack::evaluate::finished::figures_of;
+use scaleproof_attack::evaluate::time_chart::{self, RenderedRun};
+use scaleproof_attack::result;
+use scaleproof_attack::run::history::{History, draw};
+use scaleproof_core::files;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::{self, CardError};
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]

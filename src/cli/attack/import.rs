@@ -10,10 +10,10 @@ use super::render::hex;
 use super::{CommandResult, progress};
 use crate::cli::model::ModelArgs;
 use crate::cli::print::NewFile;
-use crate::files;
-use crate::frames::import::fca::{self, FcaRequest};
-use crate::frames::import::import;
-use crate::frames::{FramePaint, LIST};
+use scaleproof_core::files;
+use scaleproof_frames::frames::import::fca::{self, FcaRequest};
+use scaleproof_frames::frames::import::import;
+use scaleproof_frames::frames::{FramePaint, LIST};
 
 /// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]

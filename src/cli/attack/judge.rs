@@ -11,14 +11,14 @@ use serde_json::json;
 use super::on_frames::{Looking, pattern_of};
 use super::render::{hex, named};
 use super::{CommandResult, Outcome, progress};
-use crate::attack::run::augmentation::{Augmentation, Eot};
-use crate::attack::run::judge::{SeenByDetector, look};
-use crate::attack::run::{Rgb, of_pattern, srgb};
-use crate::attack::setup::Setup;
-use crate::pattern::Pattern;
-use crate::scene::Viewpoint;
-use crate::spelling::count;
-use crate::statistics::intervals_95;
+use scaleproof_attack::run::augmentation::{Augmentation, Eot};
+use scaleproof_attack::run::judge::{SeenByDetector, look};
+use scaleproof_attack::run::{Rgb, of_pattern, srgb};
+use scaleproof_attack::setup::Setup;
+use scaleproof_core::spelling::count;
+use scaleproof_core::statistics::intervals_95;
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_surface::pattern::Pattern;
 
 /// What detectors make of patterns on every view of frames, predicted and not rendered: a minute's look before `attack evaluate`
 #[derive(clap::Args)]

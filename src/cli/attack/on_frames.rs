@@ -9,12 +9,6 @@ use serde_json::json;
 
 use super::device::OnDevice;
 use super::progress;
-use crate::attack::result;
-use crate::attack::run::augmentation::Eot;
-use crate::attack::run::history::{Entry, History, TILES_MM};
-use crate::attack::run::view_set::TextureMapping;
-use crate::attack::run::{AttackConfig, Rgb};
-use crate::attack::setup::Setup;
 use crate::cli::choice::one_of;
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
@@ -22,18 +16,24 @@ use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
 use crate::cli::results::Programs;
-use crate::detect::{Manifest, ProgramDetector};
-use crate::files;
-use crate::frames::{FrameSet, views};
-use crate::pattern::card::{self, CardError};
-use crate::pattern::{MAX_CELLS, Pattern, PatternError};
-use crate::scene::Classes;
-use crate::spelling::count;
-use crate::whitebox::WhiteBox;
+use scaleproof_attack::result;
+use scaleproof_attack::run::augmentation::Eot;
+use scaleproof_attack::run::history::{Entry, History, TILES_MM};
+use scaleproof_attack::run::view_set::TextureMapping;
+use scaleproof_attack::run::{AttackConfig, Rgb};
+use scaleproof_attack::setup::Setup;
+use scaleproof_core::files;
+use scaleproof_core::spelling::count;
+use scaleproof_detect::{Manifest, ProgramDetector};
+use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_gradients::WhiteBox;
 #[cfg(feature = "attack")]
-use crate::whitebox::detector::OnnxDetector;
-use crate::whitebox::device::DeviceKind;
-use crate::whitebox::program::ProgramWhiteBox;
+use scaleproof_gradients::detector::OnnxDetector;
+use scaleproof_gradients::device::DeviceKind;
+use scaleproof_gradients::program::ProgramWhiteBox;
+use scaleproof_pose::scene::Classes;
+use scaleproof_surface::pattern::card::{self, CardError};
+use scaleproof_surface::pattern::{MAX_CELLS, Pattern, PatternError};
 
 /// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons.md).
 const TILE_MM: f64 = 118.0;
@@ -76,7 +76,7 @@ pub(super) struct Looking {
     pub json: bool,
 }
 
-/// The same, to make a pattern.
+/// What looks at what, and the pattern to be made: its cells, its seed and its folder.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct OnFrames {
     #[command(flatten)]
@@ -84,7 +84,7 @@ pub(super) struct OnFrames {
     /// Cells along each side [default: 24; of a pattern that is there already, its own]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
     pub cells: Option<u32>,
-    /// The same seed gives the same pattern
+    /// Seed of what is random; one seed gives one pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Folder for the pattern, its card and its history; an interrupted run there is gone on with
@@ -106,7 +106,8 @@ impl Looking {
         self.tile_mm.unwrap_or(TILE_MM)
     }
 
-    /// The same, of patterns that are there already: as asked for, else as their cards say. Those without a card are repeated as the others are.
+    /// Width of one repeat of patterns that are there already, mm: as asked for, else as their cards say. Those without a card are repeated as
+    /// the others are.
     ///
     /// # Errors
     /// Cards that say different widths; a damaged card, or one of another pattern.
@@ -175,7 +176,7 @@ impl OnFrames {
         self.looking.open(self.cells(), differentiates, eot)
     }
 
-    /// The same method may be done again; what another one found, or nobody knows, is not replaced.
+    /// Refuses a folder with what another method found, or with a pattern of unknown origin; what this method made may be made again.
     fn refuse_other_methods(&self, method: &str) -> Result<(), String> {
         match History::load(&self.output) {
             Ok(held) if held.method != method => Err(format!(
@@ -194,14 +195,15 @@ impl OnFrames {
     /// The sides' patterns lie below each other in one file.
     fn check_cells(&self) -> Result<(), String> {
         let [_, rows] = self.mapping.grid(self.cells());
-        match rows > MAX_CELLS {
-            true => Err(format!(
+        if rows > MAX_CELLS {
+            Err(format!(
                 "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
                 self.cells(),
                 self.mapping.name(),
                 MAX_CELLS * self.cells() / rows
-            )),
-            false => Ok(()),
+            ))
+        } else {
+            Ok(())
         }
     }
 
@@ -298,13 +300,14 @@ pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) ->
 }
 
 fn check_tile(tile_mm: f64) -> Result<(), String> {
-    match TILES_MM.contains(&tile_mm) {
-        true => Ok(()),
-        false => Err(format!(
+    if TILES_MM.contains(&tile_mm) {
+        Ok(())
+    } else {
+        Err(format!(
             "--tile-mm is {tile_mm}: give the width of one repeat on the model, {} to {} mm",
             TILES_MM.start(),
             TILES_MM.end()
-        )),
+        ))
     }
 }
 
@@ -318,15 +321,16 @@ pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
 /// The pattern of a file, which must be square.
 pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
     let pattern = pattern_of(path)?;
-    match pattern.columns() == pattern.rows() {
-        true => Ok(pattern),
-        false => Err(format!(
+    if pattern.columns() == pattern.rows() {
+        Ok(pattern)
+    } else {
+        Err(format!(
             "{} has {}×{} cells; the attack's baselines are square",
             path.display(),
             pattern.columns(),
             pattern.rows()
         )
-        .into()),
+        .into())
     }
 }
 

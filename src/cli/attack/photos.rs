@@ -9,13 +9,13 @@ use serde_json::{Value, json};
 
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::files;
-use crate::frames::photos::sessions::{
+use scaleproof_core::files;
+use scaleproof_frames::frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
 };
-use crate::frames::photos::{LeftOutPhoto, PhotoFrames, PhotoFramesRequest, PhotoView, make};
-use crate::frames::{LIST, light};
-use crate::session::Session;
+use scaleproof_frames::frames::photos::{LeftOutPhoto, PhotoFrames, PhotoFramesRequest, PhotoView, make};
+use scaleproof_frames::frames::{LIST, light};
+use scaleproof_session::session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view
 ///
@@ -90,15 +90,16 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     }
     files::replace_all_atomically(&made.files)?;
     let list = args.output.join(LIST);
-    match args.json {
-        true => writeln!(out, "{}", summary(&list, &made, &left_out))?,
-        false => writeln!(
+    if args.json {
+        writeln!(out, "{}", summary(&list, &made, &left_out))?
+    } else {
+        writeln!(
             out,
             "{}: {} frames of {} views",
             list.display(),
             made.frames,
             made.views.len()
-        )?,
+        )?
     }
     Ok(Outcome::Done)
 }

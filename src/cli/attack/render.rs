@@ -7,17 +7,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{CommandResult, progress};
-use crate::bake::TriangleImage;
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::texture::load_texture;
-use crate::frames::render::{
+use scaleproof_core::geometry::angle::wrap_360;
+use scaleproof_frames::frames::render::{
     Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, check_folder, render,
 };
-use crate::frames::{FrameSet, FramesError, LIST, light};
-use crate::geometry::angle::wrap_360;
-use crate::pattern::Pattern;
-use crate::scene::Viewpoint;
+use scaleproof_frames::frames::{FrameSet, FramesError, LIST, light};
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_wrap::bake::TriangleImage;
 
 /// What `--mesh` is to commands that render it.
 pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply";
@@ -85,7 +85,7 @@ pub(super) struct RenderArgs {
 pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     let plan = RenderPlan::new(args.request()?)?;
     check_folder(&args.output)?;
-    crate::files::check_writable(&args.output)?;
+    scaleproof_core::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
     let bar = progress::frames("rendering", plan.frames().len());
     let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
@@ -108,7 +108,7 @@ fn note_unusable(folder: &Path) -> Result<(), FramesError> {
 
 /// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
 pub(super) fn cache() -> PathBuf {
-    match crate::files::environment::variable("SCALEPROOF_HOME") {
+    match scaleproof_core::files::environment::variable("SCALEPROOF_HOME") {
         Some(home) => Path::new(&home).join(".cache"),
         None => dirs::cache_dir().unwrap_or_else(std::env::temp_dir).join("scaleproof"),
     }

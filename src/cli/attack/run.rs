@@ -8,17 +8,17 @@ use clap::builder::PossibleValuesParser;
 
 use super::on_frames::{OnFrames, pattern_of};
 use super::{CommandResult, Outcome, progress};
-use crate::attack::run::augmentation::Eot;
-use crate::attack::run::history::Entry;
-use crate::attack::run::printer::PrinterMap;
-use crate::attack::run::weights::Against;
-use crate::attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_image};
-use crate::attack::setup::Setup;
 use crate::cli::choice::one_of;
-use crate::files;
-use crate::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
-use crate::print::printer::PrinterFile;
-use crate::whitebox::Boxes;
+use scaleproof_attack::run::augmentation::Eot;
+use scaleproof_attack::run::history::Entry;
+use scaleproof_attack::run::printer::PrinterMap;
+use scaleproof_attack::run::weights::Against;
+use scaleproof_attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_image};
+use scaleproof_attack::setup::Setup;
+use scaleproof_core::files;
+use scaleproof_gradients::Boxes;
+use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 
 /// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
 #[derive(clap::Args)]

@@ -10,12 +10,12 @@ use super::device::OnDevice;
 use super::on_frames::open_frames;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::files;
-use crate::frames::views;
-use crate::surrogate::dtn::data::TrainingSet;
-use crate::surrogate::dtn::run::{TrainingBudget, train};
-use crate::surrogate::dtn::training::{Trainer, TrainingPlan};
-use crate::surrogate::dtn::{Architecture, Encoder, LEAST_WIDTH_PX, Transformer, file};
+use scaleproof_core::files;
+use scaleproof_frames::frames::views;
+use scaleproof_frames::surrogate::dtn::data::TrainingSet;
+use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
+use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
+use scaleproof_frames::surrogate::dtn::{Architecture, Encoder, LEAST_WIDTH_PX, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
 #[derive(clap::Args)]
@@ -94,9 +94,10 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         ));
     })?;
     bar.finish_and_clear();
-    match args.json {
-        true => writeln!(out, "{}", summary(args, &trainer, &set))?,
-        false => table(args, &trainer, &set, out)?,
+    if args.json {
+        writeln!(out, "{}", summary(args, &trainer, &set))?
+    } else {
+        table(args, &trainer, &set, out)?
     }
     Ok(Outcome::Done)
 }

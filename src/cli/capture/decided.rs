@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use super::super::compare::inside;
 use super::super::results::{Programs, Results};
 use super::super::{Result, at_hand, detectors, score as score_command};
-use crate::capture::{Guidance, Target};
-use crate::report;
-use crate::score::{self, ClusteredBy, CompareError, EvaluatedDetector, Options, SequentialFinding};
-use crate::session::Session;
+use scaleproof_capture::capture::{Guidance, Target};
+use scaleproof_score::report;
+use scaleproof_score::score::{self, ClusteredBy, CompareError, EvaluatedDetector, Options, SequentialFinding};
+use scaleproof_session::session::Session;
 
 /// When a capture may end before every view is there.
 #[derive(clap::Args)]
@@ -54,11 +54,13 @@ impl Args {
             )
             .into());
         }
-        let is_base =
-            |photo: &crate::session::PhotoEntry| photo.variant == self.base && photo.place.as_deref() == Some(place);
-        let session = match folder.join("session.json").exists() {
-            true => Some(Session::open(&folder)?).filter(|session| session.photos.iter().any(is_base)),
-            false => None,
+        let is_base = |photo: &scaleproof_session::session::PhotoEntry| {
+            photo.variant == self.base && photo.place.as_deref() == Some(place)
+        };
+        let session = if folder.join("session.json").exists() {
+            Some(Session::open(&folder)?).filter(|session| session.photos.iter().any(is_base))
+        } else {
+            None
         };
         let Some(session) = session else {
             return Err(format!(

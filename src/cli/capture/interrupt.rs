@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use crate::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
+use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
 
 /// What a source gave, and what its camera is set to.
 type SourceItem = Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>;

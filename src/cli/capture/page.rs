@@ -6,10 +6,10 @@ use std::io::{IsTerminal, Write};
 
 use super::decided::{Question, Standing};
 use super::terminal::TerminalLog;
-use crate::capture::{Capture, FrameSource, Guidance};
 use crate::cli::Result;
-use crate::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError, PairsSoFar};
-use crate::scene::Scene;
+use scaleproof_capture::capture::{Capture, FrameSource, Guidance};
+use scaleproof_capture::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError, PairsSoFar};
+use scaleproof_pose::scene::Scene;
 
 /// The page in a browser.
 #[derive(clap::Args)]
@@ -27,9 +27,10 @@ pub(super) struct Args {
 
 /// Says where the page is: the address for answers, what concerns people beside it.
 pub(super) fn introduce(page: &Page, json: bool, out: &mut dyn Write) -> std::io::Result<()> {
-    match json {
-        true => writeln!(out, "{}", serde_json::json!({ "page": page.address }))?,
-        false => writeln!(out, "page: {}", page.address)?,
+    if json {
+        writeln!(out, "{}", serde_json::json!({ "page": page.address }))?
+    } else {
+        writeln!(out, "page: {}", page.address)?
     }
     out.flush()?;
     if let Some(lan) = &page.lan {
@@ -42,9 +43,10 @@ fn invite(lan: &Lan) {
     // Dark on light whatever the terminal's colours are: not every phone reads a code that is light on dark.
     let is_terminal = std::io::stderr().is_terminal();
     for line in lan.code.lines() {
-        match is_terminal {
-            true => eprintln!("\x1b[30;107m{line}\x1b[0m"),
-            false => eprintln!("{line}"),
+        if is_terminal {
+            eprintln!("\x1b[30;107m{line}\x1b[0m")
+        } else {
+            eprintln!("{line}")
         }
     }
     say!("phone: {}", lan.address);
@@ -89,7 +91,7 @@ pub(super) fn follow(
 
 /// What the page shows of the pairs.
 fn shown(standing: &Standing, guidance: &Guidance) -> PairsSoFar {
-    let is_next = |target: &crate::capture::Target| {
+    let is_next = |target: &scaleproof_capture::capture::Target| {
         let next = standing.next.as_ref();
         target.photo.is_none() && next.is_some_and(|next| next.viewpoint == target.viewpoint)
     };

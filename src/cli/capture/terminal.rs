@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use super::decided::Standing;
 use super::name;
-use crate::capture::{Advice, CameraSettings, FrameAnswer, Guidance, Measures};
-use crate::scene::{Bin, Viewpoint};
+use scaleproof_capture::capture::{Advice, CameraSettings, FrameAnswer, Guidance, Measures};
+use scaleproof_pose::scene::{Bin, Viewpoint};
 
 /// One line of `--json` for a frame.
 #[derive(Serialize)]
@@ -61,16 +61,13 @@ impl TerminalLog<'_> {
     /// What the pairs say so far, and where to go next.
     pub(super) fn standing(&mut self, standing: &Standing) -> io::Result<()> {
         let next = standing.next.as_ref().filter(|_| !standing.is_decided);
-        match self.json {
-            true => {
-                let (is_decided, next) = (standing.is_decided, next.map(|target| target.bin));
-                let line = serde_json::json!({ "pairs": standing.sentence, "decided": is_decided, "next": next });
-                writeln!(self.out, "{line}")?;
-            }
-            false => {
-                let next = next.map_or_else(String::new, |target| format!("; tells most next: {}", name(target)));
-                writeln!(self.out, "  {}{next}", standing.sentence)?;
-            }
+        if self.json {
+            let (is_decided, next) = (standing.is_decided, next.map(|target| target.bin));
+            let line = serde_json::json!({ "pairs": standing.sentence, "decided": is_decided, "next": next });
+            writeln!(self.out, "{line}")?;
+        } else {
+            let next = next.map_or_else(String::new, |target| format!("; tells most next: {}", name(target)));
+            writeln!(self.out, "  {}{next}", standing.sentence)?;
         }
         self.out.flush()
     }
@@ -81,9 +78,10 @@ impl TerminalLog<'_> {
     }
 
     pub(super) fn taken_back(&mut self, photo: &str) -> io::Result<()> {
-        match self.json {
-            true => writeln!(self.out, "{}", serde_json::json!({ "taken_back": photo }))?,
-            false => writeln!(self.out, "taken back: {photo}")?,
+        if self.json {
+            writeln!(self.out, "{}", serde_json::json!({ "taken_back": photo }))?
+        } else {
+            writeln!(self.out, "taken back: {photo}")?
         }
         self.out.flush()
     }

@@ -5,10 +5,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{CommandResult, Outcome, Result, advice};
-use crate::detect::{
-    self, Family, Hints, Labels, Manifest, ProposalNote, ProposeError, Runtime, WeightFolders, propose,
+use scaleproof_core::files;
+use scaleproof_detect::{
+    self as detect, Family, Hints, Labels, Manifest, ProposalNote, ProposeError, Runtime, WeightFolders, propose,
 };
-use crate::files;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -168,9 +168,10 @@ fn weights(model: &Path, manifest: &Path) -> String {
         folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
     };
     let file = model.file_name().map(Path::new).unwrap_or(model);
-    let seen = match folder(model) == folder(manifest) {
-        true => file.to_owned(),
-        false => folder(model).join(file),
+    let seen = if folder(model) == folder(manifest) {
+        file.to_owned()
+    } else {
+        folder(model).join(file)
     };
     seen.to_string_lossy().into_owned()
 }

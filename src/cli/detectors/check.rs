@@ -9,10 +9,10 @@ use super::{Looking, drawn};
 use crate::cli::Result;
 use crate::cli::copies::CopiesError;
 use crate::cli::{CommandResult, Outcome};
-use crate::detect::{Detection, Detector, Manifest, Runtime};
-use crate::files;
-use crate::geometry::BoxPx;
-use crate::photo::Photo;
+use scaleproof_core::files;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_detect::{Detection, Detector, Manifest, Runtime};
+use scaleproof_photo::photo::Photo;
 
 #[derive(clap::Args)]
 pub(super) struct Args {

@@ -6,8 +6,8 @@ use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 
 use crate::cli::copies::{self, CopiesError};
-use crate::draw::{self, LabelAnchor, Lettering, Pen};
-use crate::geometry::BoxPx;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_photo::draw::{self, LabelAnchor, Lettering, Pen};
 
 const JPEG_QUALITY: u8 = 90;
 

@@ -7,7 +7,7 @@ mod registry;
 mod speed;
 mod validate;
 
-pub(crate) use crate::detect::choose as chosen;
+pub(crate) use scaleproof_detect::choose as chosen;
 
 use std::error::Error;
 use std::io::Write;
@@ -17,13 +17,13 @@ use clap::Subcommand;
 
 use crate::cli::{CommandResult, Outcome, Result, advice, progress};
 #[cfg(feature = "full")]
-use crate::detect::FetchError;
-use crate::detect::{
-    self, Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError, registered,
-    registered_names,
+use scaleproof_detect::FetchError;
+use scaleproof_detect::{
+    self as detect, Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError,
+    registered, registered_names,
 };
-use crate::photo::Photo;
-use crate::score::EvaluatedDetectorError;
+use scaleproof_photo::photo::Photo;
+use scaleproof_score::score::EvaluatedDetectorError;
 
 /// List, fetch, try out and add object detectors.
 #[derive(clap::Args)]
@@ -227,9 +227,10 @@ fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
     let folders = WeightFolders::new(args.folder.weights_folder);
     for manifest in chosen(&args.names)? {
         let path = fetch_one(&manifest, &folders)?;
-        match args.json {
-            true => writeln!(out, "{}", serde_json::json!({ "name": manifest.name, "path": path }))?,
-            false => writeln!(out, "{:<14} {}", manifest.name, path.display())?,
+        if args.json {
+            writeln!(out, "{}", serde_json::json!({ "name": manifest.name, "path": path }))?
+        } else {
+            writeln!(out, "{:<14} {}", manifest.name, path.display())?
         }
     }
     Ok(Outcome::Done)
@@ -268,8 +269,9 @@ pub(super) fn present(names: &[String], folders: &WeightFolders) -> Result<Vec<M
     if names.is_empty() {
         manifests.retain(|m| folders.find(m).is_some());
     }
-    match manifests.is_empty() {
-        true => Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into()),
-        false => Ok(manifests),
+    if manifests.is_empty() {
+        Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into())
+    } else {
+        Ok(manifests)
     }
 }

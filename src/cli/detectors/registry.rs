@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::{Folder, chosen};
 use crate::cli::{CommandResult, Outcome};
-use crate::detect;
+use scaleproof_detect as detect;
 
 #[derive(clap::Args)]
 pub(super) struct RegisterArgs {

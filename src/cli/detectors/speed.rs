@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::Looking;
 use crate::cli::{CommandResult, Outcome, Result};
-use crate::detect::{Speed, Speeds};
+use scaleproof_detect::{Speed, Speeds};
 
 /// Time every detector whose weights are present, one thread, and keep the times in a file for `score --speed`.
 ///

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::{Folder, present};
 use crate::cli::{CommandResult, Outcome, Result, progress};
-use crate::detect::Manifest;
-use crate::score::{Averages, LabelledPhotos, feedings};
+use scaleproof_detect::Manifest;
+use scaleproof_score::score::{Averages, LabelledPhotos, feedings};
 
 /// Score labelled photos and put the AP beside the published one; where they differ, say what explains it.
 ///
@@ -101,9 +101,10 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let is_as_published =
         set.unknown.is_empty() && published_ap.is_some_and(|ap| (averages.ap_50_95 - ap).abs() <= CLOSE);
     let [boxes, labels] = set.counts();
-    let trials = match is_as_published {
-        true => None,
-        false => Some(trials(&manifest, &set.sample(args.trial_photos as usize), &of)?),
+    let trials = if is_as_published {
+        None
+    } else {
+        Some(trials(&manifest, &set.sample(args.trial_photos as usize), &of)?)
     };
     let validated = Validated {
         detector: manifest.name.clone(),
@@ -115,9 +116,10 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         published_ap,
         trials,
     };
-    match args.json {
-        true => writeln!(out, "{}", serde_json::to_string(&validated)?)?,
-        false => write!(out, "{}", text(&validated))?,
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string(&validated)?)?
+    } else {
+        write!(out, "{}", text(&validated))?
     }
     Ok(Outcome::Done)
 }
@@ -126,7 +128,7 @@ type Look<'a> = dyn Fn(
         &LabelledPhotos,
         &Manifest,
         &str,
-    ) -> std::result::Result<Vec<Vec<crate::detect::Detection>>, crate::score::LabelledError>
+    ) -> std::result::Result<Vec<Vec<scaleproof_detect::Detection>>, scaleproof_score::score::LabelledError>
     + 'a;
 
 fn trials(manifest: &Manifest, sample: &LabelledPhotos, look: &Look) -> Result<Trials> {

@@ -7,16 +7,16 @@ use image::codecs::jpeg::JpegEncoder;
 use nalgebra::Point3;
 
 use super::words;
-use crate::camera::Camera;
 use crate::cli::copies::{self, CopiesError};
-use crate::draw::{self, DrawColour, LabelAnchor, Lettering, Pen};
-use crate::envelope::EnvelopeShape;
-use crate::files::{self, FileError};
-use crate::geometry::Rigid;
-use crate::locate::{Ignored, Located, LocatedPhoto};
-use crate::photo::{Photo, PhotoError, shrunk};
-use crate::scene::Scene;
-use crate::tags::SeenTag;
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::Rigid;
+use scaleproof_photo::draw::{self, DrawColour, LabelAnchor, Lettering, Pen};
+use scaleproof_photo::photo::{Photo, PhotoError, shrunk};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::{Ignored, Located, LocatedPhoto};
+use scaleproof_pose::scene::Scene;
+use scaleproof_pose::tags::SeenTag;
+use scaleproof_session::envelope::EnvelopeShape;
 
 /// Longest side of a copy, px.
 const LONGEST_SIDE_PX: u32 = 2000;
@@ -233,9 +233,10 @@ impl Overlay<'_> {
         let mut ids: Vec<u32> = self.examined.seen.iter().map(|tag| tag.id).collect();
         ids.sort_unstable();
         let ids: Vec<String> = ids.iter().map(u32::to_string).collect();
-        match ids.is_empty() {
-            true => "no tag was seen".to_owned(),
-            false => format!("tags seen: {}", ids.join(", ")),
+        if ids.is_empty() {
+            "no tag was seen".to_owned()
+        } else {
+            format!("tags seen: {}", ids.join(", "))
         }
     }
 

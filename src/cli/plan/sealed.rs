@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use super::super::criteria::Reading;
 use super::super::patterns::named;
 use super::super::{CommandResult, Outcome, Result, detectors};
-use crate::camera::Camera;
-use crate::capture::{usual, viewpoints_of};
-use crate::files;
-use crate::pattern::Pattern;
-use crate::scene::{Bins, Scene};
-use crate::score::{self, ClusteredBy, Protocol, SealedDetector, SealedPlan, Stopping};
+use scaleproof_capture::capture::{usual, viewpoints_of};
+use scaleproof_core::files;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Bins, Scene};
+use scaleproof_score::score::{self, ClusteredBy, Protocol, SealedDetector, SealedPlan, Stopping};
+use scaleproof_surface::pattern::Pattern;
 
 /// What a sealed plan fixes.
 #[derive(clap::Args)]
@@ -67,12 +67,13 @@ pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dy
     let criteria = sealing.reading.criteria()?;
     let manifests = detectors::chosen(&sealing.detectors)?;
     let sealed = manifests.iter().map(|m| Ok((m.name.clone(), SealedDetector::of(m)?)));
-    let stopping = match beside.is_sequential {
-        true => Stopping::Decided {
+    let stopping = if beside.is_sequential {
+        Stopping::Decided {
             look_after_each: ClusteredBy::PlaceAndBin,
             least: beside.least,
-        },
-        false => Stopping::EveryView,
+        }
+    } else {
+        Stopping::EveryView
     };
     let plan = SealedPlan {
         scaleproof: env!("CARGO_PKG_VERSION").into(),
@@ -98,18 +99,19 @@ pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dy
     };
     let photos = plan.photos();
     let seal = plan.write(path)?;
-    match beside.as_json {
-        true => writeln!(
+    if beside.as_json {
+        writeln!(
             out,
             "{}",
             serde_json::json!({"plan": path, "seal": seal, "photos": photos})
-        )?,
-        false => writeln!(
+        )?
+    } else {
+        writeln!(
             out,
             "plan: {} ({photos} photos)\nseal: {seal}\nPublish the seal before the first photo; `compare --plan {}` states it and lists whatever differs.",
             path.display(),
             path.display()
-        )?,
+        )?
     }
     Ok(Outcome::Done)
 }
@@ -122,12 +124,11 @@ fn hash(path: &Path) -> Result<String> {
 fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<String>>> {
     let mut textures = BTreeMap::new();
     for text in given {
-        let (name, sha256) = match text.contains('=') {
-            true => {
-                let (name, path) = named(text)?;
-                (name, Some(Pattern::load(path)?.sha256().to_owned()))
-            }
-            false => (text.as_str(), None),
+        let (name, sha256) = if text.contains('=') {
+            let (name, path) = named(text)?;
+            (name, Some(Pattern::load(path)?.sha256().to_owned()))
+        } else {
+            (text.as_str(), None)
         };
         if name.trim().is_empty() {
             return Err(format!("the texture {text:?} has no name").into());

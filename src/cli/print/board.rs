@@ -7,13 +7,13 @@ use serde_json::json;
 
 use super::{CutSheetArgs, value_names, write_files, write_json};
 use crate::cli::{CommandResult, Outcome, units};
-use crate::files;
-use crate::print::board::{BoardError, BoardKind, BoardRequest, board};
+use scaleproof_core::files;
+use scaleproof_print::print::board::{BoardError, BoardKind, BoardRequest, board};
 
 #[derive(clap::Args)]
 pub(crate) struct BoardArgs {
     /// The kind of board
-    #[arg(long = "type", value_enum)]
+    #[arg(long = "type", value_parser = board_kind())]
     kind: BoardKind,
     /// Columns and rows, as in 9x7; of an AprilGrid, of tags
     #[arg(long, value_name = "CxR", value_parser = columns_and_rows)]
@@ -37,7 +37,7 @@ pub(crate) struct BoardArgs {
     json: bool,
 }
 
-value_names!(BoardKind:
+value_names!(board_kind -> BoardKind:
     Charuco "charuco" "Chessboard with markers in its white squares, as OpenCV 4.6 and later lay it out",
     Chessboard "chessboard",
     Aprilgrid "aprilgrid" "Kalibr's grid of tag36h11");

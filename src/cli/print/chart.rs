@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{CutSheetArgs, write_files, write_json};
 use crate::cli::{CommandResult, Outcome};
-use crate::print::chart::chart;
+use scaleproof_print::print::chart::chart;
 
 #[derive(clap::Args)]
 pub(crate) struct ChartArgs {

@@ -5,7 +5,7 @@ use std::io::Write;
 use serde_json::json;
 
 use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
-use crate::print::check::{CheckRequest, check};
+use scaleproof_print::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
 pub(crate) struct CheckArgs {

@@ -22,15 +22,15 @@ use serde_json::Value;
 
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Outcome};
-use crate::files;
-use crate::pattern::Pattern;
-use crate::pattern::card::{self, CardError};
-use crate::print::SheetError;
-use crate::print::date::Date;
-use crate::print::output::{OutputError, SheetFormat, SheetOutput};
-use crate::print::page::Media;
-use crate::print::printer::Printer;
-use crate::print::sheet::Sheet;
+use scaleproof_core::files;
+use scaleproof_print::print::SheetError;
+use scaleproof_print::print::date::Date;
+use scaleproof_print::print::output::{OutputError, SheetFormat, SheetOutput};
+use scaleproof_print::print::page::Media;
+use scaleproof_print::print::printer::Printer;
+use scaleproof_print::print::sheet::Sheet;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::{self, CardError};
 
 pub(crate) use template::{summary, write_template};
 
@@ -77,27 +77,22 @@ pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// Makes choices of the library values of options: each with its name, and what the help says of it.
+/// A parser of an option whose values are choices of the library: each with its name, and what the help says of it.
 macro_rules! value_names {
-    ($choice:ty: $($variant:ident $name:literal $($help:literal)?),+) => {
-        impl clap::ValueEnum for $choice {
-            fn value_variants<'a>() -> &'a [Self] {
-                &[$(Self::$variant),+]
-            }
-
-            fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
-                match self {
-                    $(Self::$variant => Some(clap::builder::PossibleValue::new($name)$(.help($help))?),)+
-                    #[allow(unreachable_patterns)]
-                    _ => None,
-                }
-            }
+    ($parser:ident -> $choice:ident: $($variant:ident $name:literal $($help:literal)?),+) => {
+        fn $parser() -> impl clap::builder::TypedValueParser<Value = $choice> {
+            use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+            let names = [$(PossibleValue::new($name)$(.help($help))?),+];
+            PossibleValuesParser::new(names).try_map(|name| match name.as_str() {
+                $($name => Ok($choice::$variant),)+
+                other => Err(format!("{other} is no choice")),
+            })
         }
     };
 }
 use value_names;
 
-value_names!(SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
+value_names!(sheet_format -> SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
 
 /// Where the sheets go.
 fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput, String> {
@@ -164,7 +159,7 @@ struct CutSheetArgs {
     #[arg(short, long, alias = "out", value_name = "FILE")]
     output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = sheet_format())]
     format: Option<SheetFormat>,
 }
 
@@ -219,7 +214,7 @@ pub(crate) struct PaperArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = sheet_format())]
     format: Option<SheetFormat>,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]

@@ -8,19 +8,19 @@ use serde_json::json;
 
 use super::{CommandResult, Outcome, write_files, write_json};
 use crate::cli::progress;
-use crate::pattern::Pattern;
-use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
-use crate::print::output::SheetOutput;
-use crate::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
-use crate::print::template::TemplateRequest;
-use crate::spelling::count;
+use scaleproof_core::spelling::count;
+use scaleproof_print::print::output::SheetOutput;
+use scaleproof_print::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
+use scaleproof_print::print::template::TemplateRequest;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::palette::{Paint, Painted, Palette, PaletteError};
 
 #[derive(clap::Args)]
 pub(crate) struct PaintArgs {
     /// Paint instead of paper: reduce the pattern to this many paints, with a stencil for each
     #[arg(long, value_name = "N", group = "paint", allow_negative_numbers = true)]
     paints: Option<i64>,
-    /// The same, with the nearest paints of a palette file: [[paint]] tables with name and rgb
+    /// Paint instead of paper, in the nearest paints of a palette file: [[paint]] tables with name and rgb
     #[arg(long, value_name = "TOML", group = "paint")]
     pub palette: Option<PathBuf>,
     /// With paints: the least width of a stencil's bridges and openings, in mm

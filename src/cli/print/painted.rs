@@ -10,11 +10,11 @@ use super::paint::{self, Paints, paint_facts, table};
 use super::{pieces, write_files, write_json};
 use crate::cli::model::Model;
 use crate::cli::progress;
-use crate::print::output::SheetOutput;
-use crate::print::pieces::PiecesRequest;
-use crate::print::pieces::painted::{PaintedError, PaintedPieces, PaintedRequest, flattened, painted_pieces};
-use crate::spelling::count;
-use crate::texture::Texture;
+use scaleproof_core::spelling::count;
+use scaleproof_print::print::output::SheetOutput;
+use scaleproof_surface::texture::Texture;
+use scaleproof_wrap::pieces::PiecesRequest;
+use scaleproof_wrap::pieces::painted::{PaintedError, PaintedPieces, PaintedRequest, flattened, painted_pieces};
 
 /// Prints the sheets.
 pub(super) fn run(

@@ -11,10 +11,10 @@ use super::{CommandResult, Outcome, value_names, write_files, write_json};
 use crate::cli::enlarged;
 use crate::cli::model::ModelArgs;
 use crate::cli::units;
-use crate::pattern::world_aligned::Side;
-use crate::print::patch::{PanelPatch, PatchImage, patches};
-use crate::print::{paper, wrap};
-use crate::spelling::count;
+use scaleproof_core::spelling::count;
+use scaleproof_print::print::patch::{PanelPatch, PatchImage, patches};
+use scaleproof_print::print::{paper, wrap};
+use scaleproof_surface::pattern::world_aligned::Side;
 
 #[derive(clap::Args)]
 pub(crate) struct PatchArgs {
@@ -36,7 +36,7 @@ pub(crate) struct PlaceArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) patch: Vec<PathBuf>,
     /// The panel it goes on
-    #[arg(long, value_enum, requires = "patch")]
+    #[arg(long, value_parser = side(), requires = "patch")]
     panel: Vec<Side>,
     /// The patch's middle as the panel is seen from outside: to the right of the model's middle and above the ground (on the
     /// roof: before the middle), in mm, as in -40,65
@@ -47,7 +47,7 @@ pub(crate) struct PlaceArgs {
     size_mm: Vec<String>,
 }
 
-value_names!(Side: Left "left", Right "right", Roof "roof", Front "front", Rear "rear");
+value_names!(side -> Side: Left "left", Right "right", Roof "roof", Front "front", Rear "rear");
 
 /// Runs `scaleproof print patch`.
 pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {

@@ -10,10 +10,10 @@ use super::{PaperArgs, write_files, write_json};
 use crate::cli::model::Model;
 use crate::cli::progress;
 use crate::cli::texture::NamedTexture;
-use crate::print::lettering;
-use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
-use crate::texture::Texture;
-use crate::unwrap::LeftOut;
+use scaleproof_print::print::lettering;
+use scaleproof_surface::texture::Texture;
+use scaleproof_wrap::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
+use scaleproof_wrap::unwrap::LeftOut;
 
 /// How the model is cut into pieces, and what is printed of them.
 #[derive(clap::Args)]

@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 
 use super::{CutSheetArgs, NewFile, write_files};
 use crate::cli::{CommandResult, Outcome};
-use crate::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, TagSheets, tag_sheets};
-use crate::scene::Scene;
-use crate::spelling::count;
+use scaleproof_core::spelling::count;
+use scaleproof_pose::scene::Scene;
+use scaleproof_print::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, TagSheets, tag_sheets};
 
 #[derive(clap::Args)]
 pub(crate) struct TagsArgs {
@@ -85,7 +85,7 @@ fn noted(note: &TagNote) -> String {
 /// What was written.
 fn json(made: &TagSheets, files: &[NewFile]) -> Value {
     let files: Vec<_> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    let sheet = |(name, sheet): (&String, &crate::print::sheet::Sheet)| json!({ "name": name, "width_mm": sheet.width_mm, "height_mm": sheet.height_mm });
+    let sheet = |(name, sheet): (&String, &scaleproof_print::print::sheet::Sheet)| json!({ "name": name, "width_mm": sheet.width_mm, "height_mm": sheet.height_mm });
     let sheets: Vec<_> = made.names.iter().zip(&made.sheets).map(sheet).collect();
     let cards = made
         .cut_out

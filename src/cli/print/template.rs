@@ -9,14 +9,14 @@ use serde_json::json;
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
 use crate::cli::{enlarged, progress, units};
-use crate::pattern::Pattern;
-use crate::print::lettering;
-use crate::print::output::{SheetFormat, SheetOutput};
-use crate::print::paper::{self, Orientation};
-use crate::print::template::{
+use scaleproof_core::spelling;
+use scaleproof_print::print::lettering;
+use scaleproof_print::print::output::{SheetFormat, SheetOutput};
+use scaleproof_print::print::paper::{self, Orientation};
+use scaleproof_print::print::template::{
     Front, LayoutRequest, Template, TemplateError, TemplateRequest, template, texture_template,
 };
-use crate::spelling;
+use scaleproof_surface::pattern::Pattern;
 
 #[derive(clap::Args)]
 pub(crate) struct TemplateArgs {
@@ -59,10 +59,10 @@ pub(crate) struct TemplateArgs {
     )]
     bleed_mm: f64,
     /// Which way round the paper is used; auto needs the fewest sheets
-    #[arg(long, value_enum, default_value_t = Orientation::Auto)]
+    #[arg(long, value_parser = orientation(), default_value = "auto")]
     orientation: Orientation,
     /// Which edge of the template points to the model's front
-    #[arg(long, value_enum, default_value_t = Front::Left)]
+    #[arg(long, value_parser = front(), default_value = "left")]
     front: Front,
     #[command(flatten)]
     paint: PaintArgs,
@@ -71,8 +71,8 @@ pub(crate) struct TemplateArgs {
     json: bool,
 }
 
-value_names!(Orientation: Auto "auto", Portrait "portrait", Landscape "landscape");
-value_names!(Front: Left "left", Right "right", Up "up", Down "down", None "none");
+value_names!(orientation -> Orientation: Auto "auto", Portrait "portrait", Landscape "landscape");
+value_names!(front -> Front: Left "left", Right "right", Up "up", Down "down", None "none");
 
 pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     match (&args.texture, &args.pattern) {

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::{CommandResult, Outcome, write_json};
-use crate::files;
-use crate::print::printer::{Printer, PrinterFile};
+use scaleproof_core::files;
+use scaleproof_print::print::printer::{Printer, PrinterFile};
 
 #[derive(clap::Args)]
 pub(crate) struct VerifyArgs {

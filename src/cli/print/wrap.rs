@@ -13,8 +13,8 @@ use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::texture::{NamedTexture, TextureArgs};
 use crate::cli::{progress, units};
-use crate::print::lettering;
-use crate::print::wrap::{Wrap, WrapRequest, wrap};
+use scaleproof_print::print::lettering;
+use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
 
 /// Strip that neighbouring sheets of a panel share where nothing is said.
 const OVERLAP_MM: f64 = 8.0;

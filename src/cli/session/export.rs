@@ -7,8 +7,8 @@ use super::by_variant_of;
 use crate::cli::score::{Effort, score_with_progress};
 use crate::cli::sessions::{quoted, session};
 use crate::cli::{CommandResult, Outcome, failing_alike};
-use crate::report::{self, ExportFormat, ExportRequest};
-use crate::spelling;
+use scaleproof_core::spelling;
+use scaleproof_score::report::{self, ExportFormat, ExportRequest};
 
 /// Write what another program should run on: the photos of a session, with their truth boxes, as COCO or YOLO
 ///

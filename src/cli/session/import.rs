@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use super::{by_variant, in_words};
 use crate::cli::{CommandResult, Outcome};
-use crate::session::import::{self, ImportRequest};
-use crate::{files, spelling};
+use scaleproof_core::{files, spelling};
+use scaleproof_session::session::import::{self, ImportRequest};
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]
@@ -52,21 +52,18 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let photos = &imported.session.photos;
     let variants = by_variant(photos);
     let conditions: BTreeSet<&String> = photos.iter().flat_map(|photo| photo.conditions.keys()).collect();
-    match args.json {
-        true => {
-            let made = serde_json::json!({
-                "session": args.photos, "file": imported.path, "photos": photos.len(), "variants": variants,
-                "without_box": imported.without_box,
-                "conditions": conditions,
-            });
-            writeln!(out, "{made}")?;
-        }
-        false => {
-            writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?;
-            if !conditions.is_empty() {
-                let names: Vec<&str> = conditions.iter().map(|name| name.as_str()).collect();
-                writeln!(out, "conditions kept, for --group-by: {}", names.join(", "))?;
-            }
+    if args.json {
+        let made = serde_json::json!({
+            "session": args.photos, "file": imported.path, "photos": photos.len(), "variants": variants,
+            "without_box": imported.without_box,
+            "conditions": conditions,
+        });
+        writeln!(out, "{made}")?;
+    } else {
+        writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?;
+        if !conditions.is_empty() {
+            let names: Vec<&str> = conditions.iter().map(|name| name.as_str()).collect();
+            writeln!(out, "conditions kept, for --group-by: {}", names.join(", "))?;
         }
     }
     Ok(Outcome::Done)

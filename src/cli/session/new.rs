@@ -7,8 +7,8 @@ use super::{by_variant, in_words};
 use crate::cli::Result;
 use crate::cli::sessions::{FolderFiles, pair, quoted};
 use crate::cli::{CommandResult, Outcome};
-use crate::session::NewSession;
-use crate::session::folders::PhotoFolder;
+use scaleproof_session::session::NewSession;
+use scaleproof_session::session::folders::PhotoFolder;
 
 /// Make a session of folders with photos of one texture each
 ///
@@ -42,15 +42,14 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     }
     .write()?;
     let variants = by_variant(&made.photos);
-    match args.json {
-        true => {
-            let made = serde_json::json!({
-                "session": args.folder, "file": made.path, "photos": made.photos.len(), "variants": variants,
-                "place": args.about.place(), "copied": args.copy,
-            });
-            writeln!(out, "{made}")?;
-        }
-        false => writeln!(out, "{}", in_words(&made.path, &made.photos, &args.folder))?,
+    if args.json {
+        let made = serde_json::json!({
+            "session": args.folder, "file": made.path, "photos": made.photos.len(), "variants": variants,
+            "place": args.about.place(), "copied": args.copy,
+        });
+        writeln!(out, "{made}")?;
+    } else {
+        writeln!(out, "{}", in_words(&made.path, &made.photos, &args.folder))?
     }
     Ok(Outcome::Done)
 }

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::cli::{CommandResult, Outcome, advice, progress, sessions};
-use crate::detect::{Manifest, Recorded, Recording};
-use crate::photo::Photo;
-use crate::score::EvaluatedDetector;
-use crate::session::{Contents, Look, PhotoEntry, Session};
-use crate::{spelling, workers};
+use scaleproof_core::{spelling, workers};
+use scaleproof_detect::{Manifest, Recorded, Recording};
+use scaleproof_photo::photo::Photo;
+use scaleproof_score::score::EvaluatedDetector;
+use scaleproof_session::session::{Contents, Look, PhotoEntry, Session};
 
 /// So many groups of photos are listed; the rest is counted.
 const MOST_GROUPS: usize = 16;
@@ -48,9 +48,10 @@ struct Stored {
 pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let session = sessions::session(&args.session)?;
     let page = page(&session);
-    match args.json {
-        true => writeln!(out, "{}", serde_json::to_string_pretty(&page)?)?,
-        false => write!(out, "{}", text(&page))?,
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&page)?)?
+    } else {
+        write!(out, "{}", text(&page))?
     }
     Ok(Outcome::Done)
 }
@@ -234,9 +235,10 @@ fn recordings(page: &Page) -> String {
         .iter()
         .map(|stored| format!("{} ({})", stored.detector, spelling::count(stored.photos, "photo")))
         .collect();
-    match stored.is_empty() {
-        true => "nothing".into(),
-        false => stored.join(", "),
+    if stored.is_empty() {
+        "nothing".into()
+    } else {
+        stored.join(", ")
     }
 }
 

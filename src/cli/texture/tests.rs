@@ -6,7 +6,7 @@ use image::{DynamicImage, Rgb, RgbImage};
 use super::*;
 use crate::cli::advice;
 use crate::cli::model::ModelArgs;
-use crate::texture::SurfacePoint;
+use scaleproof_surface::texture::SurfacePoint;
 
 #[derive(clap::Parser)]
 struct Both {

@@ -1,0 +1,199 @@
+//! What an attack must beat: patterns found without looking into the detector, and patterns that come from elsewhere.
+//!
+//! - [`genetic`]: ER, a genetic search over a repeated mosaic (Wu et al. 2020);
+//! - `camou`: CAMOU, a network that imitates renderer and detector (Zhang et al., ICLR 2019);
+//! - [`patches`]: finished patches in their places (UPC, DAS).
+//!
+//! Random and flat patterns need no search. All are judged by the same views as the attack.
+
+#[cfg(feature = "attack")]
+pub mod camou;
+pub mod genetic;
+pub mod patches;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::run::augmentation::{Augmentation, Eot};
+use super::run::checkpoint::{self, Checkpoint};
+use super::run::history::Entry;
+use super::run::judge::{confidence, judge};
+use super::run::view_set::{TextureMapping, ViewSet};
+use super::run::{Rgb, RunError};
+use scaleproof_gradients::{MEETS_IOU, WhiteBox};
+use scaleproof_pose::scene::Classes;
+
+/// Everything a search depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchConfig {
+    pub method: &'static str,
+    pub cells: u32,
+    pub tile_mm: f64,
+    /// Images that may be looked at.
+    pub queries: u64,
+    pub seed: u64,
+    #[serde(rename = "laying")]
+    pub mapping: TextureMapping,
+    pub eot: Eot,
+    pub frames_sha256: String,
+    pub detectors: Vec<String>,
+    /// The labels that count as the model.
+    pub classes: Classes,
+}
+
+/// Answers what a detector says of a pattern in a view, and no more: surrogate renderer and detector as one black box.
+///
+/// Answers are kept. A search that is interrupted asks the same questions again, and gets those answers without
+/// waiting, so it needs no checkpoint of its own.
+pub struct BlackBox<'a> {
+    pub view_set: &'a ViewSet,
+    detectors: &'a [Box<dyn WhiteBox>],
+    config: &'a SearchConfig,
+    folder: PathBuf,
+    checkpoint: Checkpoint,
+    answers: Vec<f64>,
+    asked: usize,
+    noted: usize,
+    wall_before: f64,
+    started: Instant,
+    saved: Instant,
+    on_query: &'a dyn Fn(u64),
+}
+
+impl<'a> BlackBox<'a> {
+    /// # Errors
+    /// A checkpoint in the folder that is damaged or of another search.
+    pub fn begin(
+        view_set: &'a ViewSet,
+        detectors: &'a [Box<dyn WhiteBox>],
+        config: &'a SearchConfig,
+        folder: &Path,
+        on_query: &'a dyn Fn(u64),
+    ) -> Result<Self, RunError> {
+        let key = checkpoint::key(config)?;
+        let checkpoint = Checkpoint::load(folder, &key)?.unwrap_or_else(|| Checkpoint::new(key, Vec::new()));
+        let known = match checkpoint.content.as_slice() {
+            [] => Answers::default(),
+            content => postcard::from_bytes(content).map_err(|_| RunError::Damaged {
+                path: folder.join(checkpoint::FILE),
+            })?,
+        };
+        Ok(Self {
+            view_set,
+            detectors,
+            config,
+            folder: folder.to_owned(),
+            wall_before: known.wall_s,
+            checkpoint,
+            answers: known.all,
+            asked: 0,
+            noted: 0,
+            started: Instant::now(),
+            saved: Instant::now(),
+            on_query,
+        })
+    }
+
+    /// The mean over detectors of the highest confidence of a box that meets the model; `None` when no more may be
+    /// asked.
+    ///
+    /// # Errors
+    /// A detector that cannot look, or whose answer is not a number.
+    pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, RunError> {
+        if self.asked as u64 >= self.config.queries {
+            return Ok(None);
+        }
+        if self.asked == self.answers.len() {
+            let textured = self.view_set.textured(view, cells, draw);
+            let mut sum = 0.0;
+            for detector in self.detectors {
+                let seen = (view, textured.augmented.image.as_slice(), &textured.outline);
+                match confidence(self.view_set, detector.as_ref(), seen, MEETS_IOU) {
+                    Ok(confidence) => sum += confidence,
+                    Err(e) => {
+                        self.save()?;
+                        return Err(e);
+                    }
+                }
+            }
+            self.answers.push(sum / self.detectors.len().max(1) as f64);
+            if self.saved.elapsed() > checkpoint::AT_MOST {
+                self.save()?;
+            }
+        }
+        self.asked += 1;
+        (self.on_query)(self.asked as u64);
+        Ok(self.answers.get(self.asked - 1).copied())
+    }
+
+    /// The mean score of a pattern over some views, each with a draw of its own; `None` when no more may be asked.
+    ///
+    /// # Errors
+    /// Those of [`BlackBox::score`].
+    pub fn mean_score(&mut self, views: &[(usize, Augmentation)], cells: &[Rgb]) -> Result<Option<f64>, RunError> {
+        let mut sum = 0.0;
+        for (view, draw) in views {
+            match self.score(*view, cells, draw)? {
+                Some(score) => sum += score,
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(sum / views.len().max(1) as f64))
+    }
+
+    /// Judges the best pattern so far and notes it; `score` is what the search thinks of it.
+    ///
+    /// # Errors
+    /// A detector that cannot look.
+    pub fn note(&mut self, cells: &[Rgb], score: Option<f64>) -> Result<(), RunError> {
+        self.noted += 1;
+        if self.noted <= self.checkpoint.history.len() {
+            return Ok(());
+        }
+        let entry = Entry {
+            step: self.noted as u32,
+            queries: self.asked as u64,
+            wall_s: 0.0,
+            loss: None,
+            confidence: score,
+            held_out: Some(judge(self.view_set, self.detectors, cells)?),
+        };
+        let wall_s = self.wall_s();
+        self.checkpoint.history.push(Entry { wall_s, ..entry });
+        Ok(())
+    }
+
+    /// What was noted.
+    ///
+    /// # Errors
+    /// A folder that takes no files.
+    pub fn finish(mut self) -> Result<Vec<Entry>, RunError> {
+        self.save()?;
+        Ok(self.checkpoint.history)
+    }
+
+    /// With the time of earlier runs.
+    fn wall_s(&self) -> f64 {
+        self.wall_before + self.started.elapsed().as_secs_f64()
+    }
+
+    fn save(&mut self) -> Result<(), RunError> {
+        let content = postcard::to_allocvec(&Answers {
+            all: self.answers.clone(),
+            wall_s: self.wall_s(),
+        });
+        self.checkpoint.content = content.map_err(|e| RunError::Encode { reason: e.to_string() })?;
+        self.checkpoint.save(&self.folder)?;
+        self.saved = Instant::now();
+        Ok(())
+    }
+}
+
+/// All answers so far, in order, and how long they took.
+#[derive(Default, Serialize, Deserialize)]
+struct Answers {
+    all: Vec<f64>,
+    wall_s: f64,
+}

@@ -1,0 +1,88 @@
+//! Finished patches in their places on a model of one colour: the paint of each pixel, from the positions of a frame's
+//! paint.
+
+use image::RgbImage;
+
+use crate::run::Rgb;
+use scaleproof_frames::frames::{Frame, FrameSet, FramesError, SurfacePoint, light};
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// An image on one side of the model. The hood is part of the roof's side: both look up.
+#[derive(Debug, Clone)]
+pub struct PlacedPatch {
+    pub image: RgbImage,
+    pub side: Side,
+    /// Its middle in the side's (u, v), mm, as `print patch` takes it.
+    pub at_mm: [f64; 2],
+    pub size_mm: [f64; 2],
+}
+
+impl PlacedPatch {
+    /// The reflectance at a point of the surface; `None` beside the patch.
+    fn colour(&self, point: &SurfacePoint) -> Option<Rgb> {
+        let side = point.side.filter(|side| *side == self.side)?;
+        let [u, v] = side.project(&point.place_mm.into());
+        let share = [
+            (u - self.at_mm[0]) / self.size_mm[0] + 0.5,
+            0.5 - (v - self.at_mm[1]) / self.size_mm[1],
+        ];
+        let inside = share.iter().all(|s| (0.0..1.0).contains(s));
+        let texel = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count - 1);
+        inside.then(|| {
+            let (x, y) = (
+                texel(share[0], self.image.width()),
+                texel(share[1], self.image.height()),
+            );
+            light::linear_of(self.image.get_pixel(x, y).0)
+        })
+    }
+}
+
+/// Does any of it lie on the paint that a frame shows? `None` for a frame without positions.
+///
+/// # Errors
+/// Images that cannot be read.
+pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
+    let points = set.surface(frame)?;
+    Ok(points.map(|points| points.iter().any(|point| patch.colour(point).is_some())))
+}
+
+/// The paint in each pixel of a frame (linear reflectance); later patches lie over earlier ones. `None` for a frame
+/// without positions.
+///
+/// # Errors
+/// Images that cannot be read.
+pub fn paint(
+    set: &FrameSet,
+    frame: &Frame,
+    patches: &[PlacedPatch],
+    base_rgb: [u8; 3],
+) -> Result<Option<Vec<Rgb>>, FramesError> {
+    let (Some(points), Some(about)) = (set.surface(frame)?, &set.list.positions) else {
+        return Ok(None);
+    };
+    let base = light::linear_of(base_rgb);
+    let (factor, [width, height]) = (about.factor as usize, set.list.size_px.map(|px| px as usize));
+    let colour = |point: &SurfacePoint| {
+        patches
+            .iter()
+            .rev()
+            .find_map(|patch| patch.colour(point))
+            .unwrap_or(base)
+    };
+    let pixel = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let parts =
+            (0..factor * factor).map(|part| (y * factor + part / factor) * width * factor + x * factor + part % factor);
+        let seen: Vec<Rgb> = parts
+            .map(|p| &points[p])
+            .filter(|p| p.side.is_some())
+            .map(colour)
+            .collect();
+        match seen.len() {
+            0 => base,
+            count => std::array::from_fn(|c| seen.iter().map(|rgb| rgb[c]).sum::<f64>() / count as f64),
+        }
+    };
+    Ok(Some((0..width * height).map(pixel).collect()))
+}

@@ -1,0 +1,120 @@
+//! What a finished evaluation says of one pattern.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::EvaluateError;
+use scaleproof_core::files;
+use scaleproof_pose::scene::Classes;
+
+/// The figures of one detector on the photos of a pattern.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RenderedFigures {
+    pub detector: String,
+    pub photos: usize,
+    pub ap50: f64,
+    pub hit_rate: f64,
+}
+
+/// As `RenderPaint::identity` writes patterns; other paints have other keys there.
+#[derive(Deserialize)]
+struct Paint {
+    name: String,
+    sha256: String,
+    tile_mm: f64,
+}
+
+#[derive(Deserialize)]
+struct Summary {
+    classes: Vec<String>,
+    results: Vec<SummaryRow>,
+}
+
+#[derive(Deserialize)]
+struct SummaryRow {
+    detector: String,
+    variant: String,
+    overall: Overall,
+}
+
+#[derive(Deserialize)]
+struct Overall {
+    photos: usize,
+    ap50: f64,
+    hit_rate: Share,
+}
+
+#[derive(Deserialize)]
+struct Share {
+    rate: f64,
+}
+
+/// The figures of the pattern with the content of this file, repeated every so many millimetres, one entry for each detector. `classes`: what it
+/// was made for, where that is known.
+///
+/// # Errors
+/// A folder that holds no finished evaluation, one without this pattern, or one that counted other labels as the model.
+pub fn figures_of(
+    evaluation: &Path,
+    (pattern, tile_mm): (&Path, f64),
+    classes: Option<&Classes>,
+) -> Result<Vec<RenderedFigures>, EvaluateError> {
+    let summary = summary_of(evaluation)?;
+    if let Some(classes) = classes.filter(|classes| classes.labels() != summary.classes) {
+        return Err(EvaluateError::OtherClasses {
+            evaluation: evaluation.to_owned(),
+            counted: summary.classes.join(","),
+            pattern: pattern.to_owned(),
+            classes: classes.to_string(),
+        });
+    }
+    let sha256 = files::sha256_hex(&files::read(pattern)?);
+    let rows = summary.results.into_iter();
+    let figures: Vec<RenderedFigures> = match variant(evaluation, &sha256, tile_mm) {
+        None => Vec::new(),
+        Some(variant) => rows.filter(|row| row.variant == variant).map(figures).collect(),
+    };
+    if figures.is_empty() {
+        return Err(EvaluateError::NotRendered {
+            evaluation: evaluation.to_owned(),
+            pattern: pattern.to_owned(),
+            tile_mm,
+        });
+    }
+    Ok(figures)
+}
+
+fn summary_of(evaluation: &Path) -> Result<Summary, EvaluateError> {
+    let path = evaluation.join("score").join("summary.json");
+    let read = serde_json::from_str::<Summary>(&files::read_text(&path)?).map_err(|e| e.to_string());
+    let possible = read.and_then(|summary| {
+        let shares = |row: &SummaryRow| [("ap50", row.overall.ap50), ("hit_rate", row.overall.hit_rate.rate)];
+        let mut all = summary.results.iter().flat_map(shares);
+        match all.find(|(_, share)| !(0.0..=1.0).contains(share)) {
+            Some((name, value)) => Err(format!("its {name} is {value}")),
+            None => Ok(summary),
+        }
+    });
+    possible.map_err(|reason| EvaluateError::NotFinished { path, reason })
+}
+
+/// The name under which a pattern was rendered.
+fn variant(evaluation: &Path, sha256: &str, tile_mm: f64) -> Option<String> {
+    let folders = std::fs::read_dir(evaluation.join("session").join("photos")).ok()?;
+    let paints = folders.flatten().filter_map(|folder| {
+        let text = files::read_text(&folder.path().join("paint.json")).ok()?;
+        serde_json::from_str::<Paint>(&text).ok()
+    });
+    let mut same = paints.filter(|paint| paint.sha256 == sha256 && paint.tile_mm == tile_mm);
+    same.next().map(|paint| paint.name)
+}
+
+fn figures(row: SummaryRow) -> RenderedFigures {
+    RenderedFigures {
+        detector: row.detector,
+        photos: row.overall.photos,
+        ap50: row.overall.ap50,
+        hit_rate: row.overall.hit_rate.rate,
+    }
+}

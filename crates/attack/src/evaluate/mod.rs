@@ -1,0 +1,227 @@
+//! Patterns judged where they were not made: re-rendered on the model, never predicted, at viewpoints and under lights of their own.
+//!
+//! What comes out are photos with exact truth: the box of the projected mesh and the viewpoint are known, nothing is measured. The images are
+//! denoised, so that few light paths do: nothing has to add up here. Each paint's photos lie in a folder of their own, so that a paint may be
+//! added later, and one that is done is not rendered again.
+
+pub mod finished;
+mod photos;
+mod scene;
+pub mod time_chart;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_frames::frames::FramesError;
+use scaleproof_frames::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
+use scaleproof_pose::scene::{Classes, Viewpoint};
+use scaleproof_session::session::{self, Conditions, PhotoEntry, SessionError};
+
+/// Why patterns could not be rendered for their evaluation.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluateError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(
+        "{name:?} cannot name a pattern here: use letters, digits, '-', '_' and '.', each name once, and not `normal`, which is the plain model"
+    )]
+    BadName { name: String },
+    #[error(
+        "{folder} holds photos of another pattern, texture or tile than `{variant}` has now; give it another name, or remove that folder",
+        folder = folder.display()
+    )]
+    OtherPaint { folder: PathBuf, variant: String },
+    #[error("{folder} holds a session that no evaluation made, which would be written over; give another folder", folder = folder.display())]
+    OtherSession { folder: PathBuf },
+    #[error("{path} is damaged ({reason}): remove it, and the same command renders it again", path = path.display())]
+    Damaged { path: PathBuf, reason: String },
+    #[error("{path} is not of a finished evaluation ({reason})", path = path.display())]
+    NotFinished { path: PathBuf, reason: String },
+    #[error(
+        "{evaluation} has no photos of {pattern} repeated every {tile_mm} mm: add the pattern to the evaluation first",
+        evaluation = evaluation.display(), pattern = pattern.display()
+    )]
+    NotRendered {
+        evaluation: PathBuf,
+        pattern: PathBuf,
+        tile_mm: f64,
+    },
+    #[error(
+        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it for the same",
+        evaluation = evaluation.display(), pattern = pattern.display()
+    )]
+    OtherClasses {
+        evaluation: PathBuf,
+        counted: String,
+        pattern: PathBuf,
+        classes: String,
+    },
+}
+
+/// A rendered photo and the truth about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderedPhoto {
+    /// PNG below the evaluation's folder.
+    pub file: PathBuf,
+    /// Which paint is on the model.
+    pub variant: String,
+    /// The light: views under one light are one place.
+    pub place: String,
+    pub viewpoint: Viewpoint,
+    /// Of the whole mesh, exactly.
+    pub box_xyxy_px: BoxPx,
+}
+
+/// Every paint from every viewpoint under every light.
+#[derive(Debug)]
+pub struct RenderedSet {
+    plan: RenderPlan,
+    /// What the request's paints are called, in its order.
+    variants: Vec<String>,
+    /// In the order of `plan.frames()`.
+    photos: Vec<RenderedPhoto>,
+}
+
+impl RenderedSet {
+    /// `variants` name the request's paints, in their order.
+    ///
+    /// # Errors
+    /// What [`RenderPlan::new`] refuses, names that cannot be folders or are there twice, a model that is not whole in every image.
+    pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
+        let mut seen = HashSet::new();
+        if let Some(name) = variants
+            .iter()
+            .find(|name| !is_plain(name) || !seen.insert(name.as_str()))
+        {
+            return Err(EvaluateError::BadName { name: name.clone() });
+        }
+        let plan = RenderPlan::new(request)?;
+        let boxes: Vec<BoxPx> = (0..plan.request().viewpoints.len())
+            .map(|v| plan.truth(v))
+            .collect::<Result<_, _>>()?;
+        let photo = |frame: &PlannedFrame| {
+            let (request, variant) = (plan.request(), &variants[frame.colour]);
+            let place = request.lights[frame.light].place();
+            let name = format!("{place}_{}.png", plan.view_name(frame.viewpoint));
+            RenderedPhoto {
+                file: folder_of(variant).join(name),
+                variant: variant.clone(),
+                place,
+                viewpoint: request.viewpoints[frame.viewpoint],
+                box_xyxy_px: boxes[frame.viewpoint],
+            }
+        };
+        let photos = plan.frames().iter().map(photo).collect();
+        Ok(Self { plan, variants, photos })
+    }
+
+    /// Those of one paint together, in the order of the paints.
+    pub fn photos(&self) -> Vec<RenderedPhoto> {
+        let mut photos = self.photos.clone();
+        let order = |photo: &RenderedPhoto| self.variants.iter().position(|v| *v == photo.variant);
+        photos.sort_by_key(order);
+        photos
+    }
+
+    /// Writes the session of the photos: the scene, which is the model (name, class, scale) without tags and with a bin for each viewpoint,
+    /// then the list that names it.
+    ///
+    /// # Errors
+    /// A folder that takes no files.
+    pub fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
+        let request = self.plan.request();
+        let scene = scene::of(&request.mesh, &request.viewpoints, model);
+        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
+        let photos = self.photos().into_iter().map(|photo| PhotoEntry {
+            file: photo.file.to_string_lossy().into_owned(),
+            variant: photo.variant,
+            place: Some(photo.place),
+            taken: None,
+            box_xyxy_px: Some(photo.box_xyxy_px),
+            viewpoint: Some(photo.viewpoint),
+            conditions: Conditions::new(),
+        });
+        let path = folder.join("session.json");
+        let text = session::text(&path, "scene.toml", None, photos.collect())?;
+        Ok(files::replace_atomically(&path, text.as_bytes())?)
+    }
+
+    /// Renders what `folder` still lacks. `python` is called only when something is missing; `on_photo` is called with the photos done so far, those
+    /// found already included.
+    ///
+    /// # Errors
+    /// A folder of other views or paints, damaged photos, no Blender, and whatever Blender cannot do. Whole photos stay, and the next call goes on.
+    pub fn render(
+        &self,
+        folder: &Path,
+        python: impl FnOnce() -> Result<blender::Python, RenderError>,
+        on_photo: impl FnMut(usize),
+    ) -> Result<(), EvaluateError> {
+        check_folder(folder)?;
+        self.reserve(folder)?;
+        photos::render(self, folder, python, on_photo)
+    }
+
+    /// Writes what the folder and each paint's folder are for, or refuses those that are for something else.
+    fn reserve(&self, folder: &Path) -> Result<(), EvaluateError> {
+        let views = (folder.join("render.json"), as_file(&self.plan.view_identity()));
+        if folder.join("session.json").exists() && !views.0.is_file() {
+            let folder = folder.to_owned();
+            return Err(EvaluateError::OtherSession { folder });
+        }
+        let begun = std::fs::read_dir(folder.join("photos")).into_iter().flatten().flatten();
+        if begun.map(|entry| entry.path()).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
+            let folder = folder.to_owned();
+            return Err(RenderError::OtherRender { folder }.into());
+        }
+        let mut notes = vec![views];
+        for (variant, paint) in self.variants.iter().zip(&self.plan.request().colours) {
+            let own = folder.join(folder_of(variant));
+            let note = (own.join("paint.json"), as_file(&paint.identity()));
+            if has_photos(&own) && is_other(&note)? {
+                let variant = variant.clone();
+                return Err(EvaluateError::OtherPaint { folder: own, variant });
+            }
+            notes.push(note);
+        }
+        notes.extend(self.plan.pattern_files(folder)?);
+        Ok(files::replace_all_atomically(&notes)?)
+    }
+}
+
+/// What was refused before its first photo leaves the folder free.
+fn has_photos(folder: &Path) -> bool {
+    let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.any(|entry| entry.path().extension().is_some_and(|e| e == "png"))
+}
+
+/// True when the note is not there, or says something else.
+fn is_other((note, text): &(PathBuf, Vec<u8>)) -> Result<bool, FileError> {
+    Ok(!note.is_file() || files::read(note)? != *text)
+}
+
+fn as_file(identity: &Value) -> Vec<u8> {
+    format!("{identity:#}\n").into_bytes()
+}
+
+/// Where a paint's photos lie, below the evaluation's folder.
+fn folder_of(variant: &str) -> PathBuf {
+    Path::new("photos").join(variant)
+}
+
+/// Names become folders.
+fn is_plain(name: &str) -> bool {
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    !name.is_empty() && !name.starts_with('.') && name.chars().all(is_safe)
+}

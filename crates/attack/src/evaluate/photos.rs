@@ -1,0 +1,99 @@
+//! Photos of an evaluation: which are missing, and those that Blender makes, each whole under its name or absent.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use image::DynamicImage;
+
+use super::{EvaluateError, RenderedSet};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_frames::frames::encode_rgb;
+use scaleproof_frames::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples, work_folder};
+use scaleproof_photo::photo::{Budget, open_png};
+
+/// Renders the missing photos into `folder`.
+pub(super) fn render(
+    evaluation: &RenderedSet,
+    folder: &Path,
+    python: impl FnOnce() -> Result<blender::Python, RenderError>,
+    mut on_photo: impl FnMut(usize),
+) -> Result<(), EvaluateError> {
+    let missing = missing(evaluation, folder)?;
+    let wanted = evaluation.photos.len();
+    let mut done = wanted - missing.frames.len();
+    on_photo(done);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let python = python()?;
+    let plan = &evaluation.plan;
+    let work = work_folder(folder);
+    std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
+        path: work.clone(),
+        reason: files::plain(&e),
+    })?;
+    let places: HashMap<String, PathBuf> = plan
+        .frames()
+        .iter()
+        .zip(&evaluation.photos)
+        .map(|(frame, photo)| (plan.frame_name(frame), folder.join(&photo.file)))
+        .collect();
+    let job = work.join("plan.json");
+    files::replace_atomically(&job, plan.to_script(&missing, folder).to_string().as_bytes())?;
+    let log = work.join("blender.log");
+    let finished = blender::run(&python, &job, &log, |event| {
+        if let blender::BlenderEvent::Frame(name) = event
+            && let Some(place) = places.get(&name)
+        {
+            let size = plan.size_px();
+            let image = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
+            files::replace_all_atomically(&[(place.clone(), encode_rgb(&image)?)])?;
+            done += 1;
+            on_photo(done);
+        }
+        Ok(())
+    })?;
+    if !finished || done < wanted {
+        return Err(RenderError::Stopped { done, wanted, log }.into());
+    }
+    // Nothing is lost if the work folder stays.
+    let _ = std::fs::remove_dir_all(&work);
+    Ok(())
+}
+
+/// The photos that are not there; those that are must be whole.
+fn missing(evaluation: &RenderedSet, folder: &Path) -> Result<Missing, EvaluateError> {
+    let mut frames: Vec<PlannedFrame> = Vec::new();
+    for (frame, photo) in evaluation.plan.frames().into_iter().zip(&evaluation.photos) {
+        let path = folder.join(&photo.file);
+        if path.is_file() {
+            check(&path, evaluation.plan.size_px())?;
+        } else {
+            frames.push(frame);
+        }
+    }
+    Ok(Missing {
+        frames,
+        viewpoints: Vec::new(),
+    })
+}
+
+fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
+    let bytes = files::read(path)?;
+    let decoded = open_png(&bytes, &Budget::FILE)
+        .map_err(|e| e.to_string())
+        .and_then(|decoder| DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()));
+    let reason = match decoded {
+        Err(reason) => reason,
+        Ok(image) => {
+            let [width, height] = size_px;
+            let found = (image.width(), image.height());
+            if found == (width, height) {
+                return Ok(());
+            }
+            format!("it has {}×{} pixels and not {width}×{height}", found.0, found.1)
+        }
+    };
+    let path = path.to_owned();
+    Err(EvaluateError::Damaged { path, reason })
+}

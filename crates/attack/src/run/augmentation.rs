@@ -1,0 +1,342 @@
+//! Expectation over transformation (EOT; Athalye et al., ICML 2018): random changes of the pattern's position and of the image,
+//! each with its vector–Jacobian product.
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+use serde::Serialize;
+
+use super::resample::Resample;
+use super::{Rgb, of_image, to_image};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::statistics::normal;
+use scaleproof_frames::surrogate::projection::repeated::Jitter;
+use scaleproof_frames::surrogate::projection::world::Misplacement;
+use scaleproof_gradients::separable::{Separable, Tap};
+use scaleproof_photo::photo::as_jpeg;
+
+/// A kind of augmentation: its name, and what adds it.
+type Kind = (&'static str, fn(&mut Eot));
+
+/// Ranges to draw from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Eot {
+    /// Shift of the texture on the model, to either side, in repeats.
+    pub shift_tiles: f64,
+    /// Size of the pattern against its true size, to either side of 1.
+    pub tile_scale: f64,
+    /// Turn of the pattern on each side of the model, to either side, degrees; not for Repeated Texture Projection.
+    pub turn_deg: f64,
+    /// Error of the pose: the paint is seen so many pixels off at most, along each axis, and turned by so many degrees at most; not for Repeated
+    /// Texture Projection.
+    pub pose: f64,
+    /// Images are predicted by any of the closed forms that can be fitted, not only by the default.
+    pub any_renderer: bool,
+    /// Exponent of the image's values, as a camera's tone curve has it: from one less than 1 to its inverse.
+    pub tone: f64,
+    /// Added to the image, to either side, in sRGB of 0 to 1.
+    pub brightness: f64,
+    /// Factor about middle grey: from one less than 1 to its inverse.
+    pub contrast: f64,
+    /// Size of the image about its middle: from one to another.
+    pub scale: [f64; 2],
+    /// The image is moved by so many pixels at most: which of a detector's cells the model falls into is chance.
+    pub offset_px: f64,
+    /// Standard deviation of the noise of each value, in sRGB of 0 to 1.
+    pub noise: f64,
+    /// Factor of each channel: from one less than 1 to its inverse.
+    pub white_balance: f64,
+    /// Standard deviation of the blur, from none to so many px.
+    pub blur_px: f64,
+    /// JPEG compression, from the best quality down to this one; 100 for none.
+    pub jpeg_quality: u8,
+    /// Share of images that get the background of another view.
+    pub background: f64,
+}
+
+impl Eot {
+    /// No augmentation.
+    pub const NONE: Self = Self {
+        shift_tiles: 0.0,
+        tile_scale: 0.0,
+        turn_deg: 0.0,
+        pose: 0.0,
+        any_renderer: false,
+        tone: 1.0,
+        brightness: 0.0,
+        contrast: 1.0,
+        scale: [1.0, 1.0],
+        offset_px: 0.0,
+        noise: 0.0,
+        white_balance: 1.0,
+        blur_px: 0.0,
+        jpeg_quality: 100,
+        background: 0.0,
+    };
+
+    /// The usual: no shift of the pattern (print fixes where it lies), and of the image what a camera does.
+    pub const USUAL: Self = Self {
+        brightness: 0.08,
+        contrast: 0.85,
+        scale: [0.6, 1.15],
+        offset_px: 12.0,
+        noise: 0.01,
+        ..Self::NONE
+    };
+
+    /// What can be added to the usual, by name.
+    pub const KINDS: [Kind; 14] = [
+        ("brightness", |eot| eot.brightness = 0.25),
+        ("contrast", |eot| eot.contrast = 0.7),
+        ("far", |eot| eot.scale[0] = 0.25),
+        ("noise", |eot| eot.noise = 0.04),
+        ("white-balance", |eot| eot.white_balance = 0.8),
+        ("blur", |eot| eot.blur_px = 1.5),
+        ("jpeg", |eot| eot.jpeg_quality = 30),
+        ("background", |eot| eot.background = 0.5),
+        ("shift", |eot| eot.shift_tiles = 0.5),
+        ("size", |eot| eot.tile_scale = eot.tile_scale.max(0.1)),
+        ("turn", |eot| eot.turn_deg = 5.0),
+        ("pose", |eot| eot.pose = 2.0),
+        ("renderer", |eot| eot.any_renderer = true),
+        ("tone", |eot| eot.tone = 0.75),
+    ];
+
+    /// One draw of how wrong the pattern lies on the model.
+    pub fn misplaced(&self, rng: &mut impl Rng) -> Misplacement {
+        let mut either = |by: f64| by * rng.random_range(-1.0..1.0);
+        Misplacement {
+            size: 1.0 + either(self.tile_scale),
+            turn_deg: either(self.turn_deg),
+            seen_off_px: [either(self.pose), either(self.pose)],
+            seen_turned_deg: either(self.pose),
+        }
+    }
+
+    /// Whether the pattern ever lies wrong.
+    pub fn misplaces(&self) -> bool {
+        [self.tile_scale, self.turn_deg, self.pose].iter().any(|by| *by > 0.0)
+    }
+}
+
+/// One draw of everything.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Augmentation {
+    /// φ_rd, the random shift of the texture, and for Repeated Texture Projection its size.
+    pub jitter: Jitter,
+    pub brightness: f64,
+    pub contrast: f64,
+    pub scale: f64,
+    pub offset_px: [f64; 2],
+    noise: f64,
+    noise_seed: u64,
+    /// Factors of the channels.
+    white_balance: Rgb,
+    blur_px: f64,
+    jpeg_quality: u8,
+    /// Which view the background is of, as a share of all views; `None` for its own.
+    pub background: Option<f64>,
+    tone: f64,
+    /// Which of the ways in which a view's pattern lies, as a share of them; 0 is the true one.
+    pub laid: f64,
+    /// Which of a view's renderers, as a share of them; 0 is the default.
+    pub renderer: f64,
+}
+
+impl Augmentation {
+    /// No augmentation.
+    pub const NONE: Self = Self {
+        jitter: Jitter::NONE,
+        brightness: 0.0,
+        contrast: 1.0,
+        scale: 1.0,
+        offset_px: [0.0, 0.0],
+        noise: 0.0,
+        noise_seed: 0,
+        white_balance: [1.0; 3],
+        blur_px: 0.0,
+        jpeg_quality: 100,
+        background: None,
+        tone: 1.0,
+        laid: 0.0,
+        renderer: 0.0,
+    };
+
+    pub fn random(eot: &Eot, rng: &mut impl Rng) -> Self {
+        let mut either = |by: f64| by * rng.random_range(-1.0..1.0);
+        let jitter = Jitter {
+            shift_tiles: [either(eot.shift_tiles), either(eot.shift_tiles)],
+            scale: 1.0 + either(eot.tile_scale),
+        };
+        let (brightness, contrast) = (either(eot.brightness), eot.contrast.powf(either(1.0)));
+        let offset_px = [either(eot.offset_px), either(eot.offset_px)];
+        let [low, high] = eot.scale;
+        let scale = low + (high - low) * rng.random::<f64>();
+        let noise_seed: u64 = rng.random();
+        // From a generator of their own: runs without them draw what they drew before there were any.
+        let mut more = Pcg32::seed_from_u64(noise_seed ^ 0xa06);
+        Self {
+            white_balance: std::array::from_fn(|_| eot.white_balance.powf(more.random_range(-1.0..1.0))),
+            blur_px: eot.blur_px * more.random::<f64>(),
+            jpeg_quality: more.random_range(eot.jpeg_quality..=100),
+            background: (more.random::<f64>() < eot.background).then(|| more.random()),
+            tone: eot.tone.powf(more.random_range(-1.0..1.0)),
+            laid: more.random(),
+            renderer: more.random(),
+            jitter,
+            brightness,
+            contrast,
+            offset_px,
+            scale,
+            noise: eot.noise,
+            noise_seed,
+        }
+    }
+
+    /// Where a box of the image comes to lie.
+    pub fn moved(&self, b: &BoxPx, size_px: [u32; 2]) -> BoxPx {
+        let middle = size_px.map(|px| 0.5 * f64::from(px));
+        let x = |v: f64| (v - middle[0]) * self.scale + middle[0] + self.offset_px[0];
+        let y = |v: f64| (v - middle[1]) * self.scale + middle[1] + self.offset_px[1];
+        BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
+    }
+
+    /// Augments an image.
+    pub fn apply(&self, image: &[Rgb], size_px: [u32; 2]) -> AugmentedImage {
+        let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
+        let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
+        let mut image = resample.as_ref().map_or_else(|| image.to_vec(), |r| r.forward(image));
+        let blur = (self.blur_px > LEAST_BLUR_PX).then(|| blur(size_px, self.blur_px));
+        if let Some(blur) = &blur {
+            image = blur.forward(&image);
+        }
+        let mut rng = Pcg32::seed_from_u64(self.noise_seed);
+        let mut slopes = vec![[0.0; 3]; image.len()];
+        for (pixel, slopes) in image.iter_mut().zip(&mut slopes) {
+            for ((value, slope), balance) in pixel.iter_mut().zip(slopes).zip(self.white_balance) {
+                let noise = if self.noise > 0.0 {
+                    self.noise * normal::draw(&mut rng)
+                } else {
+                    0.0
+                };
+                let (toned, derivative) = toned(*value, self.tone);
+                *value = self.contrast * (balance * toned - 0.5) + 0.5 + self.brightness + noise;
+                if (0.0..=1.0).contains(value) {
+                    *slope = balance * self.contrast * derivative;
+                }
+                *value = value.clamp(0.0, 1.0);
+            }
+        }
+        if self.jpeg_quality < 100 {
+            image = compressed(image, size_px[0], self.jpeg_quality);
+        }
+        AugmentedImage {
+            image,
+            slopes,
+            resample,
+            blur,
+        }
+    }
+}
+
+/// An augmented image and its adjoint.
+#[derive(Debug, Clone)]
+pub struct AugmentedImage {
+    pub image: Vec<Rgb>,
+    /// Derivative of each value by the one that it was made of; 0 where it is clipped.
+    slopes: Vec<Rgb>,
+    resample: Option<Resample>,
+    blur: Option<Separable>,
+}
+
+impl AugmentedImage {
+    /// From the derivative with respect to the augmented image to that with respect to the image before. Compression counts as no change: it
+    /// rounds, and has no derivative of its own (Shin & Song 2017; "straight-through", Bengio et al. 2013).
+    pub fn vjp(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
+        for (pixel, slopes) in gradient.iter_mut().zip(&self.slopes) {
+            *pixel = std::array::from_fn(|c| pixel[c] * slopes[c]);
+        }
+        if let Some(blur) = &self.blur {
+            gradient = blur.transposed(&gradient);
+        }
+        match &self.resample {
+            Some(resample) => resample.transposed(&gradient),
+            None => gradient,
+        }
+    }
+}
+
+/// Darker values are as steep as this one, since the derivative of a root grows without bound.
+const DARKEST: f64 = 0.01;
+
+/// A value after a tone curve, and the derivative.
+fn toned(value: f64, exponent: f64) -> (f64, f64) {
+    if exponent == 1.0 {
+        return (value, 1.0);
+    }
+    let value = value.max(0.0);
+    let slope = exponent * value.max(DARKEST).powf(exponent - 1.0);
+    (value.powf(exponent), slope)
+}
+
+/// Less blur is none.
+const LEAST_BLUR_PX: f64 = 0.2;
+
+/// A Gaussian blur, up to three standard deviations; beyond the border, the image goes on as it ends.
+fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
+    let reach = (3.0 * sigma_px).ceil() as i64;
+    let kernel = |by: i64| (-0.5 * (by as f64 / sigma_px).powi(2)).exp();
+    let sum: f64 = (-reach..=reach).map(kernel).sum();
+    let taps = |size: u32| {
+        let last = i64::from(size) - 1;
+        let tap = |at: i64| {
+            let first = (at - reach).clamp(0, last);
+            let mut weights = vec![0.0; ((at + reach).clamp(0, last) - first + 1) as usize];
+            for by in -reach..=reach {
+                weights[((at + by).clamp(0, last) - first) as usize] += kernel(by) / sum;
+            }
+            Tap {
+                first: first as usize,
+                weights,
+            }
+        };
+        (0..=last).map(tap).collect()
+    };
+    let [columns, rows] = size_px.map(taps);
+    Separable::new(size_px.map(|side| side as usize), columns, rows)
+}
+
+/// As it comes back from a JPEG; as it is where it cannot be encoded.
+fn compressed(image: Vec<Rgb>, columns: u32, quality: u8) -> Vec<Rgb> {
+    let lossy = as_jpeg(&to_image(&image, columns), quality);
+    lossy.map_or(image, |lossy| of_image(&lossy))
+}
+
+/// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is
+/// the transposed map. Of several square patterns below each other each is moved by itself.
+pub fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
+    if shift_tiles == [0.0, 0.0] {
+        return cells.to_vec();
+    }
+    let tap = |at: usize, count: usize, shift: f64| {
+        let from = at as f64 - shift * count as f64;
+        let (whole, part) = (from.floor(), from - from.floor());
+        let index = |i: f64| (i.rem_euclid(count as f64) as usize) % count;
+        [(index(whole), 1.0 - part), (index(whole + 1.0), part)]
+    };
+    let cell = |i: usize| {
+        let above = i / (columns * columns) * columns;
+        let (across, down) = (
+            tap(i % columns, columns, shift_tiles[0]),
+            tap(i / columns - above, columns, shift_tiles[1]),
+        );
+        let mut sum = [0.0; 3];
+        for (row, wy) in down {
+            for (column, wx) in across {
+                let value = cells[(above + row) * columns + column];
+                sum = std::array::from_fn(|c| sum[c] + wx * wy * value[c]);
+            }
+        }
+        sum
+    };
+    (0..cells.len()).map(cell).collect()
+}

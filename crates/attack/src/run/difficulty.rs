@@ -1,0 +1,69 @@
+//! Which views a step looks at: each in turn, and some for how well the model is still seen in them.
+
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+
+use super::{batch, drawn_by};
+
+/// The last loss in each view; before the first look it counts as the highest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Difficulty {
+    losses: Vec<Option<f64>>,
+}
+
+impl Difficulty {
+    pub fn new(views: usize) -> Self {
+        Self {
+            losses: vec![None; views],
+        }
+    }
+
+    pub fn observe(&mut self, view: usize, loss: f64) {
+        self.losses[view] = Some(loss);
+    }
+
+    /// `size` views of a step, of which a share is drawn with probabilities as their losses; the others come in turn, so that no view is
+    /// forgotten.
+    pub fn batch(&self, views: &[usize], (size, hard): (u32, f64), seed: u64, step: u32) -> Vec<usize> {
+        let size = size.min(views.len() as u32);
+        let drawn = (hard * f64::from(size)).round() as u32;
+        let mut chosen = batch(views, size - drawn, seed, step);
+        let highest = self.losses.iter().flatten().copied().fold(0.0, f64::max);
+        let weight = |view: &usize| self.losses[*view].unwrap_or(highest).max(1e-3);
+        let mut rng = drawn_by(seed ^ 0x4a7d, step);
+        for _ in 0..drawn {
+            let left: Vec<usize> = views.iter().copied().filter(|view| !chosen.contains(view)).collect();
+            let mut at = rng.random::<f64>() * left.iter().map(weight).sum::<f64>();
+            let found = left.iter().find(|view| {
+                at -= weight(view);
+                at < 0.0
+            });
+            chosen.extend(found.or(left.last()));
+        }
+        chosen
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hard_views_come_often_and_all_come() {
+        let views: Vec<usize> = (0..20).collect();
+        let mut difficulty = Difficulty::new(20);
+        views
+            .iter()
+            .for_each(|view| difficulty.observe(*view, if *view == 7 { 8.0 } else { 0.2 }));
+        let mut seen = [0; 20];
+        for step in 0..200 {
+            let batch = difficulty.batch(&views, (4, 0.5), 1, step);
+            let different: std::collections::BTreeSet<_> = batch.iter().collect();
+            assert_eq!(different.len(), 4, "no view twice");
+            batch.iter().for_each(|view| seen[*view] += 1);
+        }
+        assert!(seen[7] > 150, "{seen:?}");
+        assert!(seen.iter().all(|times| *times >= 10), "{seen:?}");
+        assert_eq!(difficulty.batch(&views, (4, 0.0), 1, 3), batch(&views, 4, 1, 3));
+    }
+}

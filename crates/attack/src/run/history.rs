@@ -1,0 +1,159 @@
+//! The history of a run, and several on one chart.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::RunError;
+use super::judge::HeldOutFigures;
+use scaleproof_core::files;
+use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use scaleproof_pose::scene::Classes;
+
+/// The name of the file in the folder of a run.
+pub const FILE: &str = "history.json";
+
+/// After a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    pub step: u32,
+    /// Images looked at so far, those of judging not counted.
+    pub queries: u64,
+    /// On this machine, judging included.
+    pub wall_s: f64,
+    /// Mean over the minibatch of the sum over detectors; none for methods that see no loss.
+    pub loss: Option<f64>,
+    /// Mean over the minibatch and the detectors, where the method knows it.
+    pub confidence: Option<f64>,
+    pub held_out: Option<HeldOutFigures>,
+}
+
+/// Figures with their names, and what they can be.
+type Bounded = (&'static str, f64, RangeInclusive<f64>);
+
+/// Widths of a repeat on the model, mm.
+pub const TILES_MM: RangeInclusive<f64> = 0.1..=100_000.0;
+const SHARES: RangeInclusive<f64> = 0.0..=1.0;
+/// Up to thirty years.
+const SECONDS: RangeInclusive<f64> = 0.0..=1e9;
+
+impl Entry {
+    fn figures(&self) -> impl Iterator<Item = Bounded> {
+        let held_out = self.held_out.map(|figures| {
+            [
+                ("ap50", figures.ap50, SHARES),
+                ("hit_rate", figures.hit_rate, SHARES),
+                ("mean_confidence", figures.mean_confidence, SHARES),
+            ]
+        });
+        [("wall_s", self.wall_s, SECONDS)]
+            .into_iter()
+            .chain(held_out.into_iter().flatten())
+    }
+}
+
+/// The history of one method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct History {
+    pub scaleproof: String,
+    /// As `dta` or `er`.
+    pub method: String,
+    pub seed: u64,
+    pub tile_mm: f64,
+    pub frames_sha256: String,
+    pub detectors: Vec<String>,
+    /// The labels that count as the model; none in histories of before they were noted.
+    #[serde(default)]
+    pub classes: Option<Classes>,
+    pub entries: Vec<Entry>,
+}
+
+impl History {
+    /// The history in the folder of a result.
+    ///
+    /// # Errors
+    /// None there, or a damaged one, or one of figures that no run has.
+    pub fn load(folder: &Path) -> Result<Self, RunError> {
+        let path = folder.join(FILE);
+        let read = serde_json::from_str::<Self>(&files::read_text(&path)?).map_err(|e| e.to_string());
+        let possible = read.and_then(|history| history.fault().map_or(Ok(history), Err));
+        possible.map_err(|reason| RunError::NotAHistory { path, reason })
+    }
+
+    /// A figure that no run has.
+    fn fault(&self) -> Option<String> {
+        let of_entries = self.entries.iter().flat_map(Entry::figures);
+        [("tile_mm", self.tile_mm, TILES_MM)]
+            .into_iter()
+            .chain(of_entries)
+            .find(|(_, value, possible)| !possible.contains(value))
+            .map(|(name, value, _)| format!("its {name} is {value}"))
+    }
+
+    /// The history as a file of the folder.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), RunError> {
+        Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
+    }
+
+    /// Two histories stand on one chart only when both were made with the same frames, detectors and labels of the model.
+    pub fn is_comparable(&self, other: &Self) -> bool {
+        self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors && self.classes == other.classes
+    }
+
+    /// Images looked at in all.
+    pub fn queries(&self) -> u64 {
+        self.entries.last().map_or(0, |e| e.queries)
+    }
+
+    /// Seconds that it took in all.
+    pub fn wall_s(&self) -> f64 {
+        self.entries.last().map_or(0.0, |e| e.wall_s)
+    }
+
+    pub fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
+        self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
+    }
+}
+
+/// The chart: AP@0.5 on the held-out views against wall time, a colour for each method; the filled share of a
+/// mark is the hit rate.
+pub fn draw(histories: &[History]) -> String {
+    let methods = distinct(histories.iter().map(|history| history.method.clone()));
+    let dots: Vec<Dot> = histories.iter().flat_map(|history| of_one(history, &methods)).collect();
+    let views = histories
+        .first()
+        .and_then(History::last_judged)
+        .map_or(0, |(_, j)| j.views);
+    scatter(&Cloud {
+        title: "Patterns: AP@0.5 on held-out views against time".to_owned(),
+        note: format!(
+            "{views} views by the surrogate renderer; filled: share with a hit at confidence 0.5; lower left is better"
+        ),
+        x: PlotAxis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
+        y: PlotAxis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
+        colours: methods,
+        shapes: vec!["after so many seconds".to_owned()],
+        ringed: "the end".to_owned(),
+        groups: vec![(String::new(), dots)],
+    })
+}
+
+fn of_one<'a>(history: &'a History, methods: &'a [String]) -> impl Iterator<Item = Dot> + 'a {
+    let series = methods.iter().position(|m| *m == history.method).unwrap_or(0);
+    let last = history.last_judged().map(|(entry, _)| entry.step);
+    let judged = history.entries.iter().filter_map(|e| Some((e, e.held_out?)));
+    judged.map(move |(entry, judgement)| Dot {
+        // A pattern that took no time stands at the left end.
+        x: entry.wall_s.max(1.0),
+        y: judgement.ap50,
+        share: judgement.hit_rate,
+        series,
+        shape: 0,
+        name: None,
+        is_ringed: Some(entry.step) == last,
+    })
+}

@@ -1,0 +1,171 @@
+//! How often a pattern is still detected, by the surrogate renderer's images of the views held out. This guides; what
+//! counts are images rendered or photos taken anew.
+
+use serde::{Deserialize, Serialize};
+
+use super::loss::{HIT_CONFIDENCE, HIT_IOU};
+use super::view_set::ViewSet;
+use super::{Augmentation, Rgb, RunError, together};
+use scaleproof_core::ap::{ImageBoxes, average_precision};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::workers;
+use scaleproof_detect::{CandidateBox, SCORE_FLOOR, suppress};
+use scaleproof_gradients::{Prediction, WhiteBox, strongest};
+
+/// Means over views and detectors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HeldOutFigures {
+    pub views: usize,
+    /// As `score` computes it by default.
+    pub ap50: f64,
+    /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
+    pub hit_rate: f64,
+    /// Of the most confident box on the model; 0 where there is none.
+    pub mean_confidence: f64,
+}
+
+/// Judges cells (sRGB, 0 to 1).
+///
+/// # Errors
+/// A detector that cannot look, or whose answer is not a number.
+pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<HeldOutFigures, RunError> {
+    judge_images(view_set, detectors, |view| {
+        Ok(view_set.textured(view, cells, &Augmentation::NONE).augmented.image)
+    })
+}
+
+/// Judges whatever is in the images of the views held out.
+///
+/// # Errors
+/// Those of `image`, and of the detectors.
+pub fn judge_images(
+    view_set: &ViewSet,
+    detectors: &[Box<dyn WhiteBox>],
+    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
+) -> Result<HeldOutFigures, RunError> {
+    let seen = look(view_set, detectors, &view_set.judged(), image)?;
+    let mean = |of: fn(&SeenByDetector) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
+    Ok(HeldOutFigures {
+        views: view_set.judged().len(),
+        ap50: mean(SeenByDetector::ap50),
+        hit_rate: mean(SeenByDetector::hit_rate),
+        mean_confidence: mean(SeenByDetector::mean_confidence),
+    })
+}
+
+/// What one detector makes of some views.
+pub struct SeenByDetector {
+    /// Of the most confident box on the model, in each view; 0 where there is none.
+    pub confidences: Vec<f64>,
+    boxes: Vec<ImageBoxes>,
+}
+
+impl SeenByDetector {
+    /// As `score` computes it by default.
+    pub fn ap50(&self) -> f64 {
+        average_precision(&self.boxes, HIT_IOU).map_or(0.0, |found| found.ap)
+    }
+
+    /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
+    pub fn hit_rate(&self) -> f64 {
+        let hits = self.confidences.iter().filter(|c| **c >= HIT_CONFIDENCE);
+        hits.count() as f64 / self.confidences.len().max(1) as f64
+    }
+
+    pub fn mean_confidence(&self) -> f64 {
+        self.confidences.iter().sum::<f64>() / self.confidences.len().max(1) as f64
+    }
+}
+
+/// Lets every detector look at some views.
+///
+/// # Errors
+/// Those of `image`, and of the detectors.
+pub fn look(
+    view_set: &ViewSet,
+    detectors: &[Box<dyn WhiteBox>],
+    views: &[usize],
+    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
+) -> Result<Vec<SeenByDetector>, RunError> {
+    let looked = together::on_each(workers::thread_count(), detectors, views, |detectors, view| {
+        let image = image(*view)?;
+        let reported = |detector: &&dyn WhiteBox| {
+            let mut predictions = predictions(view_set, *detector, (*view, &image))?;
+            predictions.retain(|prediction| prediction.is_reported);
+            Ok(predictions)
+        };
+        detectors.iter().map(reported).collect::<Result<Vec<_>, RunError>>()
+    });
+    let empty = || SeenByDetector {
+        confidences: Vec::new(),
+        boxes: Vec::new(),
+    };
+    let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| empty()).collect();
+    for (view, looks) in views.iter().zip(looked?) {
+        let outline = &view_set.views[*view].outline;
+        for ((detector, predictions), seen) in detectors.iter().zip(looks).zip(&mut seen) {
+            let found = strongest(&predictions, outline, HIT_IOU);
+            seen.confidences.push(found.map_or(0.0, |i| predictions[i].confidence));
+            seen.boxes.push(ImageBoxes {
+                truths: vec![*outline],
+                detections: detections(&predictions, detector.nms_iou()),
+                ..ImageBoxes::default()
+            });
+        }
+    }
+    Ok(seen)
+}
+
+/// The highest confidence of a box that overlaps the model so much; 0 where there is none.
+///
+/// # Errors
+/// A detector that cannot look, or whose answer is not a number.
+pub fn confidence(
+    view_set: &ViewSet,
+    detector: &dyn WhiteBox,
+    (view, image, outline): (usize, &[Rgb], &BoxPx),
+    least_iou: f64,
+) -> Result<f64, RunError> {
+    let predictions = predictions(view_set, detector, (view, image))?;
+    Ok(strongest(&predictions, outline, least_iou).map_or(0.0, |i| predictions[i].confidence))
+}
+
+/// What a detector says of an image, every confidence a number.
+fn predictions(
+    view_set: &ViewSet,
+    detector: &dyn WhiteBox,
+    (view, image): (usize, &[Rgb]),
+) -> Result<Vec<Prediction>, RunError> {
+    let name = || (detector.name().to_owned(), view_set.views[view].frame.name.clone());
+    let predictions = detector.predictions(image, view_set.size_px(view)).map_err(|reason| {
+        let (detector, view) = name();
+        let reason = Box::new(reason);
+        RunError::ForwardPass { detector, view, reason }
+    })?;
+    if predictions.iter().all(|prediction| prediction.confidence.is_finite()) {
+        Ok(predictions)
+    } else {
+        let (detector, view) = name();
+        Err(RunError::NotANumber {
+            detector,
+            view,
+            step: 0,
+        })
+    }
+}
+
+/// The boxes that scoring would see.
+fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
+    let candidates = predictions
+        .iter()
+        .filter(|prediction| prediction.confidence >= SCORE_FLOOR);
+    let candidates = candidates.map(|prediction| CandidateBox {
+        label: 0,
+        score: prediction.confidence,
+        b: prediction.box_px,
+    });
+    suppress(candidates.collect(), nms_iou)
+        .into_iter()
+        .map(|kept| (kept.score, kept.b))
+        .collect()
+}

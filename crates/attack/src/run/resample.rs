@@ -1,0 +1,85 @@
+//! An image made larger or smaller about its middle and moved, as a linear map, forward and transposed.
+
+use super::Rgb;
+use scaleproof_gradients::separable::{Separable, Tap};
+
+/// What surrounds an image that was made smaller: the grey that detectors pad with.
+const AROUND: f64 = 114.0 / 255.0;
+
+/// A separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias.
+#[derive(Debug, Clone)]
+pub(super) struct Resample(Separable);
+
+impl Resample {
+    /// `scale` above 1 enlarges; `offset_px` moves right and down.
+    pub(super) fn new(size_px: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
+        let size = size_px.map(|side| side as usize);
+        let [columns, rows] = [0, 1].map(|axis| taps(size[axis], scale, offset_px[axis]));
+        Self(Separable::new(size, columns, rows))
+    }
+
+    pub(super) fn forward(&self, image: &[Rgb]) -> Vec<Rgb> {
+        let from_grey: Vec<Rgb> = image.iter().map(|rgb| rgb.map(|v| v - AROUND)).collect();
+        let mut augmented = self.0.forward(&from_grey);
+        augmented.iter_mut().flatten().for_each(|v| *v += AROUND);
+        augmented
+    }
+
+    /// The transposed map.
+    pub(super) fn transposed(&self, image: &[Rgb]) -> Vec<Rgb> {
+        self.0.transposed(image)
+    }
+}
+
+fn taps(size: usize, scale: f64, offset: f64) -> Vec<Tap> {
+    let middle = 0.5 * size as f64;
+    let reach = (1.0 / scale).max(1.0);
+    let row = |out: usize| {
+        let at = middle + (out as f64 + 0.5 - middle - offset) / scale - 0.5;
+        let (low, high) = ((at - reach).ceil() as i64, (at + reach).floor() as i64);
+        let weight = |i: i64| (1.0 - (i as f64 - at).abs() / reach).max(0.0);
+        // Of the whole kernel: what hangs over the border is what surrounds the image.
+        let sum: f64 = (low..=high).map(weight).sum();
+        let inside = low.max(0)..=high.min(size as i64 - 1);
+        // What lies wholly outside sees nothing of the image; its first pixel must still be one.
+        let first = usize::try_from(*inside.start()).unwrap_or(0).min(size - 1);
+        let weights = inside.map(|i| weight(i) / sum).collect();
+        Tap { first, weights }
+    };
+    (0..size).map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn the_transposed_map_is_the_transposed_map() {
+        let mut rng = rand_pcg::Pcg32::seed_from_u64(4);
+        let size = [13, 9];
+        for (scale, offset) in [(1.0, [0.0, 0.0]), (0.4, [2.3, -1.0]), (1.7, [-3.0, 0.5])] {
+            let map = Resample::new(size, scale, offset);
+            let mut noise = || -> Vec<Rgb> { (0..13 * 9).map(|_| std::array::from_fn(|_| rng.random())).collect() };
+            let (x, y) = (noise(), noise());
+            let zero = map.forward(&vec![[0.0; 3]; 13 * 9]);
+            let product =
+                |a: &[Rgb], b: &[Rgb]| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum() };
+            let forward = product(&map.forward(&x), &y) - product(&zero, &y);
+            assert!((forward - product(&x, &map.transposed(&y))).abs() < 1e-9, "{scale}");
+        }
+        let flat = Resample::new(size, 0.5, [0.0, 0.0]).forward(&vec![[1.0; 3]; 13 * 9]);
+        assert!(
+            (flat[4 * 13 + 6][0] - 1.0).abs() < 1e-9,
+            "white stays white in the middle"
+        );
+        assert!((flat[0][0] - AROUND).abs() < 1e-9, "and grey is around it");
+    }
+
+    #[test]
+    fn size_one_is_no_change() {
+        let image: Vec<Rgb> = (0..12).map(|i| [f64::from(i) / 12.0; 3]).collect();
+        let same = Resample::new([4, 3], 1.0, [0.0, 0.0]).forward(&image);
+        assert!(same.iter().zip(&image).all(|(a, b)| (a[0] - b[0]).abs() < 1e-12));
+    }
+}

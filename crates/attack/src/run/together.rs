@@ -1,0 +1,30 @@
+//! Images looked at in parallel. Results keep the images' order, so whatever is summed over them does not depend on the number of threads.
+
+use super::RunError;
+use scaleproof_core::workers;
+use scaleproof_gradients::WhiteBox;
+
+/// Looks at every item: over so many threads where all detectors let several look at a time, else one after the other.
+pub(super) fn on_each<T: Sync, R: Send>(
+    threads: usize,
+    detectors: &[Box<dyn WhiteBox>],
+    items: &[T],
+    look: impl Fn(&[&dyn WhiteBox], &T) -> Result<R, RunError> + Sync,
+) -> Result<Vec<R>, RunError> {
+    let shared: Option<Vec<&(dyn WhiteBox + Sync)>> = detectors.iter().map(|detector| detector.shared()).collect();
+    match shared {
+        Some(shared) => {
+            let own = || {
+                Ok(shared
+                    .iter()
+                    .map(|detector| *detector as &dyn WhiteBox)
+                    .collect::<Vec<_>>())
+            };
+            workers::map_over(threads, items, own, |detectors, item| look(detectors, item), || {})
+        }
+        None => {
+            let detectors: Vec<&dyn WhiteBox> = detectors.iter().map(AsRef::as_ref).collect();
+            items.iter().map(|item| look(&detectors, item)).collect()
+        }
+    }
+}

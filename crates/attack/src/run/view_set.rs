@@ -1,0 +1,340 @@
+//! The views an attack works on, each with its surrogate renderer and its texture projection.
+
+use std::borrow::Cow;
+use std::iter;
+
+use rand::SeedableRng;
+use rand_pcg::Pcg32;
+use serde::Serialize;
+
+use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
+use super::{Rgb, RunError};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::workers;
+use scaleproof_frames::frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
+use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
+use scaleproof_frames::surrogate::projection::{Grid, Projection, Sampling, repeated};
+use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`]; fewer views than that are all trained on.
+const HELD_OUT_EVERY: usize = 6;
+const FIRST_HELD_OUT: usize = 3;
+
+/// How the pattern is mapped onto the model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TextureMapping {
+    /// As the printed panels are.
+    #[default]
+    World,
+    /// As the printed panels are, with a pattern of its own for each side of the model.
+    Sides,
+    /// DTA's Repeated Texture Projection.
+    Repeated,
+}
+
+impl TextureMapping {
+    /// Both, the default first.
+    pub const ALL: [Self; 3] = [Self::World, Self::Sides, Self::Repeated];
+
+    /// Its name in files and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::World => "world",
+            Self::Sides => "sides",
+            Self::Repeated => "repeated",
+        }
+    }
+
+    /// Columns and rows of a pattern of so many cells a side: the sides' patterns lie below each other, in the order left, right, roof, front, rear, bottom.
+    pub fn grid(self, cells: u32) -> [u32; 2] {
+        match self {
+            Self::Sides => [cells, Side::ALL.len() as u32 * cells],
+            Self::World | Self::Repeated => [cells, cells],
+        }
+    }
+
+    /// The usual augmentation, with the shift and size of the texture where this mapping leaves them open.
+    pub fn usual_eot(self) -> Eot {
+        match self {
+            Self::World | Self::Sides => Eot::USUAL,
+            Self::Repeated => Eot {
+                shift_tiles: 0.5,
+                tile_scale: 0.25,
+                ..Eot::USUAL
+            },
+        }
+    }
+}
+
+/// One pose in one light.
+#[derive(Debug)]
+pub struct SurrogateView {
+    /// Of its first frame.
+    pub frame: Frame,
+    /// Which of the frame lists it is of.
+    list: usize,
+    /// Around the object's mask, corner to corner of the image's pixels.
+    pub outline: BoxPx,
+    /// How much of each pixel the object covers, 0 to 1.
+    object: Vec<f32>,
+    /// The default first.
+    renderers: Vec<PerPixel>,
+    place: Place,
+}
+
+#[derive(Debug)]
+enum Place {
+    /// The true one, and others that are misplaced.
+    World(Vec<Projection>),
+    Repeated(Coverage),
+}
+
+/// So many ways besides the true one in which a view's pattern is misplaced, where the augmentation asks for it.
+const MISPLACED: usize = 3;
+
+/// One of a choice, by a share of it.
+fn picked<T>(choice: &[T], share: f64) -> &T {
+    &choice[((share * choice.len() as f64) as usize).min(choice.len() - 1)]
+}
+
+/// All views, and which are held out.
+#[derive(Debug)]
+pub struct ViewSet {
+    /// The frames that the views are of: a list for each car or render.
+    lists: Vec<FrameList>,
+    /// Cells of the pattern.
+    pub grid: Grid,
+    /// The views, with their surrogates fitted.
+    pub views: Vec<SurrogateView>,
+    /// Views in which the model or its paint is not seen.
+    pub unseen: usize,
+}
+
+/// A view with the pattern on it, augmented; its vector–Jacobian product leads back to the cells.
+pub struct TexturedView<'a> {
+    view: &'a SurrogateView,
+    renderer: &'a PerPixel,
+    projection: Cow<'a, Projection>,
+    columns: usize,
+    shift_tiles: [f64; 2],
+    paint: Vec<Rgb>,
+    /// Outside the object another image is seen.
+    has_other_background: bool,
+    pub augmented: AugmentedImage,
+    /// Where the model is in the augmented image.
+    pub outline: BoxPx,
+}
+
+impl ViewSet {
+    /// Fits the default surrogate renderer to the flat colours of every view, and prepares what `eot` will draw from: the
+    /// other closed forms, and misplaced patterns. `on_view` is called after each, from any thread.
+    ///
+    /// # Errors
+    /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
+    /// model in it.
+    pub fn open(
+        sets: &[FrameSet],
+        grid: Grid,
+        (mapping, eot): (TextureMapping, &Eot),
+        on_view: impl Fn() + Sync,
+    ) -> Result<Self, RunError> {
+        let of_set = |(i, set): (usize, &'_ FrameSet)| -> Vec<(usize, Vec<Frame>)> {
+            let views = views(&set.list.frames);
+            views
+                .into_iter()
+                .map(|frames| (i, frames.into_iter().cloned().collect()))
+                .collect()
+        };
+        let all: Vec<(usize, Vec<Frame>)> = sets.iter().enumerate().flat_map(of_set).collect();
+        let all: Vec<_> = all.into_iter().enumerate().collect();
+        let load = |(): &mut (), (view, (i, frames)): &(usize, (usize, Vec<Frame>))| {
+            load((*i, &sets[*i]), (*view, frames), &grid, (mapping, eot))
+        };
+        let loaded = workers::map(&all, || Ok(()), load, on_view)?;
+        let count = loaded.len();
+        let views: Vec<SurrogateView> = loaded.into_iter().flatten().collect();
+        if views.is_empty() {
+            return Err(RunError::NothingSeen);
+        }
+        Ok(Self {
+            lists: sets.iter().map(|set| set.list.clone()).collect(),
+            grid,
+            unseen: count - views.len(),
+            views,
+        })
+    }
+
+    /// Views to train on.
+    pub fn trained(&self) -> Vec<usize> {
+        (0..self.views.len()).filter(|i| !self.is_held_out(*i)).collect()
+    }
+
+    /// Views to judge by: those held out, or all where they are too few to hold any out.
+    pub fn judged(&self) -> Vec<usize> {
+        if self.holds_out() {
+            (0..self.views.len()).filter(|i| self.is_held_out(*i)).collect()
+        } else {
+            (0..self.views.len()).collect()
+        }
+    }
+
+    /// Whether some views are held out of the optimisation.
+    pub fn holds_out(&self) -> bool {
+        self.views.len() >= HELD_OUT_EVERY
+    }
+
+    fn is_held_out(&self, view: usize) -> bool {
+        self.holds_out() && view % HELD_OUT_EVERY == FIRST_HELD_OUT
+    }
+
+    /// Which of the frame sets a view is of.
+    pub fn set_of(&self, view: usize) -> usize {
+        self.views[view].list
+    }
+
+    /// Width and height of a view's image, px.
+    pub fn size_px(&self, view: usize) -> [u32; 2] {
+        self.lists[self.views[view].list].size_px
+    }
+
+    /// A view with a pattern on. `cells`: sRGB, 0 to 1, row by row from the top.
+    pub fn textured(&self, view: usize, cells: &[Rgb], draw: &Augmentation) -> TexturedView<'_> {
+        let size_px = self.size_px(view);
+        let view = &self.views[view];
+        let columns = self.grid.columns as usize;
+        let light: Vec<Rgb> = cells.iter().map(|cell| cell.map(light::decode)).collect();
+        let (projection, shift_tiles) = match &view.place {
+            Place::World(choice) => (Cow::Borrowed(picked(choice, draw.laid)), draw.jitter.shift_tiles),
+            // The shift is the projection's own there.
+            Place::Repeated(mask) => {
+                let (list, frame, nearest) = (&self.lists[view.list], &view.frame, Sampling::Nearest);
+                let textured = repeated::project(list, frame, mask, &self.grid, nearest, &draw.jitter);
+                (Cow::Owned(textured), [0.0, 0.0])
+            }
+        };
+        let paint = projection.forward(&rolled(&light, columns, shift_tiles));
+        let renderer = picked(&view.renderers, draw.renderer);
+        let mut image = renderer.predict(&paint);
+        let has_other_background = draw
+            .background
+            .is_some_and(|background| self.exchange(&mut image, view, background));
+        let augmented = draw.apply(&image, size_px);
+        TexturedView {
+            outline: draw.moved(&view.outline, size_px),
+            view,
+            renderer,
+            projection,
+            columns,
+            shift_tiles,
+            paint,
+            has_other_background,
+            augmented,
+        }
+    }
+
+    /// Puts the surroundings of another view behind the object: its image turned by half its width, so that the object there is cut in two and
+    /// out of the way. `which`: a share of all views. False for one of another size, which changes nothing.
+    fn exchange(&self, image: &mut [Rgb], view: &SurrogateView, which: f64) -> bool {
+        let other = &self.views[(which * self.views.len() as f64) as usize % self.views.len()];
+        let [size, size_of_other] = [view, other].map(|view| self.lists[view.list].size_px);
+        if size_of_other != size {
+            return false;
+        }
+        let width = size[0] as usize;
+        let behind = other.renderers[0].predict(&vec![[0.2; 3]; other.object.len()]);
+        for (i, (pixel, object)) in image.iter_mut().zip(&view.object).enumerate() {
+            let (row, column) = (i / width, i % width);
+            let behind = behind[row * width + (column + width / 2) % width];
+            let object = f64::from(*object);
+            *pixel = std::array::from_fn(|c| object * pixel[c] + (1.0 - object) * behind[c]);
+        }
+        true
+    }
+
+    /// A view in any paint (linear reflectance of each pixel), as it is.
+    pub fn painted(&self, view: usize, paint: &[Rgb]) -> Vec<Rgb> {
+        self.views[view].renderers[0].predict(paint)
+    }
+}
+
+impl TexturedView<'_> {
+    /// From the derivative with respect to the augmented image to that with respect to the cells of its texture.
+    pub fn vjp(&self, gradient: Vec<Rgb>, cells: &[Rgb]) -> Vec<Rgb> {
+        let mut gradient = self.augmented.vjp(gradient);
+        if self.has_other_background {
+            for (g, object) in gradient.iter_mut().zip(&self.view.object) {
+                *g = g.map(|v| v * f64::from(*object));
+            }
+        }
+        for (g, derivative) in gradient.iter_mut().zip(self.renderer.derivative(&self.paint)) {
+            *g = std::array::from_fn(|c| g[c] * derivative[c]);
+        }
+        let gradient = self.projection.transposed(&gradient);
+        let mut gradient = rolled(&gradient, self.columns, self.shift_tiles.map(|shift| -shift));
+        for (g, cell) in gradient.iter_mut().zip(cells) {
+            *g = std::array::from_fn(|c| g[c] * light::decode_derivative(cell[c]));
+        }
+        gradient
+    }
+}
+
+/// `None` for a view in which the model or its paint is not seen.
+fn load(
+    (list, set): (usize, &FrameSet),
+    (view, frames): (usize, &[Frame]),
+    grid: &Grid,
+    (mapping, eot): (TextureMapping, &Eot),
+) -> Result<Option<SurrogateView>, RunError> {
+    let frame = &frames[0];
+    let mask = set.paint_mask(frame)?;
+    let object = set.object_mask(frame)?;
+    let Some(seen) = outline(&object) else {
+        return Ok(None);
+    };
+    if !mask.pixels().any(|p| p.0[0] >= 128) {
+        return Ok(None);
+    }
+    let mut flats = Vec::new();
+    for frame in frames {
+        if let Some(flat_rgb) = frame.flat_rgb() {
+            let image = set.rgb(frame)?;
+            flats.push(FlatImage { flat_rgb, image });
+        }
+    }
+    let name = || frame.name.clone();
+    let default = ClosedForm::default();
+    let fitted = PerPixel::fit(default, &flats);
+    let mut renderers = vec![fitted.map_err(|reason| RunError::Fit { view: name(), reason })?];
+    if eot.any_renderer {
+        let others = ClosedForm::ALL.into_iter().filter(|form| *form != default);
+        renderers.extend(others.filter_map(|form| PerPixel::fit(form, &flats).ok()));
+    }
+    let place = match mapping {
+        TextureMapping::Repeated => Place::Repeated(mask),
+        TextureMapping::World | TextureMapping::Sides => {
+            let how = (Sampling::Nearest, mapping == TextureMapping::Sides);
+            let projections = world::project_misplaced(set, frame, grid, how, &misplacements(view, eot))?;
+            Place::World(projections.ok_or_else(|| RunError::NoPositions { view: name() })?)
+        }
+    };
+    // The outline counts from the middle of the first pixel.
+    let outline = BoxPx::new(seen.x1 + 0.5, seen.y1 + 0.5, seen.x2 + 0.5, seen.y2 + 0.5);
+    Ok(Some(SurrogateView {
+        frame: frame.clone(),
+        list,
+        object: object.pixels().map(|p| f32::from(p.0[0]) / 255.0).collect(),
+        outline,
+        renderers,
+        place,
+    }))
+}
+
+/// The true place, and others for the view of this number, the same in every run.
+fn misplacements(view: usize, eot: &Eot) -> Vec<Misplacement> {
+    let mut rng = Pcg32::seed_from_u64(view as u64);
+    let count = if eot.misplaces() { MISPLACED } else { 0 };
+    let others = (0..count).map(|_| eot.misplaced(&mut rng));
+    iter::once(Misplacement::NONE).chain(others).collect()
+}

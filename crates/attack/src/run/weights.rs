@@ -1,0 +1,96 @@
+//! How much each detector counts: alike, or the more the better it still sees the model.
+
+use serde::{Deserialize, Serialize};
+
+/// What is made small of the losses of several detectors.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Against {
+    /// Their mean.
+    #[default]
+    Mean,
+    /// That of the detector that still sees the model best: min–max (Wang et al., NeurIPS 2021, "Adversarial Attack Generation Empowered by
+    /// Min-Max Optimization"), with weights of the softmax of the losses of the last steps instead of steps in the weights.
+    Worst,
+}
+
+impl Against {
+    /// Both, the default first.
+    pub const ALL: [Self; 2] = [Self::Mean, Self::Worst];
+
+    /// Its name in files and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Worst => "worst",
+        }
+    }
+}
+
+/// Of a mean loss over steps, what the last step counts.
+const NEWEST: f64 = 0.1;
+
+/// Losses that differ by so much get weights that differ by the factor e. Losses go up to some 10 (`ln(odds / odds of the floor)`).
+const TEMPERATURE: f64 = 0.5;
+
+/// The mean losses of the last steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DetectorWeights {
+    losses: Vec<f64>,
+    steps: u32,
+}
+
+impl DetectorWeights {
+    pub fn new(detectors: usize) -> Self {
+        Self {
+            losses: vec![0.0; detectors],
+            steps: 0,
+        }
+    }
+
+    /// The weights of a step; their mean is 1.
+    pub fn of(&self, against: Against) -> Vec<f64> {
+        let highest = self.losses.iter().copied().fold(0.0, f64::max);
+        let raw: Vec<f64> = match against {
+            Against::Mean => vec![1.0; self.losses.len()],
+            Against::Worst => self
+                .losses
+                .iter()
+                .map(|loss| ((loss - highest) / TEMPERATURE).exp())
+                .collect(),
+        };
+        let mean = raw.iter().sum::<f64>() / raw.len().max(1) as f64;
+        raw.iter().map(|weight| weight / mean).collect()
+    }
+
+    /// The mean loss of each detector in a step.
+    pub fn observe(&mut self, losses: &[f64]) {
+        // The mean of all so far, until that forgets.
+        self.steps = self.steps.saturating_add(1);
+        let share = NEWEST.max(1.0 / f64::from(self.steps));
+        for (mean, loss) in self.losses.iter_mut().zip(losses) {
+            *mean += share * (loss - *mean);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_detector_that_sees_the_model_best_counts_most() {
+        let mut weights = DetectorWeights::new(3);
+        assert_eq!(weights.of(Against::Worst), [1.0; 3]);
+        weights.observe(&[2.0, 6.0, 2.0]);
+        assert_eq!(weights.of(Against::Mean), [1.0; 3]);
+        let [a, b, c] = weights.of(Against::Worst)[..] else {
+            panic!()
+        };
+        assert!(a == c && (b / a - (4.0_f64 / TEMPERATURE).exp()).abs() < 1e-12);
+        assert!((a + b + c - 3.0).abs() < 1e-12);
+        // What a detector said long ago is forgotten.
+        (0..100).for_each(|_| weights.observe(&[6.0, 2.0, 2.0]));
+        assert!(weights.of(Against::Worst)[0] > weights.of(Against::Worst)[1]);
+    }
+}

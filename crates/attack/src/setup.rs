@@ -1,0 +1,80 @@
+//! What a pattern is made on and against: frames, their views, and detectors.
+
+use super::run::RunError;
+use super::run::augmentation::Eot;
+use super::run::history::{Entry, History};
+use super::run::view_set::{TextureMapping, ViewSet};
+use scaleproof_core::files;
+use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::surrogate::projection::Grid;
+use scaleproof_gradients::WhiteBox;
+use scaleproof_pose::scene::Classes;
+
+/// What a pattern is made on and against.
+pub struct Setup {
+    pub frames: Vec<FrameSet>,
+    pub frames_sha256: String,
+    /// Width of one repeat of the pattern on the model.
+    pub tile_mm: f64,
+    pub view_set: ViewSet,
+    pub detectors: Vec<Box<dyn WhiteBox>>,
+    /// Names, with the beginning of the weights' hashes.
+    pub detector_names: Vec<String>,
+    /// The labels that count as the model.
+    pub classes: Classes,
+}
+
+impl Setup {
+    /// Opens the views of some frames for a square pattern of so many columns, and for what an augmentation draws. `on_view` is called after each, from any thread.
+    ///
+    /// # Errors
+    /// Those of [`ViewSet::open`].
+    pub fn open(
+        frames: Vec<FrameSet>,
+        (columns, tile_mm, mapping): (u32, f64, TextureMapping),
+        eot: &Eot,
+        (detectors, detector_names, classes): (Vec<Box<dyn WhiteBox>>, Vec<String>, Classes),
+        on_view: impl Fn() + Sync,
+    ) -> Result<Self, RunError> {
+        let [columns, rows] = mapping.grid(columns);
+        let grid = Grid {
+            columns,
+            rows,
+            cell_mm: tile_mm / f64::from(columns),
+        };
+        Ok(Self {
+            tile_mm,
+            view_set: ViewSet::open(&frames, grid, (mapping, eot), on_view)?,
+            frames_sha256: sha256(&frames),
+            frames,
+            detectors,
+            detector_names,
+            classes,
+        })
+    }
+
+    /// The history of a method on this.
+    pub fn history(&self, method: &str, seed: u64, entries: Vec<Entry>) -> History {
+        History {
+            scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
+            method: method.to_owned(),
+            seed,
+            tile_mm: self.tile_mm,
+            frames_sha256: self.frames_sha256.clone(),
+            detectors: self.detector_names.clone(),
+            classes: Some(self.classes.clone()),
+            entries,
+        }
+    }
+}
+
+/// Of the frames' lists: that of the only one, or that of all in their order.
+fn sha256(frames: &[FrameSet]) -> String {
+    match frames {
+        [only] => only.sha256.clone(),
+        several => {
+            let hashes: String = several.iter().map(|set| set.sha256.as_str()).collect();
+            files::sha256_hex(hashes.as_bytes())
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! What must hold of a frame before it is taken: located, on target, sharp, well exposed, steady.
+
+use image::GrayImage;
+use serde::{Deserialize, Serialize};
+
+use super::advice::Advice;
+use super::guidance::Guidance;
+use scaleproof_core::geometry::{Rigid, distance};
+use scaleproof_core::statistics::upper_median;
+use scaleproof_pose::camera::{Camera, SizeError};
+use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma, locate_near};
+use scaleproof_pose::scene::{Scene, Tag};
+use scaleproof_pose::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
+
+/// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
+/// detectors see it reduced. Table in `docs/lessons.md`.
+pub const MAX_BLUR_PX: f64 = 1.5;
+
+/// Paper darker or lighter than this, of 255, is under- or overexposed: white paper is the lightest thing that must still have a tone.
+pub const MIN_WHITE: f64 = 80.0;
+pub const MAX_WHITE: f64 = 250.0;
+
+/// Share of the image's part with the model that may have lost its tone to white.
+pub const MAX_CLIPPED: f64 = 0.1;
+const CLIPPED: u8 = 254;
+
+/// How far tags may move from frame to frame, px in an image 1280 px long.
+pub const MAX_MOVED_PX: f64 = 2.0;
+
+/// The long side that the limits in px are for.
+const LONG_SIDE_PX: f64 = 1280.0;
+
+/// The frame after so many that were looked at from the last pose is searched as a whole.
+const MOST_TRACKED: u32 = 10;
+
+/// Of frames in a row in which the fast search finds no pose, each so-manieth is searched by every means: at once would keep somebody who
+/// points the camera elsewhere waiting.
+const UNANSWERED: u32 = 4;
+
+/// Without any tag, an image of this mean grey level or less is dark, of that or more bright.
+const DARK_MEAN: f64 = 25.0;
+const BRIGHT_MEAN: f64 = 230.0;
+
+/// Without any whole tag, an image whose steepest edges are as wide as this blur (σ, px of 1280) is blurred.
+const HOPELESS_BLUR_PX: f64 = 3.5;
+
+/// What was measured of a frame, for its sidecar.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measures {
+    /// Standard deviation of the blur on the tags' borders; absent when none could be fitted.
+    pub blur_px: Option<f64>,
+    /// The paper of the tags, 0–255.
+    pub white_level: Option<f64>,
+    /// Share of the pixels about the model that are white.
+    pub clipped_share: Option<f64>,
+    /// Median way of the tags' corners since the last frame; absent for photos taken one by one.
+    pub moved_px: Option<f64>,
+}
+
+/// What a frame shows, and what follows from it.
+#[derive(Debug, Clone)]
+pub struct FrameJudgement {
+    pub seen: Vec<SeenTag>,
+    pub located: Option<Located>,
+    pub measures: Measures,
+    /// What to know before believing the pose, as sentences.
+    pub cautions: Vec<String>,
+    /// The target the frame stands at, whatever its light, focus and steadiness, or what keeps it from one.
+    pub place: Result<usize, Advice>,
+    /// The target the frame may fill, or what keeps it from that.
+    pub verdict: Result<usize, Advice>,
+}
+
+impl FrameJudgement {
+    /// Of a frame that the camera file does not fit.
+    fn of_misfit(seen: Vec<SeenTag>, e: SizeError) -> FrameJudgement {
+        let advice = Advice::NotLocated(Abstention::from(e));
+        FrameJudgement {
+            seen,
+            located: None,
+            measures: Measures::default(),
+            cautions: Vec::new(),
+            place: Err(advice.clone()),
+            verdict: Err(advice),
+        }
+    }
+}
+
+/// Judges frames. Holds a tag detector, so each thread needs its own.
+pub struct Judge {
+    tags: Box<dyn TagDetector>,
+    /// A faster search for the frames of a stream. Its result becomes advice; what is taken was found by `tags`.
+    live: Option<Box<dyn TagDetector>>,
+    scene: Scene,
+    is_stream: bool,
+    /// Tags of the frame that was judged last, and of the one before it.
+    last: Vec<SeenTag>,
+    before: Vec<SeenTag>,
+    /// Where the camera stood in the frame before, and how many frames have followed it.
+    pose: Option<Rigid>,
+    tracked: u32,
+    /// Frames of a stream without a pose since the last one that had one.
+    unanswered: u32,
+}
+
+impl Judge {
+    /// `is_stream`: [`super::source::FrameSource::is_stream`].
+    ///
+    /// # Errors
+    /// The tag detector does not start.
+    pub fn new(scene: &Scene, detector: TagDetectorChoice, is_stream: bool) -> Result<Judge, StartError> {
+        let families = scene.families();
+        Ok(Judge {
+            tags: detector.open(&families)?,
+            live: if is_stream {
+                detector.open_live(&families)?
+            } else {
+                None
+            },
+            scene: scene.clone(),
+            is_stream,
+            last: Vec::new(),
+            before: Vec::new(),
+            pose: None,
+            tracked: 0,
+            unanswered: 0,
+        })
+    }
+
+    /// Whether the frames are those of a stream.
+    pub fn is_stream(&self) -> bool {
+        self.is_stream
+    }
+
+    /// Judges upright luma, which EXIF turned by `turned_deg`; `camera` is the camera file's.
+    ///
+    /// A photo that somebody took on purpose gets first the advice about what would spoil it anywhere. Somebody who walks with a running
+    /// camera gets the way first, as walking blurs.
+    pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> FrameJudgement {
+        self.before = std::mem::take(&mut self.last);
+        let scene = &self.scene;
+        let live = self.live.as_mut();
+        let at_once = live.map(|live| {
+            let pose = self.pose.as_ref().filter(|_| self.tracked < MOST_TRACKED);
+            locate_near(pose, luma, turned_deg, scene, camera, live.as_mut())
+        });
+        let is_answered = at_once.as_ref().is_some_and(|photo| photo.result.is_ok());
+        self.unanswered = if is_answered { 0 } else { self.unanswered + 1 };
+        let photo = at_once
+            .filter(|_| is_answered || !self.unanswered.is_multiple_of(UNANSWERED))
+            .unwrap_or_else(|| locate_luma(luma, turned_deg, scene, camera, self.tags.as_mut()));
+        let judgement = self.weigh(photo, luma, guidance);
+        self.pose = judgement.located.as_ref().map(|located| located.pose);
+        self.tracked = if self.tracked < MOST_TRACKED {
+            self.tracked + 1
+        } else {
+            0
+        };
+        self.last.clone_from(&judgement.seen);
+        judgement
+    }
+
+    /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
+    pub fn confirm(
+        &mut self,
+        first: FrameJudgement,
+        luma: &GrayImage,
+        turned_deg: u32,
+        camera: &Camera,
+        guidance: &Guidance,
+    ) -> FrameJudgement {
+        if self.live.is_none() {
+            return first;
+        }
+        let photo = locate_luma(luma, turned_deg, &self.scene, camera, self.tags.as_mut());
+        self.weigh(photo, luma, guidance)
+    }
+
+    /// What follows from what a frame shows.
+    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> FrameJudgement {
+        let LocatedPhoto {
+            seen,
+            fitted,
+            result: located,
+        } = photo;
+        let fitted = match fitted {
+            Ok(fitted) => fitted,
+            Err(e) => return FrameJudgement::of_misfit(seen, e),
+        };
+        let appearance = Appearance::of(grey, &seen);
+        let pose = located.as_ref().ok().map(|l| &l.pose);
+        let measures = Measures {
+            blur_px: appearance.blur_px.filter(|px| px.is_finite()),
+            white_level: appearance.white_level,
+            clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, &fitted.camera)),
+            moved_px: self.is_stream.then(|| moved_px(&self.before, &seen)).flatten(),
+        };
+        let light = light(&measures, &seen, grey);
+        let focus = focus(&appearance, &seen, grey);
+        let (place, first_fault) = match &located {
+            Err(abstention) => {
+                let spoiled = light.or(focus);
+                let advice = spoiled.unwrap_or_else(|| self.not_located(abstention.clone(), &seen));
+                (Err(advice), None)
+            }
+            Ok(located) => {
+                let place = place(located, guidance);
+                let still = self.unsteady(&measures, grey);
+                let order = if self.is_stream {
+                    [light, place.clone().err(), focus, still]
+                } else {
+                    [light, focus, place.clone().err(), None]
+                };
+                (place, order.into_iter().flatten().next())
+            }
+        };
+        FrameJudgement {
+            seen,
+            located: located.ok(),
+            measures,
+            cautions: fitted.cautions(),
+            verdict: first_fault.map_or_else(|| place.clone(), Err),
+            place,
+        }
+    }
+
+    fn unsteady(&self, measures: &Measures, grey: &GrayImage) -> Option<Advice> {
+        // The first frame of a stream has none to be compared with.
+        let moves = measures.moved_px.is_none_or(|px| px > MAX_MOVED_PX * enlarged(grey));
+        (self.is_stream && moves).then_some(Advice::Moving)
+    }
+
+    fn not_located(&self, abstention: Abstention, seen: &[SeenTag]) -> Advice {
+        match (&abstention, seen) {
+            (Abstention::NoTags, _) => Advice::NoTags,
+            (
+                Abstention::OneTagCovered { id }
+                | Abstention::OneTagFrontal { id, .. }
+                | Abstention::OneTagAmbiguous { id, .. },
+                [only],
+            ) => {
+                let tag = self.scene.tag(only.family, *id);
+                Advice::OneTag {
+                    id: *id,
+                    beside: tag.and_then(|tag| beside(tag, &self.scene)).map(|tag| tag.id),
+                }
+            }
+            _ => Advice::NotLocated(abstention),
+        }
+    }
+}
+
+fn enlarged(grey: &GrayImage) -> f64 {
+    enlargement([grey.width(), grey.height()])
+}
+
+/// How many times longer an image is than the one the limits in px are for; small ones have the same limits.
+pub fn enlargement(size_px: [u32; 2]) -> f64 {
+    (f64::from(size_px[0].max(size_px[1])) / LONG_SIDE_PX).max(1.0)
+}
+
+/// The target that a viewpoint fills, or the way to one.
+fn place(located: &Located, guidance: &Guidance) -> Result<usize, Advice> {
+    let from = &located.viewpoint;
+    let next = guidance.nearest_open(from).map(|i| (i, guidance.step(i, from)));
+    match next {
+        Some((target, None)) => Ok(target),
+        Some((_, Some(step))) if guidance.filled_at(from).is_none() => Err(Advice::Walk(step)),
+        next => Err(Advice::Filled {
+            then: next.and_then(|(_, step)| step),
+        }),
+    }
+}
+
+/// Too dark or too bright.
+fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
+    let (dark, bright) = match measures.white_level {
+        Some(white) => (white < MIN_WHITE, white > MAX_WHITE),
+        None if seen.is_empty() => {
+            let mean = grey.as_raw().iter().map(|v| f64::from(*v)).sum::<f64>() / grey.as_raw().len().max(1) as f64;
+            (mean <= DARK_MEAN, mean >= BRIGHT_MEAN)
+        }
+        None => (false, false),
+    };
+    let is_clipped = measures.clipped_share.is_some_and(|share| share > MAX_CLIPPED);
+    match (dark, bright || is_clipped) {
+        (true, _) => Some(Advice::TooDark),
+        (_, true) => Some(Advice::TooBright),
+        _ => None,
+    }
+}
+
+/// Blurred, or too small to tell.
+fn focus(appearance: &Appearance, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
+    let enlarged = enlarged(grey);
+    // Blur beyond what a tag's border can take hides the tags, or leaves them looking covered.
+    if !seen.iter().any(|tag| tag.is_whole) {
+        let is_hopeless = sharpest_edge_px(grey).is_some_and(|px| px > HOPELESS_BLUR_PX * enlarged);
+        return is_hopeless.then_some(Advice::Blurred { blur_px: None });
+    }
+    match appearance.blur_px {
+        Some(px) if px > MAX_BLUR_PX * enlarged => Some(Advice::Blurred { blur_px: Some(px) }),
+        Some(_) => None,
+        None => Some(Advice::TooSmall),
+    }
+}
+
+/// The blur (σ, px) that would make the steepest edges of an image from its own contrast: C / (g √2π) for the gradient g of a thousandth of
+/// the pixels. Coarse; for images without a whole tag. `None` for an image of one tone.
+fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
+    let mut steep = [0u32; 256];
+    let mut tones = [0u32; 256];
+    let (width, height) = grey.dimensions();
+    let raw = grey.as_raw();
+    let stride = width as usize;
+    for y in 1..height.saturating_sub(1) as usize {
+        for x in 1..width.saturating_sub(1) as usize {
+            let i = y * stride + x;
+            let across = raw[i + 1]
+                .abs_diff(raw[i - 1])
+                .max(raw[i + stride].abs_diff(raw[i - stride]));
+            steep[usize::from(across)] += 1;
+            tones[usize::from(raw[i])] += 1;
+        }
+    }
+    let count: u32 = tones.iter().sum();
+    let level = |histogram: &[u32; 256], share: f64| {
+        let mut below = 0;
+        (0..256).find(|v| {
+            below += histogram[*v];
+            f64::from(below) > share * f64::from(count)
+        })
+    };
+    let contrast = level(&tones, 0.99)?.saturating_sub(level(&tones, 0.01)?) as f64;
+    let gradient = level(&steep, 0.999)? as f64 / 2.0;
+    (contrast > 0.0 && gradient > 0.0).then(|| contrast / (gradient * std::f64::consts::TAU.sqrt()))
+}
+
+/// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the image.
+fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera) -> Option<f64> {
+    let corners = scene
+        .model
+        .box_corners_mm()
+        .map(|corner| camera.project(&(pose * corner)));
+    let corners: Vec<[f64; 2]> = corners.into_iter().flatten().collect();
+    let range = |axis: usize, size: u32| {
+        let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
+        let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+        low.clamp(0.0, f64::from(size)) as u32..high.clamp(0.0, f64::from(size)) as u32
+    };
+    let (columns, rows) = (range(0, grey.width()), range(1, grey.height()));
+    let pixels = u64::from(columns.end.saturating_sub(columns.start)) * u64::from(rows.end.saturating_sub(rows.start));
+    let in_row = |y: u32| {
+        columns
+            .clone()
+            .filter(|x| grey.get_pixel(*x, y).0[0] >= CLIPPED)
+            .count() as u64
+    };
+    let clipped: u64 = rows.map(in_row).sum();
+    (pixels > 0).then(|| clipped as f64 / pixels as f64)
+}
+
+/// The median way of the corners of the tags that both frames show.
+fn moved_px(last: &[SeenTag], seen: &[SeenTag]) -> Option<f64> {
+    let pairs = seen.iter().filter_map(|tag| {
+        let before = last.iter().find(|l| (l.family, l.id) == (tag.family, tag.id))?;
+        Some(tag.corners_px.iter().zip(&before.corners_px))
+    });
+    let ways: Vec<f64> = pairs.flatten().map(|(a, b)| distance(*a, *b)).collect();
+    upper_median(&ways)
+}
+
+/// The nearest other tag that faces a similar way.
+fn beside<'a>(tag: &Tag, scene: &'a Scene) -> Option<&'a Tag> {
+    let normal = |tag: &Tag| tag.right.cross(&tag.up);
+    let others = scene
+        .tags
+        .iter()
+        .filter(|other| (other.family, other.id) != (tag.family, tag.id) && normal(other).dot(&normal(tag)) > 0.0);
+    let away = |other: &Tag| (other.centre_mm - tag.centre_mm).norm();
+    others.min_by(|a, b| away(a).total_cmp(&away(b)))
+}

@@ -1,0 +1,339 @@
+//! Guided capture: frames in, advice out, and a session that holds one good photo of each required view.
+//!
+//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); what
+//! holds is taken at once by `store`, and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
+//! numbers.
+
+mod advice;
+mod gates;
+mod guidance;
+pub mod live;
+pub mod pair;
+mod recover;
+mod replay;
+mod source;
+mod store;
+mod watch;
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{GrayImage, ImageFormat};
+
+use scaleproof_core::files;
+use scaleproof_core::geometry::rigid;
+use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::Located;
+use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
+use scaleproof_pose::tags::SeenTag;
+use scaleproof_session::session::{Conditions, PhotoEntry};
+
+pub use advice::Advice;
+pub use gates::{Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement};
+pub use guidance::{Guidance, Target, Tolerance, usual, viewpoints_of};
+pub use live::{CameraSettings, LiveCamera};
+pub use replay::Replay;
+pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
+pub use store::{Sidecar, Store, StoreError};
+pub use watch::Watch;
+
+/// What became of a frame.
+#[derive(Debug, Clone)]
+pub struct FrameAnswer {
+    /// Width and height of the upright frame; zeros when it could not be read.
+    pub size_px: [u32; 2],
+    pub viewpoint: Option<Viewpoint>,
+    pub measures: Measures,
+    /// The name of the accepted photo and its target's index, or what to do.
+    pub verdict: Result<(String, usize), Advice>,
+    /// What to know before believing the pose, as sentences.
+    pub cautions: Vec<String>,
+    /// The tags that were seen, in the upright frame.
+    pub tags: Vec<SeenTag>,
+}
+
+impl FrameAnswer {
+    fn refused(advice: Advice) -> FrameAnswer {
+        FrameAnswer {
+            size_px: [0, 0],
+            viewpoint: None,
+            measures: Measures::default(),
+            verdict: Err(advice),
+            cautions: Vec::new(),
+            tags: Vec::new(),
+        }
+    }
+}
+
+/// What is said of a damaged image of a running camera.
+const DAMAGED: &str = "the camera sent a damaged image: check its cable";
+
+/// In a stream, so many frames in a row must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
+/// second.
+const HELD_FRAMES: u32 = 4;
+
+/// A capture of one variant at one place.
+pub struct Capture {
+    guidance: Guidance,
+    judge: Judge,
+    store: Store,
+    camera: Camera,
+    variant: String,
+    place: String,
+    /// Whether frames of a stream are taken by themselves.
+    pub is_auto: bool,
+    /// The target that the last frames of a stream were fit for, and how many were.
+    held: Option<(usize, u32)>,
+    camera_settings: Option<CameraSettings>,
+}
+
+impl Capture {
+    /// Goes on with a session: its photos of the variant at the place fill the targets they were taken for, or else the nearest within tolerance.
+    pub fn new(guidance: Guidance, judge: Judge, store: Store, camera: Camera, variant: &str, place: &str) -> Capture {
+        let mut capture = Capture {
+            guidance,
+            judge,
+            store,
+            camera,
+            variant: variant.to_owned(),
+            place: place.to_owned(),
+            is_auto: true,
+            held: None,
+            camera_settings: None,
+        };
+        capture.fill_from_store();
+        capture
+    }
+
+    pub fn guidance(&self) -> &Guidance {
+        &self.guidance
+    }
+
+    /// Photos of this variant at this place.
+    fn own(&self) -> impl DoubleEndedIterator<Item = &Sidecar> {
+        let accepted = self.store.accepted().iter();
+        accepted
+            .filter(|Sidecar { photo, .. }| photo.variant == self.variant && photo.place.as_ref() == Some(&self.place))
+    }
+
+    fn fill_from_store(&mut self) {
+        let photos: Vec<_> = self
+            .own()
+            .map(|s| (s.photo.file.clone(), s.target, s.viewpoint))
+            .collect();
+        for (photo, target, viewpoint) in photos {
+            let targets = self.guidance.targets();
+            let same = targets.iter().position(|t| t.photo.is_none() && t.viewpoint == target);
+            let near = || {
+                let nearest = self.guidance.nearest_open(&viewpoint)?;
+                self.guidance.step(nearest, &viewpoint).is_none().then_some(nearest)
+            };
+            if let Some(index) = same.or_else(near) {
+                self.guidance.fill(index, &photo);
+            }
+        }
+    }
+
+    /// What the camera was set to, for the sidecars of the photos that follow.
+    pub fn set_camera_settings(&mut self, settings: Option<CameraSettings>) {
+        self.camera_settings = settings;
+    }
+
+    /// Judges a frame and takes it when all gates hold; of a stream, when they have held for a moment.
+    ///
+    /// # Errors
+    /// The photo cannot be written. Frames are never errors.
+    pub fn see(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
+        self.look(frame, false)
+    }
+
+    /// Takes a frame by hand: it need only be located and on a target, whatever its light, focus and steadiness; its sidecar says so. Of a
+    /// stream, give one that [`Capture::see`] was not given: its way is measured from the frame before.
+    ///
+    /// # Errors
+    /// As [`Capture::see`].
+    pub fn shoot(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
+        self.look(frame, true)
+    }
+
+    fn look(&mut self, frame: &SourceFrame, is_by_hand: bool) -> Result<FrameAnswer, StoreError> {
+        let (luma, turned_deg) = match self.luma(frame) {
+            Ok(luma) => luma,
+            Err(advice) => return Ok(self.refused(advice)),
+        };
+        let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
+        let held = self.hold(&judgement.verdict);
+        if is_by_hand || held.is_ok() {
+            judgement = self
+                .judge
+                .confirm(judgement, &luma, turned_deg, &self.camera, &self.guidance);
+        }
+        let target = match (is_by_hand, held) {
+            (true, _) => judgement.place,
+            (false, Ok(())) => judgement.verdict,
+            (false, Err(advice)) => Err(advice),
+        };
+        let verdict = match (target, &judgement.located) {
+            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
+            (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
+            (Err(advice), _) => Err(advice),
+        };
+        Ok(FrameAnswer {
+            size_px: luma.dimensions().into(),
+            viewpoint: judgement.located.map(|located| located.viewpoint),
+            measures: judgement.measures,
+            verdict,
+            cautions: judgement.cautions,
+            tags: judgement.seen,
+        })
+    }
+
+    fn refused(&mut self, advice: Advice) -> FrameAnswer {
+        self.held = None;
+        FrameAnswer::refused(advice)
+    }
+
+    /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
+    fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
+        match &frame.original {
+            Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
+            Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
+            Original::Encoded(bytes) => {
+                let photo = Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
+                if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
+                    return Err(known);
+                }
+                let luma = photo.and_then(|photo| Ok((photo.luma()?, photo.turned_deg)));
+                luma.map_err(|e| {
+                    if self.judge.is_stream() {
+                        Advice::Unreadable(DAMAGED.into())
+                    } else {
+                        Advice::Unreadable(e.to_string())
+                    }
+                })
+            }
+        }
+    }
+
+    fn known(&self, sha256: &str) -> Option<Advice> {
+        if let Some(photo) = self.store.named(sha256) {
+            return Some(Advice::Repeated {
+                photo: photo.to_owned(),
+            });
+        }
+        self.store.was_taken_back(sha256).then_some(Advice::TakenBack)
+    }
+
+    /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.
+    fn hold(&mut self, verdict: &Result<usize, Advice>) -> Result<(), Advice> {
+        let before = self.held.take();
+        let target = *verdict.as_ref().map_err(Advice::clone)?;
+        if !self.judge.is_stream() {
+            return Ok(());
+        }
+        if !self.is_auto {
+            return Err(Advice::Ready);
+        }
+        let frames = 1 + before.filter(|(of, _)| *of == target).map_or(0, |(_, frames)| frames);
+        if frames >= HELD_FRAMES {
+            return Ok(());
+        }
+        self.held = Some((target, frames));
+        Err(Advice::Hold)
+    }
+
+    fn accept(
+        &mut self,
+        frame: &SourceFrame,
+        target: usize,
+        located: &Located,
+        gates: Measures,
+        is_by_hand: bool,
+    ) -> Result<Result<(String, usize), Advice>, StoreError> {
+        let (bytes, extension) = match file_of(&frame.original) {
+            Ok(file) => file,
+            Err(sentence) => return Ok(Err(Advice::Unreadable(sentence))),
+        };
+        let sha256 = files::sha256_hex(&bytes);
+        let sidecar = Sidecar {
+            photo: PhotoEntry {
+                file: String::new(),
+                variant: self.variant.clone(),
+                place: Some(self.place.clone()),
+                taken: frame.taken.clone(),
+                box_xyxy_px: None,
+                viewpoint: None,
+                conditions: Conditions::new(),
+            },
+            sha256: sha256.clone(),
+            source: frame.name.clone(),
+            target: self.guidance.targets()[target].viewpoint,
+            viewpoint: located.viewpoint,
+            sigma: located.sigma,
+            T_camera_model: rigid::rows(&located.pose),
+            tags: located.tags.clone(),
+            rms_px: located.rms_px,
+            gates,
+            is_by_hand,
+            camera: self.camera_settings.clone(),
+        };
+        let written = self.store.accept(&bytes, extension, sidecar);
+        // Once photo and sidecar are written it counts, even when the list could not be.
+        if let Some(photo) = self.store.named(&sha256) {
+            self.guidance.fill(target, photo);
+        }
+        Ok(Ok((written?, target)))
+    }
+
+    /// Takes back the photo of this variant and place that was accepted last; its name, if there is one.
+    ///
+    /// # Errors
+    /// Files that cannot be moved.
+    pub fn undo(&mut self) -> Result<Option<String>, StoreError> {
+        let last = self.own().next_back().map(|sidecar| sidecar.photo.file.clone());
+        if let Some(photo) = &last {
+            self.take_back(photo)?;
+        }
+        Ok(last)
+    }
+
+    /// Takes back the photos of this variant and place in the bins that `is_meant` names; their names.
+    ///
+    /// # Errors
+    /// Files that cannot be moved.
+    pub fn redo(&mut self, scene: &Scene, is_meant: impl Fn(&Bin) -> bool) -> Result<Vec<String>, StoreError> {
+        let meant = self
+            .own()
+            .filter(|sidecar| is_meant(&scene.bins.bin_of(&sidecar.viewpoint)));
+        let photos: Vec<String> = meant.map(|sidecar| sidecar.photo.file.clone()).collect();
+        photos.iter().try_for_each(|photo| self.take_back(photo))?;
+        Ok(photos)
+    }
+
+    fn take_back(&mut self, photo: &str) -> Result<(), StoreError> {
+        let taken_back = self.store.take_back(photo);
+        // Without its sidecar it no longer counts, even when the rest could not be written.
+        if !self.own().any(|sidecar| sidecar.photo.file == photo) {
+            self.guidance.reopen(photo);
+        }
+        taken_back
+    }
+}
+
+/// The bytes to keep of a frame, and the ending of their name.
+fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
+    match original {
+        Original::Unreadable(sentence) => Err(sentence.clone()),
+        Original::Encoded(bytes) => {
+            let is_png = image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::Png);
+            Ok((bytes.clone(), if is_png { "png" } else { "jpg" }))
+        }
+        Original::Pixels(rgb) => {
+            let mut bytes = Vec::new();
+            let written = rgb.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png);
+            written.map_err(|e| format!("the camera's image cannot be kept as PNG: {e}"))?;
+            Ok((bytes, "png"))
+        }
+    }
+}

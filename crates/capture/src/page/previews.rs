@@ -1,0 +1,43 @@
+//! Small images for the page: the newest frame, and the photos that were taken.
+
+use std::path::Path;
+
+use image::RgbImage;
+
+use crate::capture::Original;
+use scaleproof_photo::photo::{Budget, Photo, preview_jpeg, shrunk};
+
+/// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
+pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
+    match original {
+        Original::Unreadable(_) => None,
+        Original::Pixels(rgb) => jpeg(rgb, fitting([rgb.width(), rgb.height()], longest_side_px)),
+        Original::Encoded(bytes) => {
+            let file = Photo::from_bytes(Path::new("frame"), bytes.clone(), Budget::UPLOAD).ok()?;
+            of_file(&file, longest_side_px)
+        }
+    }
+}
+
+/// A photo on disk with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read or takes too much memory.
+pub(super) fn of_photo(path: &Path, longest_side_px: u32) -> Option<Vec<u8>> {
+    of_file(&Photo::open(path).ok()?, longest_side_px)
+}
+
+fn of_file(file: &Photo, longest_side_px: u32) -> Option<Vec<u8>> {
+    let size = fitting([file.width, file.height], longest_side_px);
+    let reduction = file.reduction(size);
+    if file.memory(reduction) > Budget::PREVIEW_MEMORY {
+        return None;
+    }
+    jpeg(&file.rgb(reduction).ok()?, size)
+}
+
+fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {
+    let scale = (f64::from(longest_side_px) / f64::from(width.max(height).max(1))).min(1.0);
+    [width, height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
+}
+
+fn jpeg(image: &RgbImage, size: [u32; 2]) -> Option<Vec<u8>> {
+    preview_jpeg(&shrunk(image, size), 75)
+}

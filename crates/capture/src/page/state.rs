@@ -1,0 +1,219 @@
+//! What the page shows, as one small JSON value.
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+
+use super::dial::{DialRing, DialRings};
+use super::meters::{self, Meter};
+use crate::capture::{FrameAnswer, Guidance, Target};
+use scaleproof_pose::scene::{Bin, Viewpoint};
+use scaleproof_pose::tags::SeenTag;
+
+/// What stays the same while a capture runs.
+#[derive(Debug, Clone, Serialize)]
+pub struct CaptureInfo {
+    pub variant: String,
+    pub place: String,
+    /// Where images come from, in a word.
+    pub source: &'static str,
+    /// A running camera; its calibration does not fit a phone's photos, so the page takes none.
+    pub is_stream: bool,
+    /// Targets are the viewpoints of another session.
+    pub is_paired: bool,
+}
+
+/// What the pairs of a session that grows say so far.
+#[derive(Debug, Clone, Serialize)]
+pub struct PairsSoFar {
+    pub sentence: String,
+    /// No photo is needed any more.
+    pub is_decided: bool,
+    /// The view that would tell most.
+    #[serde(skip)]
+    pub next: Option<usize>,
+}
+
+/// All of it.
+#[derive(Debug, Serialize)]
+pub(super) struct PageState<'a> {
+    pub revision: u64,
+    pub about: &'a CaptureInfo,
+    pub rings: &'a [DialRing],
+    pub sectors: Vec<Sector>,
+    pub views: Vec<ViewState<'a>>,
+    pub filled: usize,
+    pub frame: Option<&'a ShownFrame>,
+    /// Where pairs are looked at while they are taken.
+    pub pairs: Option<&'a PairsSoFar>,
+    /// The view that is required next: the one that would tell most, else by where the camera was last.
+    pub next: Option<usize>,
+    pub source_ended: bool,
+    /// The last words: how the capture ended.
+    pub ended: Option<&'a str>,
+}
+
+/// A bin in which photos are required.
+#[derive(Debug, Serialize)]
+pub(super) struct Sector {
+    pub azimuth_deg: f64,
+    pub width_deg: f64,
+    pub ring: usize,
+    pub name: String,
+    /// `empty`, `ok`, or `redo` when a photo of it was taken back.
+    pub state: &'static str,
+}
+
+/// A required view.
+#[derive(Debug, Serialize)]
+pub(super) struct ViewState<'a> {
+    pub azimuth_deg: f64,
+    pub radius_share: f64,
+    pub sector: usize,
+    pub name: String,
+    pub state: &'static str,
+    pub photo: Option<&'a str>,
+}
+
+/// The newest frame.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct ShownFrame {
+    pub number: u64,
+    pub name: String,
+    pub size_px: [u32; 2],
+    pub tags: Vec<TagOutline>,
+    pub viewpoint: Option<Viewpoint>,
+    /// Where the camera stands on the dial.
+    pub radius_share: Option<f64>,
+    /// How near the next view is: 1 within tolerance, towards 0 far away.
+    pub closeness: f64,
+    pub photo: Option<String>,
+    pub code: &'static str,
+    pub advice: String,
+    pub meters: [Meter; 3],
+}
+
+/// A tag's border.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct TagOutline {
+    pub id: u32,
+    pub is_whole: bool,
+    /// Pixels of the frame; (0, 0) is the corner of the image.
+    pub corners_px: [[f64; 2]; 4],
+}
+
+/// Sectors, one for each required bin, in the order of the bins.
+pub(super) fn bins(guidance: &Guidance) -> Vec<Bin> {
+    let bins: BTreeSet<Bin> = guidance.targets().iter().map(|target| target.bin).collect();
+    bins.into_iter().collect()
+}
+
+/// The state of a capture; `redo` holds the targets whose photo was taken back.
+pub(super) fn views<'a>(
+    guidance: &'a Guidance,
+    rings: &DialRings,
+    bins: &[Bin],
+    redo: &BTreeSet<usize>,
+) -> (Vec<Sector>, Vec<ViewState<'a>>) {
+    let view = |(index, target): (usize, &'a Target)| ViewState {
+        azimuth_deg: target.viewpoint.azimuth_deg,
+        radius_share: rings.radius_share(&target.viewpoint),
+        sector: bins.iter().position(|bin| *bin == target.bin).unwrap_or_default(),
+        name: name(&target.viewpoint),
+        state: match target.photo {
+            Some(_) => "ok",
+            None if redo.contains(&index) => "redo",
+            None => "empty",
+        },
+        photo: target.photo.as_deref(),
+    };
+    let views: Vec<ViewState> = guidance.targets().iter().enumerate().map(view).collect();
+    let sector = |(index, bin): (usize, &Bin)| {
+        let states: BTreeSet<&str> = views.iter().filter(|v| v.sector == index).map(|v| v.state).collect();
+        Sector {
+            azimuth_deg: bin.azimuth_deg,
+            width_deg: guidance.azimuth_step_deg(),
+            ring: rings.ring_of(bin),
+            name: format!("{:.0}°", bin.azimuth_deg),
+            // Of several views in one bin, what is left to do counts.
+            state: ["redo", "empty", "ok"]
+                .into_iter()
+                .find(|state| states.contains(state))
+                .unwrap_or("empty"),
+        }
+    };
+    let sectors = bins.iter().enumerate().map(sector).collect();
+    (sectors, views)
+}
+
+fn name(v: &Viewpoint) -> String {
+    format!(
+        "{:.0}° round, {:.0}° up, {:.0} cm away",
+        v.azimuth_deg,
+        v.pitch_deg,
+        v.distance_mm / 10.0
+    )
+}
+
+impl ShownFrame {
+    pub(super) fn of(
+        number: u64,
+        name: &str,
+        answer: &FrameAnswer,
+        guidance: &Guidance,
+        rings: &DialRings,
+        is_stream: bool,
+    ) -> ShownFrame {
+        let next = answer
+            .viewpoint
+            .and_then(|from| Some((guidance.nearest_open(&from)?, from)));
+        let off_by = next.map(|(target, from)| guidance.off_by(target, &from));
+        let photo = answer.verdict.as_ref().ok().map(|(photo, _)| photo.clone());
+        ShownFrame {
+            number,
+            name: name.to_owned(),
+            size_px: answer.size_px,
+            tags: answer.tags.iter().map(TagOutline::of).collect(),
+            viewpoint: answer.viewpoint,
+            radius_share: answer.viewpoint.map(|from| rings.radius_share(&from)),
+            closeness: off_by.map_or(0.0, |off_by| 1.0 / off_by.max(1.0)),
+            code: answer.verdict.as_ref().err().map_or("accepted", |advice| advice.code()),
+            advice: said(answer, guidance),
+            photo,
+            meters: meters::of(answer, is_stream),
+        }
+    }
+}
+
+/// The one sentence: what to do, or that it is done and where to go next.
+fn said(answer: &FrameAnswer, guidance: &Guidance) -> String {
+    let sentence = match &answer.verdict {
+        Err(advice) => advice.to_string(),
+        Ok(_) => {
+            let from = answer.viewpoint;
+            let step = from.and_then(|from| guidance.step(guidance.nearest_open(&from)?, &from));
+            match step {
+                Some(step) => format!("taken; next: {step}"),
+                None if guidance.is_finished() => "taken; all views are there".into(),
+                None => "taken; hold still for the next".into(),
+            }
+        }
+    };
+    let mut letters = sentence.chars();
+    letters
+        .next()
+        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+impl TagOutline {
+    fn of(tag: &SeenTag) -> TagOutline {
+        TagOutline {
+            id: tag.id,
+            is_whole: tag.is_whole,
+            // Our pixel (0, 0) is the centre of the top-left one.
+            corners_px: tag
+                .corners_px
+                .map(|corner| corner.map(|v| ((v + 0.5) * 10.0).round() / 10.0)),
+        }
+    }
+}

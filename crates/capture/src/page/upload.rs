@@ -1,0 +1,119 @@
+//! Photos that a browser sends: bounded before they are read, looked at before they are decoded, and named by nobody but the store.
+
+use std::path::Path;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::{HeaderMap, HeaderName, StatusCode};
+use http_body_util::BodyExt;
+use tokio::time::{Instant, timeout_at};
+
+use crate::capture::{Original, SourceFrame};
+use scaleproof_photo::photo::{Budget, Photo};
+
+/// Of one photo.
+pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
+
+/// The rate counts after this time: a phone may have to convert the photo first.
+const GRACE: Duration = Duration::from_secs(6);
+
+/// A sender slower than this, on the whole, loses its place; any wireless network that can show the page is faster.
+const LEAST_BYTES_PER_S: f64 = 64_000.0;
+
+/// A sender that is silent for this long is gone.
+const SILENCE: Duration = Duration::from_secs(8);
+
+/// What takes longer than this is no upload over a local network.
+const WHOLE: Duration = Duration::from_secs(120);
+
+pub(super) type Refusal = (StatusCode, String);
+
+/// Refuses what says itself that it is too large.
+pub(super) fn check_length(headers: &HeaderMap) -> Result<(), Refusal> {
+    match text(headers, CONTENT_LENGTH).parse::<u64>() {
+        Ok(length) if length > MAX_BYTES as u64 => Err(too_large()),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses what says itself that it is no JPEG or PNG. What it is, its bytes tell.
+pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
+    let kind = text(headers, CONTENT_TYPE).trim().to_ascii_lowercase();
+    let sentence = match kind.as_str() {
+        "image/heic" | "image/heif" => {
+            "this is an HEIC image: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)"
+        }
+        // Of the types a form of another site could send without asking first, none is an image's.
+        kind if !kind.starts_with("image/") => "this is no image: send a JPEG or PNG straight from the camera",
+        _ => return Ok(()),
+    };
+    Err(refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, sentence))
+}
+
+fn text(headers: &HeaderMap, name: HeaderName) -> &str {
+    headers
+        .get(name)
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or_default()
+}
+
+/// The whole body, given up when it grows too large or too slowly.
+pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
+    let begin = Instant::now();
+    let slow = || {
+        refusal(
+            StatusCode::REQUEST_TIMEOUT,
+            "the photo came too slowly: go nearer to the router and send it again",
+        )
+    };
+    let mut bytes = Vec::new();
+    let mut last = begin;
+    loop {
+        let due = begin + GRACE + Duration::from_secs_f64(bytes.len() as f64 / LEAST_BYTES_PER_S);
+        let next = timeout_at(due.min(last + SILENCE).min(begin + WHOLE), body.frame()).await;
+        last = Instant::now();
+        let frame = match next.map_err(|_| slow())? {
+            None => return Ok(bytes),
+            Some(Err(_)) => {
+                return Err(refusal(
+                    StatusCode::BAD_REQUEST,
+                    "the photo did not arrive whole: send it again",
+                ));
+            }
+            Some(Ok(frame)) => frame,
+        };
+        if let Ok(data) = frame.into_data() {
+            if bytes.len() + data.len() > MAX_BYTES {
+                return Err(too_large());
+            }
+            bytes.extend_from_slice(&data);
+        }
+    }
+}
+
+/// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
+pub(super) fn frame(number: u64, bytes: Vec<u8>) -> SourceFrame {
+    let name = format!("upload {number}");
+    let original = match Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD) {
+        Err(e) => Original::Unreadable(e.to_string()),
+        Ok(file) => Original::Encoded(file.into_bytes()),
+    };
+    SourceFrame {
+        name,
+        taken: None,
+        original,
+    }
+}
+
+fn too_large() -> Refusal {
+    let sentence = format!(
+        "the photo has more than {} MB: let the camera make smaller photos",
+        MAX_BYTES >> 20
+    );
+    (StatusCode::PAYLOAD_TOO_LARGE, sentence)
+}
+
+fn refusal(status: StatusCode, sentence: &str) -> Refusal {
+    (status, sentence.to_owned())
+}

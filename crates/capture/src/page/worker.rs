@@ -1,0 +1,426 @@
+//! The one place that touches the capture: frames of the source, uploads and buttons come to it one after the other.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
+
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use serde::Serialize;
+use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+
+use super::dial::DialRings;
+use super::state::{self, CaptureInfo, PageState, PairsSoFar, ShownFrame};
+use super::{PageError, upload};
+use crate::capture::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame};
+use scaleproof_pose::scene::{Bin, Scene};
+
+/// What comes to the worker.
+pub(super) enum WorkerEvent {
+    /// With what the camera was set to, if it is one.
+    Frame(Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>),
+    /// A photo's bytes, and the place in memory they take until they are judged.
+    Upload(Vec<u8>, OwnedSemaphorePermit, ReplySender),
+    /// Take the newest frame by hand.
+    Shoot(ReplySender),
+    Undo(ReplySender),
+    /// Of the sector with this index.
+    Redo(usize, ReplySender),
+    Finish,
+}
+
+pub(super) type ReplySender = oneshot::Sender<ActionReply>;
+
+/// The reply to a browser's request.
+#[derive(Debug, Serialize)]
+pub(super) struct ActionReply {
+    #[serde(skip)]
+    pub status: StatusCode,
+    pub sentence: String,
+    /// As in the terminal's JSON; absent for buttons.
+    pub code: Option<&'static str>,
+    pub photo: Option<String>,
+}
+
+impl ActionReply {
+    pub(super) fn refused(status: StatusCode, sentence: impl Into<String>) -> ActionReply {
+        ActionReply {
+            status,
+            sentence: sentence.into(),
+            code: None,
+            photo: None,
+        }
+    }
+}
+
+/// What browsers can see now. The newest replaces all older ones: whoever asks late misses some and waits for none.
+pub(super) struct Published {
+    pub revision: u64,
+    pub json: Bytes,
+    pub frame: Option<Arc<NewestFrame>>,
+    /// Names of the photos that may be requested.
+    pub photos: Vec<String>,
+    pub has_ended: bool,
+}
+
+impl Published {
+    /// Before the capture begins.
+    pub(super) fn nothing() -> Published {
+        Published {
+            revision: 0,
+            json: Bytes::from_static(b"{}"),
+            frame: None,
+            photos: Vec::new(),
+            has_ended: false,
+        }
+    }
+}
+
+/// The newest frame.
+pub(super) struct NewestFrame {
+    pub number: u64,
+    pub frame: Arc<SourceFrame>,
+}
+
+/// What the terminal reports.
+pub enum CaptureNotice<'a> {
+    Seen {
+        frame: &'a str,
+        answer: &'a FrameAnswer,
+        guidance: &'a Guidance,
+    },
+    TakenBack {
+        photo: &'a str,
+    },
+    /// What the camera is set to now.
+    Set(&'a CameraSettings),
+}
+
+/// Asks what the pairs say so far; the sentence why it cannot be told ends the capture.
+pub type AskPairs<'a> = &'a dyn Fn(&Guidance) -> Result<PairsSoFar, String>;
+
+pub(super) struct CaptureWorker<'a> {
+    capture: &'a mut Capture,
+    scene: &'a Scene,
+    about: &'a CaptureInfo,
+    published: &'a watch::Sender<Arc<Published>>,
+    notify: &'a mut dyn FnMut(CaptureNotice) -> io::Result<()>,
+    rings: DialRings,
+    bins: Vec<Bin>,
+    /// Targets whose photo was taken back.
+    redo: BTreeSet<usize>,
+    shown: Option<ShownFrame>,
+    newest: Option<Arc<NewestFrame>>,
+    frames: u64,
+    uploads: u64,
+    source_ended: bool,
+    settings: Option<CameraSettings>,
+    ask: Option<AskPairs<'a>>,
+    pairs: Option<PairsSoFar>,
+}
+
+impl<'a> CaptureWorker<'a> {
+    pub(super) fn new(
+        capture: &'a mut Capture,
+        scene: &'a Scene,
+        about: &'a CaptureInfo,
+        published: &'a watch::Sender<Arc<Published>>,
+        notify: &'a mut dyn FnMut(CaptureNotice) -> io::Result<()>,
+    ) -> CaptureWorker<'a> {
+        let bins = state::bins(capture.guidance());
+        CaptureWorker {
+            capture,
+            scene,
+            about,
+            published,
+            notify,
+            rings: DialRings::of(&bins),
+            bins,
+            redo: BTreeSet::new(),
+            shown: None,
+            newest: None,
+            frames: 0,
+            uploads: 0,
+            source_ended: false,
+            settings: None,
+            ask: None,
+            pairs: None,
+        }
+    }
+
+    /// With a question to the pairs, if any.
+    pub(super) fn asking(self, ask: Option<AskPairs<'a>>) -> CaptureWorker<'a> {
+        CaptureWorker { ask, ..self }
+    }
+
+    /// Works until somebody finishes, or what keeps the capture from going on. Whether the pairs have decided.
+    pub(super) fn work(
+        &mut self,
+        events: &Receiver<WorkerEvent>,
+        own: Sender<WorkerEvent>,
+        source: Option<Box<dyn FrameSource + Send>>,
+    ) -> Result<bool, PageError> {
+        let worked = self.work_through(events, own, source);
+        let last_words = match &worked {
+            Ok(()) => {
+                let targets = self.capture.guidance().targets();
+                let filled = targets.len() - self.capture.guidance().open().count();
+                let decided = if self.is_decided() { "Decided: " } else { "" };
+                format!(
+                    "{decided}{filled} of {} views are there. This page can be closed.",
+                    targets.len()
+                )
+            }
+            Err(e) => format!("The capture has ended: {e}"),
+        };
+        self.publish(Some(&last_words));
+        worked.map(|()| self.is_decided())
+    }
+
+    fn work_through(
+        &mut self,
+        events: &Receiver<WorkerEvent>,
+        own: Sender<WorkerEvent>,
+        source: Option<Box<dyn FrameSource + Send>>,
+    ) -> Result<(), PageError> {
+        self.ask_pairs()?;
+        self.publish(None);
+        let mut wants_frame = source.map(|source| feed(source, own));
+        // A frame that nobody looks at as long as no photo is needed.
+        let mut held = None;
+        while let Ok(event) = events.recv() {
+            match event {
+                WorkerEvent::Finish => break,
+                WorkerEvent::Frame(Err(e)) => return Err(e.into()),
+                WorkerEvent::Frame(Ok(None)) => {
+                    self.source_ended = true;
+                    wants_frame = None;
+                    self.publish(None);
+                }
+                WorkerEvent::Frame(Ok(Some(frame))) => held = Some(frame),
+                WorkerEvent::Upload(bytes, _place, reply) => {
+                    let answer = self.upload(bytes)?;
+                    self.answer(reply, answer);
+                }
+                WorkerEvent::Shoot(reply) if self.is_decided() => self.answer(reply, not_needed()),
+                WorkerEvent::Shoot(reply) => {
+                    let newest = self.newest.as_ref().map(|newest| newest.frame.clone());
+                    let answer = match newest {
+                        Some(frame) => self.judge(frame, true)?,
+                        None => ActionReply::refused(StatusCode::CONFLICT, "There is no photo yet"),
+                    };
+                    self.answer(reply, answer);
+                }
+                WorkerEvent::Undo(reply) => {
+                    let before = self.filled();
+                    let photos = self.capture.undo()?.into_iter().collect();
+                    let answer = self.taken_back(photos, &before)?;
+                    self.answer(reply, answer);
+                }
+                WorkerEvent::Redo(sector, reply) => {
+                    let before = self.filled();
+                    let photos = match self.bins.get(sector) {
+                        Some(bin) => self.capture.redo(self.scene, |other| other == bin)?,
+                        None => Vec::new(),
+                    };
+                    let answer = self.taken_back(photos, &before)?;
+                    self.answer(reply, answer);
+                }
+            }
+            if let Some((frame, settings)) = held.take_if(|_| !self.is_decided()) {
+                self.set(settings)?;
+                self.judge(frame.into(), false)?;
+                self.publish(None);
+                // Asked for only now, so that none waits here and grows old.
+                if let Some(more) = &wants_frame {
+                    let _ = more.try_send(()); // the source takes what is asked
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn upload(&mut self, bytes: Vec<u8>) -> Result<ActionReply, PageError> {
+        // A running camera's calibration does not fit a phone's photos.
+        if self.about.is_stream {
+            let sentence = "The running camera takes the photos";
+            return Ok(ActionReply::refused(StatusCode::CONFLICT, sentence));
+        }
+        if self.is_decided() {
+            return Ok(not_needed());
+        }
+        self.uploads += 1;
+        self.judge(upload::frame(self.uploads, bytes).into(), false)
+    }
+
+    /// Publishes first: who has the answer and asks for the state sees what the answer speaks of.
+    fn answer(&self, reply: ReplySender, answer: ActionReply) {
+        self.publish(None);
+        let _ = reply.send(answer); // a browser that has left needs no answer
+    }
+
+    fn set(&mut self, settings: Option<CameraSettings>) -> Result<(), PageError> {
+        if settings != self.settings {
+            if let Some(settings) = &settings {
+                (self.notify)(CaptureNotice::Set(settings)).map_err(PageError::Output)?;
+            }
+            self.capture.set_camera_settings(settings.clone());
+            self.settings = settings;
+        }
+        Ok(())
+    }
+
+    fn judge(&mut self, frame: Arc<SourceFrame>, is_by_hand: bool) -> Result<ActionReply, PageError> {
+        let answer = if is_by_hand {
+            self.capture.shoot(&frame)?
+        } else {
+            self.capture.see(&frame)?
+        };
+        let guidance = self.capture.guidance();
+        self.frames += 1;
+        let shown = ShownFrame::of(
+            self.frames,
+            &frame.name,
+            &answer,
+            guidance,
+            &self.rings,
+            self.about.is_stream,
+        );
+        let news = CaptureNotice::Seen {
+            frame: &frame.name,
+            answer: &answer,
+            guidance,
+        };
+        (self.notify)(news).map_err(PageError::Output)?;
+        self.redo.retain(|target| guidance.targets()[*target].photo.is_none());
+        if shown.photo.is_some() {
+            self.ask_pairs()?;
+        }
+        let response = ActionReply {
+            status: match shown.photo {
+                Some(_) => StatusCode::OK,
+                None => StatusCode::UNPROCESSABLE_ENTITY,
+            },
+            sentence: shown.advice.clone(),
+            code: Some(shown.code),
+            photo: shown.photo.clone(),
+        };
+        self.shown = Some(shown);
+        self.newest = Some(Arc::new(NewestFrame {
+            number: self.frames,
+            frame,
+        }));
+        Ok(response)
+    }
+
+    /// Targets that have a photo.
+    fn filled(&self) -> BTreeSet<usize> {
+        let targets = self.capture.guidance().targets().iter().enumerate();
+        targets
+            .filter(|(_, target)| target.photo.is_some())
+            .map(|(index, _)| index)
+            .collect()
+    }
+
+    fn taken_back(&mut self, photos: Vec<String>, before: &BTreeSet<usize>) -> Result<ActionReply, PageError> {
+        for photo in &photos {
+            (self.notify)(CaptureNotice::TakenBack { photo }).map_err(PageError::Output)?;
+        }
+        self.redo.extend(before.difference(&self.filled()));
+        self.ask_pairs()?;
+        let sentence = if photos.is_empty() {
+            "There is no photo to take back".into()
+        } else {
+            format!("Taken back: {}", photos.join(", "))
+        };
+        // What was said of the newest frame may be true no longer.
+        if let Some(shown) = &mut self.shown {
+            shown.advice.clone_from(&sentence);
+            shown.photo = None;
+        }
+        Ok(ActionReply {
+            status: StatusCode::OK,
+            sentence,
+            code: None,
+            photo: None,
+        })
+    }
+
+    /// Looks at the pairs that are there now.
+    fn ask_pairs(&mut self) -> Result<(), PageError> {
+        if let Some(ask) = self.ask {
+            self.pairs = Some(ask(self.capture.guidance()).map_err(PageError::Pairs)?);
+        }
+        Ok(())
+    }
+
+    fn is_decided(&self) -> bool {
+        self.pairs.as_ref().is_some_and(|pairs| pairs.is_decided)
+    }
+
+    /// The view that is required next.
+    fn next(&self) -> Option<usize> {
+        if self.is_decided() {
+            return None;
+        }
+        let tells_most = self.pairs.as_ref().and_then(|pairs| pairs.next);
+        tells_most.or_else(|| {
+            let shown = self.shown.as_ref()?;
+            self.capture.guidance().nearest_open(&shown.viewpoint?)
+        })
+    }
+
+    fn publish(&self, ended: Option<&str>) {
+        let guidance = self.capture.guidance();
+        let revision = self.published.borrow().revision + 1;
+        let (sectors, views) = state::views(guidance, &self.rings, &self.bins, &self.redo);
+        let state = PageState {
+            revision,
+            about: self.about,
+            rings: &self.rings.0,
+            sectors,
+            filled: views.iter().filter(|view| view.photo.is_some()).count(),
+            views,
+            frame: self.shown.as_ref(),
+            pairs: self.pairs.as_ref(),
+            next: self.next(),
+            source_ended: self.source_ended,
+            ended,
+        };
+        let photos = guidance.targets().iter().filter_map(|target| target.photo.clone());
+        self.published.send_replace(Arc::new(Published {
+            revision,
+            // Numbers and strings always serialise.
+            json: serde_json::to_vec(&state).unwrap_or_default().into(),
+            frame: self.newest.clone(),
+            photos: photos.collect(),
+            has_ended: ended.is_some(),
+        }));
+    }
+}
+
+/// What a photo is answered when the pairs have decided.
+fn not_needed() -> ActionReply {
+    ActionReply::refused(
+        StatusCode::CONFLICT,
+        "It is decided, and no photo is needed: press Finish",
+    )
+}
+
+/// Gives frames of the source one by one, each when it is requested; the first at once. A source that waits for ever is left behind in its
+/// thread when the program ends.
+fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<WorkerEvent>) -> SyncSender<()> {
+    let (more, asked) = sync_channel(1);
+    let _ = more.try_send(()); // the channel is empty
+    std::thread::spawn(move || {
+        while asked.recv().is_ok() {
+            let next = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
+            let is_last = !matches!(next, Ok(Some(_)));
+            if events.send(WorkerEvent::Frame(next)).is_err() || is_last {
+                break;
+            }
+        }
+    });
+    more
+}

@@ -1,0 +1,13 @@
+//! Environment variables. One that is set to nothing counts as unset, since a shell that clears a variable leaves it so.
+
+use std::ffi::OsString;
+
+/// The value of an environment variable; `None` where it is unset or empty.
+pub fn variable(name: &str) -> Option<OsString> {
+    std::env::var_os(name).filter(|value| !value.is_empty())
+}
+
+/// The text of an environment variable; `None` where it is unset, empty or no Unicode.
+pub fn text(name: &str) -> Option<String> {
+    variable(name)?.into_string().ok()
+}

@@ -1,0 +1,169 @@
+//! The projective map between two planes.
+
+use std::cmp::Ordering;
+
+use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
+
+/// Gauss–Newton steps after the linear answer; it converges in three or four.
+const STEPS: usize = 20;
+
+/// The map that takes each point of a plane nearest to its partner: the direct linear transform on normalised points (Hartley &
+/// Zisserman 2004, algorithm 4.2), then least squares of the distances in the second plane (its section 4.2.3). Four points are met exactly.
+///
+/// `None` for fewer than four points, points on a line, or numbers that are not finite.
+pub fn fitted(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
+    if from.len() < 4 || from.len() != to.len() {
+        return None;
+    }
+    let (there, back) = (normalising(from)?, normalising(to)?);
+    let moved = |by: &Matrix3<f64>, points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        points.iter().map(|point| mapped(by, *point)).collect()
+    };
+    let (from, to) = (moved(&there, from), moved(&back, to));
+    let map = refined(linear(&from, &to)?, &from, &to)?;
+    let map = back.try_inverse()? * map * there;
+    map.iter().all(|v| v.is_finite()).then(|| map / map.norm())
+}
+
+/// Where a map takes a point; infinite on its horizon.
+pub fn mapped(by: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
+    let p = by * Vector3::new(x, y, 1.0);
+    [p.x / p.z, p.y / p.z]
+}
+
+/// Moves the points' centre to the origin and makes their mean distance from it √2.
+fn normalising(points: &[[f64; 2]]) -> Option<Matrix3<f64>> {
+    let count = points.len() as f64;
+    let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / count);
+    let distances = points.iter().map(|p| (p[0] - mean[0]).hypot(p[1] - mean[1]));
+    let scale = std::f64::consts::SQRT_2 * count / distances.sum::<f64>();
+    scale.is_finite().then(|| {
+        Matrix3::new(
+            scale,
+            0.0,
+            -scale * mean[0],
+            0.0,
+            scale,
+            -scale * mean[1],
+            0.0,
+            0.0,
+            1.0,
+        )
+    })
+}
+
+/// The unit vector of nine numbers that leaves the least of the linear equations.
+fn linear(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
+    let mut sums = SMatrix::<f64, 9, 9>::zeros();
+    for ([x, y], [u, v]) in from.iter().zip(to) {
+        let rows = [
+            [*x, *y, 1.0, 0.0, 0.0, 0.0, -u * x, -u * y, -u],
+            [0.0, 0.0, 0.0, *x, *y, 1.0, -v * x, -v * y, -v],
+        ];
+        for row in rows.map(SVector::<f64, 9>::from) {
+            sums += row * row.transpose();
+        }
+    }
+    let eigen = SymmetricEigen::try_new(sums, f64::EPSILON, 1000)?;
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    // Points on a line leave a second answer.
+    let is_open = eigen.eigenvalues[order[1]] < 1e-12 * eigen.eigenvalues[order[8]];
+    let answer = eigen.eigenvectors.column(order[0]);
+    (!is_open).then(|| Matrix3::from_row_iterator(answer.iter().copied()))
+}
+
+/// The least sum of squared distances near a map, which keeps its length 1.
+fn refined(start: Matrix3<f64>, from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
+    let mut map = start / start.norm();
+    let mut cost = squares(&map, from, to);
+    for _ in 0..STEPS {
+        let (mut information, mut gradient) = (SMatrix::<f64, 9, 9>::zeros(), SVector::<f64, 9>::zeros());
+        for ([x, y], seen) in from.iter().zip(to) {
+            let p = map * Vector3::new(*x, *y, 1.0);
+            let at = [p.x / p.z, p.y / p.z];
+            for (axis, (is, wanted)) in at.into_iter().zip(seen).enumerate() {
+                let mut row = SVector::<f64, 9>::zeros();
+                for (i, c) in [*x, *y, 1.0].into_iter().enumerate() {
+                    row[3 * axis + i] = c / p.z;
+                    row[6 + i] = -c * is / p.z;
+                }
+                information += row * row.transpose();
+                gradient += row * (is - wanted);
+            }
+        }
+        // The length of the map is no part of it: held.
+        let length = SVector::<f64, 9>::from_iterator(map.transpose().iter().copied());
+        information += length * length.transpose() * information.trace();
+        let step = information.cholesky()?.solve(&gradient);
+        let next = map - Matrix3::from_row_iterator(step.iter().copied());
+        let next = next / next.norm();
+        let next_cost = squares(&next, from, to);
+        // What is not finite is no better either.
+        match next_cost.partial_cmp(&cost) {
+            Some(Ordering::Less) => (map, cost) = (next, next_cost),
+            _ => break,
+        }
+    }
+    cost.is_finite().then_some(map)
+}
+
+fn squares(map: &Matrix3<f64>, from: &[[f64; 2]], to: &[[f64; 2]]) -> f64 {
+    let off = |(point, seen): (&[f64; 2], &[f64; 2])| {
+        let [u, v] = mapped(map, *point);
+        (u - seen[0]).powi(2) + (v - seen[1]).powi(2)
+    };
+    from.iter().zip(to).map(off).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+    proptest! {
+        /// Any four corners that make a convex quadrilateral are met, and a fifth point follows.
+        #[test]
+        fn four_corners_are_met(shift in prop::array::uniform4(prop::array::uniform2(-0.4..0.4_f64)), scale in 0.1..1000.0_f64) {
+            let to: Vec<_> = (0..4).map(|i| [0, 1].map(|k| scale * (SQUARE[i][k] + shift[i][k] + 3.0))).collect();
+            let map = fitted(&SQUARE, &to).unwrap();
+            for (point, seen) in SQUARE.iter().zip(&to) {
+                let [u, v] = mapped(&map, *point);
+                prop_assert!((u - seen[0]).hypot(v - seen[1]) < 1e-7 * scale);
+            }
+        }
+
+        /// The fit of noisy points is no worse than the map they were made with.
+        #[test]
+        fn the_least_squares_are_least(noise in prop::collection::vec(prop::array::uniform2(-0.5..0.5_f64), 20), tilt in -0.002..0.002_f64) {
+            let truth = Matrix3::new(3.0, 0.2, 50.0, -0.1, 2.8, 70.0, tilt, -tilt, 1.0);
+            let from: Vec<_> = (0..20).map(|i| [f64::from(i % 5) * 40.0, f64::from(i / 5) * 30.0]).collect();
+            let to: Vec<_> = from.iter().zip(&noise).map(|(p, n)| { let [u, v] = mapped(&truth, *p); [u + n[0], v + n[1]] }).collect();
+            let map = fitted(&from, &to).unwrap();
+            let best = squares(&map, &from, &to);
+            prop_assert!(best <= squares(&truth, &from, &to));
+            // A minimum: no small change of any number makes it better.
+            for i in 0..9 {
+                for by in [-1e-5, 1e-5] {
+                    let mut other = map;
+                    other[i] *= 1.0 + by;
+                    prop_assert!(squares(&other, &from, &to) >= best - 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_on_a_line_have_no_map() {
+        let line: Vec<_> = (0..6).map(|i| [f64::from(i), 2.0 * f64::from(i)]).collect();
+        assert_eq!(fitted(&line, &line), None);
+        assert_eq!(fitted(&SQUARE[..3], &SQUARE[..3]), None);
+        assert_eq!(fitted(&[[1.0, 1.0]; 4], &SQUARE), None);
+        assert_eq!(
+            fitted(&[[f64::NAN, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], &SQUARE),
+            None
+        );
+    }
+}

@@ -1,0 +1,79 @@
+//! Rigid transforms `T_a_b`: they map b-coordinates to a-coordinates, in millimetres.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
+
+/// A rotation and a translation in millimetres.
+pub type Rigid = Isometry3<f64>;
+
+/// A transform from a rotation matrix (assumed orthonormal, right-handed) and a translation in millimetres.
+pub fn from_matrix(rotation: Matrix3<f64>, translation: Vector3<f64>) -> Rigid {
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    Rigid::from_parts(
+        Translation3::from(translation),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    )
+}
+
+/// A transform from a rotation vector (axis times angle in radians, OpenCV's `rvec`) and a translation in millimetres.
+pub fn from_rotation_vector(rvec: [f64; 3], tvec: [f64; 3]) -> Rigid {
+    Rigid::new(Vector3::from(tvec), Vector3::from(rvec))
+}
+
+/// The rotation vector (radians) and translation (mm) of a transform: OpenCV's `rvec` and `tvec`.
+pub fn to_rotation_vector(t: &Rigid) -> ([f64; 3], [f64; 3]) {
+    (t.rotation.scaled_axis().into(), t.translation.vector.into())
+}
+
+/// The 4×4 homogeneous matrix, row by row, as JSON files carry it.
+pub fn rows(t: &Rigid) -> [[f64; 4]; 4] {
+    let m = t.to_homogeneous();
+    std::array::from_fn(|r| std::array::from_fn(|c| m[(r, c)]))
+}
+
+/// The pose `T_a_b` after a step (ω in rad, υ in mm) on its left: `(exp(ω), υ) · T`, both in frame a (Solà, Deray & Atchuthan 2018,
+/// "A micro Lie theory", left perturbation). A point `p` of frame a then moves by `ω × p + υ`.
+pub fn stepped(pose: &Rigid, step: &Vector6<f64>) -> Rigid {
+    let (turn, shift) = (step.fixed_rows::<3>(0), step.fixed_rows::<3>(3));
+    let mut step = Rigid::from_parts(
+        Translation3::from(shift.into_owned()),
+        UnitQuaternion::from_scaled_axis(turn.into_owned()),
+    ) * pose;
+    // Products of many unit quaternions drift.
+    step.rotation.renormalize();
+    step
+}
+
+/// The step (ω in rad, υ in mm) that takes one pose to another: the inverse of [`stepped`].
+pub fn step_between(from: &Rigid, to: &Rigid) -> Vector6<f64> {
+    let step = to * from.inverse();
+    let (turn, shift) = (step.rotation.scaled_axis(), step.translation.vector);
+    Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_step_between_two_poses_arrives(
+            turn in prop::array::uniform3(-0.5..0.5_f64),
+            shift in prop::array::uniform3(-80.0..80.0_f64),
+        ) {
+            let start = from_rotation_vector([0.3, -0.2, 1.1], [10.0, 20.0, 800.0]);
+            let to = from_rotation_vector(turn, shift);
+            let arrived = stepped(&start, &step_between(&start, &to));
+            prop_assert!(arrived.rotation.angle_to(&to.rotation) < 1e-9);
+            prop_assert!((arrived.translation.vector - to.translation.vector).norm() < 1e-9);
+        }
+
+        #[test]
+        fn rotation_vectors_round_trip(r in prop::array::uniform3(-1.7..1.7_f64), t in prop::array::uniform3(-900.0..900.0_f64)) {
+            let (r2, t2) = to_rotation_vector(&from_rotation_vector(r, t));
+            for i in 0..3 {
+                prop_assert!((r[i] - r2[i]).abs() < 1e-9 && (t[i] - t2[i]).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Levenberg–Marquardt (Marquardt 1963): one loop for every least-squares problem, dense or in blocks.
+
+/// A least-squares problem, linearised at one point.
+pub trait LeastSquares: Sized {
+    /// Sum of the (weighted) squared residuals.
+    fn cost(&self) -> f64;
+
+    /// The problem where a step leads, with the normal equations' diagonal raised by the factor 1 + `damping`. `None` when the
+    /// equations have no solution, or when it leads out of the domain.
+    fn stepped(&self, damping: f64) -> Option<Self>;
+}
+
+/// When to stop.
+pub struct Limits {
+    pub first_damping: f64,
+    /// Steps that are tried, those that are refused included.
+    pub most_trials: usize,
+    /// A step that changes the cost by less than this share of it is the last.
+    pub relative_gain: f64,
+    /// A step that lowers the cost by less than this is the last.
+    pub absolute_gain: f64,
+}
+
+/// A step of this damping changes nothing any more.
+const MOST_DAMPING: f64 = 1e9;
+/// Costs that differ by less than this share of them are the same: the rest is rounding.
+const ROUNDING: f64 = 1e-15;
+/// Damping below the rounding of the equations has no effect.
+const LEAST_DAMPING: f64 = 1e-12;
+
+/// The problem at the minimum near `start`: steps that raise the cost are refused and repeated with ten times the damping.
+pub fn minimise<P: LeastSquares>(start: P, limits: &Limits) -> P {
+    let (mut at, mut damping) = (start, limits.first_damping);
+    for _ in 0..limits.most_trials {
+        let cost = at.cost();
+        let next = at.stepped(damping);
+        let gain = next.as_ref().map_or(f64::NEG_INFINITY, |next| cost - next.cost());
+        let is_last = if let (Some(next), true) = (next, gain >= 0.0) {
+            (at, damping) = (next, (damping / 10.0).max(LEAST_DAMPING));
+            gain <= limits.relative_gain.max(ROUNDING) * cost + limits.absolute_gain
+        } else {
+            damping *= 10.0;
+            damping > MOST_DAMPING || -gain <= limits.relative_gain.max(ROUNDING) * cost
+        };
+        if is_last {
+            break;
+        }
+    }
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix2, Vector2};
+
+    use super::*;
+
+    /// Rosenbrock's valley as residuals 10 (y − x²) and 1 − x.
+    struct Valley(Vector2<f64>);
+
+    impl Valley {
+        fn residuals(&self) -> Vector2<f64> {
+            Vector2::new(10.0 * (self.0.y - self.0.x * self.0.x), 1.0 - self.0.x)
+        }
+    }
+
+    impl LeastSquares for Valley {
+        fn cost(&self) -> f64 {
+            self.residuals().norm_squared()
+        }
+
+        fn stepped(&self, damping: f64) -> Option<Valley> {
+            let jacobian = Matrix2::new(-20.0 * self.0.x, 10.0, -1.0, 0.0);
+            let mut normal = jacobian.transpose() * jacobian;
+            normal.set_diagonal(&(normal.diagonal() * (1.0 + damping)));
+            let step = normal.cholesky()?.solve(&(jacobian.transpose() * self.residuals()));
+            Some(Valley(self.0 - step))
+        }
+    }
+
+    #[test]
+    fn a_curved_valley_is_followed_to_its_end() {
+        let limits = Limits {
+            first_damping: 1e-3,
+            most_trials: 100,
+            relative_gain: 0.0,
+            absolute_gain: 1e-24,
+        };
+        let end = minimise(Valley(Vector2::new(-1.2, 1.0)), &limits);
+        assert!((end.0 - Vector2::new(1.0, 1.0)).norm() < 1e-9, "{}", end.0);
+        let few = minimise(
+            Valley(Vector2::new(-1.2, 1.0)),
+            &Limits {
+                most_trials: 3,
+                ..limits
+            },
+        );
+        assert!(few.cost() > end.cost());
+    }
+}

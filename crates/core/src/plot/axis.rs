@@ -1,0 +1,148 @@
+//! An axis: values to pixels, and where its ticks stand.
+
+/// How values are spread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    Linear,
+    /// Values must be above 0; those that are not stand at the axis's low end.
+    Log,
+}
+
+/// An axis from `low` to `high`, drawn from one pixel to another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlotAxis {
+    pub title: String,
+    pub scale: Scale,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl PlotAxis {
+    /// Wide enough for all values. On a log axis it ends at 1, 2 or 5 times a power of ten; a linear one starts at 0 or below.
+    pub fn around(title: &str, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
+        let usable = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for v in values.into_iter().filter(usable) {
+            (low, high) = (low.min(v), high.max(v));
+        }
+        if low > high {
+            (low, high) = (0.1, 1.0);
+        }
+        let (low, high) = match scale {
+            Scale::Linear if high <= low.min(0.0) => (low.min(0.0), low.min(0.0) + 1.0),
+            Scale::Linear => (low.min(0.0), high),
+            Scale::Log => (step_below(low * 0.9), step_above(high * 1.1)),
+        };
+        Self {
+            title: title.to_owned(),
+            scale,
+            low,
+            high,
+        }
+    }
+
+    /// Where a value stands between the ends: 0 at `low`, 1 at `high`; values beyond stand at the ends.
+    pub fn share(&self, value: f64) -> f64 {
+        let share = match self.scale {
+            Scale::Linear => (value - self.low) / (self.high - self.low),
+            Scale::Log if value <= 0.0 => 0.0,
+            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+        };
+        if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+    }
+
+    /// Values that get a line and a label.
+    pub fn ticks(&self) -> Vec<f64> {
+        match self.scale {
+            Scale::Linear => self.linear_ticks(),
+            Scale::Log => self.log_ticks(),
+        }
+    }
+
+    fn linear_ticks(&self) -> Vec<f64> {
+        let step = step_above((self.high - self.low) / 5.0);
+        let first = (self.low / step).ceil() as i64;
+        let last = (self.high / step + 1e-9).floor() as i64;
+        (first..=last).map(|n| n as f64 * step).collect()
+    }
+
+    /// 1, 2, 5 of each decade, or only the decades when that would be too many.
+    fn log_ticks(&self) -> Vec<f64> {
+        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
+        let steps: &[f64] = if last - first > 3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let all = (first..=last).flat_map(|decade| steps.iter().map(move |s| s * 10f64.powi(decade)));
+        all.filter(|v| *v >= self.low * 0.999 && *v <= self.high * 1.001)
+            .collect()
+    }
+}
+
+/// A tick's value as people write it.
+pub fn tick_label(value: f64) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        (1 - value.abs().log10().floor() as i32).max(0) as usize
+    };
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is not above a positive value.
+fn step_below(value: f64) -> f64 {
+    let decade = 10f64.powf(value.log10().floor());
+    let step = [5.0, 2.0].into_iter().find(|s| s * decade <= value * 1.000_001);
+    step.unwrap_or(1.0) * decade
+}
+
+/// The smallest of them that is not below it.
+fn step_above(value: f64) -> f64 {
+    let decade = 10f64.powf(value.log10().floor());
+    let step = [1.0, 2.0, 5.0].into_iter().find(|s| s * decade >= value * 0.999_999);
+    step.unwrap_or(10.0) * decade
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_axis_holds_its_values_between_round_ends() {
+        let axis = PlotAxis::around("ms", Scale::Log, [3.0, 0.0, f64::NAN, 80.0]);
+        assert_eq!((axis.low, axis.high), (2.0, 100.0));
+        assert_eq!(axis.ticks(), [2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
+        assert!((axis.share(2.0), axis.share(100.0), axis.share(0.0)) == (0.0, 1.0, 0.0));
+        assert!((axis.share(200f64.sqrt()) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_linear_axis_starts_at_zero() {
+        let axis = PlotAxis::around("share", Scale::Linear, [0.3, 0.9]);
+        assert_eq!((axis.low, axis.high), (0.0, 0.9));
+        assert_eq!(
+            axis.ticks().iter().map(|v| tick_label(*v)).collect::<Vec<_>>(),
+            ["0", "0.2", "0.4", "0.6", "0.8"]
+        );
+    }
+
+    #[test]
+    fn nothing_to_show_is_still_an_axis() {
+        for scale in [Scale::Linear, Scale::Log] {
+            for values in [vec![], vec![0.0], vec![5.0, 5.0]] {
+                let axis = PlotAxis::around("", scale, values);
+                assert!(axis.low < axis.high && !axis.ticks().is_empty(), "{axis:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn labels_are_short() {
+        assert_eq!(
+            [0.002, 0.05, 1.0, 20.0, 1500.0, 0.0].map(tick_label),
+            ["0.002", "0.05", "1", "20", "1500", "0"]
+        );
+    }
+}

@@ -1,0 +1,55 @@
+//! Small SVG charts and plain pages, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
+//!
+//! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
+
+mod axis;
+mod drawing;
+mod page;
+mod panels;
+mod scatter;
+
+pub use axis::{PlotAxis, Scale, tick_label};
+pub use drawing::{Drawing, Explained, figure};
+pub use page::{html_page, plain_page};
+pub use panels::{PlotLine, PlotPanel, panels};
+pub use scatter::{Cloud, Dot, scatter};
+
+/// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.
+const COLOURS: [&str; 10] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c6d00", "#882255", "#9a9a9a",
+];
+const INK: &str = "#1d232b";
+const FAINT: &str = "#d7dce2";
+const NOTE: &str = "#5b6573";
+
+/// The colour of the n-th series.
+pub fn colour(series: usize) -> &'static str {
+    COLOURS[series % COLOURS.len()]
+}
+
+/// Each of some names once, in the order in which they come.
+pub fn distinct<T: PartialEq>(names: impl IntoIterator<Item = T>) -> Vec<T> {
+    names.into_iter().fold(Vec::new(), |mut known, name| {
+        if !known.contains(&name) {
+            known.push(name);
+        }
+        known
+    })
+}
+
+/// A tenth of a pixel is all a screen shows; fewer digits, smaller files.
+fn round(v: f64) -> f64 {
+    (v * 10.0).round() / 10.0
+}
+
+/// A finished chart as a file of its own.
+fn document(width: f64, height: f64, label: &str, content: &maud::Markup) -> String {
+    let svg = maud::html! {
+        svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {width} {height}")) width=(width) height=(height) role="img"
+            aria-label=(label) font-family="DejaVu Sans, Verdana, sans-serif" {
+            rect width="100%" height="100%" fill="#fff" {}
+            (content)
+        }
+    };
+    svg.into_string()
+}

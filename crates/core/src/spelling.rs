@@ -1,0 +1,125 @@
+//! The known name that a misspelt one was probably meant to be; words that go with a number, and its digits.
+
+/// `; did you mean NAME?`, to be added to a sentence that refuses `text`; empty when no known name is near, or several are.
+pub fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(text, known).map_or_else(String::new, |name| format!("; did you mean {name}?"))
+}
+
+/// A number of things: `1 photo`, `2 photos`.
+pub fn count(number: usize, one: &str) -> String {
+    format!("{number} {one}{}", choose(number, "", "s"))
+}
+
+/// So many digits behind the point, a five rounded away from zero as papers do; no minus before a zero.
+pub fn digits(value: f64, behind: usize) -> String {
+    let scale = 10_f64.powi(behind as i32);
+    // What is a five to twelve digits is one: 100 · 0.0875 is not always 8.75.
+    let scaled = value * scale;
+    let rounded = (scaled + 1e-9 * scaled.signum()).round() / scale;
+    format!("{:.behind$}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// Ids one after the other: `1, 2, 3`.
+pub fn list(ids: &[u32]) -> String {
+    ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// The word for one thing, or that for several.
+pub fn choose<'a>(number: usize, one: &'a str, several: &'a str) -> &'a str {
+    if number == 1 { one } else { several }
+}
+
+/// The only name that fewest edits make of `text`, no more than one for every three letters of it; else the only one that begins
+/// with it. Upper and lower case are the same.
+fn nearest<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let known: Vec<&str> = known.into_iter().collect();
+    let text = text.to_lowercase();
+    let length = text.chars().count();
+    let distances = known.iter().map(|name| (edits(&text, &name.to_lowercase()), *name));
+    let near: Vec<_> = distances.filter(|(edits, _)| 3 * edits <= length).collect();
+    let least = near.iter().map(|(edits, _)| *edits).min();
+    let begin = |name: &&str| length >= 3 && name.to_lowercase().starts_with(&text);
+    let best: Vec<&str> = match least {
+        Some(least) => near
+            .iter()
+            .filter(|(edits, _)| *edits == least)
+            .map(|(_, name)| *name)
+            .collect(),
+        None => known.into_iter().filter(begin).collect(),
+    };
+    match best[..] {
+        [name] => Some(name),
+        _ => None,
+    }
+}
+
+/// Letters to insert, remove or change (Levenshtein), or neighbours to swap.
+pub fn edits(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    // rows[i][j]: from the first i letters of a to the first j of b.
+    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let change = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = change.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(least);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_thing_is_not_several() {
+        assert_eq!(
+            [0, 1, 2].map(|n| count(n, "photo")),
+            ["0 photos", "1 photo", "2 photos"]
+        );
+    }
+
+    #[test]
+    fn a_five_is_rounded_away_from_zero() {
+        assert_eq!(
+            [0.125, 0.625, 0.375, -0.125, -0.0001].map(|v| digits(v, 2)),
+            ["0.13", "0.63", "0.38", "-0.13", "0.00"]
+        );
+        assert_eq!(digits(8.75, 1), "8.8");
+    }
+
+    #[test]
+    fn edits_are_counted_as_by_hand() {
+        let counted = [
+            ("", ""),
+            ("", "abc"),
+            ("kitten", "sitting"),
+            ("tabliod", "tabloid"),
+            ("ä4", "a4"),
+        ]
+        .map(|(a, b)| edits(a, b));
+        assert_eq!(counted, [0, 3, 3, 1, 1]);
+    }
+
+    #[test]
+    fn one_near_name_is_proposed_and_nothing_is_guessed() {
+        const PAPERS: [&str; 4] = ["a4", "a3", "letter", "tabloid"];
+        let meant = ["leter", "TABLIOD", "a44", "tab", "A4"].map(|text| nearest(text, PAPERS));
+        assert_eq!(
+            meant,
+            [Some("letter"), Some("tabloid"), Some("a4"), Some("tabloid"), Some("a4")]
+        );
+        // A paper of its own; as near to both; nothing like any; nothing at all.
+        for text in ["a5", "b4", "legal", ""] {
+            assert_eq!(nearest(text, PAPERS), None, "{text}");
+        }
+        assert_eq!(hint("leter", PAPERS), "; did you mean letter?");
+        assert_eq!(hint("legal", PAPERS), "");
+    }
+}

@@ -1,0 +1,120 @@
+//! Work spread over threads that each own a state (a tag detector, inference sessions) which must not be shared; how long some takes; and
+//! memory that the next item takes over.
+
+pub mod memory;
+pub mod stopwatch;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// How many threads to use: one a core.
+pub fn thread_count() -> usize {
+    std::thread::available_parallelism().map_or(1, |n| n.get())
+}
+
+/// [`map_over`] with one thread a core.
+pub fn map<T, S, R, E>(
+    items: &[T],
+    make_state: impl Fn() -> Result<S, E> + Sync,
+    work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
+    on_done: impl Fn() + Sync,
+) -> Result<Vec<R>, E>
+where
+    T: Sync,
+    R: Send,
+    E: Send,
+{
+    map_over(thread_count(), items, make_state, work, on_done)
+}
+
+/// Does `work` on every item, spread over so many threads; results keep the items' order.
+///
+/// A thread takes the next item when it has done one, so that one reads and decodes while another computes, and no more items
+/// are in work than there are threads.
+///
+/// Each thread makes its state once. When a state cannot be made, or some work fails, the first error is returned and the
+/// remaining items are left.
+pub fn map_over<T, S, R, E>(
+    threads: usize,
+    items: &[T],
+    make_state: impl Fn() -> Result<S, E> + Sync,
+    work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
+    on_done: impl Fn() + Sync,
+) -> Result<Vec<R>, E>
+where
+    T: Sync,
+    R: Send,
+    E: Send,
+{
+    let next = AtomicUsize::new(0);
+    let stop = AtomicBool::new(false);
+    let done: Mutex<Vec<(usize, Result<R, E>)>> = Mutex::new(Vec::with_capacity(items.len()));
+    let push = |i: usize, result: Result<R, E>| {
+        if result.is_err() {
+            stop.store(true, Ordering::Relaxed);
+        }
+        // A poisoned lock means a worker panicked; the scope passes that panic on, so what is in here no longer matters.
+        done.lock().unwrap_or_else(|e| e.into_inner()).push((i, result));
+    };
+    let run = || {
+        let mut state = match make_state() {
+            Ok(state) => state,
+            Err(e) => return push(usize::MAX, Err(e)),
+        };
+        while !stop.load(Ordering::Relaxed) {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(i) else { break };
+            push(i, work(&mut state, item));
+            on_done();
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, items.len().max(1)) {
+            scope.spawn(run);
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(|e| e.into_inner());
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+/// The result of some work, and the milliseconds the fastest of three runs took: what else the machine does only ever adds.
+pub fn fastest<R>(mut work: impl FnMut() -> R) -> (R, f64) {
+    let mut run = || {
+        let start = Instant::now();
+        let result = work();
+        (result, start.elapsed().as_secs_f64() * 1e3)
+    };
+    let mut best = run();
+    for _ in 0..2 {
+        let again = run();
+        if again.1 < best.1 {
+            best = again;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_keep_the_order_of_the_items() {
+        let items: Vec<u64> = (0..200).collect();
+        let squares = map(&items, || Ok::<_, String>(()), |(), n| Ok(n * n), || {}).unwrap();
+        assert_eq!(squares, items.iter().map(|n| n * n).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn an_error_ends_the_work() {
+        let items: Vec<u64> = (0..200).collect();
+        let fail = |(): &mut (), n: &u64| if *n == 7 { Err("seven") } else { Ok(*n) };
+        assert_eq!(map(&items, || Ok(()), fail, || {}), Err("seven"));
+        assert_eq!(
+            map(&items, || Err::<(), _>("no state"), |(), n| Ok(*n), || {}),
+            Err("no state")
+        );
+    }
+}

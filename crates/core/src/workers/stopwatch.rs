@@ -1,0 +1,92 @@
+//! Where the time of a photo goes: each thread's milliseconds by stage of the work, every moment counted for the innermost stage alone.
+
+use std::cell::Cell;
+use std::time::Instant;
+
+use serde::Serialize;
+
+/// A part of the work on a photo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// The file, its hash, and the luma for the tags.
+    Read,
+    Tags,
+    Pose,
+    /// The colours, at the size that a detector needs.
+    Colour,
+    /// To the detector's input.
+    Resize,
+    /// The detector, to its boxes.
+    Network,
+    /// The preview and the bookkeeping.
+    Rest,
+}
+
+impl Stage {
+    pub const ALL: [Stage; 7] = [
+        Stage::Read,
+        Stage::Tags,
+        Stage::Pose,
+        Stage::Colour,
+        Stage::Resize,
+        Stage::Network,
+        Stage::Rest,
+    ];
+}
+
+/// Milliseconds of each stage, in the order of [`Stage::ALL`].
+pub type StageMs = [f64; Stage::ALL.len()];
+
+thread_local! {
+    static SPENT: Cell<StageMs> = const { Cell::new([0.0; Stage::ALL.len()]) };
+    /// What the stages inside the present one have taken.
+    static INSIDE: Cell<f64> = const { Cell::new(0.0) };
+}
+
+/// Does some work, and adds the time it takes to this thread's stage.
+pub fn timed<T>(stage: Stage, work: impl FnOnce() -> T) -> T {
+    let beside = INSIDE.replace(0.0);
+    let start = Instant::now();
+    let done = work();
+    let all = 1e3 * start.elapsed().as_secs_f64();
+    let mut spent = SPENT.get();
+    spent[stage as usize] += all - INSIDE.get();
+    SPENT.set(spent);
+    INSIDE.set(beside + all);
+    done
+}
+
+/// What this thread's stages have taken since the last call.
+pub fn take() -> StageMs {
+    INSIDE.set(0.0);
+    SPENT.take()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn a_moment_counts_for_the_innermost_stage() {
+        let pause = |ms: u64| std::thread::sleep(Duration::from_millis(ms));
+        timed(Stage::Rest, || {
+            timed(Stage::Tags, || {
+                pause(20);
+                timed(Stage::Read, || pause(60));
+            });
+            timed(Stage::Network, || pause(40));
+        });
+        let spent = take();
+        let of = |stage: Stage| spent[stage as usize];
+        // A sleep may last longer, and never shorter.
+        assert!(of(Stage::Read) >= 60.0 && of(Stage::Network) >= 40.0 && of(Stage::Tags) >= 20.0);
+        assert!(
+            of(Stage::Tags) < of(Stage::Read) && of(Stage::Rest) < of(Stage::Tags),
+            "{spent:?}"
+        );
+        assert_eq!(take(), StageMs::default());
+    }
+}

@@ -1,0 +1,162 @@
+//! Which labels of a detector count as the model: those of the class, by their own names or by those that `[class_map]` gives them.
+
+use super::{Labels, Manifest};
+use scaleproof_core::spelling;
+
+/// None of the names that count is known to a detector.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{detector} has no label {class}; {nearest}: choose another detector or class, or say what counts in a manifest of your own, as in \
+     [class_map] {example}"
+)]
+pub struct NoSuchClass {
+    detector: String,
+    class: String,
+    nearest: String,
+    example: String,
+}
+
+impl Manifest {
+    /// What a label counts as: the name that `[class_map]` gives it, else its own; `None` for a number outside the labels.
+    pub fn counts_as(&self, label: usize) -> Option<&str> {
+        let own = self.labels.name(label)?;
+        Some(self.class_map.get(own).map_or(own, String::as_str))
+    }
+
+    /// The numbers of the labels that count as one of `classes`, in their order; not one is an error.
+    pub fn counted(&self, classes: &[String]) -> Result<Vec<usize>, NoSuchClass> {
+        let counts = |label: &usize| {
+            self.counts_as(*label)
+                .is_some_and(|name| classes.iter().any(|c| c == name))
+        };
+        let labels: Vec<usize> = (0..self.labels.count()).filter(counts).collect();
+        if labels.is_empty() {
+            Err(self.no_such_class(classes))
+        } else {
+            Ok(labels)
+        }
+    }
+
+    /// Those of `classes` that no label of this detector counts as.
+    pub fn unknown_classes<'a>(&self, classes: &'a [String]) -> Vec<&'a str> {
+        let is_known = |class: &str| (0..self.labels.count()).any(|label| self.counts_as(label) == Some(class));
+        let names = classes.iter().map(String::as_str);
+        names.filter(|class| !is_known(class)).collect()
+    }
+
+    fn no_such_class(&self, classes: &[String]) -> NoSuchClass {
+        let quoted: Vec<String> = classes.iter().map(|class| format!("`{class}`")).collect();
+        let wanted = classes.first().map_or("", String::as_str);
+        let nearest = self.labels.nearest(wanted);
+        let key = toml::Value::from(nearest.first().copied().unwrap_or_default());
+        NoSuchClass {
+            detector: self.name.clone(),
+            class: quoted.join(" or "),
+            nearest: self.labels.nearest_to(wanted),
+            example: format!("{key} = {}", toml::Value::from(wanted)),
+        }
+    }
+
+    /// What is wrong with `[class_map]`, as a sentence.
+    pub fn class_map_fault(&self) -> Option<String> {
+        self.class_map.iter().find_map(|(own, counted)| {
+            let is_label = (1..=LONGEST).contains(&counted.chars().count()) && !counted.contains(char::is_control);
+            match self.labels.find(own) {
+                None => Some(format!(
+                    "class_map has `{own}`, which is no label of this detector; {}",
+                    self.labels.nearest_to(own)
+                )),
+                Some(_) if !is_label => Some(format!(
+                    "class_map counts `{own}` as {counted:?}: give a label of 1 to {LONGEST} characters, as in {own:?} = \"car\""
+                )),
+                Some(_) => None,
+            }
+        })
+    }
+}
+
+/// No label has more characters.
+const LONGEST: usize = 100;
+/// So many labels are named to somebody who mistyped one.
+const NAMED: usize = 3;
+
+impl Labels {
+    /// The labels most like a name: those that hold it or that it holds first, then by the letters that must change.
+    fn nearest(self, name: &str) -> Vec<&'static str> {
+        let wanted: String = name.to_lowercase().chars().take(LONGEST).collect();
+        let mut all: Vec<&'static str> = (0..self.count()).filter_map(|label| self.name(label)).collect();
+        all.sort_by_cached_key(|label| {
+            let label = label.to_lowercase();
+            let holds = label.contains(&wanted) || wanted.contains(&label);
+            (!holds, spelling::edits(&label, &wanted))
+        });
+        all.truncate(NAMED);
+        all
+    }
+
+    /// "its labels are `a`, `b`" or, of many, "the nearest of its 80 labels are `a`, `b`, `c`".
+    fn nearest_to(self, name: &str) -> String {
+        let nearest: Vec<String> = self.nearest(name).iter().map(|label| format!("`{label}`")).collect();
+        let all = (0..self.count()).filter(|label| self.name(*label).is_some()).count();
+        let nearest = nearest.join(", ");
+        match all {
+            1 => format!("its only label is {nearest}"),
+            all if all <= NAMED => format!("its labels are {nearest}"),
+            all => format!("the nearest of its {all} labels are {nearest}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A built-in manifest with labels and a map of its own.
+    fn manifest(labels: &str, map: &str) -> Result<Manifest, String> {
+        let text = Manifest::named("yolox_nano").unwrap().to_toml().unwrap();
+        let text = text.replace("labels = \"coco80\"", labels);
+        Manifest::parse(&format!("{text}\n[class_map]\n{map}\n"), "x.toml").map_err(|e| e.to_string())
+    }
+
+    fn counted(manifest: &Manifest, classes: &[&str]) -> Result<Vec<usize>, String> {
+        let classes: Vec<String> = classes.iter().map(|c| (*c).to_owned()).collect();
+        manifest.counted(&classes).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_mapped_label_counts_as_what_it_is_mapped_to_and_as_nothing_else() {
+        let german = manifest(r#"labels = ["Baum", "PKW", "LKW"]"#, "PKW = \"car\"\nLKW = \"truck\"").unwrap();
+        assert_eq!(counted(&german, &["car"]), Ok(vec![1]));
+        assert_eq!(counted(&german, &["car", "truck", "bus"]), Ok(vec![1, 2]));
+        assert_eq!(german.unknown_classes(&["bus".into(), "car".into()]), ["bus"]);
+        assert!(counted(&german, &["PKW"]).is_err());
+        assert_eq!(Manifest::parse(&german.to_toml().unwrap(), "x.toml").unwrap(), german);
+    }
+
+    #[test]
+    fn a_class_that_is_not_there_names_the_nearest_labels() {
+        let coco = Manifest::named("yolox_nano").unwrap();
+        let refused = counted(&coco, &["Trucks", "lorry"]).unwrap_err();
+        for words in [
+            "yolox_nano has no label `Trucks` or `lorry`",
+            "the nearest of its 80 labels are `truck`",
+            "[class_map] \"truck\" = \"Trucks\"",
+        ] {
+            assert!(refused.contains(words), "{refused}");
+        }
+    }
+
+    #[test]
+    fn a_map_that_does_not_fit_is_refused() {
+        for (map, words) in [
+            (
+                "vna = \"car\"",
+                "class_map has `vna`, which is no label of this detector; its labels are `van`, `PKW`",
+            ),
+            ("PKW = \"\"", "class_map counts `PKW` as \"\""),
+        ] {
+            let refused = manifest(r#"labels = ["PKW", "van"]"#, map).unwrap_err();
+            assert!(refused.contains(words), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Detectors that are no network of this program: another program runs them, or has run them. Only their boxes are seen here.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::manifest::{Channels, Head, Input, Kernel, Layout, Resize, Values, Weights};
+use super::{Detection, Labels, Manifest};
+use scaleproof_core::files;
+use scaleproof_core::geometry::BoxPx;
+
+/// How the boxes of such a detector come here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ForeignKind {
+    /// In files that it wrote.
+    Results,
+    /// From the running program.
+    Program,
+}
+
+impl ForeignKind {
+    /// What reports call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ForeignKind::Results => "results",
+            ForeignKind::Program => "program",
+        }
+    }
+}
+
+/// What is known of such a detector: enough to judge its boxes where it is not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ForeignCard {
+    pub kind: ForeignKind,
+    pub name: String,
+    pub title: String,
+    pub licence: String,
+    pub origin: String,
+    /// What a program says of itself.
+    pub version: Option<String>,
+    /// How a program is started; empty for others.
+    pub command: Vec<String>,
+    #[serde(with = "in_words")]
+    pub labels: Labels,
+    /// What labels count as, where not as themselves.
+    pub class_map: BTreeMap<String, String>,
+    /// Name and SHA-256 of the files that its boxes depend on.
+    pub files: Vec<(String, String)>,
+    /// What to know before believing its figures, as sentences.
+    pub notes: Vec<String>,
+}
+
+impl ForeignCard {
+    /// SHA-256 of all that is known of it.
+    pub fn sha256(&self) -> String {
+        files::sha256_hex(format!("{self:?}").as_bytes())
+    }
+}
+
+impl Manifest {
+    /// What stands for a manifest where no network is fed: the photo goes in as it is, and boxes come out.
+    pub fn of_foreign(card: &ForeignCard) -> Manifest {
+        Manifest {
+            name: card.name.clone(),
+            title: card.title.clone(),
+            licence: card.licence.clone(),
+            origin: card.origin.clone(),
+            labels: card.labels,
+            published_ap: None,
+            weights: Weights {
+                file: String::new(),
+                url: String::new(),
+                sha256: card.sha256(),
+            },
+            input: Input {
+                size_px: [0, 0],
+                layout: Layout::Nhwc,
+                values: Values::U8,
+                resize: Resize::Original,
+                kernel: Kernel::OpencvLinear,
+                pad: 0,
+                channels: Channels::Rgb,
+                mean: [0.0; 3],
+                std: [1.0; 3],
+            },
+            head: Head::Foreign {},
+            class_map: card.class_map.clone(),
+            folder: None,
+        }
+    }
+}
+
+/// A sigmoid or softmax may round up a little.
+const HIGHEST_SCORE: f64 = 1.001;
+/// Rounding a box to whole pixels explains so much over the border.
+const ROUNDING_PX: f64 = 1.0;
+/// No detector is this sure of a box that reaches out of its photo by more than [`FAR_OUT`] of a side.
+const SURE: f64 = 0.5;
+const FAR_OUT: f64 = 0.1;
+/// A detection of another program in the precision that files keep, cut at the border of its photo; `None` for a box without an area.
+///
+/// # Errors
+/// Why it cannot be one of a photo of this size, in px.
+pub(super) fn placed(label: usize, score: f64, b: BoxPx, size: [u32; 2]) -> Result<Option<Detection>, String> {
+    check_score(score)?;
+    let size = size.map(f64::from);
+    if !<[f64; 4]>::from(b).iter().all(|v| v.is_finite()) {
+        return Err(format!("the box {:?}, which is not finite", <[f64; 4]>::from(b)));
+    }
+    if let Some(fault) = place_fault(&b, score, size) {
+        return Err(fault);
+    }
+    let inside = if reaches_out(&b, size) > ROUNDING_PX {
+        b.clipped(size[0], size[1])
+    } else {
+        b
+    };
+    Ok(Detection::new(label, score.min(1.0), inside))
+}
+
+/// Refuses what is no confidence.
+pub(super) fn check_score(score: f64) -> Result<(), String> {
+    if (0.0..=HIGHEST_SCORE).contains(&score) {
+        return Ok(());
+    }
+    if (1.0..=100.0).contains(&score) {
+        Err(format!(
+            "the confidence {score} is above 1: divide it by 100 if it counts per cent; confidences go from 0 to 1"
+        ))
+    } else {
+        Err(format!("the confidence {score} is none: confidences go from 0 to 1"))
+    }
+}
+
+/// How far a box reaches over the border, in px.
+fn reaches_out(b: &BoxPx, [width, height]: [f64; 2]) -> f64 {
+    (-b.x1).max(-b.y1).max(b.x2 - width).max(b.y2 - height)
+}
+
+/// Why a box cannot be of a photo of this size.
+fn place_fault(b: &BoxPx, score: f64, [width, height]: [f64; 2]) -> Option<String> {
+    let shown = || {
+        let corners = <[f64; 4]>::from(*b).map(|v| format!("{v:.1}"));
+        format!(
+            "a box of confidence {score} from x, y = {}, {} to {}, {}",
+            corners[0], corners[1], corners[2], corners[3]
+        )
+    };
+    let why =
+        "was the image of another size, or are these corners (x1, y1, x2, y2) where COCO has x, y, width, height?";
+    if !b.clipped(width, height).is_solid() && b.is_solid() {
+        return Some(format!(
+            "{} lies outside the photo of {width}×{height} px: {why}",
+            shown()
+        ));
+    }
+    let far = reaches_out(b, [width, height]) > FAR_OUT * width.max(height);
+    (far && score >= SURE).then(|| format!("{} reaches far out of the photo of {width}×{height} px: {why}", shown()))
+}
+
+/// Labels as the text that a manifest has: shards know no other way to tell a list's name from a list.
+mod in_words {
+    use serde::{Deserialize, Deserializer, Serializer, de, ser};
+
+    use super::Labels;
+
+    pub(super) fn serialize<S: Serializer>(labels: &Labels, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&serde_json::to_string(labels).map_err(ser::Error::custom)?)
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Labels, D::Error> {
+        serde_json::from_str(&String::deserialize(from)?).map_err(de::Error::custom)
+    }
+}

@@ -1,0 +1,290 @@
+//! One file per output layout: tensors in, candidates out.
+
+mod deim;
+pub(super) mod efficientdet;
+mod fastestdet;
+mod nanodet;
+mod nanodet_plus;
+mod rcnn;
+mod rfdetr;
+mod rows;
+mod rtdetr;
+mod ssd_resnet34;
+mod tf_od;
+mod yolov10;
+mod yolov3;
+mod yolov4;
+mod yolov5;
+mod yolov8;
+mod yolox;
+
+use super::SCORE_FLOOR;
+use super::manifest::{Head, Manifest};
+use super::nms::{BestFirst, CandidateBox};
+use scaleproof_core::geometry::BoxPx;
+
+/// One output tensor, row-major.
+#[derive(Debug, Clone)]
+pub struct Tensor {
+    pub name: String,
+    pub shape: Vec<usize>,
+    pub data: Data,
+}
+
+#[derive(Debug, Clone)]
+pub enum Data {
+    F32(Vec<f32>),
+    I64(Vec<i64>),
+}
+
+impl Tensor {
+    /// The first of some outputs that has fractions and such a shape: its number and its values.
+    fn shaped(outputs: &[Tensor], fits: impl Fn(&[usize]) -> bool) -> Option<(usize, &[f32])> {
+        let mut shaped = outputs.iter().enumerate().filter(|(_, t)| fits(&t.shape));
+        shaped.next().and_then(|(i, t)| Some((i, t.floats()?)))
+    }
+
+    fn floats(&self) -> Option<&[f32]> {
+        match &self.data {
+            Data::F32(v) => Some(v),
+            Data::I64(_) => None,
+        }
+    }
+
+    #[cfg(test)]
+    fn of_floats(shape: &[usize], data: Vec<f32>) -> Tensor {
+        Tensor {
+            name: String::new(),
+            shape: shape.to_vec(),
+            data: Data::F32(data),
+        }
+    }
+}
+
+/// A box, and where in the outputs its scores lie.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Anchor {
+    /// In input pixels; not always solid.
+    pub b: BoxPx,
+    /// Which output.
+    pub output: usize,
+    /// Index of its objectness, in heads that have one.
+    pub objectness: Option<usize>,
+    /// Index of its first label's score, or of its only one.
+    pub first_label: usize,
+    /// The only label it has a score for, in heads that name it.
+    pub label: Option<usize>,
+    /// From one label's score to the next.
+    pub label_step: usize,
+}
+
+/// All boxes of a head that leaves the choice among them to its user.
+pub struct Anchors {
+    pub anchors: Vec<Anchor>,
+    /// score = objectness^exponents\[0\] · label^exponents\[1\]
+    pub exponents: [f32; 2],
+    /// Whether both are the sigmoids of the outputs' numbers.
+    pub are_logits: bool,
+    /// Which of the labels the first score is of: 1 where the list begins with the background and the outputs do not.
+    pub first_scored: usize,
+}
+
+impl Anchor {
+    /// Of a head that gives a row for each box: the scores follow each other from `first_label` on, behind the objectness if there is one.
+    fn in_row(b: BoxPx, output: usize, first_label: usize, has_objectness: bool) -> Anchor {
+        Anchor {
+            b,
+            output,
+            objectness: has_objectness.then(|| first_label - 1),
+            first_label,
+            label: None,
+            label_step: 1,
+        }
+    }
+}
+
+impl Anchors {
+    fn new(anchors: Vec<Anchor>) -> Anchors {
+        Anchors {
+            anchors,
+            exponents: [1.0, 1.0],
+            are_logits: false,
+            first_scored: 0,
+        }
+    }
+
+    /// The label of an anchor that scores best, of so many, and its number in the output.
+    pub fn best_label(&self, anchor: &Anchor, output: &[f32], labels: usize) -> (usize, f32) {
+        let scores = output[anchor.first_label..]
+            .iter()
+            .step_by(anchor.label_step)
+            .take(labels - self.first_scored);
+        let (nth, best) = best(scores.copied());
+        (nth + self.first_scored, best)
+    }
+
+    /// Each anchor's best label, where it reaches the score floor.
+    fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<CandidateBox> {
+        let score = |number: f32| if self.are_logits { sigmoid(number) } else { number };
+        let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
+        let candidate = |anchor: &Anchor| {
+            let data = outputs.get(anchor.output)?.floats()?;
+            let (label, best) = self.best_label(anchor, data, labels);
+            let of_label = power(score(best), self.exponents[1]);
+            let both = match anchor.objectness {
+                Some(i) => power(score(data[i]), self.exponents[0]) * of_label,
+                None => of_label,
+            };
+            from_corners(label, both, anchor.b)
+        };
+        self.anchors.iter().filter_map(candidate).collect()
+    }
+}
+
+/// The anchors of a detector's outputs for an input of width × height `size` in pixels; `None` for heads that choose their boxes by
+/// themselves.
+pub fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Option<Anchors>, HeadError> {
+    let labels = manifest.labels.count();
+    Ok(Some(match &manifest.head {
+        Head::Yolox { .. } => yolox::anchors(outputs, size, labels)?,
+        Head::Nanodet { strides, .. } => nanodet::anchors(outputs, size, strides, labels)?,
+        Head::NanodetPlus { strides, .. } => nanodet_plus::anchors(outputs, size, strides, labels)?,
+        Head::Fastestdet { .. } => fastestdet::anchors(outputs, size, labels)?,
+        Head::Yolov3 { .. } => yolov3::anchors(outputs, size, labels)?,
+        Head::Efficientdet {
+            scores, anchor_scale, ..
+        } => efficientdet::anchors(outputs, size, (*scores, *anchor_scale as f32), labels)?,
+        Head::Rfdetr {} => rfdetr::anchors(outputs, size, labels)?,
+        Head::Yolov4 { .. } => yolov4::anchors(outputs, size, labels)?,
+        Head::Yolov5 { .. } => yolov5::anchors(outputs, labels)?,
+        Head::Yolov8 { .. } => yolov8::anchors(outputs, labels)?,
+        Head::Deim {} => deim::anchors(outputs, labels)?,
+        _ => return Ok(None),
+    }))
+}
+
+/// Candidates in input pixels for most heads; DEIM answers in photo pixels.
+pub(super) struct DecodedOutputs {
+    pub candidates: BestFirst,
+    pub in_photo_px: bool,
+}
+
+/// Why outputs have no boxes to read.
+#[derive(Debug, thiserror::Error)]
+pub enum HeadError {
+    #[error("its outputs {found} are not those of a {kind} head ({expected}): the manifest does not fit this file")]
+    Misfit {
+        kind: &'static str,
+        expected: String,
+        found: String,
+    },
+    #[error(
+        "it answered with label {label}, which is not among the {labels} of its manifest: `labels` or `first_label` is another network's"
+    )]
+    StrangeLabel { label: String, labels: usize },
+    #[error("it answered with {what}")]
+    NotFinite {
+        /// A box that is not finite, and in which output.
+        what: String,
+    },
+}
+
+/// Reads a detector's outputs for an input of width × height `size` in pixels.
+pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<DecodedOutputs, HeadError> {
+    let labels = manifest.labels.count();
+    let mut candidates = match &manifest.head {
+        Head::Yolov10 {} => yolov10::decode(outputs, labels)?,
+        Head::Deim {} => deim::decode(outputs, labels)?,
+        Head::Rtdetr {} => rtdetr::decode(outputs, size, labels)?,
+        Head::Rfdetr {} => rfdetr::decode(outputs, size, labels)?,
+        Head::TfOd(first) => tf_od::decode(outputs, size, first.first_label, labels)?,
+        Head::SsdResnet34(first) => ssd_resnet34::decode(outputs, size, first.first_label, labels)?,
+        Head::Rcnn(first) => rcnn::decode(outputs, first.first_label, labels)?,
+        _ => anchors(manifest, outputs, size)?.map_or_else(Vec::new, |a| a.candidates(outputs, labels)),
+    };
+    // Numbers in the gaps of a list mean nothing, and no file could keep them.
+    candidates.retain(|c| manifest.labels.name(c.label).is_some());
+    if let Some(c) = candidates.iter().find(|c| !is_finite(&c.b)) {
+        let what = not_finite(&c.b, outputs);
+        return Err(HeadError::NotFinite { what });
+    }
+    Ok(DecodedOutputs {
+        candidates: BestFirst::new(candidates, manifest.head.nms_iou()),
+        in_photo_px: matches!(manifest.head, Head::Deim {}),
+    })
+}
+
+/// A NaN or an infinity and the first output that holds it, as the end of the sentence "it answered with …". Minus infinity is a logit
+/// like any other; in a box, [`decode`] finds it.
+pub(super) fn with_no_number(outputs: &[Tensor]) -> Option<String> {
+    outputs.iter().find_map(|tensor| {
+        let bad = |v: &&f32| v.is_nan() || **v == f32::INFINITY;
+        let value = tensor.floats()?.iter().find(bad)?;
+        let value = if value.is_nan() { "NaN" } else { "infinity" };
+        Some(format!("{value} in its output {}", tensor.name))
+    })
+}
+
+/// A box whose numbers are minus infinity or have grown beyond all bounds, such as e^1000; the output where only one can have it.
+fn not_finite(b: &BoxPx, outputs: &[Tensor]) -> String {
+    let mut floats = outputs.iter().filter(|t| t.floats().is_some());
+    let place = match (floats.next(), floats.next()) {
+        (Some(only), None) => format!(" in its output {}", only.name),
+        _ => String::new(),
+    };
+    format!("a box that is not finite ({:?}){place}", <[f64; 4]>::from(*b))
+}
+
+fn is_finite(b: &BoxPx) -> bool {
+    <[f64; 4]>::from(*b).iter().all(|v| v.is_finite())
+}
+
+/// Does the detector want the photo's size as a second input?
+pub fn wants_photo_size(head: &Head) -> bool {
+    matches!(head, Head::Deim {})
+}
+
+/// A box in shares of an input's width and height, in pixels.
+fn scaled(b: BoxPx, [width, height]: [u32; 2]) -> BoxPx {
+    let (w, h) = (f64::from(width), f64::from(height));
+    BoxPx::new(b.x1 * w, b.y1 * h, b.x2 * w, b.y2 * h)
+}
+
+/// A box by centre and size.
+fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
+    let [cx, cy, w, h] = [cx, cy, w, h].map(f64::from);
+    BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)
+}
+
+/// A candidate by centre and size; `None` as in [`from_corners`].
+fn from_centre(label: usize, score: f32, centre_and_size: [f32; 4]) -> Option<CandidateBox> {
+    from_corners(label, score, centred(centre_and_size))
+}
+
+/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`decode`] refuses the whole
+/// answer, since dropping it would make a network that fails look like one that finds nothing.
+fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<CandidateBox> {
+    let score = f64::from(score);
+    (score >= SCORE_FLOOR && (b.is_solid() || !is_finite(&b))).then_some(CandidateBox { label, score, b })
+}
+
+/// The best label and its score; the first of equals. NaN scores never win.
+fn best(scores: impl Iterator<Item = f32>) -> (usize, f32) {
+    let first = (0, f32::NEG_INFINITY);
+    let better = |best: (usize, f32), (i, s)| if s > best.1 { (i, s) } else { best };
+    scores.enumerate().fold(first, better)
+}
+
+fn sigmoid(x: f32) -> f32 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+/// The refusal every head gives when the outputs are not what the manifest says.
+fn misfit(kind: &'static str, expected: String, outputs: &[Tensor]) -> HeadError {
+    let found = outputs
+        .iter()
+        .map(|t| format!("{} {:?}", t.name, t.shape).trim_start().to_owned())
+        .collect::<Vec<_>>()
+        .join(", ");
+    HeadError::Misfit { kind, expected, found }
+}

@@ -1,0 +1,499 @@
+//! Detector manifests: one TOML file per detector says where its weights come from, how to feed it and how to read it.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::Labels;
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::spelling;
+
+/// A detector this program knows.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// What chooses it.
+    pub name: String,
+    /// What a report calls it.
+    pub title: String,
+    /// Licence of the weights.
+    pub licence: String,
+    /// Where the weights come from.
+    pub origin: String,
+    /// Names of its classes.
+    pub labels: Labels,
+    /// The AP@\[.5:.95\], 0 to 1, that its origin states for COCO's val2017.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_ap: Option<f64>,
+    /// File, hash and address of the weights.
+    pub weights: Weights,
+    /// How a photo becomes its input.
+    pub input: Input,
+    /// How its outputs become boxes.
+    pub head: Head,
+    /// What labels count as, where not as themselves: label of the detector → label of the scene.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub class_map: BTreeMap<String, String>,
+    /// Where the manifest lies, if it is a user's; its weights lie there too.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
+}
+
+/// The ONNX file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// A plain file name; without `url` it may also be a whole path, as `detectors add` writes for a network in another folder.
+    pub file: String,
+    /// The raw file at a pinned commit; empty when there is none to fetch.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub url: String,
+    /// SHA-256, 64 lower-case hex digits.
+    pub sha256: String,
+}
+
+/// From a photo to the input tensor.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Width, height. For `short_side` both are the length of the photo's shorter side; `original` has none.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub size_px: [u32; 2],
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub layout: Layout,
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub values: Values,
+    pub resize: Resize,
+    pub kernel: Kernel,
+    /// Grey level (0–255) around a letterboxed photo.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub pad: u8,
+    pub channels: Channels,
+    /// Each channel becomes (value − mean) / std, in the order of `channels`, on values 0–255.
+    pub mean: [f32; 3],
+    pub std: [f32; 3],
+}
+
+/// A manifest leaves out what is as usual.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Resize {
+    /// To the full input size, whatever the aspect ratio.
+    Stretch,
+    /// Aspect ratio kept, photo in the top-left corner.
+    LetterboxTopLeft,
+    /// Aspect ratio kept, photo in the middle, its size truncated to whole pixels.
+    LetterboxCentre,
+    /// Aspect ratio kept, photo in the middle, its size rounded to whole pixels, as the YOLO programs since v5 do.
+    LetterboxCentreRounded,
+    /// Aspect ratio kept, the shorter side given; zeros right and below up to the next multiple of 32.
+    ShortSide,
+    /// The photo as it is: the network resizes.
+    Original,
+}
+
+/// The order of the input tensor's axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Layout {
+    /// 1×3×height×width.
+    #[default]
+    Nchw,
+    /// 1×height×width×3.
+    Nhwc,
+    /// 3×height×width.
+    Chw,
+}
+
+/// The numbers of the input tensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Values {
+    #[default]
+    F32,
+    U8,
+}
+
+/// The interpolation of the detector's own pipeline; another one moves scores by up to 0.07.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kernel {
+    /// OpenCV `INTER_LINEAR`.
+    OpencvLinear,
+    /// Bilinear with the support widened for reduction, as PIL and torchvision do.
+    Antialiased,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Channels {
+    Rgb,
+    Bgr,
+}
+
+/// From output tensors to boxes. One file per kind in `heads/`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Head {
+    Yolox {
+        nms_iou: f64,
+    },
+    Nanodet {
+        strides: Vec<u32>,
+        nms_iou: f64,
+    },
+    Fastestdet {
+        nms_iou: f64,
+    },
+    Deim {},
+    Yolov3 {
+        nms_iou: f64,
+    },
+    Yolov4 {
+        nms_iou: f64,
+    },
+    Yolov5 {
+        nms_iou: f64,
+    },
+    Yolov8 {
+        nms_iou: f64,
+    },
+    Yolov10 {},
+    Rtdetr {},
+    Rfdetr {},
+    TfOd(FirstLabel),
+    SsdResnet34(FirstLabel),
+    Rcnn(FirstLabel),
+    NanodetPlus {
+        strides: Vec<u32>,
+        nms_iou: f64,
+    },
+    Efficientdet {
+        scores: Scores,
+        /// Side of an anchor in strides.
+        #[serde(default = "usual_anchor_scale", skip_serializing_if = "is_usual_anchor_scale")]
+        anchor_scale: f64,
+        nms_iou: f64,
+    },
+    /// No outputs are read here: another program gives boxes in pixels of the photo. No manifest names it.
+    #[serde(skip)]
+    Foreign {},
+}
+
+/// Of EfficientDet D0 to D6.
+pub(super) fn usual_anchor_scale() -> f64 {
+    4.0
+}
+
+fn is_usual_anchor_scale(scale: &f64) -> bool {
+    *scale == usual_anchor_scale()
+}
+
+/// What a head without its last sigmoid, or with it, answers with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scores {
+    Logits,
+    Probabilities,
+}
+
+/// How a head with numbered labels counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FirstLabel {
+    /// The number the network gives the first entry of `labels`: 1 where 0 is the background, 0 with `coco91`, whose
+    /// numbers are category ids already. Never assumed: off by one is another label, and nothing would show it.
+    pub first_label: i64,
+}
+
+/// Why a manifest was refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum ManifestError {
+    #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
+    Unknown { name: String, known: Vec<String> },
+    #[error("the manifest {file} is not valid: {message}")]
+    Syntax { file: String, message: String },
+    #[error("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name")]
+    Taken { file: String, name: String },
+    #[error("there is no file {network}", network = network.display())]
+    NoNetwork { network: PathBuf },
+    #[error("{network} has no manifest {manifest} beside it, which says how the network is fed and read", network = network.display(), manifest = manifest.display())]
+    NoManifest { network: PathBuf, manifest: PathBuf },
+    #[error("{manifest} describes {described} and not {network}: name the manifest of this network", network = network.display(), manifest = manifest.display())]
+    OtherNetwork {
+        network: PathBuf,
+        manifest: PathBuf,
+        described: String,
+    },
+    #[error(
+        "{name} is a program, and here a network is needed: programs can be scored, compared and attacked, and nothing else"
+    )]
+    Program { name: String },
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+impl ManifestError {
+    pub(super) fn syntax(file: &str, message: &str) -> ManifestError {
+        let (file, message) = (file.to_owned(), message.replace('\n', " "));
+        ManifestError::Syntax { file, message }
+    }
+}
+
+/// The manifests that ship with the program, in the order lists and reports use.
+const BUILT_IN: [(&str, &str); 5] = [
+    ("yolox_nano.toml", include_str!("manifests/yolox_nano.toml")),
+    ("nanodet_m.toml", include_str!("manifests/nanodet_m.toml")),
+    ("fastestdet.toml", include_str!("manifests/fastestdet.toml")),
+    ("deimv2_femto.toml", include_str!("manifests/deimv2_femto.toml")),
+    ("deimv2_atto.toml", include_str!("manifests/deimv2_atto.toml")),
+];
+
+impl Manifest {
+    /// Every known detector.
+    pub fn all() -> Result<Vec<Manifest>, ManifestError> {
+        BUILT_IN
+            .iter()
+            .map(|(file, text)| Manifest::parse(text, file))
+            .collect()
+    }
+
+    /// One detector by its name.
+    pub fn named(name: &str) -> Result<Manifest, ManifestError> {
+        let mut all = Manifest::all()?;
+        match all.iter().position(|m| m.name == name) {
+            Some(i) => Ok(all.swap_remove(i)),
+            None => {
+                let known = all.into_iter().map(|m| m.name).collect();
+                let name = name.to_owned();
+                Err(ManifestError::Unknown { name, known })
+            }
+        }
+    }
+
+    /// A user's manifest, from a TOML file; its weights are looked for beside it.
+    pub fn open(path: &Path) -> Result<Manifest, ManifestError> {
+        let file = path.display().to_string();
+        let mut manifest = Manifest::parse(&files::read_text(path)?, &file)?;
+        if Manifest::all()?.iter().any(|m| m.name == manifest.name) {
+            return Err(ManifestError::Taken {
+                file,
+                name: manifest.name,
+            });
+        }
+        manifest.folder = Some(path.parent().unwrap_or(Path::new("")).to_owned());
+        Ok(manifest)
+    }
+
+    /// Parses the text of a manifest; `file` is only named in errors.
+    pub fn parse(text: &str, file: &str) -> Result<Manifest, ManifestError> {
+        let manifest: Manifest = toml::from_str(text).map_err(|e| ManifestError::syntax(file, e.message()))?;
+        manifest.check().map_err(|fault| ManifestError::syntax(file, &fault))?;
+        Ok(manifest)
+    }
+
+    /// The text of this manifest, which [`Manifest::parse`] reads as the same.
+    pub fn to_toml(&self) -> Result<String, ManifestError> {
+        let text = toml::to_string(self).map_err(|e| ManifestError::syntax(&self.name, &e.to_string()))?;
+        Manifest::parse(&text, &self.name)?;
+        Ok(text)
+    }
+
+    /// Whether a detector may have this name: files are named by it.
+    pub fn is_name(name: &str) -> bool {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain)
+    }
+
+    /// What TOML alone cannot say.
+    fn check(&self) -> Result<(), String> {
+        if !Manifest::is_name(&self.name) {
+            return Err(format!(
+                "name is {:?}: use letters, digits, `_`, `-` and `.`, as files are named by it",
+                self.name
+            ));
+        }
+        self.weights.check()?;
+        if let Some(ap) = self.published_ap.filter(|ap| !(0.0..=1.0).contains(ap)) {
+            return Err(format!("published_ap is {ap}: give an AP from 0 to 1, such as 0.258"));
+        }
+        if let Some(fault) = self.class_map_fault() {
+            return Err(fault);
+        }
+        let Input {
+            size_px,
+            mean,
+            std,
+            resize,
+            ..
+        } = &self.input;
+        let size_is_good = match resize {
+            Resize::Original => *size_px == [0, 0],
+            Resize::ShortSide => size_px[0] == size_px[1] && SIDES_PX.contains(&size_px[0]),
+            _ => size_px.iter().all(|side| SIDES_PX.contains(side)),
+        };
+        if !size_is_good {
+            return Err(format!(
+                "input.size_px is {size_px:?}: give width and height from 32 to 8192, twice the same for `short_side`, and \
+                 leave it out for `original`"
+            ));
+        }
+        if std.contains(&0.0) {
+            return Err("input.std has a 0, and values are divided by it".into());
+        }
+        if !mean.iter().chain(std).all(|value| value.is_finite()) {
+            return Err(format!("input.mean is {mean:?} and input.std {std:?}: give numbers"));
+        }
+        if let Some(nms_iou) = self.head.nms_iou().filter(|iou| !(0.0..=1.0).contains(iou)) {
+            return Err(format!(
+                "head.nms_iou is {nms_iou}: give the overlap above which a box is dropped, from 0 to 1"
+            ));
+        }
+        match &self.head {
+            Head::Efficientdet { anchor_scale, .. } if !(*anchor_scale > 0.0 && *anchor_scale < 100.0) => Err(format!(
+                "head.anchor_scale is {anchor_scale}: give the side of an anchor in strides, 4 for most"
+            )),
+            Head::Nanodet { strides, .. } | Head::NanodetPlus { strides, .. }
+                if strides.is_empty() || strides.contains(&0) =>
+            {
+                Err(format!(
+                    "head.strides is {strides:?}: give the strides of the network, such as [8, 16, 32]"
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Weights {
+    /// A manifest may come from anybody, and `detectors fetch` writes what it names: into the folder of weights and nowhere else.
+    fn check(&self) -> Result<(), String> {
+        let Weights { file, url, sha256 } = self;
+        if !self.names_a_network() {
+            return Err(format!(
+                "weights.file is {file:?}: give the name of an .onnx or .ort file beside the manifest, without a folder"
+            ));
+        }
+        let is_web = url.starts_with("https://") || url.starts_with("http://");
+        if !url.is_empty() && (!is_web || url.contains(char::is_control)) {
+            return Err(format!(
+                "weights.url is {url:?}: give an address that begins with https:// or http://, or leave it out"
+            ));
+        }
+        let is_digit = |b: u8| matches!(b, b'0'..=b'9' | b'a'..=b'f');
+        if sha256.len() != 64 || !sha256.bytes().all(is_digit) {
+            return Err(format!(
+                "weights.sha256 is {sha256:?}: give the 64 lower-case hex digits that `sha256sum` prints"
+            ));
+        }
+        Ok(())
+    }
+
+    fn names_a_network(&self) -> bool {
+        let (path, lower) = (Path::new(&self.file), self.file.to_ascii_lowercase());
+        let mut parts = path.components();
+        let is_one_part = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
+        let is_plain = is_one_part && !self.file.starts_with('.') && !self.file.contains(['/', '\\']);
+        // A whole path is only read, never written to.
+        let is_whole_path =
+            self.url.is_empty() && path.is_absolute() && !path.components().any(|c| c == Component::ParentDir);
+        let is_network = lower.ends_with(".onnx") || lower.ends_with(".ort");
+        is_network && (is_plain || is_whole_path) && !self.file.contains(char::is_control)
+    }
+}
+
+impl Head {
+    /// The overlap above which a box is dropped, of heads that need it.
+    pub fn nms_iou(&self) -> Option<f64> {
+        match self {
+            Head::Yolox { nms_iou }
+            | Head::Nanodet { nms_iou, .. }
+            | Head::Fastestdet { nms_iou }
+            | Head::Efficientdet { nms_iou, .. }
+            | Head::Yolov3 { nms_iou }
+            | Head::Yolov4 { nms_iou }
+            | Head::Yolov5 { nms_iou }
+            | Head::Yolov8 { nms_iou }
+            | Head::NanodetPlus { nms_iou, .. } => Some(*nms_iou),
+            _ => None,
+        }
+    }
+}
+
+/// Input sides that some detector could have.
+pub(super) const SIDES_PX: std::ops::RangeInclusive<u32> = 32..=8192;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_manifest_of_the_folder_ships_and_reads() {
+        let shipped: Vec<_> = Manifest::all().unwrap();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/manifests");
+        let files = std::fs::read_dir(folder)
+            .unwrap()
+            .filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "toml"));
+        assert_eq!(shipped.len(), files.count());
+        for m in &shipped {
+            assert_eq!(m.weights.sha256.len(), 64, "{}", m.name);
+            assert!(m.weights.url.starts_with("https://"), "{}", m.name);
+            // A download by a shortened commit may fail, or find another file one day.
+            let is_commit = |part: &str| part.len() == 40 && part.bytes().all(|b| b.is_ascii_hexdigit());
+            assert!(m.weights.url.split('/').any(is_commit), "{}", m.weights.url);
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_lists_the_known_ones() {
+        let text = Manifest::named("yolo99").unwrap_err().to_string();
+        assert!(
+            text.contains("yolo99") && text.contains("yolox_nano, nanodet_m"),
+            "{text}"
+        );
+    }
+
+    /// A manifest without an address to fetch from, whose weights have this name.
+    fn with_file(file: &str) -> Result<Manifest, ManifestError> {
+        let mut manifest = Manifest::named("yolox_nano").unwrap();
+        manifest.weights.url.clear();
+        manifest.weights.file = file.into();
+        Manifest::parse(&manifest.to_toml()?, "x.toml")
+    }
+
+    #[test]
+    fn a_whole_path_may_be_read_and_never_fetched_to() {
+        for file in ["/home/me/my car.onnx", "my car.onnx", "CAR.ONNX", "car.ort"] {
+            assert_eq!(with_file(file).unwrap().weights.file, file);
+        }
+        for file in [
+            "/home/../etc/car.onnx",
+            "cars/car.onnx",
+            "./car.onnx",
+            "",
+            ".onnx",
+            "/",
+            "car.onnx/",
+        ] {
+            assert!(with_file(file).is_err(), "{file:?}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_is_refused() {
+        let text = format!("colour = 1\n{}", BUILT_IN[0].1);
+        assert!(
+            Manifest::parse(&text, "x.toml")
+                .unwrap_err()
+                .to_string()
+                .contains("unknown field `colour`")
+        );
+    }
+}

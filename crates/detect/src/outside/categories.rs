@@ -1,0 +1,167 @@
+//! What the numbers of a results file mean: COCO's categories, those of a COCO file, or a list of names.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::super::Labels;
+use super::{OutsideError, labels_of, syntax};
+use scaleproof_core::files::{self, FileError};
+
+/// One of a COCO file's `categories`.
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Category {
+    pub id: u64,
+    pub name: String,
+}
+
+/// The labels of some results, and which number means which.
+pub(super) struct Categories {
+    pub labels: Labels,
+    /// Labels by category id.
+    by_id: BTreeMap<u64, usize>,
+    /// Whose they are, as in "none of COCO's".
+    whose: String,
+}
+
+impl Default for Categories {
+    /// COCO's own.
+    fn default() -> Categories {
+        Categories::numbered(Labels::Coco80, "COCO's".into())
+    }
+}
+
+/// More names than any detector has; looking for copies among more would take long.
+const MOST: usize = 20_000;
+
+#[derive(Deserialize)]
+struct CocoFile {
+    categories: Vec<Category>,
+}
+
+impl Categories {
+    /// Labels under the ids that COCO files give them.
+    fn numbered(labels: Labels, whose: String) -> Categories {
+        let id = |label| Some((labels.category_id(label)?.into(), label));
+        Categories {
+            by_id: (0..labels.count()).filter_map(id).collect(),
+            labels,
+            whose,
+        }
+    }
+
+    /// Reads a COCO file's `categories`, the `names` of a YOLO data set's YAML file, or a text file with one name a line.
+    pub(super) fn open(path: &Path) -> Result<Categories, OutsideError> {
+        let text = files::read_text(path)?;
+        let whose = format!("{}'s", path.display());
+        let refuse = |message: String| OutsideError::from(FileError::content(path, message));
+        let is_yaml = path
+            .extension()
+            .is_some_and(|ending| ending == "yaml" || ending == "yml");
+        if is_yaml {
+            let names = yaml_names(&text).map_err(refuse)?;
+            return Ok(Categories::numbered(labels_of(names, path)?, whose));
+        }
+        if !text.trim_start().starts_with(['{', '[']) {
+            let names = names(&text).map_err(refuse)?;
+            return Ok(Categories::numbered(labels_of(names, path)?, whose));
+        }
+        let file: CocoFile = serde_json::from_str(&text).map_err(|e| syntax(path, &e))?;
+        let by_id: BTreeMap<u64, &str> = file.categories.iter().map(|c| (c.id, c.name.as_str())).collect();
+        if by_id.len() != file.categories.len() {
+            return Err(refuse("an id of its categories appears twice".into()));
+        }
+        check_count(by_id.len()).map_err(refuse)?;
+        let names = by_id.values().map(|name| (*name).to_owned()).collect();
+        Ok(Categories {
+            labels: labels_of(names, path)?,
+            by_id: by_id.keys().enumerate().map(|(label, id)| (*id, label)).collect(),
+            whose,
+        })
+    }
+
+    /// The label of a category id of a file.
+    pub(super) fn of_id(&self, id: u64, path: &Path) -> Result<usize, OutsideError> {
+        self.by_id
+            .get(&id)
+            .copied()
+            .ok_or_else(|| OutsideError::UnknownCategory {
+                path: path.to_owned(),
+                id,
+                known: self.whose.clone(),
+            })
+    }
+
+    /// The label of a class number, counted from 0.
+    pub(super) fn of_index(&self, index: usize) -> Option<usize> {
+        (index < self.labels.count()).then_some(index)
+    }
+
+    /// Refuses categories of an `images` file that are others than COCO's, where nothing says which the results mean.
+    pub(super) fn check_are_cocos(theirs: &[Category], images: &Path) -> Result<(), OutsideError> {
+        let coco = Categories::default();
+        for category in theirs {
+            let name = coco.by_id.get(&category.id).and_then(|label| coco.labels.name(*label));
+            if name != Some(category.name.as_str()) {
+                return Err(OutsideError::WhoseCategories {
+                    images: images.to_owned(),
+                    id: category.id,
+                    theirs: category.name.clone(),
+                    coco: name.map_or("none".into(), |name| format!("`{name}`")),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A YOLO data set's description, as Ultralytics writes it: names in the order of their numbers, or by number.
+#[derive(Deserialize)]
+struct YoloDataSet {
+    names: YoloNames,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum YoloNames {
+    Listed(Vec<String>),
+    Numbered(BTreeMap<u64, String>),
+}
+
+fn yaml_names(text: &str) -> Result<Vec<String>, String> {
+    let read: Result<YoloDataSet, _> = serde_saphyr::from_str(text);
+    let names = match read
+        .map_err(|_| "it has no `names`, neither a list nor by number".to_owned())?
+        .names
+    {
+        YoloNames::Listed(names) => names,
+        YoloNames::Numbered(names) => match (0..).zip(names.keys()).find(|(expected, number)| expected != *number) {
+            Some((expected, _)) => return Err(format!("its `names` have no number {expected}")),
+            None => names.into_values().collect(),
+        },
+    };
+    check_count(names.len())?;
+    Ok(names)
+}
+
+/// Names, one a line.
+fn names(text: &str) -> Result<Vec<String>, String> {
+    let names: Vec<String> = text.trim_end().lines().map(|line| line.trim().to_owned()).collect();
+    check_count(names.len())?;
+    match names.iter().position(|name| name.is_empty()) {
+        None => Ok(names),
+        Some(at) => Err(format!(
+            "line {} is empty: give one name a line, in the order of the numbers",
+            at + 1
+        )),
+    }
+}
+
+fn check_count(count: usize) -> Result<(), String> {
+    if count <= MOST {
+        Ok(())
+    } else {
+        Err(format!("it has {count} names, more than the {MOST} that are read"))
+    }
+}

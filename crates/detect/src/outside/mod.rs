@@ -1,0 +1,337 @@
+//! Detections that another program wrote into files: a COCO results list, or a folder of YOLO's text files.
+//!
+//! Photos are found by the names of their files. What such files may leave open (whose category ids, which photo, which scale) is refused with
+//! a sentence, or said in a note; nothing is guessed.
+
+mod categories;
+mod coco;
+mod photo_names;
+mod yolo;
+
+use std::path::{Path, PathBuf};
+
+use super::foreign::{check_score, placed};
+use super::{Detection, ForeignCard, ForeignKind, Labels, LabelsError, MAX_DETECTIONS, SCORE_FLOOR};
+use categories::Categories;
+use photo_names::PhotoNames;
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::spelling;
+
+pub use photo_names::{PhotoName, flat_name};
+
+/// Why detections from outside cannot stand in for a detector.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum OutsideError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{path} names its images by number ({id}), and nothing says which photos they are", path = path.display())]
+    NumberedImages { path: PathBuf, id: u64 },
+    #[error("{path}: the category {id} is none of {known}", path = path.display())]
+    UnknownCategory { path: PathBuf, id: u64, known: String },
+    #[error("{images} calls the category {id} `{theirs}`, and in COCO it is {coco}: whose ids the results have is not clear", images = images.display())]
+    WhoseCategories {
+        images: PathBuf,
+        id: u64,
+        theirs: String,
+        coco: String,
+    },
+    #[error("{images} does not list the photo {file}, so that {path} says nothing of it", images = images.display(), path = path.display())]
+    NotListed {
+        images: PathBuf,
+        path: PathBuf,
+        file: String,
+    },
+    #[error("{path}, {file}: {message}", path = path.display())]
+    Photo {
+        path: PathBuf,
+        file: String,
+        message: String,
+    },
+}
+
+/// Files of another program, and the photos they are about.
+#[derive(Debug, Clone, Copy)]
+pub struct ResultsRequest<'a> {
+    /// What the detector is called.
+    pub name: &'a str,
+    /// A COCO results list, or a folder of YOLO's text files.
+    pub path: &'a Path,
+    /// The COCO file whose `images` the results number.
+    pub images: Option<&'a Path>,
+    /// Names of the labels; COCO's when absent.
+    pub categories: Option<&'a Path>,
+    /// The photos of the run, in its order.
+    pub photos: &'a [PhotoName],
+}
+
+/// Detections from outside, by the photos of a run.
+#[derive(Debug)]
+pub struct OutsideResults {
+    card: ForeignCard,
+    path: PathBuf,
+    /// In the order of the run's photos.
+    by_photo: Vec<PhotoBoxes>,
+    unit: Unit,
+}
+
+/// What a file says of one photo.
+#[derive(Debug, Default)]
+struct PhotoBoxes {
+    boxes: Vec<RawBox>,
+    /// Width and height of the photo in px, where the file states them.
+    size: Option<[u32; 2]>,
+    /// Whether the file lists the photo at all.
+    is_listed: bool,
+}
+
+/// A box as its file has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct RawBox {
+    label: usize,
+    score: f64,
+    /// x, y of the top-left corner, width, height.
+    xywh: [f64; 4],
+}
+
+/// What the numbers of a box count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Unit {
+    Pixels,
+    /// Shares of the photo's width and height.
+    Shares,
+}
+
+/// What a reader of one format returns.
+struct ReadResults {
+    by_photo: Vec<PhotoBoxes>,
+    /// Images that are no photo of the run, as the file calls them.
+    unknown: Vec<String>,
+    files: Vec<(String, String)>,
+}
+
+/// Results without any detection below were cut, which AP suffers from, unless a hundred boxes in each photo are above.
+const CUT_FROM: f64 = 0.01;
+
+impl OutsideResults {
+    /// Reads the files of another program.
+    ///
+    /// # Errors
+    /// A sentence on what cannot be read or is open to doubt.
+    pub fn open(request: &ResultsRequest) -> Result<OutsideResults, OutsideError> {
+        let categories = request
+            .categories
+            .map(Categories::open)
+            .transpose()?
+            .unwrap_or_default();
+        let is_folder = request.path.is_dir();
+        if let (true, Some(images)) = (is_folder, request.images) {
+            let message = "it says what the images of a COCO results list are, and a folder of text files has names";
+            return Err(FileError::content(images, message).into());
+        }
+        let names = PhotoNames::of(request.photos);
+        let mut read = if is_folder {
+            yolo::read(request, &categories, &names)?
+        } else {
+            coco::read(request, &categories, &names)?
+        };
+        read.files.extend(request.categories.map(hashed).transpose()?);
+        let path = request.path;
+        if read.by_photo.iter().all(|p| p.boxes.is_empty()) {
+            let unknown = read.unknown.first().map(|name| format!(" (it has {name})"));
+            let message = format!(
+                "it has no detection in any photo of this run{}",
+                unknown.unwrap_or_default()
+            );
+            return Err(FileError::content(path, message).into());
+        }
+        for (photo, boxes) in request.photos.iter().zip(&read.by_photo) {
+            let refuse = |message: String| FileError::content(path, format!("{}: {message}", photo.file));
+            check_scores(&boxes.boxes).map_err(refuse)?;
+            check_copies(&boxes.boxes).map_err(refuse)?;
+        }
+        let mut notes = notes(request, &read);
+        for photo in &mut read.by_photo {
+            photo.boxes.retain(|b| b.score >= SCORE_FLOOR);
+            photo.boxes.sort_by(|a, b| b.score.total_cmp(&a.score));
+        }
+        notes.extend(cut_to_the_best(request.name, &mut read.by_photo));
+        Ok(OutsideResults {
+            card: ForeignCard {
+                kind: ForeignKind::Results,
+                name: request.name.to_owned(),
+                title: request.name.to_owned(),
+                licence: "not stated".into(),
+                origin: format!("{}, made by another program", name_of(path)),
+                version: None,
+                command: Vec::new(),
+                labels: categories.labels,
+                class_map: Default::default(),
+                files: read.files,
+                notes,
+            },
+            path: path.to_owned(),
+            by_photo: read.by_photo,
+            unit: if is_folder { Unit::Shares } else { Unit::Pixels },
+        })
+    }
+
+    pub fn card(&self) -> &ForeignCard {
+        &self.card
+    }
+
+    /// The detections of the photo with this index in the run and this size in px, best first; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// Boxes that cannot be of this photo.
+    pub fn of_photo(
+        &self,
+        index: usize,
+        file: &str,
+        [width, height]: [u32; 2],
+    ) -> Result<Vec<Detection>, OutsideError> {
+        let Some(photo) = self.by_photo.get(index) else {
+            return Ok(Vec::new());
+        };
+        let refuse = |message: String| OutsideError::Photo {
+            path: self.path.clone(),
+            file: file.to_owned(),
+            message,
+        };
+        if let Some([w, h]) = photo.size.filter(|size| *size != [width, height]) {
+            let turned = if [h, w] == [width, height] {
+                ": the other program did not turn it as its EXIF says"
+            } else {
+                ""
+            };
+            return Err(refuse(format!(
+                "the photo is {width}×{height} px upright, and its boxes are of an image of {w}×{h} px{turned}"
+            )));
+        }
+        let size = [f64::from(width), f64::from(height)];
+        let mut found = Vec::with_capacity(photo.boxes.len());
+        for raw in &photo.boxes {
+            found.extend(placed(raw.label, raw.score, raw.in_px(self.unit, size), [width, height]).map_err(refuse)?);
+        }
+        Ok(found)
+    }
+}
+
+impl RawBox {
+    fn in_px(&self, unit: Unit, [width, height]: [f64; 2]) -> BoxPx {
+        let [x, y, w, h] = self.xywh;
+        let [sx, sy] = match unit {
+            Unit::Pixels => [1.0, 1.0],
+            Unit::Shares => [width, height],
+        };
+        BoxPx::new(x * sx, y * sy, x * sx + w * sx, y * sy + h * sy)
+    }
+}
+
+fn check_scores(boxes: &[RawBox]) -> Result<(), String> {
+    boxes.iter().try_for_each(|b| check_score(b.score))
+}
+
+/// Results that were put together twice count their false alarms twice.
+fn check_copies(boxes: &[RawBox]) -> Result<(), String> {
+    let key = |b: &RawBox| (b.label, b.score.to_bits(), b.xywh.map(f64::to_bits));
+    let mut keys: Vec<_> = boxes.iter().filter(|b| b.score >= SCORE_FLOOR).map(key).collect();
+    keys.sort_unstable();
+    let copies = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    match copies {
+        0 => Ok(()),
+        count => Err(format!(
+            "{} there twice, with label, box and confidence: remove the {}",
+            spelling::choose(count, "a detection is", &format!("{count} detections are")),
+            spelling::choose(count, "copy", "copies")
+        )),
+    }
+}
+
+/// What a reader of the figures must know of the files.
+fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
+    let (name, mut notes) = (request.name, Vec::new());
+    let silent: Vec<&str> = request
+        .photos
+        .iter()
+        .zip(&read.by_photo)
+        .filter(|(_, boxes)| !boxes.is_listed)
+        .map(|(photo, _)| photo.file.as_str())
+        .collect();
+    if let Some(first) = silent.first() {
+        notes.push(format!(
+            "the results of {name} do not mention {} of {} (the first: {first}): there they count as if nothing was found",
+            silent.len(),
+            spelling::count(request.photos.len(), "photo"),
+        ));
+    }
+    let bare =
+        || (request.photos.iter().zip(&read.by_photo)).filter(|(_, boxes)| boxes.is_listed && boxes.boxes.is_empty());
+    if let (false, Some((first, _))) = (request.path.is_dir(), bare().next()) {
+        notes.push(format!(
+            "the results of {name} have no detection in {} of {} (the first: {}): there they count as if nothing was found, and a list of results \
+             does not say whether its program looked at these",
+            bare().count(),
+            spelling::count(request.photos.len(), "photo"),
+            first.file,
+        ));
+    }
+    if let Some(first) = read.unknown.first() {
+        notes.push(format!(
+            "the results of {name} are also of {} that this run does not have (the first: {first})",
+            spelling::count(read.unknown.len(), "image"),
+        ));
+    }
+    let boxes = || read.by_photo.iter().flat_map(|p| &p.boxes);
+    let empty = boxes().filter(|b| b.xywh[2] == 0.0 || b.xywh[3] == 0.0).count();
+    if empty > 0 {
+        let boxes = spelling::choose(empty, "1 box has", &format!("{empty} boxes have")).to_owned();
+        notes.push(format!("{boxes} no area in the results of {name} and are left out"));
+    }
+    let lowest = boxes().map(|b| b.score).fold(f64::INFINITY, f64::min);
+    let is_full = |p: &PhotoBoxes| p.boxes.len() >= MAX_DETECTIONS;
+    if lowest >= CUT_FROM && lowest.is_finite() && !read.by_photo.iter().all(is_full) {
+        notes.push(format!(
+            "the results of {name} have nothing below confidence {lowest}: AP counts detections from {SCORE_FLOOR} up, so that it may be too low"
+        ));
+    }
+    notes
+}
+
+/// Keeps as many detections of each photo as count, which are sorted.
+fn cut_to_the_best(name: &str, by_photo: &mut [PhotoBoxes]) -> Option<String> {
+    let full = by_photo.iter().filter(|p| p.boxes.len() > MAX_DETECTIONS).count();
+    by_photo.iter_mut().for_each(|p| p.boxes.truncate(MAX_DETECTIONS));
+    (full > 0).then(|| {
+        format!(
+            "the results of {name} have more than {MAX_DETECTIONS} detections in {}, of which the best {MAX_DETECTIONS} count",
+            spelling::count(full, "photo")
+        )
+    })
+}
+
+/// A file's name with its SHA-256.
+fn hashed(path: &Path) -> Result<(String, String), FileError> {
+    Ok((name_of(path), files::sha256_hex(&files::read(path)?)))
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(
+        || path.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+/// The labels of a list of names, or why they are none; `path` is where they stand.
+fn labels_of(names: Vec<String>, path: &Path) -> Result<Labels, FileError> {
+    Labels::of_names(names).map_err(|e: LabelsError| FileError::content(path, e))
+}
+
+/// What is wrong with some JSON, and where.
+fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
+    let text = e.to_string();
+    let message = text.split(" at line ").next().unwrap_or(&text);
+    FileError::syntax(path, e.line(), message.to_owned())
+}

@@ -1,0 +1,457 @@
+//! Detectors that are programs: started here, fed with photos over standard input, and read from standard output, a line of JSON for each.
+//! `docs/guide/detector-programs.md` is the protocol.
+
+mod answer;
+mod child;
+mod gradient;
+mod groups;
+mod hello;
+mod spec;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitStatus;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+use std::time::Duration;
+
+use image::RgbImage;
+
+use super::{Detection, ForeignCard, ForeignKind};
+use answer::{Asked, Verdict};
+use child::{Child, Silence};
+use gradient::Head;
+use hello::{Hello, InputRule};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::BoxPx;
+
+pub use groups::kill_programs;
+pub use hello::Gradients;
+pub use spec::{ProgramSpec, ProgramSpecError};
+
+/// Why a program cannot stand in for a detector.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum ProgramError {
+    #[error("cannot start `{command}`: {reason}")]
+    Start { command: String, reason: String },
+    #[error("`{command}` cannot be used: {fault}")]
+    Hello { command: String, fault: String },
+    #[error("`{command}` {how} {when}{}", last_words(words.as_deref()))]
+    Ended {
+        command: String,
+        /// As in "ended with exit code 1".
+        how: String,
+        /// As in "before it answered about a.jpg".
+        when: String,
+        words: Option<String>,
+    },
+    #[error("`{command}` has not said anything within {seconds} s {when} and was stopped")]
+    TooLong {
+        command: String,
+        seconds: f64,
+        when: String,
+    },
+    #[error("the answer of {detector} about {file} cannot be trusted: {fault}")]
+    Answer {
+        detector: String,
+        file: String,
+        fault: String,
+    },
+    #[error("{detector} gives no answer: {sentence}")]
+    Declined { detector: String, sentence: String },
+    #[error("{detector} started another time is another detector: its hello must always be the same")]
+    Changed { detector: String },
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// All threads that wait for a program get the same error.
+    #[error("{0}")]
+    Lost(Arc<ProgramError>),
+}
+
+fn last_words(words: Option<&str>) -> String {
+    words.map_or_else(String::new, |words| format!("; its last words: {words}"))
+}
+
+/// A photo that a program is to look at.
+pub struct ProgramPhoto<'a> {
+    pub path: &'a Path,
+    /// What messages call it.
+    pub file: &'a str,
+    /// Of the upright photo, px.
+    pub size: [u32; 2],
+    /// Its pixels at full size, where [`ProgramDetector::takes_pixels`].
+    pub pixels: Option<&'a RgbImage>,
+}
+
+/// An image whose loss a program is to differentiate.
+pub struct ProgramImage<'a> {
+    /// sRGB, 0 to 1, row by row.
+    pub pixels: &'a [[f64; 3]],
+    /// Width, height, px.
+    pub size: [u32; 2],
+    /// Where the model is.
+    pub model: BoxPx,
+    /// Boxes that overlap it less do not meet it.
+    pub least_iou: f64,
+    /// The labels that count as the model.
+    pub labels: &'a [usize],
+}
+
+/// The loss of an image, and its derivative by each value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProgramLoss {
+    pub loss: f64,
+    pub gradient: Vec<[f64; 3]>,
+}
+
+/// A program that answers with boxes, and as many of it as may run side by side.
+#[derive(Debug)]
+pub struct ProgramDetector {
+    spec: ProgramSpec,
+    hello: Hello,
+    card: ForeignCard,
+    limit: Duration,
+    pool: Mutex<Pool>,
+    freed: Condvar,
+    /// Answers of this run, by the SHA-256 of the photo.
+    answers: Mutex<BTreeMap<String, Vec<Detection>>>,
+}
+
+/// Why an answer is not taken.
+enum Distrust {
+    Silence(Silence),
+    Fault(String),
+}
+
+#[derive(Debug, Default)]
+struct Pool {
+    idle: Vec<Child>,
+    running: usize,
+    /// The number of the last request.
+    asked: u64,
+    /// Why no photo is looked at any more.
+    failed: Option<Arc<ProgramError>>,
+}
+
+impl ProgramDetector {
+    /// Starts a program and hears what it is. It gets `limit` for each thing that it says.
+    pub fn open(spec: ProgramSpec, limit: Duration) -> Result<ProgramDetector, ProgramError> {
+        let (child, hello) = start(&spec, limit)?;
+        let card = card(&spec, &hello)?;
+        let pool = Pool {
+            idle: vec![child],
+            running: 1,
+            ..Pool::default()
+        };
+        Ok(ProgramDetector {
+            spec,
+            hello,
+            card,
+            limit,
+            pool: Mutex::new(pool),
+            freed: Condvar::new(),
+            answers: Mutex::default(),
+        })
+    }
+
+    pub fn card(&self) -> &ForeignCard {
+        &self.card
+    }
+
+    /// Whether the same photo always gets the same answer.
+    pub fn is_deterministic(&self) -> bool {
+        self.hello.deterministic
+    }
+
+    /// Whether it is fed with pixels, else with paths.
+    pub fn takes_pixels(&self) -> bool {
+        self.hello.input == InputRule::Rgb
+    }
+
+    /// What [`ProgramDetector::loss_and_gradient`] gives.
+    pub fn gradients(&self) -> Gradients {
+        self.hello.gradients
+    }
+
+    /// What the program finds in a photo, best first.
+    ///
+    /// # Errors
+    /// [`ProgramError::Declined`] concerns this photo; all others the program.
+    pub fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
+        let id = self.next_id();
+        let verdict = self.ask(photo.file, self.request(id, photo)?, |line, _| {
+            let asked = Asked {
+                id,
+                size: photo.size,
+                labels: self.hello.labels,
+            };
+            answer::parse(line, &asked).map_err(Distrust::Fault)
+        })?;
+        match verdict {
+            Verdict::Detections(found) => Ok(found),
+            Verdict::Declined(sentence) => Err(self.declined(sentence)),
+        }
+    }
+
+    /// What it answered for a photo in this run, by the SHA-256 of its file: a session that is scored again after each photo keeps earlier answers, whatever the program
+    /// would say now.
+    pub fn answered(&self, sha256: &str) -> Option<Vec<Detection>> {
+        self.answers().get(sha256).cloned()
+    }
+
+    /// Remembers an answer for [`ProgramDetector::answered`].
+    pub fn remember(&self, sha256: &str, found: &[Detection]) {
+        self.answers().insert(sha256.to_owned(), found.to_vec());
+    }
+
+    fn answers(&self) -> MutexGuard<'_, BTreeMap<String, Vec<Detection>>> {
+        self.answers.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// The loss `−ln(1 − C)` of the surest box that meets the model in an image, and its derivative; `None` where none meets it.
+    ///
+    /// # Errors
+    /// Those of [`ProgramDetector::detect`].
+    pub fn loss_and_gradient(&self, image: &ProgramImage) -> Result<Option<ProgramLoss>, ProgramError> {
+        let (id, [width, height]) = (self.next_id(), image.size);
+        let pixels = gradient::bytes(image.pixels);
+        let count = pixels.len();
+        let line = serde_json::json!({
+            "id": id, "task": "loss_and_gradient", "width": width, "height": height, "bytes": count,
+            "box": <[f64; 4]>::from(image.model), "least_iou": image.least_iou, "labels": image.labels,
+        });
+        let message = [line.to_string().as_bytes(), b"\n", &pixels].concat();
+        let answer = self.ask("an image", message, |line, child| {
+            let head = gradient::parse(line, id, image.size).map_err(Distrust::Fault)?;
+            let gradient = match head {
+                Head::Loss(_) => {
+                    let bytes = child.bytes(count, self.limit).map_err(Distrust::Silence)?;
+                    gradient::derivatives(&bytes, width).map_err(Distrust::Fault)?
+                }
+                Head::Nothing | Head::Declined(_) => Vec::new(),
+            };
+            Ok((head, gradient))
+        })?;
+        match answer {
+            (Head::Loss(loss), gradient) => Ok(Some(ProgramLoss { loss, gradient })),
+            (Head::Nothing, _) => Ok(None),
+            (Head::Declined(sentence), _) => Err(self.declined(sentence)),
+        }
+    }
+
+    fn declined(&self, sentence: String) -> ProgramError {
+        let detector = self.card.name.clone();
+        ProgramError::Declined { detector, sentence }
+    }
+
+    /// The number of the next request.
+    fn next_id(&self) -> u64 {
+        let mut pool = self.pool();
+        pool.asked += 1;
+        pool.asked
+    }
+
+    /// Sends a request about something to a program that has nothing to do, and reads its answer.
+    fn ask<T>(
+        &self,
+        about: &str,
+        request: Vec<u8>,
+        read: impl FnOnce(&str, &mut Child) -> Result<T, Distrust>,
+    ) -> Result<T, ProgramError> {
+        let mut child = self.lease()?;
+        let line = child.send(request).and_then(|()| child.line(self.limit));
+        let line = line.map_err(Distrust::Silence);
+        let fault = match line.and_then(|line| read(&line, &mut child)) {
+            Ok(answer) => {
+                self.pool().idle.push(child);
+                self.freed.notify_one();
+                return Ok(answer);
+            }
+            Err(Distrust::Silence(silence)) => {
+                let when = format!("before it answered about {about}");
+                explained(&self.spec, child, silence, self.limit, when)
+            }
+            Err(Distrust::Fault(fault)) => {
+                drop(child.post_mortem());
+                ProgramError::Answer {
+                    detector: self.card.name.clone(),
+                    file: about.to_owned(),
+                    fault,
+                }
+            }
+        };
+        Err(self.lost(fault))
+    }
+
+    /// A program that has nothing to do.
+    fn lease(&self) -> Result<Child, ProgramError> {
+        let mut pool = self.pool();
+        loop {
+            if let Some(error) = &pool.failed {
+                return Err(ProgramError::Lost(Arc::clone(error)));
+            }
+            if let Some(child) = pool.idle.pop() {
+                return Ok(child);
+            }
+            if pool.running < self.hello.workers {
+                pool.running += 1;
+                break;
+            }
+            pool = self.freed.wait(pool).unwrap_or_else(|e| e.into_inner());
+        }
+        drop(pool);
+        match start(&self.spec, self.limit) {
+            Ok((child, hello)) if hello == self.hello => Ok(child),
+            Ok(_) => Err(self.lost(ProgramError::Changed {
+                detector: self.card.name.clone(),
+            })),
+            Err(e) => Err(self.lost(e)),
+        }
+    }
+
+    /// After an error no photo is looked at any more, and nobody waits for a program.
+    fn lost(&self, error: ProgramError) -> ProgramError {
+        let error = Arc::new(error);
+        self.pool().failed.get_or_insert(Arc::clone(&error));
+        self.freed.notify_all();
+        ProgramError::Lost(error)
+    }
+
+    fn pool(&self) -> MutexGuard<'_, Pool> {
+        self.pool.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    /// The line about a photo, and its pixels behind it.
+    fn request(&self, id: u64, photo: &ProgramPhoto) -> Result<Vec<u8>, ProgramError> {
+        let [width, height] = photo.size;
+        let mut line = serde_json::json!({"id": id, "task": "detect", "width": width, "height": height});
+        let pixels = match self.hello.input {
+            InputRule::Path => {
+                line["path"] = files::whole_path(photo.path)?.to_string_lossy().into();
+                &[][..]
+            }
+            InputRule::Rgb => {
+                let pixels = photo.pixels.map_or(&[][..], |pixels| pixels.as_raw());
+                line["bytes"] = pixels.len().into();
+                pixels
+            }
+        };
+        Ok([line.to_string().as_bytes(), b"\n", pixels].concat())
+    }
+}
+
+/// Starts a program and reads its hello.
+fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramError> {
+    let command = spec.in_words();
+    let mut child = Child::start(&spec.command, spec.folder.as_deref()).map_err(|e| ProgramError::Start {
+        command: command.clone(),
+        reason: files::plain(&e),
+    })?;
+    match child.line(limit) {
+        Ok(line) => match Hello::parse(&line) {
+            Ok(hello) => Ok((child, hello)),
+            Err(fault) => {
+                drop(child.post_mortem());
+                Err(ProgramError::Hello { command, fault })
+            }
+        },
+        Err(silence) => Err(explained(spec, child, silence, limit, "before its hello".into())),
+    }
+}
+
+/// Why a program said nothing that can be read.
+fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration, when: String) -> ProgramError {
+    let command = spec.in_words();
+    let (status, words) = child.post_mortem();
+    let how = match silence {
+        Silence::TooLong => {
+            let seconds = limit.as_secs_f64();
+            return ProgramError::TooLong { command, seconds, when };
+        }
+        Silence::Ended => status.map_or("ended".to_owned(), ended),
+        Silence::HugeLine => "wrote a line that has no end".to_owned(),
+        Silence::NoText => "wrote what is no UTF-8 text".to_owned(),
+        Silence::Unread => {
+            let fault = "it answers without reading its requests".to_owned();
+            return ProgramError::Hello { command, fault };
+        }
+    };
+    ProgramError::Ended {
+        command,
+        how,
+        when,
+        words,
+    }
+}
+
+fn ended(status: ExitStatus) -> String {
+    match status.code() {
+        Some(code) => format!("ended with exit code {code}"),
+        None => format!("was ended ({status})"),
+    }
+}
+
+/// What is known of a program: what it says, what its manifest says, and the files of both.
+fn card(spec: &ProgramSpec, hello: &Hello) -> Result<ForeignCard, FileError> {
+    let own = |text: &Option<String>, of_hello: &Option<String>| text.clone().or_else(|| of_hello.clone());
+    let name = spec.name.clone().unwrap_or_else(|| hello.name.clone());
+    let mut seen: Vec<(String, String)> = Vec::new();
+    for path in spec
+        .files()
+        .into_iter()
+        .chain(hello.files.iter().map(|file| spec.seen(file)))
+    {
+        let named = path.file_name().map_or_else(
+            || path.display().to_string(),
+            |name| name.to_string_lossy().into_owned(),
+        );
+        let hashed = (named, files::sha256_hex(&files::read(&path)?));
+        if !seen.contains(&hashed) {
+            seen.push(hashed);
+        }
+    }
+    let notes = if hello.deterministic {
+        Vec::new()
+    } else {
+        vec![format!(
+            "{name} does not say that it answers alike each time, so that another run may give other figures"
+        )]
+    };
+    Ok(ForeignCard {
+        kind: ForeignKind::Program,
+        title: own(&spec.title, &hello.title).unwrap_or_else(|| name.clone()),
+        licence: own(&spec.licence, &hello.licence).unwrap_or_else(|| "not stated".into()),
+        origin: own(&spec.origin, &hello.origin).unwrap_or_else(|| "a program".into()),
+        version: Some(hello.version.clone()),
+        command: spec.command.clone(),
+        labels: hello.labels,
+        class_map: spec.class_map.clone(),
+        files: seen,
+        notes,
+        name,
+    })
+}
+
+/// A path as a program that was started in a folder sees it.
+fn from(folder: Option<&Path>, path: &Path) -> PathBuf {
+    folder.map_or_else(|| path.to_owned(), |folder| folder.join(path))
+}
+
+/// Reads a text as a hello and as an answer, for fuzzing: what is read is within its bounds.
+pub fn read_as_a_programs(text: &str) {
+    let labels = Hello::parse(text).map_or(super::Labels::Coco80, |hello| hello.labels);
+    let (id, size) = (1, [64, 48]);
+    if let Ok(Verdict::Detections(found)) = answer::parse(text, &Asked { id, size, labels }) {
+        assert!(
+            found.len() <= 100
+                && found
+                    .iter()
+                    .all(|d| d.box_px.is_solid() && labels.name(d.label).is_some())
+        );
+        assert!(found.is_sorted_by(|a, b| a.score >= b.score));
+    }
+    if let Ok(Head::Loss(loss)) = gradient::parse(text, id, size) {
+        assert!(loss >= 0.0);
+    }
+}

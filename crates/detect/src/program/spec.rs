@@ -1,0 +1,182 @@
+//! How a program is started: a command line, or a manifest with `command`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::super::Manifest;
+use scaleproof_core::files::{self, FileError};
+
+/// What begins the name of a detector that is a command line.
+const PREFIX: &str = "exec:";
+
+/// A program, and what a manifest says of it.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProgramSpec {
+    /// The program and its arguments.
+    pub command: Vec<String>,
+    /// What it is called here, in place of what it calls itself; so are the next three.
+    pub name: Option<String>,
+    pub title: Option<String>,
+    pub licence: Option<String>,
+    pub origin: Option<String>,
+    /// What its labels count as, where not as themselves.
+    #[serde(default)]
+    pub class_map: BTreeMap<String, String>,
+    /// Where it is started: the manifest's folder.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
+}
+
+/// Why it is not clear what is to be started.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProgramSpecError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{text}: {fault}")]
+    CommandLine { text: String, fault: &'static str },
+}
+
+impl ProgramSpec {
+    /// The program that a detector's name means: `exec:` and a command line, or a manifest with `command`. `None` for any other name.
+    ///
+    /// # Errors
+    /// A command line or manifest that is none.
+    pub fn named(name: &str) -> Result<Option<ProgramSpec>, ProgramSpecError> {
+        if let Some(line) = name.strip_prefix(PREFIX) {
+            let fault = |fault| ProgramSpecError::CommandLine {
+                text: name.to_owned(),
+                fault,
+            };
+            let command = words(line).map_err(fault)?;
+            return if command.first().is_none_or(String::is_empty) {
+                Err(fault(
+                    "no program is named: write exec:PROGRAM, or exec:'PROGRAM ARGUMENT …'",
+                ))
+            } else {
+                Ok(Some(ProgramSpec {
+                    command,
+                    ..ProgramSpec::default()
+                }))
+            };
+        }
+        let path = Path::new(name);
+        if !name.ends_with(".toml") || !path.is_file() {
+            return Ok(None);
+        }
+        let text = files::read_text(path)?;
+        if has_command(&text) {
+            Ok(Some(ProgramSpec::parse(&text, path)?))
+        } else {
+            Ok(None)
+        }
+    }
+
+    /// A manifest's text; `path` is where it lies.
+    pub fn parse(text: &str, path: &Path) -> Result<ProgramSpec, FileError> {
+        let refuse = |message: &str| {
+            FileError::content(
+                path,
+                format!("the manifest is not valid: {}", message.replace('\n', " ")),
+            )
+        };
+        let spec: ProgramSpec = toml::from_str(text).map_err(|e| refuse(e.message()))?;
+        if spec.command.first().is_none_or(String::is_empty) {
+            return Err(refuse(
+                "command is empty: give the program and its arguments, [\"python3\", \"mine.py\"]",
+            ));
+        }
+        if spec.name.as_ref().is_some_and(|name| !Manifest::is_name(name)) {
+            return Err(refuse(
+                "use letters, digits, `_`, `-` and `.` for the name, as files are named by it",
+            ));
+        }
+        Ok(ProgramSpec {
+            folder: path.parent().map(Path::to_owned),
+            ..spec
+        })
+    }
+
+    /// The command as a person would type it.
+    pub(super) fn in_words(&self) -> String {
+        self.command.join(" ")
+    }
+
+    /// The files among its words, as a script behind its interpreter.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let named = self.command.iter().map(|word| self.seen(Path::new(word)));
+        named.filter(|path| path.is_file()).collect()
+    }
+
+    /// A path as the program sees it.
+    pub(super) fn seen(&self, path: &Path) -> PathBuf {
+        super::from(self.folder.as_deref(), path)
+    }
+}
+
+fn has_command(text: &str) -> bool {
+    toml::from_str::<toml::Table>(text).is_ok_and(|table| table.contains_key("command"))
+}
+
+/// The words of a command line: blanks part them, except between quotes.
+fn words(line: &str) -> Result<Vec<String>, &'static str> {
+    let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
+    for c in line.chars() {
+        match (quote, c) {
+            (None, '"' | '\'') => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            (Some(open), c) if c == open => quote = None,
+            (None, c) if c.is_whitespace() => words.extend(word.take()),
+            (_, c) => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    match quote {
+        None => Ok(words),
+        Some(_) => Err("a quotation mark has no second"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn command_lines_and_manifests_name_programs() {
+        let command = |name: &str| {
+            ProgramSpec::named(name)
+                .map(|spec| spec.map(|s| s.command))
+                .map_err(|e| e.to_string())
+        };
+        let wanted = |words: &[&str]| Ok(Some(words.iter().map(|w| (*w).to_owned()).collect()));
+        assert_eq!(
+            command("exec:python3  'my car.py' \"\""),
+            wanted(&["python3", "my car.py", ""])
+        );
+        assert_eq!(command("yolox_nano"), Ok(None));
+        assert!(command("exec: ").unwrap_err().contains("no program is named"));
+        assert!(command("exec:'a").unwrap_err().contains("has no second"));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.toml");
+        std::fs::write(&path, "command = ['./run', 'x']\nname = 'mine'\n").unwrap();
+        let spec = ProgramSpec::named(path.to_str().unwrap()).unwrap().unwrap();
+        assert_eq!(
+            (spec.in_words().as_str(), spec.folder.as_deref()),
+            ("./run x", path.parent())
+        );
+        for (text, words) in [
+            ("command = []", "command is empty"),
+            ("command = ['a']\nlabels = 3", "unknown field `labels`"),
+            ("command = ['a']\nname = 'a b'", "for the name"),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let error = command(path.to_str().unwrap()).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

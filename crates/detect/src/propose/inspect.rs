@@ -1,0 +1,243 @@
+//! What an ONNX file says of its inputs, and what the network answers to a grey image and to one of noise.
+
+use std::path::Path;
+use std::time::Duration;
+
+use image::{Rgb, RgbImage};
+use ort::session::Session;
+use ort::value::{Outlet, TensorElementType};
+
+use super::ProposeError;
+use super::metadata::Metadata;
+use crate::heads::Tensor;
+use crate::input::{self, InputPlacement};
+use crate::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, SIDES_PX, Values, Weights};
+use crate::runtime::{self, NoAnswer};
+use crate::{DetectError, Labels, Runtime};
+
+/// A network, asked.
+pub(super) struct Inspected {
+    pub layout: Layout,
+    pub values: Values,
+    /// True with a second input of two whole numbers: the photo's width and height.
+    pub takes_photo_size: bool,
+    /// True when the file fixes the input's width and height.
+    pub size_is_fixed: bool,
+    /// Width, height of the two images.
+    pub size_px: [u32; 2],
+    pub metadata: Metadata,
+    /// The outputs for a grey image and for noise.
+    pub answers: [Vec<Tensor>; 2],
+    /// The inputs as a person writes them.
+    pub inputs: String,
+}
+
+/// The side of the images where neither the file nor the user says one.
+const OPEN_SIDE_PX: u32 = 640;
+
+/// Loads a network and runs it twice, each time within the limit. `size_px` is the user's, for files that leave it open.
+pub(super) fn inspect(
+    runtime: &Runtime,
+    path: &Path,
+    size_px: Option<[u32; 2]>,
+    time_limit: Duration,
+) -> Result<Inspected, ProposeError> {
+    let mut session = runtime::session(runtime, path).map_err(|e| DetectError::Model {
+        path: path.to_owned(),
+        reason: first_line(&e),
+    })?;
+    let metadata = Metadata::of(&session);
+    let inputs: Vec<Port> = session.inputs().iter().map(Port::of).collect();
+    let asked = Asked::of(&inputs)?;
+    let fixed = asked.size_px;
+    if let (Some(fixed), Some(named)) = (fixed, size_px.filter(|named| Some(*named) != fixed)) {
+        return Err(ProposeError::OtherSize { fixed, named });
+    }
+    let size_px = fixed.or(size_px).or(metadata.size_px).unwrap_or([OPEN_SIDE_PX; 2]);
+    if !size_px.iter().all(|side| SIDES_PX.contains(side)) {
+        return Err(ProposeError::Size { size_px });
+    }
+    let manifest = asked.manifest(size_px);
+    let mut answer = |image: RgbImage| answer(&mut session, &manifest, &image, path, time_limit);
+    Ok(Inspected {
+        layout: asked.layout,
+        values: asked.values,
+        takes_photo_size: asked.takes_photo_size,
+        size_is_fixed: fixed.is_some(),
+        size_px,
+        metadata,
+        answers: [answer(grey(size_px))?, answer(noise(size_px))?],
+        inputs: listed(&inputs),
+    })
+}
+
+fn first_line(e: &ort::Error) -> String {
+    e.to_string().lines().next().unwrap_or_default().to_owned()
+}
+
+fn answer(
+    session: &mut Session,
+    manifest: &Manifest,
+    image: &RgbImage,
+    path: &Path,
+    time_limit: Duration,
+) -> Result<Vec<Tensor>, ProposeError> {
+    let failed = |reason: String| ProposeError::Trial {
+        size_px: manifest.input.size_px,
+        reason,
+    };
+    let placement = InputPlacement::new(&manifest.input, image.width(), image.height());
+    let tensor = input::tensor(image, &manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
+    let outputs = runtime::run(session, manifest, tensor, &placement, time_limit);
+    outputs.map_err(|e| match e {
+        NoAnswer::Failed(e) => failed(first_line(&e)),
+        NoAnswer::TooLong => ProposeError::Detect(DetectError::TooLong {
+            detector: path.display().to_string(),
+            seconds: time_limit.as_secs_f64(),
+        }),
+    })
+}
+
+fn grey([width, height]: [u32; 2]) -> RgbImage {
+    RgbImage::from_pixel(width, height, Rgb([114; 3]))
+}
+
+/// Noise that is identical every time: a linear congruential generator (Knuth's multiplier), its upper byte a value.
+fn noise([width, height]: [u32; 2]) -> RgbImage {
+    let mut state = 1_u64;
+    let mut value = || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 56) as u8
+    };
+    RgbImage::from_fn(width, height, |_, _| Rgb([value(), value(), value()]))
+}
+
+/// An input as the file declares it.
+struct Port {
+    name: String,
+    /// `None` for what is no tensor.
+    element: Option<TensorElementType>,
+    /// −1 where the file leaves it open.
+    shape: Vec<i64>,
+}
+
+impl Port {
+    fn of(outlet: &Outlet) -> Port {
+        Port {
+            name: outlet.name().to_owned(),
+            element: outlet.dtype().tensor_type(),
+            shape: outlet.dtype().tensor_shape().map(|s| s.to_vec()).unwrap_or_default(),
+        }
+    }
+
+    /// The order of the axes, if this could be an image of three channels.
+    fn image(&self) -> Option<Layout> {
+        match self.shape[..] {
+            [_, 3, _, _] => Some(Layout::Nchw),
+            [_, _, _, 3] => Some(Layout::Nhwc),
+            [3, _, _] => Some(Layout::Chw),
+            _ => None,
+        }
+    }
+}
+
+fn listed(ports: &[Port]) -> String {
+    let side = |d: &i64| if *d < 0 { "?".to_owned() } else { d.to_string() };
+    let one = |p: &Port| {
+        let element = p.element.map_or("no tensor".to_owned(), |e| e.to_string());
+        let shape = p.shape.iter().map(side).collect::<Vec<_>>().join("×");
+        format!("{} {shape} {element}", p.name)
+    };
+    ports.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// What the network requires.
+struct Asked {
+    layout: Layout,
+    values: Values,
+    takes_photo_size: bool,
+    /// Width, height; `None` where the file leaves them open.
+    size_px: Option<[u32; 2]>,
+}
+
+impl Asked {
+    fn of(inputs: &[Port]) -> Result<Asked, ProposeError> {
+        let images: Vec<&Port> = inputs.iter().filter(|p| p.image().is_some()).collect();
+        let all = listed(inputs);
+        let (port, layout) = match images[..] {
+            [] => return Err(ProposeError::NoImage { inputs: all }),
+            [port] => (port, port.image().unwrap_or_default()),
+            _ => return Err(ProposeError::SeveralImages { inputs: all }),
+        };
+        let values = match port.element {
+            Some(TensorElementType::Float32) => Values::F32,
+            Some(TensorElementType::Uint8) => Values::U8,
+            _ => return Err(ProposeError::OtherNumbers { inputs: all }),
+        };
+        let is_photo_size =
+            |port: &Port| port.element == Some(TensorElementType::Int64) && matches!(port.shape[..], [1 | -1, 2]);
+        let takes_photo_size = match inputs {
+            [_] => false,
+            [first, size] if first.image().is_some() && is_photo_size(size) => true,
+            _ => return Err(ProposeError::OtherInputs { inputs: all }),
+        };
+        let (batch, sides) = match (layout, &port.shape[..]) {
+            (Layout::Nchw, [n, _, h, w]) | (Layout::Nhwc, [n, h, w, _]) => (*n, [*w, *h]),
+            (Layout::Chw, [_, h, w]) => (1, [*w, *h]),
+            _ => return Err(ProposeError::NoImage { inputs: all }),
+        };
+        if !matches!(batch, -1 | 1) {
+            return Err(ProposeError::Batch { inputs: all });
+        }
+        let fixed = sides.map(|side| u32::try_from(side).ok().filter(|side| *side > 0));
+        Ok(Asked {
+            layout,
+            values,
+            takes_photo_size,
+            size_px: fixed[0].zip(fixed[1]).map(|(w, h)| [w, h]),
+        })
+    }
+
+    /// A manifest good enough to run the network with images of the input's size.
+    fn manifest(&self, size_px: [u32; 2]) -> Manifest {
+        let std = match self.values {
+            Values::F32 => 255.0,
+            Values::U8 => 1.0,
+        };
+        let input = Input {
+            size_px,
+            layout: self.layout,
+            values: self.values,
+            resize: Resize::Stretch,
+            kernel: Kernel::OpencvLinear,
+            pad: 0,
+            channels: Channels::Rgb,
+            mean: [0.0; 3],
+            std: [std; 3],
+        };
+        let weights = Weights {
+            file: String::new(),
+            url: String::new(),
+            sha256: String::new(),
+        };
+        Manifest {
+            name: String::new(),
+            title: String::new(),
+            licence: String::new(),
+            origin: String::new(),
+            labels: Labels::Coco80,
+            published_ap: None,
+            weights,
+            input,
+            head: if self.takes_photo_size {
+                Head::Deim {}
+            } else {
+                Head::Yolov10 {}
+            },
+            class_map: std::collections::BTreeMap::new(),
+            folder: None,
+        }
+    }
+}

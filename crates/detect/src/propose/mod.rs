@@ -1,0 +1,344 @@
+//! From an ONNX file alone to a manifest: which family its outputs are of, and what no file says.
+
+mod family;
+mod inspect;
+mod metadata;
+mod recognise;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::time::Duration;
+
+pub use family::Family;
+
+use super::heads::{self, HeadError, Tensor};
+use super::manifest::{Input, SIDES_PX, Values, Weights};
+use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
+use inspect::Inspected;
+use recognise::FamilyCandidate;
+use scaleproof_core::files;
+
+/// What the user knows and the file may not say.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hints {
+    pub family: Option<Family>,
+    pub labels: Option<Labels>,
+    /// Width, height of the input, for files that leave it open.
+    pub size_px: Option<[u32; 2]>,
+}
+
+/// A manifest that the network was run with, and what it rests on.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    pub family: Family,
+    pub manifest: Manifest,
+    /// The manifest as TOML.
+    pub text: String,
+    /// What was read from the file and what was not, as sentences.
+    pub notes: Vec<ProposalNote>,
+}
+
+/// What was read from a file or taken for granted, as a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProposalNote {
+    #[error(
+        "{title}: inferred from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
+    )]
+    Recognised {
+        title: &'static str,
+        inputs: String,
+        outputs: String,
+    },
+    #[error("the labels are taken for {list}, as there are {count}")]
+    LabelsByCount { list: String, count: usize },
+    #[error("the file leaves the input's size open: {width}×{height} is taken")]
+    OpenSize { width: u32, height: u32 },
+    #[error("the input is bytes, so the network is taken to normalise them itself")]
+    Bytes,
+    #[error(
+        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
+         them: compare [input] with the program that the weights come from"
+    )]
+    UsualInput,
+}
+
+/// Why no manifest can be proposed, as a sentence.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProposeError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error(transparent)]
+    Detect(#[from] DetectError),
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    #[error("no input is an image of three channels (inputs: {inputs}): this is no detector for photos")]
+    NoImage { inputs: String },
+    #[error("several inputs could be the image ({inputs}): only networks that look at one image can be used")]
+    SeveralImages { inputs: String },
+    #[error("the image is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
+    OtherNumbers { inputs: String },
+    #[error(
+        "besides the image only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
+         network without the others"
+    )]
+    OtherInputs { inputs: String },
+    #[error("the network takes several images at once (inputs: {inputs}): export it for a single one")]
+    Batch { inputs: String },
+    #[error("the input is fixed at {}×{} pixels, not {}×{}", fixed[0], fixed[1], named[0], named[1])]
+    OtherSize { fixed: [u32; 2], named: [u32; 2] },
+    #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
+    Size { size_px: [u32; 2] },
+    #[error("an image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
+    Trial { size_px: [u32; 2], reason: String },
+    #[error("the file says that its task is {task:?}, and only detectors can be scored")]
+    OtherTask { task: String },
+    #[error("it answers a plain grey image or noise with {what}: no box of it could be trusted")]
+    NotANumber { what: String },
+    #[error("its outputs {outputs} are of no known family: see the table in docs/guide/reference/detector-manifest.md")]
+    Unknown { outputs: String },
+    #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
+    WrongNumbers {
+        outputs: String,
+        title: &'static str,
+        reason: String,
+    },
+    #[error("its outputs {outputs} are not those of {named}: {instead}")]
+    NotThisFamily {
+        outputs: String,
+        named: &'static str,
+        instead: String,
+    },
+    #[error(
+        "its outputs {outputs} are grids before their decoding, of YOLOv3 or of a later YOLO, which decodes them otherwise: name the family \
+         if it is yolov3, or export the network with its decoding"
+    )]
+    NotDecoded { outputs: String },
+    #[error("its outputs {outputs} could be of {families}, which are fed differently")]
+    Ambiguous { outputs: String, families: String },
+    #[error("{what}")]
+    NoLabels { what: String },
+    #[error("the outputs have room for {room} labels, and {given} are named: the labels are another network's")]
+    LabelCount { room: String, given: usize },
+    #[error("the network's outputs cannot be read as {title}: {reason}")]
+    Misread { title: &'static str, reason: String },
+}
+
+/// Time limit for each of the two images.
+const TRIAL_LIMIT: Duration = Duration::from_secs(30);
+
+/// Inspects an ONNX file, runs it on a grey image and on noise, and writes the manifest of the family that fits.
+///
+/// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those
+/// are errors that say what to name. How a photo is prepared is the family's usual way; the notes say so.
+pub fn propose(
+    runtime: &Runtime,
+    path: &Path,
+    weights: &str,
+    name: &str,
+    hints: Hints,
+) -> Result<Proposal, ProposeError> {
+    propose_within(runtime, path, weights, name, hints, TRIAL_LIMIT)
+}
+
+/// Like [`propose()`], with a time limit for each run of the network other than its 30 s.
+pub fn propose_within(
+    runtime: &Runtime,
+    path: &Path,
+    weights: &str,
+    name: &str,
+    hints: Hints,
+    time_limit: Duration,
+) -> Result<Proposal, ProposeError> {
+    let sha256 = files::sha256_hex(&files::read(path)?);
+    let network = inspect::inspect(runtime, path, hints.size_px, time_limit)?;
+    if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
+        return Err(ProposeError::OtherTask { task: task.clone() });
+    }
+    if let Some(what) = network.answers.iter().find_map(|a| heads::with_no_number(a)) {
+        return Err(ProposeError::NotANumber { what });
+    }
+    let known = match (hints.labels, &network.metadata.names) {
+        (Some(labels), _) => Some(labels),
+        (None, Some(names)) => Some(Labels::of_names(names.clone()).map_err(|e| ProposeError::NoLabels {
+            what: format!("the names that the file gives cannot be used, as {e}"),
+        })?),
+        (None, None) => None,
+    };
+    let candidate = chosen(&network, hints.family, known)?;
+    let (labels, guessed) = labels(&candidate, known)?;
+    let manifest = Manifest {
+        name: name.to_owned(),
+        title: name.to_owned(),
+        licence: network.metadata.licence.clone().unwrap_or_else(|| "not stated".into()),
+        origin: "not stated".into(),
+        labels,
+        published_ap: None,
+        weights: Weights {
+            file: weights.to_owned(),
+            url: String::new(),
+            sha256,
+        },
+        input: input(&network, candidate.family)?,
+        head: candidate
+            .family
+            .head(labels, candidate.strides.clone(), recognise::scores(&network)),
+        class_map: BTreeMap::new(),
+        folder: None,
+    };
+    let text = manifest.to_toml()?;
+    for outputs in &network.answers {
+        heads::decode(&manifest, outputs, network.size_px).map_err(|e| match e {
+            HeadError::NotFinite { what } => ProposeError::NotANumber { what },
+            e => ProposeError::Misread {
+                title: candidate.family.title(),
+                reason: e.to_string(),
+            },
+        })?;
+    }
+    Ok(Proposal {
+        family: candidate.family,
+        notes: notes(&network, &candidate, &manifest, guessed),
+        manifest,
+        text,
+    })
+}
+
+/// The family's usual way, for what this network takes.
+fn input(network: &Inspected, family: Family) -> Result<Input, ManifestError> {
+    let takes_any_size = !network.size_is_fixed && family.takes_any_size();
+    let usual = family.usual_input((!takes_any_size).then_some(network.size_px))?;
+    let (mean, std) = match network.values {
+        Values::F32 => (usual.mean, usual.std),
+        Values::U8 => ([0.0; 3], [1.0; 3]),
+    };
+    Ok(Input {
+        layout: network.layout,
+        values: network.values,
+        mean,
+        std,
+        ..usual
+    })
+}
+
+/// The one family that fits, or why there is not one.
+fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<FamilyCandidate, ProposeError> {
+    let outputs = || shapes(&network.answers[0]);
+    let has_room = |c: &FamilyCandidate| {
+        c.labels
+            .zip(labels)
+            .is_none_or(|(room, labels)| fits(c.family, room, labels))
+    };
+    let mut fitting = recognise::by_shape(network);
+    if let Some(named) = named {
+        if !fitting.iter().any(|c| c.family == named) {
+            let others: Vec<&str> = fitting.iter().map(|c| c.family.name()).collect();
+            let instead = if others.is_empty() {
+                "they are of no known family".to_owned()
+            } else {
+                format!("they could be of {}", others.join(" or "))
+            };
+            let (outputs, named) = (outputs(), named.title());
+            return Err(ProposeError::NotThisFamily {
+                outputs,
+                named,
+                instead,
+            });
+        }
+        fitting.retain(|c| c.family == named);
+    }
+    if fitting.is_empty() {
+        return Err(ProposeError::Unknown { outputs: outputs() });
+    }
+    if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
+        return Err(ProposeError::NotDecoded { outputs: outputs() });
+    }
+    // Labels that fit none of them are another mistake than numbers that do not.
+    let rooms: BTreeSet<usize> = fitting.iter().filter_map(|c| c.labels).collect();
+    fitting.retain(has_room);
+    if let (true, Some(labels)) = (fitting.is_empty(), labels) {
+        let given = labels.count();
+        let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
+        return Err(ProposeError::LabelCount { room, given });
+    }
+    let judged: Vec<(FamilyCandidate, Option<String>)> = fitting
+        .into_iter()
+        .map(|c| (c.clone(), recognise::against(&c, network)))
+        .collect();
+    let refuted = judged
+        .iter()
+        .find_map(|(c, against)| Some((c.family, against.clone()?)));
+    let left: Vec<FamilyCandidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    match (&left[..], refuted) {
+        ([only], _) => Ok(only.clone()),
+        ([], Some((family, reason))) => Err(ProposeError::WrongNumbers {
+            outputs: outputs(),
+            title: family.title(),
+            reason,
+        }),
+        ([], None) => Err(ProposeError::Unknown { outputs: outputs() }),
+        (several, _) => {
+            let names = several
+                .iter()
+                .map(|c| format!("{} ({})", c.family.name(), c.family.title()));
+            let families = names.collect::<Vec<_>>().join(" or ");
+            Err(ProposeError::Ambiguous {
+                outputs: outputs(),
+                families,
+            })
+        }
+    }
+}
+
+/// RF-DETR may have a column more, for "no object".
+fn fits(family: Family, room: usize, labels: Labels) -> bool {
+    room == labels.count() || (family == Family::Rfdetr && room == labels.count() + 1)
+}
+
+/// The labels of a network, and whether their number alone says so.
+fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
+    if let Some(labels) = known {
+        return Ok((labels, false));
+    }
+    let what = match candidate.labels {
+        Some(80) => return Ok((Labels::Coco80, true)),
+        Some(91) => return Ok((Labels::Coco91, true)),
+        Some(20) => return Ok((Labels::Voc20, true)),
+        Some(room) => format!("the outputs have room for {room} labels, which the file does not name"),
+        None => "neither the file nor the outputs' shapes say what the labels are".to_owned(),
+    };
+    Err(ProposeError::NoLabels { what })
+}
+
+fn shapes(outputs: &[Tensor]) -> String {
+    let of = |t: &Tensor| {
+        let shape: Vec<String> = t.shape.iter().map(usize::to_string).collect();
+        format!("{} {}", t.name, shape.join("×"))
+    };
+    outputs.iter().map(of).collect::<Vec<_>>().join(", ")
+}
+
+fn notes(network: &Inspected, candidate: &FamilyCandidate, manifest: &Manifest, guessed: bool) -> Vec<ProposalNote> {
+    let family = candidate.family;
+    let mut notes = vec![ProposalNote::Recognised {
+        title: family.title(),
+        inputs: network.inputs.clone(),
+        outputs: shapes(&network.answers[0]),
+    }];
+    if guessed {
+        let list = ["coco80", "coco91", "voc20"].into_iter();
+        let list = list.filter(|l| Labels::of_list(l) == Some(manifest.labels)).collect();
+        let count = manifest.labels.count();
+        notes.push(ProposalNote::LabelsByCount { list, count });
+    }
+    if !network.size_is_fixed && !family.takes_any_size() {
+        let [width, height] = manifest.input.size_px;
+        notes.push(ProposalNote::OpenSize { width, height });
+    }
+    if network.values == Values::U8 && family != Family::TfOd {
+        notes.push(ProposalNote::Bytes);
+    }
+    notes.push(ProposalNote::UsualInput);
+    notes
+}

@@ -1,0 +1,109 @@
+//! Detectors that a user registered: their manifests lie in the user's data folder, so that their names are known everywhere.
+
+use std::path::PathBuf;
+
+use super::{Manifest, ManifestError, WeightFolders, WeightsError};
+use scaleproof_core::files::{self, FileError};
+
+/// Why a detector was not registered or taken off the list.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RegisterError {
+    #[error("no folder for detectors: set HOME or XDG_DATA_HOME")]
+    NoFolder,
+    #[error("{name} ships with scaleproof: give your detector another name in its manifest")]
+    BuiltIn { name: String },
+    #[error(
+        "a detector called {name} is registered already, and it is another one: take it off with `scaleproof detectors remove {name}`, or give \
+         yours another name in its manifest"
+    )]
+    Taken { name: String },
+    #[error("no registered detector is called {name}{registered}")]
+    NotThere { name: String, registered: String },
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+fn folder() -> Option<PathBuf> {
+    Some(dirs::data_dir()?.join("scaleproof").join("detectors"))
+}
+
+fn path(name: &str) -> Option<PathBuf> {
+    Some(folder()?.join(format!("{name}.toml")))
+}
+
+/// The names of the registered detectors, in alphabetical order.
+pub fn registered_names() -> Vec<String> {
+    let Some(Ok(entries)) = folder().map(std::fs::read_dir) else {
+        return Vec::new();
+    };
+    let files = entries.flatten().map(|entry| entry.path());
+    let manifests = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    let names = manifests.filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()));
+    let mut names: Vec<String> = names.filter(|name| Manifest::is_name(name)).collect();
+    names.sort();
+    names
+}
+
+/// A registered detector; `None` when no detector is registered by this name.
+///
+/// # Errors
+/// A manifest that cannot be read any more.
+pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
+    let path = path(name).filter(|path| Manifest::is_name(name) && path.is_file());
+    path.map(|path| Manifest::open(&path)).transpose()
+}
+
+/// Keeps a manifest in the user's data folder and returns where. The weights stay where they are and are named by their whole path; those that
+/// are only to be fetched keep their address.
+///
+/// # Errors
+/// A name that is taken; weights that are nowhere.
+pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf, RegisterError> {
+    let name = manifest.name.clone();
+    if Manifest::all()?.iter().any(|m| m.name == name) {
+        return Err(RegisterError::BuiltIn { name });
+    }
+    let mut kept = manifest.clone();
+    match folders.checked(manifest) {
+        Ok(weights) => {
+            let weights = weights.canonicalize().unwrap_or(weights);
+            kept.weights.file = weights.to_string_lossy().into_owned();
+            kept.weights.url.clear();
+        }
+        Err(WeightsError::Missing { .. }) if !manifest.weights.url.is_empty() => {}
+        Err(e) => return Err(e.into()),
+    }
+    let path = path(&name).ok_or(RegisterError::NoFolder)?;
+    let text = kept.to_toml()?;
+    if path.exists() && files::read_text(&path).ok().as_ref() != Some(&text) {
+        return Err(RegisterError::Taken { name });
+    }
+    files::replace_atomically(&path, text.as_bytes())?;
+    Ok(path)
+}
+
+/// Takes a detector off the list; its weights and the manifest it was registered from stay.
+///
+/// # Errors
+/// A name that is not on the list.
+pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
+    let names = registered_names();
+    if !names.iter().any(|known| known == name) {
+        return Err(RegisterError::NotThere {
+            name: name.to_owned(),
+            registered: if names.is_empty() {
+                ": none is registered".into()
+            } else {
+                format!(": registered are {}", names.join(", "))
+            },
+        });
+    }
+    let path = path(name).ok_or(RegisterError::NoFolder)?;
+    files::remove(&path)?;
+    Ok(path)
+}

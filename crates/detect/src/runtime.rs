@@ -1,0 +1,301 @@
+//! ONNX Runtime: found and loaded once, then one session per detector and thread.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+use image::RgbImage;
+use ort::environment::Environment;
+use ort::logging::LogLevel;
+use ort::session::builder::GraphOptimizationLevel;
+use ort::session::{RunOptions, Session};
+use ort::value::{DynValue, Tensor as OrtTensor};
+
+use super::heads::{self, Data, DecodedOutputs, HeadError, Tensor};
+use super::input::{self, InputPlacement};
+use super::manifest::{Input, Layout, Values};
+use super::{Detection, MAX_DETECTIONS, Manifest};
+use scaleproof_core::files;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::workers::stopwatch::{Stage, timed};
+
+/// Why a detector could not run.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum DetectError {
+    #[error(
+        "ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so"
+    )]
+    NoRuntime { tried: String },
+    #[error("{path} is not a model ONNX Runtime can load: {reason}", path = path.display())]
+    Model { path: PathBuf, reason: String },
+    #[error("{detector} failed: {reason}")]
+    Run { detector: String, reason: String },
+    #[error("{detector} answered with {what}: no box of it can be trusted")]
+    NotANumber {
+        detector: String,
+        /// A NaN, an infinity or a box that is not finite, and where.
+        what: String,
+    },
+    #[error(
+        "{detector} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?"
+    )]
+    NotAScore { detector: String, score: f64 },
+    #[error(
+        "{detector} has not answered within {seconds} s and was stopped: its network may run in an endless loop, so export it again, \
+         or use another one"
+    )]
+    TooLong { detector: String, seconds: f64 },
+}
+
+/// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.
+const HIGHEST_SCORE: f64 = 1.001;
+
+/// Time limit for one photo, far more than any network takes on a single core. A loop in its file may never end.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
+
+/// The loaded ONNX Runtime.
+pub struct Runtime {
+    /// The one a process may have.
+    pub environment: Environment,
+    /// The library's file name; distributions put the version into it.
+    library: String,
+}
+
+impl Runtime {
+    /// Loads ONNX Runtime from `$ORT_DYLIB_PATH`, else from `lib` beside the program, else from the system's library path.
+    pub fn load() -> Result<&'static Runtime, DetectError> {
+        static RUNTIME: OnceLock<Result<Runtime, DetectError>> = OnceLock::new();
+        RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
+    }
+
+    /// Version and build of the loaded library, for provenance.
+    pub fn provenance(&self) -> String {
+        format!("{} ({})", self.library, ort::info())
+    }
+}
+
+fn load() -> Result<Runtime, DetectError> {
+    let file = files::environment::text("ORT_DYLIB_PATH").unwrap_or_else(default_library);
+    let missing = |reason: String| {
+        let reason = reason.lines().next().unwrap_or_default().to_owned();
+        DetectError::NoRuntime {
+            tried: format!("{file}: {reason}"),
+        }
+    };
+    let environment = ort::init_from(&file)
+        .map_err(|e| missing(e.to_string()))?
+        .with_telemetry(false)
+        .with_name("scaleproof")
+        .build()
+        .map_err(|e| missing(e.to_string()))?;
+    environment.set_log_level(LogLevel::Error);
+    Ok(Runtime {
+        environment,
+        library: library_name(&file),
+    })
+}
+
+fn library_name(file: &str) -> String {
+    let path = std::fs::canonicalize(file).unwrap_or_else(|_| PathBuf::from(file));
+    path.file_name()
+        .map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// The library that lies beside a packaged program, else the system's.
+fn default_library() -> String {
+    let name = match std::env::consts::OS {
+        "macos" => "libonnxruntime.dylib",
+        _ => "libonnxruntime.so",
+    };
+    let packaged = files::beside_the_program("lib").map(|lib| lib.join(name));
+    let packaged = packaged.filter(|path| path.is_file());
+    packaged.map_or_else(|| name.to_owned(), |path| path.to_string_lossy().into_owned())
+}
+
+/// One detector, ready to run in one thread.
+pub struct Detector {
+    pub manifest: Manifest,
+    session: Session,
+    /// For one photo.
+    pub time_limit: Duration,
+}
+
+impl Detector {
+    /// Loads a detector's weights; one inference thread.
+    pub fn open(runtime: &Runtime, manifest: &Manifest, weights: &Path) -> Result<Detector, DetectError> {
+        let session = session(runtime, weights).map_err(|e| DetectError::Model {
+            path: weights.to_owned(),
+            reason: e.to_string().lines().next().unwrap_or_default().to_owned(),
+        })?;
+        Ok(Detector {
+            manifest: manifest.clone(),
+            session,
+            time_limit: TIME_LIMIT,
+        })
+    }
+
+    /// Every detection of a photo above the score floor, best first, at most [`MAX_DETECTIONS`].
+    pub fn detect(&mut self, photo: &RgbImage) -> Result<Vec<Detection>, DetectError> {
+        self.detect_reduced(photo, photo.width(), photo.height())
+    }
+
+    /// Like [`Detector::detect`], for a photo of this width and height, px, of which `photo` is a reduced image, no smaller than
+    /// [`Manifest::least_px`]; boxes are in pixels of the full photo.
+    pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
+        let detector = || self.manifest.name.clone();
+        let failed = |reason: String| DetectError::Run {
+            detector: detector(),
+            reason,
+        };
+        let not_a_number = |what: String| DetectError::NotANumber {
+            detector: detector(),
+            what,
+        };
+        let placement = InputPlacement::new(&self.manifest.input, width, height);
+        let tensor = timed(Stage::Resize, || input::tensor(photo, &self.manifest.input, &placement));
+        let tensor = tensor.map_err(|e| failed(e.to_string()))?;
+        let outputs = run(&mut self.session, &self.manifest, tensor, &placement, self.time_limit);
+        let outputs = outputs.map_err(|e| match e {
+            NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
+            NoAnswer::TooLong => DetectError::TooLong {
+                detector: detector(),
+                seconds: self.time_limit.as_secs_f64(),
+            },
+        })?;
+        if let Some(what) = heads::with_no_number(&outputs) {
+            return Err(not_a_number(what));
+        }
+        let decoded = heads::decode(&self.manifest, &outputs, placement.canvas);
+        let DecodedOutputs {
+            candidates,
+            in_photo_px,
+        } = decoded.map_err(|e| match e {
+            HeadError::NotFinite { what } => not_a_number(what),
+            e => failed(e.to_string()),
+        })?;
+        if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
+            return Err(DetectError::NotAScore {
+                detector: detector(),
+                score,
+            });
+        }
+        let to_photo = |b: BoxPx| {
+            if in_photo_px {
+                b.clipped(placement.photo[0], placement.photo[1])
+            } else {
+                placement.to_photo(b)
+            }
+        };
+        let detections = candidates.filter_map(|c| Detection::new(c.label, c.score.min(1.0), to_photo(c.b)));
+        Ok(detections.take(MAX_DETECTIONS).collect())
+    }
+}
+
+pub(super) fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
+    Session::builder(&runtime.environment)?
+        .with_optimization_level(GraphOptimizationLevel::Level3)?
+        .with_intra_threads(1)?
+        .with_log_level(LogLevel::Error)?
+        .commit_from_file(weights)
+}
+
+/// Why a network gave no answer.
+pub(super) enum NoAnswer {
+    Failed(ort::Error),
+    TooLong,
+}
+
+impl From<ort::Error> for NoAnswer {
+    fn from(e: ort::Error) -> NoAnswer {
+        NoAnswer::Failed(e)
+    }
+}
+
+/// The network's outputs, if it answers within the time limit.
+pub(super) fn run(
+    session: &mut Session,
+    manifest: &Manifest,
+    tensor: Vec<f32>,
+    placement: &InputPlacement,
+    time_limit: Duration,
+) -> Result<Vec<Tensor>, NoAnswer> {
+    let image = image_tensor(&manifest.input, tensor, placement)?;
+    let photo_px = heads::wants_photo_size(&manifest.head).then(|| placement.photo.map(|v| v as i64).to_vec());
+    let mut options = RunOptions::new()?;
+    // Its complaints come back as errors; on standard error they would be a second sentence.
+    options.set_log_level(LogLevel::Fatal)?;
+    let work = || answer(session, image, photo_px, &options);
+    match stopped_after(time_limit, &options, work) {
+        (Ok(outputs), _) => Ok(outputs),
+        (Err(_), true) => Err(NoAnswer::TooLong),
+        (Err(e), false) => Err(NoAnswer::Failed(e)),
+    }
+}
+
+fn answer(
+    session: &mut Session,
+    image: DynValue,
+    photo_px: Option<Vec<i64>>,
+    options: &RunOptions,
+) -> ort::Result<Vec<Tensor>> {
+    let outputs = match photo_px {
+        Some(size) => {
+            let size = OrtTensor::from_array(([1, 2], size))?;
+            session.run_with_options(ort::inputs![image, size], options)?
+        }
+        None => session.run_with_options(ort::inputs![image], options)?,
+    };
+    outputs.iter().map(|(name, value)| copied(name, &value)).collect()
+}
+
+/// Does some work, and what ONNX Runtime runs for it with these options is stopped after the time limit; true: it was. ONNX Runtime stops
+/// between two operators, also inside a loop.
+fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnce() -> T) -> (T, bool) {
+    std::thread::scope(|scope| {
+        let (working, is_over) = mpsc::channel::<()>();
+        // Nothing is sent: the channel closes when the work is done, or when it panics, and the watchdog ends at once.
+        let watchdog = scope.spawn(move || {
+            let is_late = is_over.recv_timeout(time_limit) == Err(RecvTimeoutError::Timeout);
+            is_late && options.terminate().is_ok()
+        });
+        let done = work();
+        drop(working);
+        (done, watchdog.join().unwrap_or(false))
+    })
+}
+
+/// The image in the shape and type the network takes.
+fn image_tensor(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
+    let [width, height] = placement.canvas.map(|v| v as usize);
+    let shape = match input.layout {
+        Layout::Nchw => vec![1, 3, height, width],
+        Layout::Nhwc => vec![1, height, width, 3],
+        Layout::Chw => vec![3, height, width],
+    };
+    Ok(match input.values {
+        Values::F32 => OrtTensor::from_array((shape, tensor))?.into_dyn(),
+        Values::U8 => {
+            let bytes: Vec<u8> = tensor.into_iter().map(|v| v.round() as u8).collect();
+            OrtTensor::from_array((shape, bytes))?.into_dyn()
+        }
+    })
+}
+
+fn copied(name: &str, value: &DynValue) -> ort::Result<Tensor> {
+    let (shape, data) = if let Ok((shape, data)) = value.try_extract_tensor::<i64>() {
+        (shape, Data::I64(data.to_vec()))
+    } else if let Ok((shape, data)) = value.try_extract_tensor::<i32>() {
+        (shape, Data::I64(data.iter().map(|v| i64::from(*v)).collect()))
+    } else {
+        let (shape, data) = value.try_extract_tensor::<f32>()?;
+        (shape, Data::F32(data.to_vec()))
+    };
+    Ok(Tensor {
+        name: name.to_owned(),
+        shape: shape.iter().map(|d| *d as usize).collect(),
+        data,
+    })
+}

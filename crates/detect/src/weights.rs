@@ -1,0 +1,125 @@
+//! Where weight files are looked for, and that they are the right ones.
+
+use std::path::{Path, PathBuf};
+
+use super::Manifest;
+use scaleproof_core::files;
+
+/// Why a detector's weights cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum WeightsError {
+    #[error("no weights for {name}: {remedy}")]
+    Missing { name: String, file: String, remedy: String },
+    #[error("{path} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}", path = path.display())]
+    WrongHash {
+        name: String,
+        remedy: String,
+        path: PathBuf,
+        found: String,
+        expected: String,
+    },
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("no folder for downloads: set HOME or XDG_CACHE_HOME")]
+    NoCache,
+}
+
+/// The folders weights are looked up in, in order.
+#[derive(Debug, Clone)]
+pub struct WeightFolders {
+    named: Option<PathBuf>,
+    folders: Vec<PathBuf>,
+}
+
+impl WeightFolders {
+    /// The named folder, `$SCALEPROOF_DETECTORS`, `$SCALEPROOF_SHARED/detectors`, then the user's cache.
+    pub fn new(named: Option<PathBuf>) -> WeightFolders {
+        let from_env = |name: &str| files::environment::variable(name).map(PathBuf::from);
+        let folders = [
+            named.clone(),
+            from_env("SCALEPROOF_DETECTORS"),
+            from_env("SCALEPROOF_SHARED").map(|shared| shared.join("detectors")),
+            user_cache(),
+        ];
+        WeightFolders {
+            named,
+            folders: folders.into_iter().flatten().collect(),
+        }
+    }
+
+    /// The folder that `fetch` downloads into: the named one, else the user's cache.
+    pub fn download_folder(&self) -> Result<PathBuf, WeightsError> {
+        self.named.clone().or_else(user_cache).ok_or(WeightsError::NoCache)
+    }
+
+    /// Where a detector's weights lie, if anywhere; not yet checked.
+    pub fn find(&self, manifest: &Manifest) -> Option<PathBuf> {
+        let beside = manifest.folder.iter();
+        beside
+            .chain(&self.folders)
+            .map(|folder| folder.join(&manifest.weights.file))
+            .find(|path| path.is_file())
+    }
+
+    /// The detector's weights, present and with the right hash.
+    pub fn checked(&self, manifest: &Manifest) -> Result<PathBuf, WeightsError> {
+        let path = self.find(manifest).ok_or_else(|| WeightsError::Missing {
+            name: manifest.name.clone(),
+            file: manifest.weights.file.clone(),
+            remedy: if manifest.weights.url.is_empty() {
+                format!("put {} beside its manifest", manifest.weights.file)
+            } else {
+                format!("get them with `{}`", fetch(manifest))
+            },
+        })?;
+        check_hash(manifest, &path)?;
+        Ok(path)
+    }
+}
+
+/// Compares a file with the manifest's SHA-256.
+pub(super) fn check_hash(manifest: &Manifest, path: &Path) -> Result<(), WeightsError> {
+    let found = files::sha256_hex(&files::read(path)?);
+    if found == manifest.weights.sha256 {
+        return Ok(());
+    }
+    Err(WeightsError::WrongHash {
+        name: manifest.name.clone(),
+        remedy: if manifest.weights.url.is_empty() {
+            "put the right file there, or describe this one with `scaleproof detectors add`".to_owned()
+        } else {
+            format!("remove it and run `{}`", fetch(manifest))
+        },
+        path: path.to_owned(),
+        found: found[..12].to_owned(),
+        expected: manifest.weights.sha256.chars().take(12).collect(),
+    })
+}
+
+fn fetch(manifest: &Manifest) -> String {
+    format!("scaleproof detectors fetch {}", manifest.name)
+}
+
+fn user_cache() -> Option<PathBuf> {
+    Some(dirs::cache_dir()?.join("scaleproof").join("detectors"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_fetched_is_not_said_to_be() {
+        let nowhere = WeightFolders {
+            named: None,
+            folders: Vec::new(),
+        };
+        let sentence = |manifest: &Manifest| nowhere.checked(manifest).unwrap_err().to_string();
+        let mut manifest = Manifest::named("yolox_nano").unwrap();
+        assert!(sentence(&manifest).contains("scaleproof detectors fetch yolox_nano"));
+        manifest.weights.url.clear();
+        assert!(sentence(&manifest).contains("put yolox_nano.onnx beside its manifest"));
+    }
+}

@@ -1,0 +1,81 @@
+//! What a pinhole camera sees of a mesh, as images of a frame: masks, and where the paint is.
+
+use image::{GrayImage, Luma};
+
+use super::Pinhole;
+use super::raster::{Raster, outline};
+use scaleproof_core::geometry::{BoxPx, Rigid};
+use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// A mesh in one image.
+pub struct DrawnMesh {
+    pub object_mask: GrayImage,
+    pub paint_mask: GrayImage,
+    /// At factor² places of each pixel, row by row of the finer image; without meaning where there is no paint.
+    pub positions: Vec<[f64; 3]>,
+    pub sides: GrayImage,
+    pub box_xyxy_px: Option<BoxPx>,
+}
+
+/// The side that each triangle of the paint belongs to; `None` for what is no paint. No `materials` are all.
+pub fn paint_sides(mesh: &Mesh, materials: &[usize]) -> Vec<Option<Side>> {
+    let is_paint = |t: &Triangle| materials.is_empty() || materials.contains(&t.material);
+    let side = |t: &Triangle| is_paint(t).then(|| Side::of(&doubled_area(&mesh.corners_mm(t))));
+    mesh.triangles().iter().map(side).collect()
+}
+
+/// A side in the `sides` images.
+pub fn number(side: Side) -> u8 {
+    1 + Side::ALL.iter().position(|s| *s == side).unwrap_or_default() as u8
+}
+
+/// So many of a pixel's `factor`² places, in a mask.
+pub fn level(count: u32, factor: u32) -> u8 {
+    (255.0 * f64::from(count) / f64::from(factor * factor)).round() as u8
+}
+
+/// The part of the mesh's box that is in an image of this size.
+pub fn seen_box(around: &BoxPx, size_px: [u32; 2]) -> Option<BoxPx> {
+    let [width, height] = size_px.map(f64::from);
+    Some(around.clipped(width, height)).filter(BoxPx::is_solid)
+}
+
+/// Looks at the centres of `factor`² parts of each pixel. `None` when part of the mesh is not before the camera.
+pub fn draw(
+    (mesh, paint): (&Mesh, &[Option<Side>]),
+    pose: &Rigid,
+    pinhole: &Pinhole,
+    size_px: [u32; 2],
+    factor: u32,
+) -> Option<DrawnMesh> {
+    let [width, height] = size_px;
+    let fine = size_px.map(|px| px * factor);
+    let raster = Raster::image(mesh, pose, &pinhole.finer(factor), fine.map(|px| px as usize))?;
+    let mut positions = Vec::with_capacity(fine.iter().map(|px| *px as usize).product());
+    let mut sides = GrayImage::new(fine[0], fine[1]);
+    let (mut object, mut painted) = (GrayImage::new(width, height), GrayImage::new(width, height));
+    for (x, y, side) in sides.enumerate_pixels_mut() {
+        let at = (i64::from(x), i64::from(y));
+        let mut place = [0.0; 3];
+        if let Some(hit) = raster.at(at.0, at.1) {
+            object.get_pixel_mut(x / factor, y / factor).0[0] += 1;
+            if let Some(paint) = paint.get(hit.triangle).copied().flatten() {
+                painted.get_pixel_mut(x / factor, y / factor).0[0] += 1;
+                place = raster.point(at.0, at.1, &hit).coords.into();
+                *side = Luma([number(paint)]);
+            }
+        }
+        positions.push(place);
+    }
+    for pixel in object.pixels_mut().chain(painted.pixels_mut()) {
+        pixel.0[0] = level(pixel.0[0].into(), factor);
+    }
+    Some(DrawnMesh {
+        object_mask: object,
+        paint_mask: painted,
+        positions,
+        sides,
+        box_xyxy_px: outline(mesh, pose, pinhole).and_then(|around| seen_box(&around, size_px)),
+    })
+}

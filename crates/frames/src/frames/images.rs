@@ -1,0 +1,93 @@
+//! The images of frames: PNG in, PNG out.
+
+use std::path::Path;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ColorType, DynamicImage, ExtendedColorType, GrayImage, ImageDecoder, ImageEncoder, RgbImage};
+
+use super::FramesError;
+use scaleproof_core::files;
+use scaleproof_photo::photo::{Budget, open_png};
+
+/// Linear light in 16 bits.
+pub type Linear16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
+/// The share of each pixel that something covers, 255 is all of it.
+pub type Coverage = GrayImage;
+
+pub fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>, FramesError> {
+    png(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8)
+}
+
+pub fn encode_grey(image: &GrayImage) -> Result<Vec<u8>, FramesError> {
+    png(image.as_raw(), image.dimensions(), ExtendedColorType::L8)
+}
+
+/// `linear`: RGB in linear light, 1 is white, row by row.
+pub fn encode_linear(linear: &[[f32; 3]], size_px: [u32; 2], linear_max: f64) -> Result<Vec<u8>, FramesError> {
+    let level = |v: f32| (f64::from(v) / linear_max * 65535.0).round().clamp(0.0, 65535.0) as u16;
+    wide(linear.iter().flatten().map(|v| level(*v)), size_px)
+}
+
+/// `positions`: x, y, z in mm, row by row; where there is no paint the value does not matter.
+pub fn encode_positions(
+    positions: impl Iterator<Item = [f64; 3]>,
+    size_px: [u32; 2],
+    (low, high): ([f64; 3], [f64; 3]),
+) -> Result<Vec<u8>, FramesError> {
+    let level = move |p: [f64; 3]| {
+        std::array::from_fn::<u16, 3, _>(|i| {
+            let share = (p[i] - low[i]) / (high[i] - low[i]);
+            (65535.0 * share).round().clamp(0.0, 65535.0) as u16
+        })
+    };
+    wide(positions.flat_map(level), size_px)
+}
+
+fn wide(levels: impl Iterator<Item = u16>, [width, height]: [u32; 2]) -> Result<Vec<u8>, FramesError> {
+    let bytes: Vec<u8> = levels.flat_map(u16::to_ne_bytes).collect();
+    png(&bytes, (width, height), ExtendedColorType::Rgb16)
+}
+
+fn png(bytes: &[u8], (width, height): (u32, u32), kind: ExtendedColorType) -> Result<Vec<u8>, FramesError> {
+    let mut file = Vec::new();
+    PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive)
+        .write_image(bytes, width, height, kind)
+        .map_err(|e| FramesError::Encode { reason: e.to_string() })?;
+    Ok(file)
+}
+
+/// Reads a PNG of exactly this size and kind; `key` says in the sentence what it was to be.
+pub(super) fn read_png(
+    path: &Path,
+    key: &str,
+    size_px: [u32; 2],
+    kind: ColorType,
+) -> Result<DynamicImage, FramesError> {
+    let content = |message: String| FramesError::Content {
+        path: path.to_owned(),
+        message,
+    };
+    let damaged = |reason: String| content(format!("the PNG cannot be decoded ({reason}): make the frame again"));
+    let bytes = files::read(path)?;
+    if image::guess_format(&bytes).ok() != Some(image::ImageFormat::Png) {
+        return Err(content(format!("the {key} is no PNG: make the frame again")));
+    }
+    let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
+    // The size stands in the header: a huge image is refused before its pixels take memory.
+    let (found, wanted) = (decoder.dimensions(), (size_px[0], size_px[1]));
+    if found != wanted {
+        return Err(content(format!(
+            "the {key} has {}×{} pixels and must have {}×{}, as frames.json says: make the frame again",
+            found.0, found.1, wanted.0, wanted.1
+        )));
+    }
+    if decoder.color_type() != kind {
+        let name = match kind {
+            ColorType::Rgb8 => "8-bit RGB without transparency",
+            ColorType::L8 => "8-bit grey",
+            _ => "16-bit RGB",
+        };
+        return Err(content(format!("the {key} must be {name}: save it so")));
+    }
+    DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
+}

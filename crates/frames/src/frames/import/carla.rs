@@ -1,0 +1,53 @@
+//! CARLA's poses: metres and degrees in Unreal's left-handed frame, x forward, y right, z up.
+
+use nalgebra::{Matrix3, Vector3};
+
+use scaleproof_core::geometry::rigid::{self, Rigid};
+
+/// What `actor.get_transform()` gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    pub place_m: [f64; 3],
+    /// Nose up.
+    pub pitch_deg: f64,
+    /// Clockwise seen from above.
+    pub yaw_deg: f64,
+    /// Leaning to the right.
+    pub roll_deg: f64,
+}
+
+impl Transform {
+    pub fn is_finite(&self) -> bool {
+        let angles = [self.pitch_deg, self.yaw_deg, self.roll_deg];
+        self.place_m.iter().chain(&angles).all(|v| v.is_finite())
+    }
+
+    /// From the actor's frame into the world's, both left-handed (`carla.Transform.get_matrix`).
+    fn rotation(&self) -> Matrix3<f64> {
+        let [(sp, cp), (sy, cy), (sr, cr)] =
+            [self.pitch_deg, self.yaw_deg, self.roll_deg].map(|deg| deg.to_radians().sin_cos());
+        Matrix3::new(
+            cp * cy,
+            cy * sp * sr - sy * cr,
+            -cy * sp * cr - sy * sr,
+            cp * sy,
+            sy * sp * sr + cy * cr,
+            -sy * sp * cr + cy * sr,
+            sp,
+            -cp * sr,
+            cp * cr,
+        )
+    }
+}
+
+/// `T_camera_model` (mm): the model frame is the vehicle's with y to the left, the camera's is OpenCV's.
+pub fn pose(camera: &Transform, vehicle: &Transform) -> Rigid {
+    let (to_world, from_vehicle) = (camera.rotation(), vehicle.rotation());
+    let camera_place = from_vehicle.transpose() * (Vector3::from(camera.place_m) - Vector3::from(vehicle.place_m));
+    let flip = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
+    // OpenCV's x, y, z are CARLA's y (right), −z (down) and x (forward).
+    let axes = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0);
+    let rotation = axes * to_world.transpose() * from_vehicle * flip;
+    let centre_mm = 1000.0 * flip * camera_place;
+    rigid::from_matrix(rotation, -(rotation * centre_mm))
+}

@@ -1,0 +1,288 @@
+//! Frames in the layout of the FCA line of work: a `.npz` file a frame, with the image (`img`, height × width × 3, 8-bit BGR) and two poses
+//! (`veh_trans`, `cam_trans`: x, y, z in metres, then pitch, yaw, roll in degrees).
+//!
+//! The poses are CARLA's ([`Transform`]), but the camera's place counts from the vehicle's origin along the *world's* axes; its angles are the
+//! world's too. No masks come with the images: the mesh, drawn where the poses say, gives them.
+//!
+//! Such scripts write down the point that the vehicle was put at. CARLA lets it drop from there to the road before the image is taken, so
+//! the model stands `drop_m` lower than `veh_trans` says, and the camera does not.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+
+use super::carla::{Transform, pose};
+use super::npz::{Archive, Array};
+use super::{FIELDS_OF_VIEW_DEG, FrameImportError, content, is_plain};
+use crate::frames::drawn::{DrawnMesh, draw, paint_sides};
+use crate::frames::{
+    FORMAT, Frame, FrameList, FramePaint, Pinhole, Positions, encode_grey, encode_positions, encode_rgb,
+};
+use scaleproof_core::files::FileError;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::geometry::length::SCALES;
+use scaleproof_core::geometry::rigid::{self, Rigid};
+use scaleproof_core::workers;
+use scaleproof_surface::mesh::Mesh;
+
+/// Places along each side of a pixel at which the surface is looked at.
+const FACTOR: u32 = 2;
+/// Pixels along a side of an image.
+const SIDES_PX: std::ops::RangeInclusive<u64> = 16..=2048;
+/// All frames of a folder are held until they are written: some gigabytes.
+const MOST_FRAMES: usize = 2000;
+/// Nothing drops further before an image is taken.
+const DROPS_M: std::ops::RangeInclusive<f64> = -10.0..=10.0;
+
+/// What is known besides the folder.
+#[derive(Debug, Clone)]
+pub struct FcaRequest {
+    /// At model scale.
+    pub mesh: Mesh,
+    /// Indices of the materials that are the paint; all when empty.
+    pub materials: Vec<usize>,
+    /// The model is 1:`scale`; the poses are of the thing itself.
+    pub scale: f64,
+    /// The vehicle stands so much lower than `veh_trans` says.
+    pub drop_m: f64,
+    /// Horizontal.
+    pub field_of_view_deg: f64,
+    pub paint: FramePaint,
+    /// How the frames say they were made.
+    pub made_by: String,
+}
+
+/// Frames that are not yet written: five images each, and the list.
+pub struct FcaFrames {
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// The least z of `veh_trans`.
+    pub lowest_vehicle_m: f64,
+}
+
+/// A file of the folder, read.
+struct Shot {
+    name: String,
+    image: RgbImage,
+    camera: Transform,
+    vehicle: Transform,
+}
+
+/// Everything that a folder becomes: the list and the images, as files of `output`.
+///
+/// # Errors
+/// No or too many files, broken archives, arrays of other shapes or kinds, poses that are no numbers or do not show the mesh.
+pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaFrames, FrameImportError> {
+    check(request)?;
+    let paths = archives(folder)?;
+    let first = read(&paths[0])?;
+    let sides = paint_sides(&request.mesh, &request.materials);
+    let list = start(request, first.image.dimensions().into());
+    let work = |(): &mut (), path: &PathBuf| {
+        let shot = read(path)?;
+        if shot.image.dimensions() != first.image.dimensions() {
+            let message = format!(
+                "its image has another size than that of {}: frames have one camera",
+                first.name
+            );
+            return Err(content(path, message));
+        }
+        let pose = model_pose(&shot, request);
+        let drawn = draw((&request.mesh, &sides), &pose, &list.camera, list.size_px, FACTOR);
+        let drawn = drawn.ok_or_else(|| {
+            content(
+                path,
+                "part of the car is not before the camera: check the poses of both, and the mesh's length and scale"
+                    .to_owned(),
+            )
+        })?;
+        if drawn.object_mask.pixels().all(|p| p.0[0] == 0) {
+            return Err(content(
+                path,
+                "the car is not in the image: check the poses of both, and the mesh's length and scale".to_owned(),
+            ));
+        }
+        let frame = frame(&shot, &pose, drawn.box_xyxy_px, request);
+        Ok((
+            encoded(&shot.image, &drawn, &frame, &list, output)?,
+            frame,
+            shot.vehicle.place_m,
+        ))
+    };
+    let done = workers::map(&paths, || Ok(()), work, || ())?;
+    let (mut list, mut new, mut stands) = (list.clone(), Vec::new(), Vec::new());
+    for (files, mut frame, stand) in done {
+        new.extend(files);
+        // Frames around one stand of the vehicle are not independent.
+        let number = stands.iter().position(|known| *known == stand).unwrap_or(stands.len());
+        if number == stands.len() {
+            stands.push(stand);
+        }
+        frame.place = format!("place{}", number + 1);
+        frame.light.clone_from(&frame.place);
+        list.frames.push(frame);
+    }
+    new.push(list.to_file(output)?);
+    Ok(FcaFrames {
+        files: new,
+        lowest_vehicle_m: stands.iter().map(|stand| stand[2]).fold(f64::INFINITY, f64::min),
+    })
+}
+
+fn check(request: &FcaRequest) -> Result<(), FrameImportError> {
+    let (value, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
+    if !FIELDS_OF_VIEW_DEG.contains(&value) {
+        return Err(FrameImportError::FieldOfView { value });
+    }
+    if !DROPS_M.contains(&drop_m) {
+        return Err(FrameImportError::Drop { value: drop_m });
+    }
+    if !SCALES.contains(&scale) {
+        return Err(FrameImportError::Scale { value: scale });
+    }
+    Ok(())
+}
+
+/// The `.npz` files of a folder, by name; at least one.
+fn archives(folder: &Path) -> Result<Vec<PathBuf>, FrameImportError> {
+    let failed = |e| FileError::read(folder, &e);
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    match paths.len() {
+        0 => Err(content(folder, "it has no .npz files".to_owned())),
+        1..=MOST_FRAMES => Ok(paths),
+        many => Err(content(
+            folder,
+            format!("it has {many} .npz files, and {MOST_FRAMES} are read at once: choose some"),
+        )),
+    }
+}
+
+fn read(path: &Path) -> Result<Shot, FrameImportError> {
+    let name = path
+        .file_stem()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    if !is_plain(&name) {
+        return Err(content(
+            path,
+            "its name may have letters, digits, '-', '_', '.' and '@' only".to_owned(),
+        ));
+    }
+    let mut archive = Archive::open(path)?;
+    let image = image(archive.array("img")?)?;
+    let [vehicle, camera] = ["veh_trans", "cam_trans"].map(|name| transform(archive.array(name)?));
+    let (vehicle, mut camera) = (vehicle?, camera?);
+    for (place, from) in camera.place_m.iter_mut().zip(vehicle.place_m) {
+        *place += from;
+    }
+    Ok(Shot {
+        name,
+        image,
+        camera,
+        vehicle,
+    })
+}
+
+fn image(array: Array) -> Result<RgbImage, FrameImportError> {
+    let (height, width) = match *array.shape() {
+        [height, width, 3] if SIDES_PX.contains(&height) && SIDES_PX.contains(&width) => (height as u32, width as u32),
+        _ => return Err(array.wrong_shape("height × width × 3, with sides of 16 to 2048 pixels")),
+    };
+    let is_damaged = array.wrong("is damaged: save it again");
+    let bgr = array.numbers::<u8>("8-bit numbers")?;
+    let mut image = RgbImage::from_raw(width, height, bgr).ok_or(is_damaged)?;
+    image.pixels_mut().for_each(|pixel| pixel.0.reverse());
+    Ok(image)
+}
+
+fn transform(array: Array) -> Result<Transform, FrameImportError> {
+    if array.shape() != [2, 3] {
+        return Err(array.wrong_shape("2×3: x, y, z, then pitch, yaw, roll"));
+    }
+    let not_finite = array.wrong("has a number that is not finite");
+    let numbers = array.reals()?;
+    let [x, y, z, pitch_deg, yaw_deg, roll_deg] = numbers[..] else {
+        return Err(not_finite);
+    };
+    let transform = Transform {
+        place_m: [x, y, z],
+        pitch_deg,
+        yaw_deg,
+        roll_deg,
+    };
+    if transform.is_finite() {
+        Ok(transform)
+    } else {
+        Err(not_finite)
+    }
+}
+
+/// `T_camera_model` at model scale.
+fn model_pose(shot: &Shot, request: &FcaRequest) -> Rigid {
+    let mut vehicle = shot.vehicle;
+    vehicle.place_m[2] -= request.drop_m;
+    let mut pose = pose(&shot.camera, &vehicle);
+    pose.translation.vector /= request.scale;
+    pose
+}
+
+fn start(request: &FcaRequest, size_px: [u32; 2]) -> FrameList {
+    let (_, high) = request.mesh.bounds_mm();
+    FrameList {
+        format: FORMAT.to_owned(),
+        made_by: request.made_by.clone(),
+        size_px,
+        camera: Pinhole::with_field_of_view(size_px, request.field_of_view_deg),
+        target_mm: [0.0, 0.0, 0.5 * high.z],
+        linear_max: None,
+        positions: Some(Positions::of(&request.mesh, FACTOR)),
+        frames: Vec::new(),
+    }
+}
+
+/// Its place is not yet known.
+fn frame(shot: &Shot, pose: &Rigid, box_xyxy_px: Option<BoxPx>, request: &FcaRequest) -> Frame {
+    let name = &shot.name;
+    let mask = |kind: &str| format!("masks/{name}_{kind}.png");
+    Frame {
+        name: name.clone(),
+        rgb: format!("rgb/{name}.png"),
+        object_mask: mask("object"),
+        paint_mask: mask("paint"),
+        linear: None,
+        positions: Some(mask("positions")),
+        sides: Some(mask("sides")),
+        t_camera_model: rigid::rows(pose),
+        paint: request.paint.clone(),
+        light: String::new(),
+        place: String::new(),
+        box_xyxy_px,
+    }
+}
+
+fn encoded(
+    image: &RgbImage,
+    drawn: &DrawnMesh,
+    frame: &Frame,
+    list: &FrameList,
+    output: &Path,
+) -> Result<Vec<(PathBuf, Vec<u8>)>, FrameImportError> {
+    let mut files = vec![
+        (output.join(&frame.rgb), encode_rgb(image)?),
+        (output.join(&frame.object_mask), encode_grey(&drawn.object_mask)?),
+        (output.join(&frame.paint_mask), encode_grey(&drawn.paint_mask)?),
+    ];
+    if let (Some(positions), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &list.positions) {
+        let fine = list.size_px.map(|px| px * FACTOR);
+        let places = encode_positions(drawn.positions.iter().copied(), fine, about.bounds_mm())?;
+        files.push((output.join(positions), places));
+        files.push((output.join(sides), encode_grey(&drawn.sides)?));
+    }
+    Ok(files)
+}

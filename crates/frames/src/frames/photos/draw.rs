@@ -1,0 +1,278 @@
+//! The images of one view: what the reference photo sees, in every colour.
+
+use image::{GrayImage, Luma, Rgb, RgbImage};
+use nalgebra::Point3;
+
+use super::light_image::LightImage;
+
+use super::views::PhotosOfView;
+use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
+use crate::frames::drawn::{level, number, paint_sides, seen_box};
+use crate::frames::raster::{Raster, outline, ray};
+use crate::frames::{Pinhole, light};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_photo::photo::Photo;
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// Light from here up (level 253.7) was brighter, or may have been.
+const CLIPPED: f64 = 0.99;
+
+/// What all views of a folder share.
+pub(super) struct Canvas<'a> {
+    pub request: &'a PhotoFramesRequest,
+    pub size_px: [u32; 2],
+    pub pinhole: Pinhole,
+    /// Of each triangle; `None` for what is no paint.
+    pub sides: Vec<Option<Side>>,
+}
+
+/// The images of a view, and what was seen of it.
+pub(super) struct ViewImages {
+    pub object_mask: GrayImage,
+    pub paint_mask: GrayImage,
+    /// At [`FACTOR`]² places of each pixel, row by row of the finer image.
+    pub positions: Vec<[f64; 3]>,
+    pub sides: GrayImage,
+    /// The reference, then the others in the view's order.
+    pub images: Vec<RgbImage>,
+    pub box_xyxy_px: Option<BoxPx>,
+    /// The share of the paint that every photo sees.
+    pub kept: f64,
+}
+
+/// A photo that the reference's surface is looked up in.
+struct Source<'a> {
+    photo: &'a FlatPhoto,
+    raster: Raster<'a>,
+    light: LightImage,
+    gain: [f64; 3],
+}
+
+/// One place of the finer image, with the light that the reference photo has there.
+enum Place {
+    Beside([f64; 3]),
+    /// The model, but not its paint.
+    Other([f64; 3]),
+    /// Paint that some photo does not see.
+    Hidden([f64; 3]),
+    /// Paint, and its light in every colour, the reference's first.
+    Paint(Side, Point3<f64>, Vec<[f64; 3]>),
+}
+
+impl<'a> Canvas<'a> {
+    pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
+        Self {
+            request,
+            size_px,
+            pinhole,
+            sides: paint_sides(&request.mesh, &request.materials),
+        }
+    }
+
+    /// `None` when the model is partly behind a camera.
+    ///
+    /// # Errors
+    /// Photos that cannot be read.
+    pub(super) fn draw(&self, view: &PhotosOfView) -> Result<Option<ViewImages>, PhotosError> {
+        let fine = self.size_px.map(|px| (px * FACTOR) as usize);
+        let pinhole = self.pinhole.finer(FACTOR);
+        let (mesh, reference) = (&self.request.mesh, view.reference);
+        let Some(raster) = Raster::image(mesh, &reference.pose, &pinhole, fine) else {
+            return Ok(None);
+        };
+        let own = self.light(reference)?;
+        let mut sources = Vec::new();
+        for other in &view.others {
+            let Some(raster) = Raster::whole(mesh, &other.photo.pose, &pinhole, fine) else {
+                return Ok(None);
+            };
+            sources.push(Source {
+                photo: other.photo,
+                raster,
+                light: self.light(other.photo)?,
+                gain: other.gain,
+            });
+        }
+        let mut sums = Sums::new(self.size_px, 1 + sources.len());
+        let centre = reference.centre_mm();
+        for y in 0..fine[1] as i64 {
+            for x in 0..fine[0] as i64 {
+                let pixel = reference.camera.project(&ray(&pinhole, [x as f64, y as f64]));
+                // The frame lies inside the photo; only rounding can leave it.
+                let light = pixel.and_then(|p| own.at(p)).unwrap_or_default();
+                let place = match raster.at(x, y) {
+                    None => Place::Beside(light),
+                    Some(hit) => match self.sides[hit.triangle] {
+                        None => Place::Other(light),
+                        Some(side) => {
+                            let point = raster.point(x, y, &hit);
+                            let found = sources.iter().map(|s| self.look_up(s, &point, hit.triangle, &centre));
+                            let lights: Option<Vec<_>> = std::iter::once(Some(light)).chain(found).collect();
+                            lights.map_or(Place::Hidden(light), |lights| Place::Paint(side, point, lights))
+                        }
+                    },
+                };
+                sums.add(x as usize, y as usize, place);
+            }
+        }
+        let around = outline(mesh, &reference.pose, &self.pinhole);
+        Ok(Some(sums.finished(around)))
+    }
+
+    /// The light of a surface point, at the reference's exposure; `None` where the photo does not see it, or something else a place away, and
+    /// where clipped light would pass for a tone.
+    fn look_up(&self, source: &Source, point: &Point3<f64>, triangle: usize, centre: &Point3<f64>) -> Option<[f64; 3]> {
+        let is_paint = |triangle: usize| self.sides[triangle].is_some();
+        if !source.raster.sees(point, triangle, centre, is_paint) {
+            return None;
+        }
+        let pixel = source.photo.camera.project(&(source.photo.pose * point))?;
+        let light = source.light.at(pixel)?;
+        let is_clipped = |c: usize| light[c] > CLIPPED && source.gain[c] < 1.0;
+        if (0..3).any(is_clipped) {
+            return None;
+        }
+        Some(std::array::from_fn(|c| source.gain[c] * light[c]))
+    }
+
+    /// A photo, reduced to no less than the finer image's resolution.
+    fn light(&self, photo: &FlatPhoto) -> Result<LightImage, PhotosError> {
+        let decoded = Photo::open(&photo.file)?;
+        let (width, height) = (photo.camera.width, photo.camera.height);
+        if (decoded.width, decoded.height) != (width, height) {
+            return Err(PhotosError::Changed {
+                photo: photo.file.clone(),
+            });
+        }
+        let reduction = photo.camera.fx.min(photo.camera.fy) / self.pinhole.finer(FACTOR).focal_length_px;
+        Ok(LightImage::new(
+            &decoded.rgb(1)?,
+            (reduction as usize).clamp(1, width.min(height) as usize),
+        ))
+    }
+}
+
+/// The images while they are added up.
+struct Sums {
+    size_px: [usize; 2],
+    pixels: Vec<Pixel>,
+    /// The light of the paint in each colour, pixel by pixel.
+    paint: Vec<Vec<[f64; 3]>>,
+    positions: Vec<[f64; 3]>,
+    sides: Vec<u8>,
+}
+
+/// Places in a pixel, and the reference photo's light from those that are not in [`Sums::paint`].
+#[derive(Clone, Copy, Default)]
+struct Pixel {
+    object: u32,
+    seen: u32,
+    hidden: u32,
+    rest: [f64; 3],
+    hidden_light: [f64; 3],
+}
+
+impl Pixel {
+    /// Paint in the mask: what is hidden looks like the paint that is seen in the same pixel.
+    fn painted(&self) -> u32 {
+        if self.seen > 0 { self.seen + self.hidden } else { 0 }
+    }
+}
+
+fn add(sum: &mut [f64; 3], light: &[f64; 3], weight: f64) {
+    (0..3).for_each(|c| sum[c] += weight * light[c]);
+}
+
+impl Sums {
+    fn new(size_px: [u32; 2], colours: usize) -> Self {
+        let count = (size_px[0] * size_px[1]) as usize;
+        let places = count * (FACTOR * FACTOR) as usize;
+        Self {
+            size_px: size_px.map(|px| px as usize),
+            pixels: vec![Pixel::default(); count],
+            paint: vec![vec![[0.0; 3]; count]; colours],
+            positions: vec![[0.0; 3]; places],
+            sides: vec![0; places],
+        }
+    }
+
+    fn add(&mut self, x: usize, y: usize, place: Place) {
+        let factor = FACTOR as usize;
+        let index = y / factor * self.size_px[0] + x / factor;
+        let pixel = &mut self.pixels[index];
+        pixel.object += u32::from(!matches!(place, Place::Beside(_)));
+        match place {
+            Place::Beside(light) | Place::Other(light) => add(&mut pixel.rest, &light, 1.0),
+            Place::Hidden(light) => {
+                pixel.hidden += 1;
+                add(&mut pixel.hidden_light, &light, 1.0);
+            }
+            Place::Paint(side, point, lights) => {
+                pixel.seen += 1;
+                let fine = y * self.size_px[0] * factor + x;
+                self.positions[fine] = point.coords.into();
+                self.sides[fine] = number(side);
+                for (image, light) in self.paint.iter_mut().zip(&lights) {
+                    add(&mut image[index], light, 1.0);
+                }
+            }
+        }
+    }
+
+    /// A pixel's mean light in a colour; 0 is the reference.
+    fn light(&self, index: usize, colour: usize) -> [f64; 3] {
+        let pixel = &self.pixels[index];
+        let mut sum = pixel.rest;
+        add(&mut sum, &self.paint[colour][index], 1.0);
+        match self.paint_about(index, colour).filter(|_| colour > 0) {
+            Some(paint) => add(&mut sum, &paint, f64::from(pixel.hidden)),
+            None => add(&mut sum, &pixel.hidden_light, 1.0),
+        }
+        sum.map(|v| v / f64::from(FACTOR * FACTOR))
+    }
+
+    /// The mean light of the paint that is seen in a pixel, else in its neighbours; without it, edges would be lined in the reference's colour.
+    fn paint_about(&self, index: usize, colour: usize) -> Option<[f64; 3]> {
+        let [width, height] = self.size_px;
+        let (x, y) = (index % width, index / width);
+        let mean = |reach: usize| {
+            let (mut sum, mut seen) = ([0.0; 3], 0);
+            for row in y.saturating_sub(reach)..(y + reach + 1).min(height) {
+                for column in x.saturating_sub(reach)..(x + reach + 1).min(width) {
+                    let index = row * width + column;
+                    seen += self.pixels[index].seen;
+                    add(&mut sum, &self.paint[colour][index], 1.0);
+                }
+            }
+            (seen > 0).then(|| sum.map(|v| v / f64::from(seen)))
+        };
+        mean(0).or_else(|| mean(1))
+    }
+
+    /// `around`: the mesh's projected corners, from the middle of the first pixel.
+    fn finished(self, around: Option<BoxPx>) -> ViewImages {
+        let [width, height] = self.size_px.map(|px| px as u32);
+        let index = |x: u32, y: u32| (y * width + x) as usize;
+        let mask = |count: fn(&Pixel) -> u32| {
+            GrayImage::from_fn(width, height, |x, y| {
+                Luma([level(count(&self.pixels[index(x, y)]), FACTOR)])
+            })
+        };
+        let image = |colour: usize| {
+            RgbImage::from_fn(width, height, |x, y| {
+                Rgb(light::rgb_of(self.light(index(x, y), colour)))
+            })
+        };
+        let total = |count: fn(&Pixel) -> u32| self.pixels.iter().map(count).sum::<u32>();
+        let kept = f64::from(total(Pixel::painted)) / f64::from(total(|p| p.seen + p.hidden).max(1));
+        ViewImages {
+            object_mask: mask(|p| p.object),
+            paint_mask: mask(Pixel::painted),
+            images: (0..self.paint.len()).map(image).collect(),
+            positions: self.positions,
+            sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
+            box_xyxy_px: around.and_then(|b| seen_box(&b, [width, height])),
+            kept,
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! Frames from photos of the real model in flat colours.
+//!
+//! Photos of one place and bin, one in each colour, are a view ([`views`]). Its frames have the camera of one of them, the reference,
+//! without its lens distortion (`pinhole.rs`). The others come to it through the mesh: the surface point that a place of the frame shows is looked
+//! up in the other photo, by that photo's own pose and lens, where it is seen there too ([`raster`](crate::frames::raster)). So no tripod is needed. All this is computed in
+//! linear light, as far as a photo tells of it: its tone curve is taken for sRGB's, and what it really is, the surrogate renderers fit. For that reason
+//! these frames have no `linear` images.
+//!
+//! Outside the paint every frame of a view shows the reference photo. Paint that not every photo sees, or that lies so near to an edge that light
+//! from beside it has strayed in, looks like the paint beside it in the same pixel. Where that pixel has none it is taken out of the mask, and looks
+//! like the neighbours' paint, or else as in the reference photo.
+
+mod contrast;
+mod draw;
+pub mod exposure;
+mod light_image;
+mod pinhole;
+pub mod sessions;
+pub mod views;
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Point3, Vector3};
+
+use crate::frames::{
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb, light,
+};
+use draw::{Canvas, ViewImages};
+use scaleproof_core::geometry::rigid::{self, Rigid};
+use scaleproof_core::workers;
+use scaleproof_photo::photo::PhotoError;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Bin, TagFamily};
+use scaleproof_surface::mesh::Mesh;
+use views::PhotosOfView;
+
+/// Places along each side of a pixel at which the surface is looked at.
+pub const FACTOR: u32 = 3;
+
+/// Why there are no frames.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhotosError {
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error("{photo} is of another size than it was a moment ago: leave the photos as they are", photo = photo.display())]
+    Changed { photo: PathBuf },
+    #[error("no pinhole camera of {width}×{height} px lies inside the images of the camera; calibrate it again")]
+    NoPinhole { width: u32, height: u32 },
+    #[error("the mesh has no triangles of the paint's materials")]
+    NoPaint,
+}
+
+/// The white paper of a tag in a photo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TagPaper {
+    pub family: TagFamily,
+    pub id: u32,
+    /// 8-bit level of each channel.
+    pub level: [f64; 3],
+}
+
+/// A located photo of the model in a flat colour.
+#[derive(Debug, Clone)]
+pub struct FlatPhoto {
+    pub file: PathBuf,
+    /// 8-bit sRGB of the paint's reflectance.
+    pub flat_rgb: [u8; 3],
+    pub place: String,
+    pub bin: Bin,
+    /// Fits the photo.
+    pub camera: Camera,
+    /// `T_camera_model`.
+    pub pose: Rigid,
+    /// Of the tags that the pose rests on.
+    pub papers: Vec<TagPaper>,
+}
+
+/// What frames are made of, besides the photos.
+#[derive(Debug, Clone)]
+pub struct PhotoFramesRequest {
+    pub mesh: Mesh,
+    /// Indices of the materials that are the paint; all when empty.
+    pub materials: Vec<usize>,
+    pub target_mm: Point3<f64>,
+    /// Every view has all of them.
+    pub flats: Vec<[u8; 3]>,
+    /// Of the frames.
+    pub width_px: u32,
+    /// How the frames say they were made.
+    pub made_by: String,
+}
+
+/// What makes no frames, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOutPhoto {
+    pub what: String,
+    pub reason: String,
+}
+
+/// A view that became frames, for people.
+#[derive(Debug, Clone)]
+pub struct PhotoView {
+    pub name: String,
+    pub reference: String,
+    /// Each other photo: its name, the angle between the cameras, the factors of its channels.
+    pub others: Vec<(String, f64, [f64; 3])>,
+    /// The share of the paint that every photo sees.
+    pub kept: f64,
+}
+
+/// Frames that are not yet written.
+#[derive(Debug, Default)]
+pub struct PhotoFrames {
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    pub frames: usize,
+    pub views: Vec<PhotoView>,
+    pub left_out: Vec<LeftOutPhoto>,
+}
+
+impl FlatPhoto {
+    /// The photo's file name.
+    pub fn name(&self) -> String {
+        self.file
+            .file_name()
+            .map(|n| n.to_string_lossy().into_owned())
+            .unwrap_or_default()
+    }
+
+    fn centre_mm(&self) -> Point3<f64> {
+        self.pose.inverse_transform_point(&Point3::origin())
+    }
+
+    /// From a point to the camera, model frame.
+    fn from(&self, target_mm: Point3<f64>) -> Vector3<f64> {
+        self.centre_mm() - target_mm
+    }
+
+    /// How people call the view it belongs to.
+    fn view_name(&self) -> String {
+        let b = &self.bin;
+        format!(
+            "the view at {}, {}°/{}°/{} mm",
+            self.place, b.azimuth_deg, b.pitch_deg, b.distance_mm
+        )
+    }
+}
+
+/// Makes frames for a folder, without writing them; no files where no view has every colour. `on_view` is called after each view, with how many
+/// there are; from any thread.
+///
+/// # Errors
+/// A mesh without paint, photos that cannot be read.
+pub fn make(
+    request: &PhotoFramesRequest,
+    photos: &[FlatPhoto],
+    folder: &Path,
+    on_view: impl Fn(usize) + Sync,
+) -> Result<PhotoFrames, PhotosError> {
+    let mut made = PhotoFrames::default();
+    let Some(first) = photos.first() else {
+        return Ok(made);
+    };
+    let size_px = pinhole::size_px(&first.camera, request.width_px);
+    let (shared, photos, left_out) = common_pinhole(photos, size_px)?;
+    let canvas = Canvas::new(request, size_px, shared);
+    if canvas.sides.iter().all(Option::is_none) {
+        return Err(PhotosError::NoPaint);
+    }
+    let (views, without) = views::views(&photos, &request.flats, request.target_mm);
+    made.left_out = left_out.into_iter().chain(without).collect();
+    let count = views.len();
+    let numbered: Vec<(usize, &PhotosOfView)> = views.iter().enumerate().collect();
+    let draw = |(): &mut (), (number, view): &(usize, &PhotosOfView)| images(&canvas, *number, view, folder);
+    let drawn = workers::map(&numbered, || Ok(()), draw, || on_view(count))?;
+    let mut list = empty_list(&canvas);
+    for (view, images) in views.iter().zip(drawn) {
+        match images {
+            Ok(done) => {
+                made.files.extend(done.files);
+                made.views.push(about(view, done.kept));
+                list.frames.extend(done.frames);
+            }
+            Err(reason) => made.left_out.push(LeftOutPhoto {
+                what: view.reference.view_name(),
+                reason: reason.to_owned(),
+            }),
+        }
+    }
+    made.frames = list.frames.len();
+    if made.frames > 0 {
+        made.files.push(list.to_file(folder)?);
+    }
+    Ok(made)
+}
+
+/// The pinhole inside all cameras' images, and the photos without those whose images are too different from the first one's.
+fn common_pinhole(
+    photos: &[FlatPhoto],
+    size_px: [u32; 2],
+) -> Result<(crate::frames::Pinhole, Vec<FlatPhoto>, Vec<LeftOutPhoto>), PhotosError> {
+    let [width, height] = size_px;
+    let none = PhotosError::NoPinhole { width, height };
+    let mut shared = pinhole::inside(&photos[0].camera, size_px).ok_or(none)?;
+    let (mut kept, mut left_out) = (Vec::new(), Vec::new());
+    for photo in photos {
+        match pinhole::longer(shared, &photo.camera, size_px) {
+            Some(longer) => {
+                shared = longer;
+                kept.push(photo.clone());
+            }
+            None => left_out.push(LeftOutPhoto {
+                what: photo.name(),
+                reason: format!(
+                    "its image shows too little of what {} shows: hold the camera the same way, and do not zoom",
+                    photos[0].name()
+                ),
+            }),
+        }
+    }
+    Ok((shared, kept, left_out))
+}
+
+/// A view's files, its frames, and the share of the paint that is kept.
+struct Done {
+    files: Vec<(PathBuf, Vec<u8>)>,
+    frames: Vec<Frame>,
+    kept: f64,
+}
+
+/// `Err` inside is why the view has no frames.
+fn images(
+    canvas: &Canvas,
+    number: usize,
+    view: &PhotosOfView,
+    folder: &Path,
+) -> Result<Result<Done, &'static str>, PhotosError> {
+    let Some(drawn) = canvas.draw(view)? else {
+        return Ok(Err("part of the model is behind a camera: step back"));
+    };
+    if drawn.kept == 0.0 {
+        return Ok(Err("no paint is seen in every photo"));
+    }
+    let bin = &view.reference.bin;
+    let name = format!(
+        "{number:03}_az{}_p{}_d{}",
+        bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
+    );
+    let fine = canvas.size_px.map(|px| px * FACTOR);
+    let below = |kind: &str| format!("views/{name}_{kind}.png");
+    let positions = encode_positions(
+        drawn.positions.iter().copied(),
+        fine,
+        Positions::of(&canvas.request.mesh, FACTOR).bounds_mm(),
+    )?;
+    let mut files = vec![
+        (folder.join(below("object")), encode_grey(&drawn.object_mask)?),
+        (folder.join(below("paint")), encode_grey(&drawn.paint_mask)?),
+        (folder.join(below("positions")), positions),
+        (folder.join(below("sides")), encode_grey(&drawn.sides)?),
+    ];
+    let photos = std::iter::once(view.reference).chain(view.others.iter().map(|o| o.photo));
+    let mut coloured: Vec<(&FlatPhoto, &image::RgbImage)> = photos.zip(&drawn.images).collect();
+    let shown: Vec<_> = coloured.iter().map(|(photo, image)| (photo.flat_rgb, *image)).collect();
+    if !contrast::is_in_order(&shown, &drawn.paint_mask) {
+        return Ok(Err(
+            "a lighter colour looks no lighter than a darker one: give each variant its colour, and check that each photo is of its variant",
+        ));
+    }
+    // The frames stand in the order of the colours, whichever is the reference.
+    coloured.sort_by_key(|(photo, _)| canvas.request.flats.iter().position(|rgb| *rgb == photo.flat_rgb));
+    let mut frames = Vec::new();
+    for (photo, image) in coloured {
+        let frame = frame(view, photo, &name, &below, &drawn);
+        files.push((folder.join(&frame.rgb), encode_rgb(image)?));
+        frames.push(frame);
+    }
+    let kept = drawn.kept;
+    Ok(Ok(Done { files, frames, kept }))
+}
+
+fn frame(
+    view: &PhotosOfView,
+    photo: &FlatPhoto,
+    name: &str,
+    below: &dyn Fn(&str) -> String,
+    drawn: &ViewImages,
+) -> Frame {
+    let name = format!("{name}_{}", light::to_hex(photo.flat_rgb));
+    Frame {
+        rgb: format!("rgb/{name}.png"),
+        object_mask: below("object"),
+        paint_mask: below("paint"),
+        linear: None,
+        positions: Some(below("positions")),
+        sides: Some(below("sides")),
+        t_camera_model: rigid::rows(&view.reference.pose),
+        paint: FramePaint::FlatRgb(photo.flat_rgb),
+        light: view.reference.place.clone(),
+        place: view.reference.place.clone(),
+        box_xyxy_px: drawn.box_xyxy_px,
+        name,
+    }
+}
+
+fn empty_list(canvas: &Canvas) -> FrameList {
+    FrameList {
+        format: FORMAT.to_owned(),
+        made_by: canvas.request.made_by.clone(),
+        size_px: canvas.size_px,
+        camera: canvas.pinhole,
+        target_mm: canvas.request.target_mm.coords.into(),
+        linear_max: None,
+        positions: Some(Positions::of(&canvas.request.mesh, FACTOR)),
+        frames: Vec::new(),
+    }
+}
+
+fn about(view: &PhotosOfView, kept: f64) -> PhotoView {
+    PhotoView {
+        name: view.reference.view_name(),
+        reference: view.reference.name(),
+        others: view
+            .others
+            .iter()
+            .map(|o| (o.photo.name(), o.turn_deg, o.gain))
+            .collect(),
+        kept,
+    }
+}

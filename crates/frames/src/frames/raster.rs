@@ -1,0 +1,228 @@
+//! A small z-buffer: which triangle of a mesh a pinhole camera sees at the centre of each pixel, and how far away.
+
+use nalgebra::{Point3, Vector3};
+
+use super::Pinhole;
+use scaleproof_core::geometry::{BoxPx, Rigid};
+use scaleproof_surface::mesh::{Mesh, doubled_area};
+
+/// A corner nearer than this is not drawn from: the camera is in the model.
+const NEAREST_MM: f64 = 1.0;
+/// A point counts as on a triangle's edge by this share of the triangle, so that neighbours leave no gap.
+const EDGE: f64 = 1e-9;
+/// So far a point lies behind the plane of what hides it, at least. Less is the same surface, in other triangles.
+const BEHIND_MM: f64 = 1.0;
+/// And so many pixels' footprints further away than what is seen there.
+const BEHIND_PX: f64 = 3.0;
+/// Around the model where its outline is looked at.
+const MARGIN_PX: i64 = 2;
+
+/// Pixels of an image, or of a part that reaches beyond it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RasterWindow {
+    pub left: i64,
+    pub top: i64,
+    pub width: usize,
+    pub height: usize,
+}
+
+/// What a pixel's centre shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Along the camera's axis, mm.
+    pub depth_mm: f64,
+    /// Index into the mesh's triangles.
+    pub triangle: usize,
+}
+
+/// A mesh as one camera sees it. Both sides of a triangle are seen: shells have only one.
+pub struct Raster<'a> {
+    mesh: &'a Mesh,
+    /// `T_camera_model`.
+    pose: Rigid,
+    pinhole: Pinhole,
+    window: RasterWindow,
+    hits: Vec<Option<Hit>>,
+}
+
+/// The mesh's corners in an image: pixel and depth.
+struct Seen(Vec<([f64; 2], f64)>);
+
+impl Seen {
+    /// `None` when a corner is not before the camera.
+    fn of(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<Self> {
+        let seen = |p: &Point3<f64>| {
+            let p = pose * p;
+            (p.z >= NEAREST_MM).then(|| (pixel(pinhole, &p), p.z))
+        };
+        mesh.points().iter().map(seen).collect::<Option<Vec<_>>>().map(Self)
+    }
+
+    fn outline(&self) -> Option<BoxPx> {
+        BoxPx::around(self.0.iter().map(|(pixel, _)| *pixel))
+    }
+}
+
+/// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the camera.
+pub fn outline(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<BoxPx> {
+    Seen::of(mesh, pose, pinhole)?.outline()
+}
+
+/// Pixel of a point in the camera frame.
+fn pixel(pinhole: &Pinhole, p: &Point3<f64>) -> [f64; 2] {
+    let [cx, cy] = pinhole.centre_px;
+    let f = pinhole.focal_length_px;
+    [f * p.x / p.z + cx, f * p.y / p.z + cy]
+}
+
+/// The point at depth 1 that a pixel shows.
+pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
+    let [cx, cy] = pinhole.centre_px;
+    let f = pinhole.focal_length_px;
+    Point3::new((x - cx) / f, (y - cy) / f, 1.0)
+}
+
+impl<'a> Raster<'a> {
+    /// What an image of this size shows; `None` when part of the mesh is not before the camera.
+    pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, [width, height]: [usize; 2]) -> Option<Self> {
+        let window = RasterWindow {
+            left: 0,
+            top: 0,
+            width,
+            height,
+        };
+        Some(Self::drawn(
+            mesh,
+            pose,
+            pinhole,
+            window,
+            &Seen::of(mesh, pose, pinhole)?,
+        ))
+    }
+
+    /// The whole mesh, also what lies beyond the image, up to its width and height on each side.
+    pub fn whole(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
+        let seen = Seen::of(mesh, pose, pinhole)?;
+        let around = seen.outline()?;
+        let span = |low: f64, high: f64, size: usize| {
+            let (least, most) = (-(size as i64), 2 * size as i64);
+            let low = (low.floor() as i64 - MARGIN_PX).clamp(least, most);
+            (
+                low,
+                ((high.ceil() as i64 + MARGIN_PX).clamp(least, most) - low) as usize,
+            )
+        };
+        let (left, width) = span(around.x1, around.x2, size[0]);
+        let (top, height) = span(around.y1, around.y2, size[1]);
+        let window = RasterWindow {
+            left,
+            top,
+            width,
+            height,
+        };
+        Some(Self::drawn(mesh, pose, pinhole, window, &seen))
+    }
+
+    fn drawn(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, window: RasterWindow, seen: &Seen) -> Self {
+        let mut raster = Self {
+            mesh,
+            pose: *pose,
+            pinhole: *pinhole,
+            window,
+            hits: vec![None; window.width * window.height],
+        };
+        for (index, triangle) in mesh.triangles().iter().enumerate() {
+            raster.fill(index, triangle.corners.map(|corner| seen.0[corner]));
+        }
+        raster
+    }
+
+    /// Draws one triangle where it is the nearest so far: 1/z is linear in the image.
+    fn fill(&mut self, triangle: usize, corners: [([f64; 2], f64); 3]) {
+        let [a, b, c] = corners.map(|(pixel, _)| pixel);
+        let area = cross(a, b, c);
+        if area == 0.0 {
+            return;
+        }
+        let w = self.window;
+        let span = |axis: usize, from: i64, size: usize| {
+            let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
+            let clamp = |v: f64| v.clamp(from as f64, (from + size as i64) as f64) as i64;
+            clamp(low.ceil())..clamp(high.floor() + 1.0)
+        };
+        for y in span(1, w.top, w.height) {
+            for x in span(0, w.left, w.width) {
+                let p = [x as f64, y as f64];
+                let shares = [cross(b, c, p), cross(c, a, p), cross(a, b, p)].map(|part| part / area);
+                if shares.iter().any(|share| *share < -EDGE) {
+                    continue;
+                }
+                let nearness: f64 = shares.iter().zip(corners).map(|(share, (_, z))| share / z).sum();
+                let depth_mm = 1.0 / nearness;
+                let hit = &mut self.hits[(y - w.top) as usize * w.width + (x - w.left) as usize];
+                if hit.is_none_or(|h| depth_mm < h.depth_mm) {
+                    *hit = Some(Hit { depth_mm, triangle });
+                }
+            }
+        }
+    }
+
+    /// What a pixel shows; nothing beyond the window.
+    pub fn at(&self, x: i64, y: i64) -> Option<Hit> {
+        let (column, row) = (x - self.window.left, y - self.window.top);
+        let is_inside =
+            (0..self.window.width as i64).contains(&column) && (0..self.window.height as i64).contains(&row);
+        is_inside.then(|| self.hits[row as usize * self.window.width + column as usize])?
+    }
+
+    /// The surface point (model frame, mm) at a pixel's centre.
+    pub fn point(&self, x: i64, y: i64, hit: &Hit) -> Point3<f64> {
+        let ray = ray(&self.pinhole, [x as f64, y as f64]);
+        self.pose
+            .inverse_transform_point(&Point3::from(ray.coords * hit.depth_mm))
+    }
+
+    /// Whether this camera sees a point of a triangle (model frame, mm) from the side that another camera's centre lies on, and nothing but
+    /// triangles of its kind in the pixels around it: light from there has strayed into a photo's pixel.
+    pub fn sees(
+        &self,
+        point: &Point3<f64>,
+        triangle: usize,
+        other_centre: &Point3<f64>,
+        is_its_kind: impl Fn(usize) -> bool,
+    ) -> bool {
+        let centre = self.pose.inverse_transform_point(&Point3::origin());
+        let corners = self.mesh.corners_mm(&self.mesh.triangles()[triangle]);
+        let normal = doubled_area(&corners);
+        let side = |eye: &Point3<f64>| normal.dot(&(eye - corners[0])) > 0.0;
+        if side(&centre) != side(other_centre) {
+            return false;
+        }
+        let p = self.pose * point;
+        if p.z < NEAREST_MM {
+            return false;
+        }
+        let [x, y] = pixel(&self.pinhole, &p).map(|v| v.round() as i64);
+        let slack = BEHIND_PX * p.z / self.pinhole.focal_length_px;
+        (-1..=1)
+            .flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)))
+            .all(|(dx, dy)| {
+                self.at(x + dx, y + dy).is_some_and(|hit| {
+                    let is_nearer = hit.triangle != triangle && hit.depth_mm < p.z - slack;
+                    is_its_kind(hit.triangle) && !(is_nearer && self.is_behind(point, hit.triangle, &centre))
+                })
+            })
+    }
+
+    fn is_behind(&self, point: &Point3<f64>, triangle: usize, eye: &Point3<f64>) -> bool {
+        let corners = self.mesh.corners_mm(&self.mesh.triangles()[triangle]);
+        let normal: Vector3<f64> = doubled_area(&corners).normalize();
+        let height = |p: &Point3<f64>| normal.dot(&(p - corners[0]));
+        -height(point) * height(eye).signum() > BEHIND_MM
+    }
+}
+
+/// Twice the signed area of a triangle in the image.
+fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}

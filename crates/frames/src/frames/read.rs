@@ -1,0 +1,288 @@
+//! Reading frames: the list is checked at once, images when they are read.
+
+use std::collections::HashSet;
+use std::path::{Component, Path};
+
+use image::{ColorType, RgbImage};
+
+use super::images::{Coverage, Linear16, read_png};
+use super::reprojection::{MOST_OFF_PX, median_off_px};
+use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint};
+use scaleproof_core::files;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// Images of more pixels a side are no frames.
+const MAX_SIDE_PX: u32 = 8192;
+/// Cameras with a longer focal length, or a centre further from the image, are no cameras, px.
+const MAX_CAMERA_PX: f64 = 1e6;
+/// Cameras further from the model are no cameras, mm.
+const MAX_DISTANCE_MM: f64 = 1e8;
+/// Rotations may be off by rounding.
+const RIGID_TOLERANCE: f64 = 1e-4;
+
+impl FrameSet {
+    /// Opens the frames in a folder and checks all but the images.
+    ///
+    /// # Errors
+    /// No or a damaged `frames.json`, unknown keys, a file named that is not there, impossible poses.
+    pub fn open(folder: &Path) -> Result<Self, FramesError> {
+        let path = folder.join(LIST);
+        let text = files::read_text(&path)?;
+        let list: FrameList = serde_json::from_str(&text).map_err(|e| syntax(&path, &e))?;
+        let set = Self {
+            folder: folder.to_owned(),
+            list,
+            sha256: files::sha256_hex(text.as_bytes()),
+        };
+        check(&set).map_err(|message| FramesError::Content { path, message })?;
+        Ok(set)
+    }
+
+    /// The image of a frame, 8-bit sRGB.
+    ///
+    /// # Errors
+    /// A file that is missing, damaged or of another size.
+    pub fn rgb(&self, frame: &Frame) -> Result<RgbImage, FramesError> {
+        self.image(&frame.rgb, "rgb image", ColorType::Rgb8)
+            .map(image::DynamicImage::into_rgb8)
+    }
+
+    /// How much of each pixel the model covers.
+    ///
+    /// # Errors
+    /// As of [`FrameSet::rgb`].
+    pub fn object_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
+        self.image(&frame.object_mask, "object mask", ColorType::L8)
+            .map(image::DynamicImage::into_luma8)
+    }
+
+    /// How much of each pixel the paint covers.
+    ///
+    /// # Errors
+    /// As of [`FrameSet::rgb`].
+    pub fn paint_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
+        self.image(&frame.paint_mask, "paint mask", ColorType::L8)
+            .map(image::DynamicImage::into_luma8)
+    }
+
+    /// Linear light, row by row; `None` where the frame has none.
+    pub fn linear(&self, frame: &Frame) -> Result<Option<Vec<[f32; 3]>>, FramesError> {
+        let (Some(file), Some(max)) = (&frame.linear, self.list.linear_max) else {
+            return Ok(None);
+        };
+        let image: Linear16 = self.image(file, "linear image", ColorType::Rgb16)?.into_rgb16();
+        let value = |level: u16| (f64::from(level) / 65535.0 * max) as f32;
+        Ok(Some(image.pixels().map(|p| p.0.map(value)).collect()))
+    }
+
+    /// What is at the centre of each part of each pixel, row by row of the finer image. `None` where the frame does not tell.
+    ///
+    /// # Errors
+    /// As of [`FrameSet::rgb`]; positions that camera and pose see elsewhere.
+    pub fn surface(&self, frame: &Frame) -> Result<Option<Vec<SurfacePoint>>, FramesError> {
+        let (Some(file), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &self.list.positions) else {
+            return Ok(None);
+        };
+        let size = self.list.size_px.map(|px| px * about.factor);
+        let at = |file: &String| self.folder.join(file);
+        let positions = read_png(&at(file), "positions image", size, ColorType::Rgb16)?.into_rgb16();
+        let image = read_png(&at(sides), "sides image", size, ColorType::L8)?.into_luma8();
+        if image.pixels().any(|p| usize::from(p.0[0]) > Side::ALL.len()) {
+            return Err(FramesError::Content {
+                path: at(sides),
+                message: "a side is above 6; sides are 0 for no paint and 1 to 6: make the frame again".to_owned(),
+            });
+        }
+        let place = |p: [u16; 3]| {
+            std::array::from_fn(|i| {
+                let share = f64::from(p[i]) / 65535.0;
+                about.low_mm[i] + share * (about.high_mm[i] - about.low_mm[i])
+            })
+        };
+        let side = |number: u8| Side::ALL.get(usize::from(number).checked_sub(1)?).copied();
+        let point = |(p, number): (&image::Rgb<u16>, &image::Luma<u8>)| SurfacePoint {
+            place_mm: place(p.0),
+            side: side(number.0[0]),
+        };
+        let points: Vec<SurfacePoint> = positions.pixels().zip(image.pixels()).map(point).collect();
+        match median_off_px(&self.list, frame, &points, about.factor) {
+            Some(off_px) if off_px > MOST_OFF_PX => Err(FramesError::Content {
+                path: at(file),
+                message: format!(
+                    "its points lie {off_px:.0} px from where the camera of frame {} sees them: the image, the pose, the camera or the positions' \
+                     low_mm and high_mm are of other frames",
+                    frame.name
+                ),
+            }),
+            _ => Ok(Some(points)),
+        }
+    }
+
+    /// The pattern on the model, and the width of one repeat in mm.
+    pub fn pattern(&self, frame: &Frame) -> Result<Option<(Pattern, f64)>, FramesError> {
+        match &frame.paint {
+            FramePaint::Pattern(paint) => Ok(Some((Pattern::load(&self.folder.join(&paint.file))?, paint.tile_mm))),
+            _ => Ok(None),
+        }
+    }
+
+    /// Reads every image of a frame, and holds its masks and its box against each other.
+    ///
+    /// # Errors
+    /// An image that is damaged, of another size or kind; no paint, or paint outside the object; a box that does not meet the object.
+    pub fn check_images(&self, frame: &Frame) -> Result<(), FramesError> {
+        self.rgb(frame)?;
+        self.linear(frame)?;
+        self.surface(frame)?;
+        self.pattern(frame)?;
+        let (object, paint) = (self.object_mask(frame)?, self.paint_mask(frame)?);
+        let content = |file: &String, message: String| FramesError::Content {
+            path: self.folder.join(file),
+            message,
+        };
+        // Coverage is sampled, so that the two may differ by a few hundredths.
+        if let Some((x, y, _)) = paint
+            .enumerate_pixels()
+            .find(|(x, y, p)| u16::from(p.0[0]) > u16::from(object.get_pixel(*x, *y).0[0]) + 16)
+        {
+            let message =
+                format!("the paint at column {x}, row {y} is outside the object: one of the masks is of another frame");
+            return Err(content(&frame.paint_mask, message));
+        }
+        if paint.pixels().all(|p| p.0[0] == 0) {
+            let message = "no paint is seen: take the frame out of the list".to_owned();
+            return Err(content(&frame.paint_mask, message));
+        }
+        let seen = outline(&object);
+        match (frame.box_xyxy_px, seen) {
+            (Some(stated), Some(seen)) if stated.iou(&seen) == 0.0 => Err(content(
+                &frame.object_mask,
+                "the object does not meet the frame's box_xyxy_px: one of them is of another frame".to_owned(),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn image(&self, file: &str, key: &str, kind: ColorType) -> Result<image::DynamicImage, FramesError> {
+        read_png(&self.folder.join(file), key, self.list.size_px, kind)
+    }
+}
+
+/// The box around what is covered by half or more, in the convention of pixel centres; `None` when nothing is.
+pub fn outline(mask: &Coverage) -> Option<BoxPx> {
+    let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
+    BoxPx::around(covered.flat_map(|(x, y, _)| {
+        let (x, y) = (f64::from(x), f64::from(y));
+        [[x - 0.5, y - 0.5], [x + 0.5, y + 0.5]]
+    }))
+}
+
+/// serde's words as one sentence with the line.
+pub fn syntax(path: &Path, e: &serde_json::Error) -> FramesError {
+    let text = e.to_string();
+    let message = match text.split(" at line ").next().unwrap_or(&text) {
+        inside if inside.contains("expected struct") => "an object {…} belongs here".to_owned(),
+        message => message.to_owned(),
+    };
+    FramesError::Syntax {
+        path: path.to_owned(),
+        line: e.line(),
+        message,
+    }
+}
+
+fn check(set: &FrameSet) -> Result<(), String> {
+    let list = &set.list;
+    if list.format != FORMAT {
+        return Err(format!(
+            "the format is '{}', and this program reads '{FORMAT}'",
+            list.format
+        ));
+    }
+    if list.size_px.iter().any(|px| !(1..=MAX_SIDE_PX).contains(px)) {
+        return Err(format!("size_px must be 1 to {MAX_SIDE_PX} along both sides"));
+    }
+    let camera = &list.camera;
+    let numbers = [camera.focal_length_px, camera.centre_px[0], camera.centre_px[1]];
+    if camera.focal_length_px <= 0.0 || !numbers.iter().all(|v| v.abs() <= MAX_CAMERA_PX) {
+        return Err(format!(
+            "the camera's focal_length_px must be above 0, and neither it nor its centre_px beyond {MAX_CAMERA_PX}"
+        ));
+    }
+    if list.linear_max.is_some_and(|max| !(max > 0.0 && max.is_finite())) {
+        return Err("linear_max must be above 0".to_owned());
+    }
+    if let Some(about) = &list.positions {
+        let grows =
+            (0..3).all(|i| about.high_mm[i] > about.low_mm[i] && (about.high_mm[i] - about.low_mm[i]).is_finite());
+        let most = MAX_SIDE_PX / list.size_px[0].max(list.size_px[1]);
+        if !grows || !(1..=most).contains(&about.factor) {
+            return Err(format!(
+                "positions must have a high_mm above its low_mm and a factor of 1 to {most}"
+            ));
+        }
+    }
+    if list.frames.is_empty() {
+        return Err("it lists no frames".to_owned());
+    }
+    let mut names = HashSet::new();
+    for frame in &list.frames {
+        if !names.insert(&frame.name) {
+            return Err(format!("the frame {} is listed twice", frame.name));
+        }
+        check_frame(set, frame).map_err(|problem| format!("frame {}: {problem}", frame.name))?;
+    }
+    Ok(())
+}
+
+fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
+    for (key, file) in frame.files() {
+        let is_below = Path::new(file)
+            .components()
+            .all(|part| matches!(part, Component::Normal(_)));
+        if !is_below || file.is_empty() {
+            return Err(format!("{key} '{file}' is not a path below the folder of the frames"));
+        }
+        if !set.folder.join(file).is_file() {
+            return Err(format!(
+                "{key} '{file}' is not there: make the frame again, or take it out of the list"
+            ));
+        }
+    }
+    if frame.linear.is_some() && set.list.linear_max.is_none() {
+        return Err("it has a linear image, but the list has no linear_max".to_owned());
+    }
+    if frame.positions.is_some() != frame.sides.is_some() {
+        return Err("positions and sides belong together: give both or neither".to_owned());
+    }
+    if frame.positions.is_some() && set.list.positions.is_none() {
+        return Err("it has positions, but the list does not say what their values mean".to_owned());
+    }
+    if let FramePaint::Pattern(paint) = &frame.paint
+        && !(paint.tile_mm > 0.0 && paint.tile_mm.is_finite())
+    {
+        return Err("the tile_mm of its pattern must be above 0".to_owned());
+    }
+    if frame.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
+        return Err("its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels".to_owned());
+    }
+    let [width, height] = set.list.size_px.map(f64::from);
+    if frame.box_xyxy_px.is_some_and(|b| !b.clipped(width, height).is_solid()) {
+        return Err("its box_xyxy_px lies outside the image: give it in pixels of the image".to_owned());
+    }
+    check_pose(&frame.t_camera_model)
+}
+
+fn check_pose(rows: &[[f64; 4]; 4]) -> Result<(), String> {
+    let rotation = nalgebra::Matrix3::from_fn(|r, c| rows[r][c]);
+    let off = (rotation * rotation.transpose() - nalgebra::Matrix3::identity())
+        .abs()
+        .max();
+    let is_rigid = off < RIGID_TOLERANCE && rotation.determinant() > 0.0;
+    if !is_rigid || !rows.iter().flatten().all(|v| v.abs() <= MAX_DISTANCE_MM) || rows[3] != [0.0, 0.0, 0.0, 1.0] {
+        return Err("its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm".to_owned());
+    }
+    Ok(())
+}

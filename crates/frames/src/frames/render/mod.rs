@@ -1,0 +1,179 @@
+//! Frames from Blender Cycles: any mesh, lights, viewpoints and paints.
+//!
+//! `plan.rs` decides everything, `render_frames.py` renders it, [`blender`] has the Python package `bpy`, and
+//! `collect.rs` makes frames of what comes out.
+
+pub mod blender;
+mod collect;
+mod light;
+mod plan;
+mod request;
+mod surface;
+
+pub use collect::{srgb, triples};
+pub use light::Panorama;
+pub use plan::{Missing, PlannedFrame, RenderPlan, work_folder};
+pub use request::{ROUGHNESS, RenderPaint, RenderRequest};
+
+use std::path::{Path, PathBuf};
+
+use crate::frames::FramesError;
+use scaleproof_core::files::{self, FileError};
+use scaleproof_surface::mesh::MeshError;
+
+/// Why nothing, or not everything, was rendered.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    #[error("{what} cannot be {value}; give {wanted}")]
+    BadNumber {
+        what: &'static str,
+        value: f64,
+        wanted: &'static str,
+    },
+    #[error(
+        "light '{text}' is not understood; write one of Blender's (city, courtyard, forest, interior, night, studio, sunrise, sunset) or an .exr \
+         or .hdr file, and a turn from 0 up to 360 degrees if you like, as in forest@90"
+    )]
+    BadLight { text: String },
+    #[error("a light's file cannot be called {name:?}; rename it to letters, digits, '-', '_' and '.'")]
+    BadLightName { name: String },
+    #[error("nothing to render: give at least one {what}")]
+    Nothing { what: &'static str },
+    #[error("a pattern or texture cannot be called {name:?}; rename its file to plain letters and digits")]
+    BadName { name: String },
+    #[error("Blender cannot write below {folder}: give a folder whose path is UTF-8 text without a backslash", folder = folder.display())]
+    BadFolder { folder: PathBuf },
+    #[error("the frame {name} would be rendered twice; give each light, viewpoint and paint once")]
+    Twice { name: String },
+    #[error("the mesh has no triangles of the paint's materials")]
+    NoPaint,
+    #[error(
+        "the camera at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm is not above the ground and outside the model; move it away"
+    )]
+    CameraInside {
+        azimuth_deg: f64,
+        pitch_deg: f64,
+        distance_mm: f64,
+    },
+    #[error(
+        "the model is not whole in the image at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm, so it would be judged by a part; move \
+         the camera away, or widen the field of view"
+    )]
+    CutOff {
+        azimuth_deg: f64,
+        pitch_deg: f64,
+        distance_mm: f64,
+    },
+    #[error("{folder} holds frames of another render; give an empty folder, or the same arguments to go on", folder = folder.display())]
+    OtherRender { folder: PathBuf },
+    #[error(
+        "rendering needs Python 3.11, for which Blender's package bpy 4.5 is built, and `{program}` does not start; install it (on Debian: \
+             apt install python3.11), or name it with SCALEPROOF_PYTHON"
+    )]
+    NoPython { program: String },
+    #[error(
+        "`{program}` is Python {version}, and Blender's package bpy 4.5 is built for 3.11; name a Python 3.11 with SCALEPROOF_PYTHON"
+    )]
+    OtherPython { program: String, version: String },
+    #[error(
+        "Blender's Python package could not be installed: `{command}` said: {reason}; with a network, or with the wheel in a folder that \
+             PIP_FIND_LINKS names, run this again"
+    )]
+    Install { command: String, reason: String },
+    #[error("{0}")]
+    Refused(String),
+    #[error("Blender stopped after {done} of {wanted} frames; what it said is in {log}; the same command goes on where it stopped", log = log.display())]
+    Stopped { done: usize, wanted: usize, log: PathBuf },
+    #[error("Blender made {path} with {found} bytes instead of {wanted}; run the command again", path = path.display())]
+    Torn { path: PathBuf, found: usize, wanted: usize },
+}
+
+/// Renders what is still missing in `folder` and writes `frames.json` when all is there. `on_frame` is called with the frames done so far, those
+/// found already included.
+///
+/// # Errors
+/// A folder of another render, no Blender, and whatever Blender cannot do. Frames that are whole stay, and the next call goes on after them.
+pub fn render(
+    plan: &RenderPlan,
+    folder: &Path,
+    python: &blender::Python,
+    mut on_frame: impl FnMut(usize),
+) -> Result<(), RenderError> {
+    reserve(plan, folder)?;
+    let work = work_folder(folder);
+    std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
+        path: work.clone(),
+        reason: files::plain(&e),
+    })?;
+    let collector = collect::Collector::new(plan, folder, &work);
+    let missing = collector.missing();
+    let wanted = plan.frames().len();
+    let mut done = wanted - missing.frames.len();
+    on_frame(done);
+    if !missing.is_empty() {
+        let job = work.join("plan.json");
+        files::replace_atomically(&job, plan.to_script(&missing, folder).to_string().as_bytes())?;
+        let log = work.join("blender.log");
+        let finished = blender::run(python, &job, &log, |event| {
+            match event {
+                blender::BlenderEvent::Geometry(view) => collector.take_geometry(&view)?,
+                blender::BlenderEvent::Frame(name) => {
+                    collector.take_frame(&name)?;
+                    done += 1;
+                }
+            }
+            on_frame(done);
+            Ok(())
+        })?;
+        if !finished || !collector.missing().is_empty() {
+            return Err(RenderError::Stopped { done, wanted, log });
+        }
+    }
+    let (path, bytes) = plan.list()?.to_file(folder)?;
+    files::replace_atomically(&path, &bytes)?;
+    // Nothing is lost if the work folder stays.
+    let _ = std::fs::remove_dir_all(&work);
+    Ok(())
+}
+
+/// Refuses a folder that Blender would miss: it takes a backslash for a slash.
+pub fn check_folder(folder: &Path) -> Result<(), RenderError> {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    match whole.to_str() {
+        Some(text) if !text.contains('\\') => Ok(()),
+        _ => Err(RenderError::BadFolder { folder: whole }),
+    }
+}
+
+/// Writes what the folder is for, or refuses a folder that is for something else.
+fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
+    let note = folder.join("render.json");
+    let own = plan.identity();
+    // What was refused before its first image leaves the folder free.
+    let is_begun = folder.join("views").is_dir() || folder.join("rgb").is_dir();
+    if note.is_file() && is_begun {
+        return if files::read_text(&note)? == own {
+            Ok(())
+        } else {
+            Err(RenderError::OtherRender {
+                folder: folder.to_owned(),
+            })
+        };
+    }
+    if folder.join(crate::frames::LIST).exists() {
+        return Err(RenderError::OtherRender {
+            folder: folder.to_owned(),
+        });
+    }
+    for (path, bytes) in plan.pattern_files(folder)? {
+        files::replace_atomically(&path, &bytes)?;
+    }
+    Ok(files::replace_atomically(&note, own.as_bytes())?)
+}

@@ -1,0 +1,439 @@
+//! What is rendered: every decision is made here, so that it can be tested without Blender.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Point3;
+use serde_json::{Value, json};
+
+use super::request::{RenderPaint, RenderRequest, absolute};
+use super::surface::surface;
+use super::{Panorama, RenderError};
+use crate::frames::{FORMAT, Frame, FrameList, Pinhole, Positions, light};
+use scaleproof_core::files;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::geometry::rigid::{self, Rigid};
+use scaleproof_pose::simulate::looking_at;
+
+/// The linear light that the highest level of a linear image stands for: two stops above white.
+const LINEAR_MAX: f64 = 4.0;
+/// How often light may be reflected on its way.
+const BOUNCES: u32 = 4;
+
+/// A checked request, with everything derived from it.
+#[derive(Debug, Clone)]
+pub struct RenderPlan {
+    request: RenderRequest,
+    mesh_sha256: String,
+    /// Of each light's file.
+    lights_sha256: Vec<Option<String>>,
+    target_mm: Point3<f64>,
+    surface: Value,
+    /// The mesh's triangles in it.
+    surface_triangles: Vec<usize>,
+}
+
+/// One frame of a plan, as indices into the request.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlannedFrame {
+    pub light: usize,
+    pub viewpoint: usize,
+    pub colour: usize,
+}
+
+/// Where the images of a folder lie until they are whole.
+pub fn work_folder(folder: &Path) -> PathBuf {
+    folder.join(".render")
+}
+
+/// What a folder still lacks.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Missing {
+    pub frames: Vec<PlannedFrame>,
+    /// Viewpoints without their masks and positions.
+    pub viewpoints: Vec<usize>,
+}
+
+impl Missing {
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty() && self.viewpoints.is_empty()
+    }
+}
+
+impl RenderPlan {
+    /// # Errors
+    /// Nothing to render, numbers out of range, cameras inside the model, a mesh without paint or files that cannot be read.
+    pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
+        check(&request)?;
+        let mesh_sha256 = files::sha256_hex(&files::read(&request.mesh_file)?);
+        let hash = |light: &Panorama| {
+            light
+                .file
+                .as_deref()
+                .map(|f| Ok(files::sha256_hex(&files::read(f)?)))
+                .transpose()
+        };
+        let lights_sha256 = request
+            .lights
+            .iter()
+            .map(hash)
+            .collect::<Result<_, files::FileError>>()?;
+        let (low, high) = request.mesh.bounds_mm();
+        let target_mm = Point3::new(0.0, 0.0, 0.5 * high.z);
+        for view in &request.viewpoints {
+            let centre = view.camera_centre_mm(target_mm);
+            let is_inside = (0..3).all(|i| centre[i] > low[i] && centre[i] < high[i]);
+            if is_inside || centre.z <= 0.0 {
+                return Err(RenderError::CameraInside {
+                    azimuth_deg: view.azimuth_deg,
+                    pitch_deg: view.pitch_deg,
+                    distance_mm: view.distance_mm,
+                });
+            }
+        }
+        let (surface, surface_triangles) = surface(&request)?;
+        let plan = Self {
+            request,
+            mesh_sha256,
+            lights_sha256,
+            target_mm,
+            surface,
+            surface_triangles,
+        };
+        let mut names: Vec<String> = plan.frames().iter().map(|f| plan.frame_name(f)).collect();
+        names.sort();
+        match names.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(RenderError::Twice { name: pair[0].clone() }),
+            None => Ok(plan),
+        }
+    }
+
+    /// Every frame, those of one view together.
+    pub fn frames(&self) -> Vec<PlannedFrame> {
+        let r = &self.request;
+        let (lights, viewpoints, colours) = (0..r.lights.len(), 0..r.viewpoints.len(), 0..r.colours.len());
+        let view = lights.flat_map(|light| viewpoints.clone().map(move |viewpoint| (light, viewpoint)));
+        view.flat_map(|(light, viewpoint)| {
+            colours.clone().map(move |colour| PlannedFrame {
+                light,
+                viewpoint,
+                colour,
+            })
+        })
+        .collect()
+    }
+
+    /// All of it, as if nothing were there yet.
+    pub fn everything(&self) -> Missing {
+        Missing {
+            frames: self.frames(),
+            viewpoints: (0..self.request.viewpoints.len()).collect(),
+        }
+    }
+
+    pub fn size_px(&self) -> [u32; 2] {
+        self.request.size_px
+    }
+
+    pub fn factor(&self) -> u32 {
+        self.request.factor
+    }
+
+    pub fn linear_max(&self) -> f64 {
+        LINEAR_MAX
+    }
+
+    /// The box that positions are stored in: the model's, and a little more.
+    pub fn position_box_mm(&self) -> ([f64; 3], [f64; 3]) {
+        let (low, high) = self.request.mesh.bounds_mm();
+        let wider = nalgebra::Vector3::repeat(1.0);
+        ((low - wider).coords.into(), (high + wider).coords.into())
+    }
+
+    /// How a viewpoint is called in file names.
+    pub fn view_name(&self, viewpoint: usize) -> String {
+        let v = &self.request.viewpoints[viewpoint];
+        format!("az{}_p{}_d{}", v.azimuth_deg, v.pitch_deg, v.distance_mm)
+    }
+
+    pub fn frame_name(&self, frame: &PlannedFrame) -> String {
+        let light = self.request.lights[frame.light].place();
+        let colour = self.request.colours[frame.colour].name();
+        format!("{light}_{}_{colour}", self.view_name(frame.viewpoint))
+    }
+
+    fn pose(&self, viewpoint: usize) -> Rigid {
+        looking_at(&self.request.viewpoints[viewpoint], self.target_mm)
+    }
+
+    fn focal_length_px(&self) -> f64 {
+        let half = 0.5 * self.request.field_of_view_deg.to_radians();
+        0.5 * f64::from(self.request.size_px[0]) / half.tan()
+    }
+
+    /// What decides about the pixels: two plans of one identity render the same.
+    pub fn identity(&self) -> String {
+        let mut identity = self.view_identity();
+        identity["paints"] = self.request.colours.iter().map(RenderPaint::identity).collect();
+        format!("{identity:#}\n")
+    }
+
+    /// What decides about the pixels besides the paints.
+    pub fn view_identity(&self) -> Value {
+        let r = &self.request;
+        json!({
+            "scaleproof": env!("CARGO_PKG_VERSION"),
+            "script_sha256": files::sha256_hex(super::blender::SCRIPT.as_bytes()),
+            "mesh_sha256": self.mesh_sha256,
+            "surface_sha256": files::sha256_hex(self.surface.to_string().as_bytes()),
+            "lights": r.lights.iter().map(Panorama::place).collect::<Vec<_>>(),
+            "lights_sha256": self.lights_sha256,
+            "viewpoints": r.viewpoints,
+            "size_px": r.size_px,
+            "field_of_view_deg": r.field_of_view_deg,
+            "roughness": r.roughness,
+            "samples": r.samples,
+            "denoise": r.denoise,
+            "seed": r.seed,
+            "positions_factor": r.factor,
+        })
+    }
+
+    /// The patterns and textures, as files below the folder of the frames.
+    pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
+        let mut new = Vec::new();
+        for colour in &self.request.colours {
+            if let (Some(png), Some(file)) = (colour.png()?, colour.file()) {
+                new.push((folder.join(file), png));
+            }
+        }
+        Ok(new)
+    }
+
+    /// What `render_frames.py` gets: only what is missing in the folder.
+    pub fn to_script(&self, missing: &Missing, folder: &Path) -> Value {
+        let raw = work_folder(folder);
+        let r = &self.request;
+        let colour = |c: &RenderPaint| (c.name(), c.to_script(&self.surface_triangles, folder));
+        let lights = r.lights.iter().map(|l| {
+            let file = l.file.as_deref().map(absolute);
+            (l.place(), json!({"name": l.name, "file": file, "turn_deg": l.turn_deg}))
+        });
+        let mut views = Vec::new();
+        for light in 0..r.lights.len() {
+            for viewpoint in 0..r.viewpoints.len() {
+                let frames: Vec<Value> = missing
+                    .frames
+                    .iter()
+                    .filter(|f| (f.light, f.viewpoint) == (light, viewpoint))
+                    .map(|f| json!({"name": self.frame_name(f), "paint": r.colours[f.colour].name()}))
+                    .collect();
+                // The shape is the same under every light: it comes with the first.
+                let needs_geometry = light == 0 && missing.viewpoints.contains(&viewpoint);
+                if needs_geometry || !frames.is_empty() {
+                    views.push(json!({
+                        "name": self.view_name(viewpoint),
+                        "light": r.lights[light].place(),
+                        "T_model_camera": rigid::rows(&self.pose(viewpoint).inverse()),
+                        "needs_geometry": needs_geometry,
+                        "frames": frames,
+                    }));
+                }
+            }
+        }
+        let (low, high) = r.mesh.bounds_mm();
+        let turn: Vec<[f64; 3]> = (0..3).map(|i| std::array::from_fn(|j| r.turn[(i, j)])).collect();
+        json!({
+            "mesh": absolute(&r.mesh_file),
+            "turn_rows": turn,
+            "bounds_mm": [<[f64; 3]>::from(low.coords), <[f64; 3]>::from(high.coords)],
+            "paint_surface": self.surface,
+            "width_px": r.size_px[0],
+            "height_px": r.size_px[1],
+            "focal_length_px": self.focal_length_px(),
+            "roughness": r.roughness,
+            "samples": r.samples,
+            "denoise": r.denoise,
+            "seed": r.seed,
+            "bounces": BOUNCES,
+            "threads": r.threads,
+            "geometry_factor": r.factor,
+            "lights": lights.collect::<serde_json::Map<_, _>>(),
+            "paints": r.colours.iter().map(colour).collect::<serde_json::Map<_, _>>(),
+            "views": views,
+            // Linear light of the levels of 8-bit images.
+            "levels": (0..=u8::MAX).map(|v| light::decode(f64::from(v) / 255.0)).collect::<Vec<_>>(),
+            "raw": absolute(&raw),
+        })
+    }
+
+    /// The finished list.
+    pub fn list(&self) -> Result<FrameList, RenderError> {
+        let r = &self.request;
+        let (low_mm, high_mm) = self.position_box_mm();
+        let mut list = FrameList {
+            format: FORMAT.to_owned(),
+            made_by: r.made_by.clone(),
+            size_px: r.size_px,
+            camera: self.pinhole(),
+            target_mm: self.target_mm.coords.into(),
+            linear_max: Some(LINEAR_MAX),
+            positions: Some(Positions {
+                low_mm,
+                high_mm,
+                factor: r.factor,
+            }),
+            frames: Vec::new(),
+        };
+        let boxes: Vec<Option<BoxPx>> = (0..r.viewpoints.len()).map(|v| self.outline(v, &list)).collect();
+        for frame in self.frames() {
+            list.frames.push(self.frame(&frame, boxes[frame.viewpoint]));
+        }
+        Ok(list)
+    }
+
+    fn frame(&self, frame: &PlannedFrame, box_xyxy_px: Option<BoxPx>) -> Frame {
+        let (name, view) = (self.frame_name(frame), self.view_name(frame.viewpoint));
+        let light = &self.request.lights[frame.light];
+        Frame {
+            rgb: format!("rgb/{name}.png"),
+            linear: Some(format!("linear/{name}.png")),
+            object_mask: format!("views/{view}_object.png"),
+            paint_mask: format!("views/{view}_paint.png"),
+            positions: Some(format!("views/{view}_positions.png")),
+            sides: Some(format!("views/{view}_sides.png")),
+            t_camera_model: rigid::rows(&self.pose(frame.viewpoint)),
+            paint: self.request.colours[frame.colour].paint(),
+            light: light.name.clone(),
+            place: light.place(),
+            box_xyxy_px,
+            name,
+        }
+    }
+
+    /// The box of the whole mesh, exactly: of its projected corners, clipped to the image.
+    fn outline(&self, viewpoint: usize, list: &FrameList) -> Option<BoxPx> {
+        let [width, height] = list.size_px.map(f64::from);
+        let clipped = self.projected(viewpoint)?.clipped(width, height);
+        clipped.is_solid().then_some(clipped)
+    }
+
+    /// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the
+    /// camera.
+    fn projected(&self, viewpoint: usize) -> Option<BoxPx> {
+        let (camera, pose) = (self.pinhole().camera(self.request.size_px), self.pose(viewpoint));
+        let mesh = &self.request.mesh;
+        let corners = mesh.triangles().iter().flat_map(|t| mesh.corners_mm(t));
+        let seen: Option<Vec<[f64; 2]>> = corners.map(|p| camera.project(&(pose * p))).collect();
+        BoxPx::around(seen?)
+    }
+
+    /// The box of the whole mesh as scoring counts, from the corner of the top-left pixel.
+    ///
+    /// # Errors
+    /// The mesh is not whole in the image, so that its box would be that of a part.
+    pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
+        let [width, height] = self.request.size_px.map(f64::from);
+        let whole = self
+            .projected(viewpoint)
+            .map(|b| BoxPx::new(b.x1 + 0.5, b.y1 + 0.5, b.x2 + 0.5, b.y2 + 0.5));
+        whole.filter(|b| *b == b.clipped(width, height)).ok_or_else(|| {
+            let view = &self.request.viewpoints[viewpoint];
+            RenderError::CutOff {
+                azimuth_deg: view.azimuth_deg,
+                pitch_deg: view.pitch_deg,
+                distance_mm: view.distance_mm,
+            }
+        })
+    }
+
+    fn pinhole(&self) -> Pinhole {
+        let [width, height] = self.request.size_px.map(f64::from);
+        Pinhole {
+            focal_length_px: self.focal_length_px(),
+            centre_px: [0.5 * (width - 1.0), 0.5 * (height - 1.0)],
+        }
+    }
+
+    pub fn request(&self) -> &RenderRequest {
+        &self.request
+    }
+}
+
+fn check(request: &RenderRequest) -> Result<(), RenderError> {
+    let nothing = [
+        (request.lights.is_empty(), "light"),
+        (request.viewpoints.is_empty(), "viewpoint"),
+        (request.colours.is_empty(), "flat colour, pattern or texture"),
+    ];
+    if let Some((_, what)) = nothing.into_iter().find(|(is_missing, _)| *is_missing) {
+        return Err(RenderError::Nothing { what });
+    }
+    let number = |what, value: f64, wanted, is_fine: bool| {
+        if is_fine {
+            Ok(())
+        } else {
+            Err(RenderError::BadNumber { what, value, wanted })
+        }
+    };
+    for px in request.size_px.map(f64::from) {
+        number(
+            "a side of the frames",
+            px,
+            "16 to 2048 px",
+            (16.0..=2048.0).contains(&px),
+        )?;
+    }
+    let fov = request.field_of_view_deg;
+    number(
+        "the field of view",
+        fov,
+        "5 to 120 degrees",
+        (5.0..=120.0).contains(&fov),
+    )?;
+    number(
+        "the roughness",
+        request.roughness,
+        "0 to 1",
+        (0.0..=1.0).contains(&request.roughness),
+    )?;
+    let samples = f64::from(request.samples);
+    number("samples", samples, "1 to 65536", (1.0..=65536.0).contains(&samples))?;
+    let factor = f64::from(request.factor);
+    number(
+        "the positions in a pixel",
+        factor,
+        "1 to 8 along a side",
+        (1.0..=8.0).contains(&factor),
+    )?;
+    for view in &request.viewpoints {
+        number(
+            "a pitch",
+            view.pitch_deg,
+            "an angle from -89.9 to 89.9 degrees: straight from above no side of the image is up",
+            view.pitch_deg.abs() <= 89.9,
+        )?;
+        number(
+            "a distance",
+            view.distance_mm,
+            "a distance above 0 and up to 1000000 mm",
+            view.is_possible() && view.distance_mm <= 1e6,
+        )?;
+    }
+    for colour in &request.colours {
+        if let RenderPaint::Pattern(name, ..) | RenderPaint::Texture(name, _) = colour
+            // Names become file names, lines of what Blender says, and names of its outputs, in which # stands for digits.
+            && (name.trim() != name || name.is_empty() || name.chars().any(|c| c.is_control() || "/\\#".contains(c)))
+        {
+            return Err(RenderError::BadName { name: name.clone() });
+        }
+        if let RenderPaint::Pattern(_, _, tile) = colour {
+            number(
+                "a tile",
+                *tile,
+                "its width on the model, above 0 and up to 100000 mm",
+                *tile > 0.0 && *tile <= 1e5,
+            )?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,160 @@
+//! What is to be rendered.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use nalgebra::Matrix3;
+use serde_json::{Value, json};
+
+use super::Panorama;
+use crate::frames::{FramePaint, FramesError, PatternPaint, TexturePaint, encode_rgb, light};
+use scaleproof_core::files;
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_surface::mesh::{Mesh, Wrap};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_wrap::bake::TriangleImage;
+
+/// Roughness of the paint's coat where nothing else is said.
+pub const ROUGHNESS: f64 = 0.5;
+
+/// What to render.
+#[derive(Debug, Clone)]
+pub struct RenderRequest {
+    pub mesh: Mesh,
+    pub mesh_file: PathBuf,
+    /// Rows of the rotation from the mesh file's frame into the model frame.
+    pub turn: Matrix3<f64>,
+    /// Indices of the materials that are the paint; all when empty.
+    pub materials: Vec<usize>,
+    pub lights: Vec<Panorama>,
+    pub viewpoints: Vec<Viewpoint>,
+    pub colours: Vec<RenderPaint>,
+    pub size_px: [u32; 2],
+    /// Horizontal.
+    pub field_of_view_deg: f64,
+    /// Of the paint's coat, as in Blender's Principled BSDF: 0 reflects like glass, 1 is matt.
+    pub roughness: f64,
+    /// Light paths a pixel.
+    pub samples: u32,
+    /// Clean the noise of few light paths away (Intel Open Image Denoise). Such images no longer add up as light does.
+    pub denoise: bool,
+    pub seed: u32,
+    /// Positions are taken at this many points along each side of a pixel.
+    pub factor: u32,
+    /// Threads; 0 is all cores. The same images come out.
+    pub threads: u32,
+    /// How the frames say they were made.
+    pub made_by: String,
+}
+
+/// What is on the model.
+#[derive(Debug, Clone)]
+pub enum RenderPaint {
+    /// 8-bit sRGB of the diffuse reflectance.
+    Flat([u8; 3]),
+    /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
+    Pattern(String, Pattern, f64),
+    /// A texture: how its file is called, and the image.
+    Texture(String, Arc<TriangleImage>),
+    /// The mesh file's own materials.
+    Original,
+}
+
+impl RenderPaint {
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::Flat(rgb) => light::to_hex(*rgb),
+            Self::Pattern(name, ..) | Self::Texture(name, _) => name.clone(),
+            Self::Original => "original".to_owned(),
+        }
+    }
+
+    pub(super) fn paint(&self) -> FramePaint {
+        match self {
+            Self::Flat(rgb) => FramePaint::FlatRgb(*rgb),
+            Self::Pattern(_, _, tile_mm) => FramePaint::Pattern(PatternPaint {
+                file: self.file().unwrap_or_default(),
+                tile_mm: *tile_mm,
+            }),
+            Self::Texture(..) => FramePaint::Texture(TexturePaint {
+                file: self.file().unwrap_or_default(),
+            }),
+            Self::Original => FramePaint::Original,
+        }
+    }
+
+    pub(super) fn file(&self) -> Option<String> {
+        let folder = match self {
+            Self::Pattern(..) => "patterns",
+            Self::Texture(..) => "textures",
+            Self::Flat(_) | Self::Original => return None,
+        };
+        Some(format!("{folder}/{}.png", self.name()))
+    }
+
+    /// What the file holds.
+    pub(super) fn png(&self) -> Result<Option<Vec<u8>>, FramesError> {
+        match self {
+            Self::Pattern(_, pattern, _) => Ok(Some(pattern.to_png()?)),
+            Self::Texture(_, texture) => Ok(Some(encode_rgb(&texture.image)?)),
+            Self::Flat(_) | Self::Original => Ok(None),
+        }
+    }
+
+    /// What tells this paint from others.
+    pub fn identity(&self) -> Value {
+        match self {
+            Self::Pattern(name, pattern, tile_mm) => {
+                json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})
+            }
+            Self::Texture(name, texture) => {
+                json!({"name": name, "sha256": files::sha256_hex(&texture.bytes()), "wrap": extension(texture.wrap)})
+            }
+            Self::Flat(_) | Self::Original => json!(self.name()),
+        }
+    }
+
+    /// Rows of cells from the top in linear light, and the size of one repeat, or the image in `folder` and where these triangles lie in it;
+    /// nothing for the mesh's own materials.
+    pub(super) fn to_script(&self, triangles: &[usize], folder: &Path) -> Value {
+        let (cells, tile_mm): (Vec<Vec<[f64; 3]>>, _) = match self {
+            Self::Original => return Value::Null,
+            Self::Texture(_, texture) => {
+                let file = absolute(&folder.join(self.file().unwrap_or_default()));
+                let uv: Vec<_> = triangles
+                    .iter()
+                    .map(|t| texture.coordinates[*t].unwrap_or_default())
+                    .collect();
+                let texture = json!({
+                    "file": file, "extension": extension(texture.wrap), "uv": uv,
+                });
+                return json!({"cells": null, "tile_mm": null, "texture": texture});
+            }
+            Self::Flat(rgb) => (vec![vec![light::linear_of(*rgb)]], [1.0, 1.0]),
+            Self::Pattern(_, pattern, tile_mm) => {
+                let row = |y| (0..pattern.columns()).map(move |x| light::linear_of(pattern.cells().get_pixel(x, y).0));
+                let height_mm = tile_mm * f64::from(pattern.rows()) / f64::from(pattern.columns());
+                (
+                    (0..pattern.rows()).map(|y| row(y).collect()).collect(),
+                    [*tile_mm, height_mm],
+                )
+            }
+        };
+        json!({"cells": cells, "tile_mm": tile_mm, "texture": null})
+    }
+}
+
+/// A whole path, as the script gets it.
+pub(super) fn absolute(path: &Path) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    whole.to_string_lossy().into_owned()
+}
+
+/// What Blender calls it.
+fn extension(wrap: Wrap) -> &'static str {
+    match wrap {
+        Wrap::Repeat => "REPEAT",
+        Wrap::MirroredRepeat => "MIRROR",
+        Wrap::ClampToEdge => "EXTEND",
+    }
+}

@@ -1,0 +1,158 @@
+//! The model in its textures as a camera sees it, drawn without Blender: diffuse light from behind the camera's left shoulder, on white.
+
+use image::{Rgb, RgbImage};
+use nalgebra::{Point3, Vector3};
+
+use super::Pinhole;
+use super::raster::{Raster, outline};
+use scaleproof_core::geometry::Rigid;
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_pose::simulate::looking_at;
+use scaleproof_surface::mesh::{Mesh, doubled_area};
+use scaleproof_surface::pattern::light;
+use scaleproof_surface::texture::{SurfacePoint, Texture};
+
+/// Points along each side of a pixel.
+const FACTOR: u32 = 3;
+/// The share of the light that comes from everywhere.
+const AMBIENT: f64 = 0.4;
+/// From the surface to the lamp: to the right, down and along the camera's axis.
+const LAMP: [f64; 3] = [-0.4, -0.7, -0.6];
+
+/// Horizontal field of view of a view from around.
+pub const FIELD_OF_VIEW_DEG: f64 = 30.0;
+/// The share of the image's width or height that the model takes at most while it is turned.
+const FILLED: f64 = 0.94;
+/// Azimuths at which it is held against the image.
+const TURNS: u32 = 24;
+
+/// Halvings of the interval in which the distance is looked for.
+const STEPS: usize = 8;
+
+/// Why nothing is drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum ShadedError {
+    #[error("the sides of a view are 16 to 4096 px, not {width} × {height}")]
+    BadSize { width: u32, height: u32 },
+    #[error("a pitch of {pitch_deg}° cannot be drawn; give -89 to 89")]
+    BadPitch { pitch_deg: f64 },
+}
+
+/// What is drawn.
+pub struct ShadedModel<'a> {
+    pub mesh: &'a Mesh,
+    /// Of each material.
+    pub textures: Vec<&'a Texture>,
+}
+
+impl ShadedModel<'_> {
+    /// The whole model from a direction, from as far away as it takes from any other at this pitch; and how far that is from its middle, mm.
+    ///
+    /// # Errors
+    /// A size or direction that cannot be drawn.
+    pub fn turned(&self, azimuth_deg: f64, pitch_deg: f64, size_px: [u32; 2]) -> Result<(RgbImage, f64), ShadedError> {
+        let [width, height] = size_px;
+        if size_px.iter().any(|px| !(16..=4096).contains(px)) {
+            return Err(ShadedError::BadSize { width, height });
+        }
+        let (low, high) = self.mesh.bounds_mm();
+        let middle = nalgebra::center(&low, &high);
+        let focal_length_px = 0.5 * f64::from(width) / (0.5 * FIELD_OF_VIEW_DEG).to_radians().tan();
+        let pinhole = Pinhole {
+            focal_length_px,
+            centre_px: size_px.map(|px| 0.5 * (f64::from(px) - 1.0)),
+        };
+        let pose = |azimuth_deg, distance_mm| {
+            let viewpoint = Viewpoint {
+                azimuth_deg,
+                pitch_deg,
+                distance_mm,
+            };
+            looking_at(&viewpoint, middle)
+        };
+        let is_whole = |distance_mm: f64| {
+            let turns = (0..TURNS).map(|i| 360.0 * f64::from(i) / f64::from(TURNS));
+            turns
+                .map(|turn| outline(self.mesh, &pose(turn, distance_mm), &pinhole))
+                .all(|b| {
+                    b.is_some_and(|b| {
+                        let [across, down] = [(0, b.x1, b.x2), (1, b.y1, b.y2)].map(|(axis, low, high)| {
+                            let middle: f64 = pinhole.centre_px[axis];
+                            (middle - low).max(high - middle) / (0.5 * f64::from(size_px[axis]))
+                        });
+                        across.max(down) <= FILLED
+                    })
+                })
+        };
+        // The ball around the model is whole from the larger distance.
+        let radius = 0.5 * (high - low).norm();
+        let half_angle = (0.5 * FILLED * f64::from(width.min(height)) / focal_length_px).atan();
+        let (mut near, mut far) = (radius, radius / half_angle.sin());
+        for _ in 0..STEPS {
+            let distance_mm = 0.5 * (near + far);
+            if is_whole(distance_mm) {
+                far = distance_mm;
+            } else {
+                near = distance_mm;
+            }
+        }
+        let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&pose(azimuth_deg, far), &pinhole, size_px));
+        let image = image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })?;
+        Ok((image, far))
+    }
+
+    /// Each pixel is the mean of its points in linear light. `None` when part of the model is not before the camera.
+    pub fn draw(&self, pose: &Rigid, pinhole: &Pinhole, [width, height]: [u32; 2]) -> Option<RgbImage> {
+        let fine = |px: f64| (px + 0.5) * f64::from(FACTOR) - 0.5;
+        let finer = Pinhole {
+            focal_length_px: pinhole.focal_length_px * f64::from(FACTOR),
+            centre_px: pinhole.centre_px.map(fine),
+        };
+        let size = [width, height].map(|px| (px * FACTOR) as usize);
+        let raster = Raster::image(self.mesh, pose, &finer, size)?;
+        let colour = |x: u32, y: u32| {
+            let mut sum = [0.0; 3];
+            for point in 0..FACTOR * FACTOR {
+                let (x, y) = (
+                    i64::from(x * FACTOR + point % FACTOR),
+                    i64::from(y * FACTOR + point / FACTOR),
+                );
+                let linear = match raster.at(x, y) {
+                    Some(hit) => self.shaded(pose, hit.triangle, &raster.point(x, y, &hit)),
+                    None => [1.0; 3],
+                };
+                (0..3).for_each(|c| sum[c] += linear[c] / f64::from(FACTOR * FACTOR));
+            }
+            Rgb(light::rgb_of(sum))
+        };
+        Some(RgbImage::from_fn(width, height, colour))
+    }
+
+    fn shaded(&self, pose: &Rigid, triangle: usize, place: &Point3<f64>) -> [f64; 3] {
+        let corners = self.mesh.corners_mm(&self.mesh.triangles()[triangle]);
+        let normal = pose.rotation * doubled_area(&corners).normalize();
+        // Both sides of a shell are seen.
+        let normal = if normal.dot(&(pose * place).coords) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
+        let lit = AMBIENT + (1.0 - AMBIENT) * normal.dot(&Vector3::from(LAMP).normalize()).max(0.0);
+        let material = self.mesh.triangles()[triangle].material;
+        let at = SurfacePoint {
+            triangle,
+            weights: weights(&corners, place),
+        };
+        let rgb = self.textures[material].colour(self.mesh, &at);
+        light::linear_of(rgb).map(|v| v * lit)
+    }
+}
+
+/// The shares of the corners at a point of a triangle.
+fn weights(corners: &[Point3<f64>; 3], p: &Point3<f64>) -> [f64; 3] {
+    let whole = doubled_area(corners);
+    let [a, b, c] = corners;
+    let share = |q: &Point3<f64>, r: &Point3<f64>| doubled_area(&[*p, *q, *r]).dot(&whole) / whole.norm_squared();
+    let (first, second) = (share(b, c), share(c, a));
+    [first, second, 1.0 - first - second]
+}

@@ -1,0 +1,451 @@
+//! Surrogate renderers against each other on the same frames: error in colours none of them has seen, against milliseconds.
+
+use image::RgbImage;
+use serde::Serialize;
+
+use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
+use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
+use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
+use scaleproof_core::workers::fastest;
+
+/// Why there is no chart.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurrogateChartError {
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    #[error("the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours")]
+    NoReference { frame: String, colour: String },
+    #[error("the network {network} starts from {wanted}, which is not among the references; add it")]
+    OtherReference { network: String, wanted: String },
+    #[error("the network {network}: {reason}")]
+    Network { network: String, reason: NotComputed },
+    #[error("no view has a flat colour besides the references, so there is nothing to predict: render one more")]
+    NothingToPredict,
+}
+
+/// One model with so many reference colours, over all views.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurrogateFigures {
+    /// The name of a closed form or of a network.
+    pub model: String,
+    /// `None` for closed forms.
+    pub training_seconds: Option<f64>,
+    /// Images of the view it is given.
+    pub references: usize,
+    /// Colours a network was trained to start from, any one of which it is given.
+    pub trained_references: Option<usize>,
+    pub views: usize,
+    /// Frames predicted: flat colours the model has not seen.
+    pub frames: usize,
+    /// Mean squared error in sRGB, 0 to 1, over the pixels that the paint covers by half or more, and over the whole image.
+    pub mse_paint: f64,
+    #[serde(rename = "mse_picture")]
+    pub mse_image: f64,
+    /// The largest mean squared error over the paint of one frame.
+    pub mse_paint_worst: f64,
+    /// Mean exponent of the fitted tone curve.
+    pub tone_power: Option<f64>,
+    /// The mean over the paint of frames with a pattern, world-aligned, and by Repeated Texture Projection.
+    pub mse_pattern_world: Option<f64>,
+    pub mse_pattern_repeated: Option<f64>,
+    /// Per view and per frame; closed forms use one thread. A network's fit is its pass through the view.
+    pub fit_ms: f64,
+    pub predict_ms: f64,
+}
+
+/// Sums of squared errors on their way to means.
+#[derive(Default)]
+struct Sums {
+    paint: Mean,
+    image: Mean,
+    worst: f64,
+    world: Mean,
+    repeated: Mean,
+    power: Mean,
+    fit_ms: Mean,
+    predict_ms: Mean,
+    views: usize,
+}
+
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    count: usize,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1;
+    }
+
+    fn get(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum / self.count as f64)
+    }
+}
+
+/// What of a view every model is measured on.
+struct View {
+    mask: Coverage,
+    flats: Vec<FlatImage>,
+    /// Unseen flat colours.
+    tests: Vec<FlatImage>,
+    patterns: Vec<PatternTest>,
+}
+
+struct PatternTest {
+    image: RgbImage,
+    world: Option<Vec<[f64; 3]>>,
+    repeated: Vec<[f64; 3]>,
+}
+
+/// A model and what it is given.
+enum Method<'a> {
+    /// The first so many references.
+    ClosedForm(ClosedForm, usize),
+    /// One reference, by its index.
+    Trained(&'a dyn NeuralRenderer, usize),
+}
+
+/// A model, its tone curve's exponent, milliseconds.
+type Fit = (Box<dyn Renderer>, Option<f64>, f64);
+
+impl<'a> Method<'a> {
+    fn all(references: &[[u8; 3]], networks: &'a [&'a dyn NeuralRenderer]) -> Result<Vec<Self>, SurrogateChartError> {
+        let closed = ClosedForm::ALL.into_iter().flat_map(|kind| {
+            (kind.least_colours()..=references.len()).map(move |count| Ok(Self::ClosedForm(kind, count)))
+        });
+        let trained = networks.iter().map(|network| {
+            let wanted = network.references();
+            let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
+            let names = || {
+                wanted
+                    .iter()
+                    .map(|rgb| light::to_hex(*rgb))
+                    .collect::<Vec<_>>()
+                    .join(" or ")
+            };
+            let missing = || SurrogateChartError::OtherReference {
+                network: network.name(),
+                wanted: names(),
+            };
+            Ok(Self::Trained(*network, found.ok_or_else(missing)?))
+        });
+        closed.chain(trained).collect()
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::ClosedForm(kind, _) => kind.name().to_owned(),
+            Self::Trained(network, _) => network.name(),
+        }
+    }
+
+    fn references(&self) -> usize {
+        match self {
+            Self::ClosedForm(_, count) => *count,
+            Self::Trained(..) => 1,
+        }
+    }
+
+    /// The model of a view, its tone curve's exponent, and the milliseconds it took.
+    fn fit(&self, view: &View) -> Result<Fit, SurrogateChartError> {
+        match self {
+            Self::ClosedForm(kind, count) => {
+                let (model, ms) = fastest(|| PerPixel::fit(*kind, &view.flats[..*count]));
+                let model = model?;
+                let power = model.tone().map(|tone| tone.power);
+                Ok((Box::new(model), power, ms))
+            }
+            Self::Trained(network, reference) => {
+                let (model, ms) = fastest(|| network.of_view(&view.flats[*reference].image, &view.mask));
+                let failed = |reason| SurrogateChartError::Network {
+                    network: network.name(),
+                    reason,
+                };
+                Ok((model.map_err(failed)?, None, ms))
+            }
+        }
+    }
+}
+
+/// Measures every closed form with the first two, three, … of the reference colours, and the networks with one of them. `on_view` is called
+/// after each view.
+///
+/// # Errors
+/// A view without a reference colour, a network whose reference is none, nothing to predict, images that cannot be read.
+pub fn measure(
+    set: &FrameSet,
+    references: &[[u8; 3]],
+    networks: &[&dyn NeuralRenderer],
+    on_view: impl Fn(),
+) -> Result<Vec<SurrogateFigures>, SurrogateChartError> {
+    let methods = Method::all(references, networks)?;
+    let mut sums: Vec<Sums> = methods.iter().map(|_| Sums::default()).collect();
+    for frames in views(&set.list.frames) {
+        let view = load(set, &frames, references)?;
+        for (method, sums) in methods.iter().zip(&mut sums) {
+            add(method, &view, sums)?;
+        }
+        on_view();
+    }
+    let rows = methods.into_iter().zip(sums).map(|(method, s)| {
+        let network = match &method {
+            Method::ClosedForm(..) => None,
+            Method::Trained(network, _) => Some(network),
+        };
+        Some(SurrogateFigures {
+            model: method.name(),
+            training_seconds: network.map(|n| n.training_seconds()),
+            references: method.references(),
+            trained_references: network.map(|n| n.references().len()),
+            views: s.views,
+            frames: s.paint.count,
+            mse_paint: s.paint.get()?,
+            mse_image: s.image.get()?,
+            mse_paint_worst: s.worst,
+            tone_power: s.power.get(),
+            mse_pattern_world: s.world.get(),
+            mse_pattern_repeated: s.repeated.get(),
+            fit_ms: s.fit_ms.get()?,
+            predict_ms: s.predict_ms.get()?,
+        })
+    });
+    rows.collect::<Option<Vec<_>>>()
+        .ok_or(SurrogateChartError::NothingToPredict)
+}
+
+fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, SurrogateChartError> {
+    let first = frames[0];
+    let mask = set.paint_mask(first)?;
+    let flat = |frame: &Frame, flat_rgb: [u8; 3]| -> Result<FlatImage, FramesError> {
+        Ok(FlatImage {
+            flat_rgb,
+            image: set.rgb(frame)?,
+        })
+    };
+    let mut flats = Vec::new();
+    for colour in references {
+        let found = frames.iter().find(|f| f.flat_rgb() == Some(*colour));
+        let frame = found.ok_or_else(|| SurrogateChartError::NoReference {
+            frame: first.name.clone(),
+            colour: light::to_hex(*colour),
+        })?;
+        flats.push(flat(frame, *colour)?);
+    }
+    let (mut tests, mut patterns) = (Vec::new(), Vec::new());
+    for frame in frames {
+        if let Some(rgb) = frame.flat_rgb().filter(|rgb| !references.contains(rgb)) {
+            tests.push(flat(frame, rgb)?);
+        }
+        if let Some((pattern, tile_mm)) = set.pattern(frame)? {
+            let grid = Grid::of(&pattern, tile_mm);
+            let cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();
+            let textured = |projection: Projection| projection.forward(&cells);
+            let calibrated = &repeated::Jitter::NONE;
+            patterns.push(PatternTest {
+                image: set.rgb(frame)?,
+                world: world::project(set, frame, &grid, (Sampling::Nearest, false))?.map(textured),
+                repeated: textured(repeated::project(
+                    &set.list,
+                    frame,
+                    &mask,
+                    &grid,
+                    Sampling::Nearest,
+                    calibrated,
+                )),
+            });
+        }
+    }
+    Ok(View {
+        mask,
+        flats,
+        tests,
+        patterns,
+    })
+}
+
+fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), SurrogateChartError> {
+    let (model, power, ms) = method.fit(view)?;
+    sums.fit_ms.add(ms);
+    sums.views += 1;
+    if let Some(power) = power {
+        sums.power.add(power);
+    }
+    for test in &view.tests {
+        let paint = vec![light::linear_of(test.flat_rgb); view.mask.len()];
+        let (predicted, ms) = fastest(|| model.predict(&paint));
+        sums.predict_ms.add(ms);
+        let (on_paint, all) = mse(&predicted, &test.image, &view.mask);
+        sums.image.add(all);
+        if let Some(on_paint) = on_paint {
+            sums.paint.add(on_paint);
+            sums.worst = sums.worst.max(on_paint);
+        }
+    }
+    for test in &view.patterns {
+        let on_paint = |paint: &Vec<[f64; 3]>| mse(&model.predict(paint), &test.image, &view.mask).0;
+        if let Some(error) = test.world.as_ref().and_then(on_paint) {
+            sums.world.add(error);
+        }
+        if let Some(error) = on_paint(&test.repeated) {
+            sums.repeated.add(error);
+        }
+    }
+    Ok(())
+}
+
+/// Mean squared error over the pixels the paint covers by half or more (`None` without such pixels), and over all.
+pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
+    let (mut paint, mut all) = (Mean::default(), Mean::default());
+    for ((p, truth), covered) in predicted.iter().zip(image.pixels()).zip(mask.pixels()) {
+        // A prediction becomes an image of 8 bits, too, but what is measured is the model.
+        for (value, level) in p.iter().zip(truth.0) {
+            let error = (value - f64::from(level) / 255.0).powi(2);
+            all.add(error);
+            if covered.0[0] >= 128 {
+                paint.add(error);
+            }
+        }
+    }
+    (paint.get(), all.get().unwrap_or(0.0))
+}
+
+/// The figures as JSON, with what they were measured on.
+///
+/// # Errors
+/// Only if the encoder fails.
+pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
+    #[derive(Serialize)]
+    struct Numbers<'a> {
+        scaleproof: &'static str,
+        frames_sha256: &'a str,
+        made_by: &'a str,
+        references: &'a [String],
+        rows: &'a [SurrogateFigures],
+    }
+    let numbers = Numbers {
+        scaleproof: env!("CARGO_PKG_VERSION"),
+        frames_sha256: &set.sha256,
+        made_by: &set.list.made_by,
+        references,
+        rows,
+    };
+    serde_json::to_string_pretty(&numbers).map_err(|e| FramesError::Encode { reason: e.to_string() })
+}
+
+/// Lines of text, the most accurate first.
+pub fn table(rows: &[SurrogateFigures]) -> String {
+    let mut sorted: Vec<&SurrogateFigures> = rows.iter().collect();
+    sorted.sort_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint));
+    let mut text = format!(
+        "{:<20} {:>7} {:>10} {:>10} {:>10} {:>6} {:>10} {:>10} {:>8} {:>8} {:>9}\n",
+        "model", "colours", "MSE paint", "worst", "image", "power", "world", "repeated", "fit ms", "ms", "trained s"
+    );
+    let or_dash = |value: Option<f64>, digits: usize| value.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
+    for row in sorted {
+        text += &format!(
+            "{:<20} {:>7} {:>10.6} {:>10.6} {:>10.6} {:>6} {:>10} {:>10} {:>8.1} {:>8.2} {:>9}\n",
+            row.model,
+            given(row),
+            row.mse_paint,
+            row.mse_paint_worst,
+            row.mse_image,
+            or_dash(row.tone_power, 2),
+            or_dash(row.mse_pattern_world, 5),
+            or_dash(row.mse_pattern_repeated, 5),
+            row.fit_ms,
+            row.predict_ms,
+            or_dash(row.training_seconds, 0),
+        );
+    }
+    text
+}
+
+/// Colours a model is given: `1`, or `1 of 3` for a network that takes any of three.
+fn given(row: &SurrogateFigures) -> String {
+    match row.trained_references {
+        Some(count) if count > 1 => format!("{} of {count}", row.references),
+        _ => row.references.to_string(),
+    }
+}
+
+/// A network's encoder and its depth, as its name has them; a closed form has its name and what it is given.
+fn series_and_shape(row: &SurrogateFigures) -> (String, String) {
+    let Some((encoder, rest)) = row.model.split_once(" k=") else {
+        return (row.model.clone(), format!("{} colours", row.references));
+    };
+    let (depth, formula) = rest.split_once(' ').unwrap_or((rest, ""));
+    let many = if given(row) == "1" { "" } else { " any reference" };
+    let series = format!("{encoder} {formula}{many}");
+    (series.trim_end().to_owned(), format!("k={depth}"))
+}
+
+/// The chart: colours for models and encoders, shapes for reference colours and depths.
+pub fn draw(rows: &[SurrogateFigures]) -> String {
+    let frames = rows.first().map_or(0, |row| row.frames);
+    let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
+    let title = "Surrogate renderers: error in unseen colours against time";
+    cloud((title, note), "milliseconds a frame", rows, |row| row.predict_ms)
+}
+
+/// The networks' chart: error against the time of their training. `None` without a network.
+pub fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
+    let trained: Vec<SurrogateFigures> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
+    let closed = rows.iter().filter(|r| r.training_seconds.is_none());
+    let best = closed.min_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint))?;
+    let note = format!(
+        "{} frames, MSE over the paint; {}, without training: {:.5}",
+        best.frames, best.model, best.mse_paint
+    );
+    let title = "Networks: error in unseen colours against training";
+    (!trained.is_empty()).then(|| {
+        cloud((title, note), "seconds of training", &trained, |row| {
+            row.training_seconds.unwrap_or(0.0)
+        })
+    })
+}
+
+fn cloud(
+    (title, note): (&str, String),
+    x: &str,
+    rows: &[SurrogateFigures],
+    value: impl Fn(&SurrogateFigures) -> f64,
+) -> String {
+    let (mut names, mut shapes) = (Vec::<String>::new(), Vec::<String>::new());
+    let index = |list: &mut Vec<String>, name: String| match list.iter().position(|known| *known == name) {
+        Some(at) => at,
+        None => {
+            list.push(name);
+            list.len() - 1
+        }
+    };
+    let most = rows.iter().map(|r| r.references).max();
+    let mut dots = Vec::new();
+    for row in rows {
+        let (series, shape) = series_and_shape(row);
+        dots.push(Dot {
+            x: value(row),
+            y: row.mse_paint,
+            share: 1.0,
+            series: index(&mut names, series),
+            shape: index(&mut shapes, shape),
+            name: None,
+            is_ringed: row.model == ClosedForm::default().name() && Some(row.references) == most,
+        });
+    }
+    scatter(&Cloud {
+        title: title.to_owned(),
+        note,
+        x: PlotAxis::around(x, Scale::Log, rows.iter().map(&value)),
+        y: PlotAxis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
+        colours: names,
+        shapes,
+        ringed: "the default".to_owned(),
+        groups: vec![(String::new(), dots)],
+    })
+}

@@ -1,0 +1,457 @@
+//! What a network learns from: views of frames, cut down to their paint.
+
+use std::collections::BTreeSet;
+
+use image::RgbImage;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+use super::{Architecture, DtnError};
+use crate::frames::{Coverage, Frame, FrameSet, light, views};
+use crate::surrogate::additive::Additive;
+use scaleproof_core::files;
+
+/// Between the paint and the window's edge, where the convolutions see the padding.
+const MARGIN_PX: usize = 4;
+/// A random light is so much brighter or darker at most, as a power of two, and so much of another colour.
+const EXPOSURE: f64 = 0.7;
+const TINT: f64 = 0.2;
+/// Of the views' azimuths, and of the flat colours of frames without linear light, every so manyth is kept for validation.
+const EVERY: usize = 4;
+/// Colours a validation view is predicted in.
+const VALIDATION_COLOURS: usize = 8;
+
+/// The pixels that the paint covers by half or more, row by row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PaintPixels {
+    /// Column, row.
+    pub at: Vec<[u32; 2]>,
+    low: [u32; 2],
+    /// Width and height of the box around them.
+    size: [usize; 2],
+}
+
+impl PaintPixels {
+    pub fn of(mask: &Coverage) -> Self {
+        let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
+        let at: Vec<[u32; 2]> = covered.map(|(x, y, _)| [x, y]).collect();
+        let range = |axis: usize| {
+            let low = at.iter().map(|p| p[axis]).min().unwrap_or(0);
+            let high = at.iter().map(|p| p[axis]).max().unwrap_or(0);
+            (low, (high - low) as usize + 1)
+        };
+        let ((x, width), (y, height)) = (range(0), range(1));
+        Self {
+            at,
+            low: [x, y],
+            size: [width, height],
+        }
+    }
+}
+
+/// What the network sees: a part of the image, or more than it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct PaintWindow {
+    pub width: usize,
+    pub height: usize,
+}
+
+/// Where the corner of the paint's box lies in a window.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CropPlacement {
+    x: usize,
+    y: usize,
+    /// Left and right exchanged.
+    mirrored: bool,
+}
+
+impl PaintWindow {
+    /// Holds any of these with a margin.
+    pub(super) fn around(all: &[&PaintPixels]) -> Self {
+        let side = |axis: usize| {
+            let most = all.iter().map(|p| p.size[axis]).max().unwrap_or(1);
+            (most + 2 * MARGIN_PX).next_multiple_of(Architecture::ALIGN_PX)
+        };
+        Self {
+            width: side(0),
+            height: side(1),
+        }
+    }
+
+    pub(super) fn pixels(self) -> usize {
+        self.width * self.height
+    }
+
+    pub(super) fn middle(self, paint: &PaintPixels) -> CropPlacement {
+        CropPlacement {
+            x: (self.width - paint.size[0]) / 2,
+            y: (self.height - paint.size[1]) / 2,
+            mirrored: false,
+        }
+    }
+
+    pub(super) fn anywhere(self, paint: &PaintPixels, rng: &mut impl Rng) -> CropPlacement {
+        let mut place = |space: usize| rng.random_range(MARGIN_PX..=space - MARGIN_PX);
+        CropPlacement {
+            x: place(self.width - paint.size[0]),
+            y: place(self.height - paint.size[1]),
+            mirrored: rng.random(),
+        }
+    }
+
+    /// Where each paint pixel is in the window, which is stored row by row.
+    pub(super) fn places(self, paint: &PaintPixels, placement: CropPlacement) -> impl Iterator<Item = usize> {
+        let low = paint.low;
+        paint.at.iter().map(move |[x, y]| {
+            let x = (x - low[0]) as usize + placement.x;
+            let x = if placement.mirrored { self.width - 1 - x } else { x };
+            ((y - low[1]) as usize + placement.y) * self.width + x
+        })
+    }
+
+    /// Writes the paint's values into an image of the window, channel by channel.
+    pub(super) fn fill(self, image: &mut [f32], paint: &PaintPixels, placement: CropPlacement, values: &[[f32; 3]]) {
+        for (place, value) in self.places(paint, placement).zip(values) {
+            for (channel, v) in value.iter().enumerate() {
+                image[channel * self.pixels() + place] = *v;
+            }
+        }
+    }
+}
+
+/// The paint of one view in flat colours.
+#[derive(Debug, Clone)]
+pub struct TrainingView {
+    place: String,
+    azimuth_deg: f64,
+    pub paint: PaintPixels,
+    source: Source,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    /// Linear light, from which any colour is made.
+    Light(Additive),
+    /// sRGB 0 to 1 of the paint's pixels in these colours and no other.
+    Images(Vec<([u8; 3], Vec<[f32; 3]>)>),
+}
+
+/// Each channel of all light by a factor.
+type Exposure = [f64; 3];
+
+fn exposure(rng: &mut impl Rng) -> Exposure {
+    let all = rng.random_range(-EXPOSURE..EXPOSURE);
+    std::array::from_fn(|_| (all + rng.random_range(-TINT..TINT)).exp2())
+}
+
+/// A light that has not been there: the view's own, brighter or darker and tinted, and now and then another's of the same pose added to it.
+pub(super) struct NewLight<'a> {
+    own: Exposure,
+    added: Option<(&'a TrainingView, Exposure)>,
+}
+
+impl<'a> NewLight<'a> {
+    /// As it was.
+    pub(super) const NONE: Self = Self {
+        own: [1.0; 3],
+        added: None,
+    };
+
+    pub(super) fn random(set: &'a TrainingSet, view: &TrainingView, rng: &mut impl Rng) -> Self {
+        let mut own = exposure(rng);
+        let fellows: Vec<&TrainingView> = set.training.iter().filter(|other| view.is_same_pose(other)).collect();
+        // Drawn in any case, so that a step's later numbers do not depend on the frames.
+        let (share, which): (f64, f64) = (rng.random_range(-1.0..1.0), rng.random());
+        let mut other = exposure(rng);
+        if fellows.is_empty() || share < 0.0 {
+            return Self { own, added: None };
+        }
+        own.iter_mut().for_each(|v| *v *= 1.0 - share);
+        other.iter_mut().for_each(|v| *v *= share);
+        let fellow = fellows[((which * fellows.len() as f64) as usize).min(fellows.len() - 1)];
+        Self {
+            own,
+            added: Some((fellow, other)),
+        }
+    }
+}
+
+impl TrainingView {
+    /// sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Images without linear light keep their exposure.
+    pub(super) fn image(&self, rgb: [u8; 3], new: &NewLight) -> Option<Vec<[f32; 3]>> {
+        match &self.source {
+            Source::Light(additive) => {
+                let mut light = exposed(additive, rgb, new.own);
+                if let Some((Source::Light(other), exposure)) = new.added.as_ref().map(|(v, e)| (&v.source, *e)) {
+                    for (sum, more) in light.iter_mut().zip(exposed(other, rgb, exposure)) {
+                        (0..3).for_each(|c| sum[c] += more[c]);
+                    }
+                }
+                Some(light.iter().map(|p| p.map(|v| light::encode(v) as f32)).collect())
+            }
+            Source::Images(all) => all.iter().find(|(colour, _)| *colour == rgb).map(|(_, p)| p.clone()),
+        }
+    }
+
+    /// Another image from the same place, whose light can be added to this one's.
+    fn is_same_pose(&self, other: &Self) -> bool {
+        let (Source::Light(_), Source::Light(_)) = (&self.source, &other.source) else {
+            return false;
+        };
+        !std::ptr::eq(self, other) && self.paint == other.paint
+    }
+
+    /// A colour to learn from.
+    pub(super) fn colour(&self, set: &TrainingSet, rng: &mut impl Rng) -> [u8; 3] {
+        match &self.source {
+            Source::Light(_) => std::array::from_fn(|_| rng.random()),
+            Source::Images(all) => {
+                let seen: Vec<[u8; 3]> = all
+                    .iter()
+                    .map(|(c, _)| *c)
+                    .filter(|c| !set.unseen.contains(c))
+                    .collect();
+                match seen.len() {
+                    0 => all[0].0,
+                    count => seen[rng.random_range(0..count)],
+                }
+            }
+        }
+    }
+
+    /// The colours it is validated in.
+    pub(super) fn validation_colours(&self, set: &TrainingSet) -> Vec<[u8; 3]> {
+        match &self.source {
+            Source::Light(_) => {
+                let mut rng = Pcg32::seed_from_u64(77);
+                (0..VALIDATION_COLOURS)
+                    .map(|_| std::array::from_fn(|_| rng.random()))
+                    .collect()
+            }
+            Source::Images(all) => all.iter().map(|(c, _)| *c).filter(|c| set.unseen.contains(c)).collect(),
+        }
+    }
+}
+
+/// Linear light in a colour.
+fn exposed(additive: &Additive, rgb: [u8; 3], exposure: Exposure) -> Vec<[f64; 3]> {
+    let pixel = |p: &[f32; 3]| std::array::from_fn(|c| f64::from(p[c]) * exposure[c]);
+    additive.light(rgb).iter().map(pixel).collect()
+}
+
+/// Views to learn from, and views that show what was learnt.
+#[derive(Debug, Clone)]
+pub struct TrainingSet {
+    pub training: Vec<TrainingView>,
+    pub validation: Vec<TrainingView>,
+    /// How the two differ.
+    pub split: String,
+    /// Colours of frames without linear light that no step uses.
+    unseen: BTreeSet<[u8; 3]>,
+    /// SHA-256 of the lists of frames and of how they are used.
+    pub sha256: String,
+}
+
+impl TrainingSet {
+    /// Reads frames, reduced to a width. With `validation`, all views of `folders` are learnt from and those of `validation` are not; without,
+    /// the views are divided: validation has the last place and every fourth azimuth, training neither.
+    ///
+    /// # Errors
+    /// Frames that cannot be read or reduced to the width; no view with the references and another colour.
+    pub fn read(
+        folders: &[FrameSet],
+        validation: Option<&FrameSet>,
+        width_px: u32,
+        references: &[[u8; 3]],
+        on_view: impl Fn(),
+    ) -> Result<Self, DtnError> {
+        let mut known = String::new();
+        let mut all = Vec::new();
+        for set in folders.iter().chain(validation) {
+            known += &set.sha256;
+        }
+        for set in folders {
+            all.extend(read(set, width_px, references, &on_view)?);
+        }
+        known += &format!("{width_px} {references:?} {}", validation.is_some());
+        let (training, validation, split) = match validation {
+            Some(set) => {
+                let other = read(set, width_px, references, &on_view)?;
+                (all, other, "frames of their own".to_owned())
+            }
+            None => divide(all),
+        };
+        let unseen = unseen(&training, &validation, references);
+        Ok(Self {
+            training,
+            validation,
+            split,
+            unseen,
+            sha256: files::sha256_hex(known.as_bytes()),
+        })
+    }
+}
+
+fn read(
+    set: &FrameSet,
+    width_px: u32,
+    references: &[[u8; 3]],
+    on_view: impl Fn(),
+) -> Result<Vec<TrainingView>, DtnError> {
+    let found = set.list.size_px;
+    let factor = found[0].checked_div(width_px).unwrap_or(0);
+    if factor == 0 || factor * width_px != found[0] || !found[1].is_multiple_of(factor) {
+        return Err(DtnError::Width {
+            folder: set.folder.clone(),
+            found,
+            asked: width_px,
+        });
+    }
+    let mut all = Vec::new();
+    for view in views(&set.list.frames) {
+        all.extend(training_view(set, &view, factor, references)?);
+        on_view();
+    }
+    if all.is_empty() {
+        let colour = references.first().map(|rgb| light::to_hex(*rgb)).unwrap_or_default();
+        let folder = set.folder.clone();
+        return Err(DtnError::NoViews { folder, colour });
+    }
+    Ok(all)
+}
+
+/// `None` for a view without paint or without its colours.
+fn training_view(
+    set: &FrameSet,
+    view: &[&Frame],
+    factor: u32,
+    references: &[[u8; 3]],
+) -> Result<Option<TrainingView>, DtnError> {
+    let [width, height] = set.list.size_px;
+    let mask = set.paint_mask(view[0])?;
+    let levels: Vec<[f32; 3]> = mask.pixels().map(|p| [f32::from(p.0[0]); 3]).collect();
+    let reduced_mask = reduced(&levels, width as usize, factor as usize);
+    let mask = Coverage::from_raw(
+        width / factor,
+        height / factor,
+        reduced_mask.iter().map(|p| p[0].round() as u8).collect(),
+    )
+    .unwrap_or_default();
+    let paint = PaintPixels::of(&mask);
+    let of_paint = |linear: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        let image = reduced(linear, width as usize, factor as usize);
+        let pixel = |[x, y]: &[u32; 2]| image[(y * (width / factor) + x) as usize];
+        paint.at.iter().map(pixel).collect()
+    };
+    let has_linear = view
+        .iter()
+        .filter(|f| f.linear.is_some() && f.flat_rgb().is_some())
+        .count()
+        >= 3;
+    let additive = if has_linear {
+        Additive::of_view(set, view).ok()
+    } else {
+        None
+    };
+    let source = match additive {
+        Some(additive) => Source::Light(additive.mapped(of_paint)),
+        None => {
+            let mut all = Vec::new();
+            for frame in view {
+                let Some(rgb) = frame.flat_rgb() else { continue };
+                let image = of_paint(&linear_of(&set.rgb(frame)?));
+                let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
+                all.push((rgb, image.iter().map(srgb).collect()));
+            }
+            let has = |rgb: &[u8; 3]| all.iter().any(|(colour, _)| colour == rgb);
+            if all.len() < 2 || !references.iter().all(has) {
+                return Ok(None);
+            }
+            Source::Images(all)
+        }
+    };
+    Ok((!paint.at.is_empty()).then(|| TrainingView {
+        place: view[0].place.clone(),
+        azimuth_deg: set.list.viewpoint(view[0]).azimuth_deg,
+        paint,
+        source,
+    }))
+}
+
+fn linear_of(image: &RgbImage) -> Vec<[f32; 3]> {
+    image
+        .pixels()
+        .map(|p| light::linear_of(p.0).map(|v| v as f32))
+        .collect()
+}
+
+/// The mean of each square of pixels: what a camera with fewer pixels would see, in linear light.
+fn reduced(image: &[[f32; 3]], width: usize, factor: usize) -> Vec<[f32; 3]> {
+    let (columns, rows) = (width / factor, image.len() / width / factor);
+    let mut small = vec![[0.0; 3]; columns * rows];
+    let share = 1.0 / (factor * factor) as f32;
+    for (i, pixel) in image.iter().enumerate() {
+        let (x, y) = (i % width / factor, i / width / factor);
+        if x < columns && y < rows {
+            for (sum, v) in small[y * columns + x].iter_mut().zip(pixel) {
+                *sum += share * v;
+            }
+        }
+    }
+    small
+}
+
+/// Training, validation, and how they differ.
+fn divide(all: Vec<TrainingView>) -> (Vec<TrainingView>, Vec<TrainingView>, String) {
+    let places: BTreeSet<String> = all.iter().map(|v| v.place.clone()).collect();
+    let azimuths: BTreeSet<i64> = all.iter().map(azimuth_key).collect();
+    let place = if places.len() > 1 { places.last().cloned() } else { None };
+    let kept: BTreeSet<i64> = match azimuths.len() {
+        0 | 1 => BTreeSet::new(),
+        _ => azimuths.into_iter().skip(1).step_by(EVERY).collect(),
+    };
+    let split = match (&place, kept.is_empty()) {
+        (Some(place), false) => format!("unseen place {place} at unseen azimuths"),
+        (Some(place), true) => format!("unseen place {place}"),
+        (None, false) => "unseen azimuths, of the only place".to_owned(),
+        (None, true) => {
+            let split =
+                "the views it learns from, in unseen colours: there is only one place and one azimuth".to_owned();
+            return (all.clone(), all, split);
+        }
+    };
+    let is_kept = |v: &TrainingView| {
+        let of_place = place.as_ref().map(|p| v.place == *p);
+        let of_azimuth = (!kept.is_empty()).then(|| kept.contains(&azimuth_key(v)));
+        (of_place, of_azimuth)
+    };
+    let (mut training, mut validation) = (Vec::new(), Vec::new());
+    for view in all {
+        match is_kept(&view) {
+            (None | Some(true), None | Some(true)) => validation.push(view),
+            (None | Some(false), None | Some(false)) => training.push(view),
+            // Half unseen: neither.
+            _ => {}
+        }
+    }
+    (training, validation, split)
+}
+
+fn azimuth_key(view: &TrainingView) -> i64 {
+    (view.azimuth_deg * 100.0).round() as i64
+}
+
+/// Of colours that cannot be made, every fourth is kept for validation.
+fn unseen(training: &[TrainingView], validation: &[TrainingView], references: &[[u8; 3]]) -> BTreeSet<[u8; 3]> {
+    let mut colours = BTreeSet::new();
+    for view in training.iter().chain(validation) {
+        if let Source::Images(all) = &view.source {
+            colours.extend(all.iter().map(|(c, _)| *c).filter(|c| !references.contains(c)));
+        }
+    }
+    // A single colour must be learnt from.
+    if colours.len() < 2 {
+        return BTreeSet::new();
+    }
+    colours.into_iter().skip(1).step_by(EVERY).collect()
+}

@@ -1,0 +1,35 @@
+//! A network with the state of its training in one file: a line with the version, a line with the SHA-256 of the rest, and the rest.
+
+use std::path::Path;
+
+use super::DtnError;
+use super::training::TrainingState;
+use scaleproof_core::files;
+
+const MAGIC: &str = "scaleproof dtn 1\n";
+
+/// # Errors
+/// A file that cannot be written.
+pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
+    let content = postcard::to_allocvec(state).map_err(|e| DtnError::Tensor(e.to_string()))?;
+    let head = format!("{MAGIC}{}\n", files::sha256_hex(&content));
+    files::write_atomically(path, &[head.into_bytes(), content].concat())?;
+    Ok(())
+}
+
+/// # Errors
+/// A file that cannot be read, is of another kind, or damaged.
+pub fn load(path: &Path) -> Result<TrainingState, DtnError> {
+    let bytes = files::read(path)?;
+    let path = || path.to_owned();
+    let rest = bytes
+        .strip_prefix(MAGIC.as_bytes())
+        .ok_or_else(|| DtnError::NotANetwork { path: path() })?;
+    let end = rest.iter().take(100).position(|b| *b == b'\n');
+    let whole = end.map(|end| (&rest[..end], &rest[end + 1..]));
+    whole
+        .filter(|(sum, content)| *sum == files::sha256_hex(content).as_bytes())
+        .and_then(|(_, content)| postcard::from_bytes(content).ok())
+        .filter(TrainingState::is_whole)
+        .ok_or_else(|| DtnError::Damaged { path: path() })
+}

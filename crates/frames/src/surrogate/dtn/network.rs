@@ -1,0 +1,268 @@
+//! The Transformation Feature Extractor: a convolutional auto-encoder of k halvings, from the masked reference image to the maps TF.
+//!
+//! The paper draws its parts and gives no widths. Here: each stage of the encoder halves the image by a convolution of stride 2 and adds two
+//! 3×3 convolutions, plain (`ConvNet`), around which the input is added (`ResNet`), or each of which sees all before it (`DenseNet`). The decoder
+//! is the same for all three: it doubles the image and sees the encoder's features of that size beside it, as seams and panel
+//! gaps of a pixel's width would otherwise have to pass through an image 2^k times smaller. There is no normalisation: batches are a few views, and a
+//! view must not depend on the others of its batch.
+
+use burn::tensor::activation::relu;
+use burn::tensor::module::conv2d;
+use burn::tensor::ops::ConvOptions;
+use burn::tensor::{Device, Tensor, TensorData};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+use serde::{Deserialize, Serialize};
+
+use super::{DtnError, Transformer};
+
+/// How the encoder's convolutions are connected.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(clippy::enum_variant_names)] // so they are called
+pub enum Encoder {
+    #[default]
+    ResNet,
+    DenseNet,
+    ConvNet,
+}
+
+impl Encoder {
+    pub const ALL: [Self; 3] = [Self::ResNet, Self::DenseNet, Self::ConvNet];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ResNet => "resnet",
+            Self::DenseNet => "densenet",
+            Self::ConvNet => "convnet",
+        }
+    }
+}
+
+/// Which network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Architecture {
+    pub encoder: Encoder,
+    /// k, 1 to [`Architecture::MAX_DEPTH`]: how often the image is halved.
+    pub depth: usize,
+    pub transformer: Transformer,
+}
+
+impl Architecture {
+    pub const MAX_DEPTH: usize = WIDTHS.len();
+    /// Windows are a multiple of so many pixels, for every depth.
+    pub const ALIGN_PX: usize = 1 << Self::MAX_DEPTH;
+
+    /// As tables name it.
+    pub fn name(&self) -> String {
+        let formula = match self.transformer {
+            Transformer::Texture => "",
+            Transformer::MultiplyAdd => " ntr",
+        };
+        format!("{} k={}{formula}", self.encoder.name(), self.depth)
+    }
+
+    pub(super) fn is_possible(&self) -> bool {
+        (1..=Self::MAX_DEPTH).contains(&self.depth)
+    }
+}
+
+/// Channels at 1/2, 1/4, 1/8 and 1/16 of the size.
+const WIDTHS: [usize; 4] = [16, 32, 64, 96];
+/// Channels at the full size.
+const FULL_SIZE_WIDTH: usize = 24;
+
+/// A darker reference shows too little for a first guess, sRGB.
+const DARKEST_REFERENCE: f32 = 0.25;
+
+/// A convolution: where its kernel and bias are among the weights.
+#[derive(Debug, Clone, Copy)]
+struct Conv {
+    at: usize,
+    ins: usize,
+    outs: usize,
+    kernel: usize,
+    stride: usize,
+    /// Of its first weights, against those that keep the variance through a ReLU (He et al. 2015).
+    gain: f32,
+}
+
+impl Conv {
+    /// Weights of one of its outputs.
+    fn count(&self) -> usize {
+        self.ins * self.kernel * self.kernel
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Stage {
+    down: Conv,
+    block: [Conv; 2],
+    /// Brings DenseNet's features together again.
+    join: Option<Conv>,
+}
+
+/// The convolutions of an architecture. Its weights are kept apart, in one list: kernel and bias of each convolution in turn.
+#[derive(Debug, Clone)]
+pub(super) struct LayerShapes {
+    architecture: Architecture,
+    convs: Vec<Conv>,
+    stages: Vec<Stage>,
+    ups: Vec<Conv>,
+    out: Conv,
+}
+
+impl LayerShapes {
+    pub(super) fn new(architecture: Architecture) -> Self {
+        let mut convs = Vec::new();
+        let mut conv = |ins: usize, outs: usize, kernel: usize, stride: usize, gain: f32| {
+            let at = convs.len();
+            let conv = Conv {
+                at,
+                ins,
+                outs,
+                kernel,
+                stride,
+                gain,
+            };
+            convs.push(conv);
+            conv
+        };
+        let depth = architecture.depth.clamp(1, Architecture::MAX_DEPTH);
+        let below = |i: usize| if i == 0 { 3 } else { WIDTHS[i - 1] };
+        let stages = (0..depth)
+            .map(|i| {
+                let width = WIDTHS[i];
+                let down = conv(below(i), width, 3, 2, 1.0);
+                let (block, join) = match architecture.encoder {
+                    Encoder::ConvNet => ([conv(width, width, 3, 1, 1.0), conv(width, width, 3, 1, 1.0)], None),
+                    // A small second convolution: the stage starts as the identity.
+                    Encoder::ResNet => ([conv(width, width, 3, 1, 1.0), conv(width, width, 3, 1, 0.1)], None),
+                    Encoder::DenseNet => {
+                        let growth = width / 2;
+                        let block = [conv(width, growth, 3, 1, 1.0), conv(width + growth, growth, 3, 1, 1.0)];
+                        (block, Some(conv(width + 2 * growth, width, 1, 1, 1.0)))
+                    }
+                };
+                Stage { down, block, join }
+            })
+            .collect();
+        let wide = |i: usize| if i == 0 { FULL_SIZE_WIDTH } else { WIDTHS[i - 1] };
+        let ups = (0..depth)
+            .rev()
+            .map(|i| conv(WIDTHS[i] + below(i), wide(i), 3, 1, 1.0))
+            .collect();
+        let out = conv(FULL_SIZE_WIDTH, architecture.transformer.channels(), 1, 1, 0.1);
+        Self {
+            architecture,
+            convs,
+            stages,
+            ups,
+            out,
+        }
+    }
+
+    /// Shapes of the weights in their order: kernels `[out, in, k, k]`, biases `[1, out, 1, 1]`.
+    pub(super) fn shapes(&self) -> Vec<[usize; 4]> {
+        let both = |c: &Conv| [[c.outs, c.ins, c.kernel, c.kernel], [1, c.outs, 1, 1]];
+        self.convs.iter().flat_map(both).collect()
+    }
+
+    /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference image where η is the reference, both ReLUs open for
+    /// every η ([`Transformer::open`]). A ReLU that is shut everywhere learns nothing any more, and this is the best guess
+    /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
+    pub(super) fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
+        let mut rng = Pcg32::seed_from_u64(seed);
+        let mut weights: Vec<Vec<f32>> = Vec::new();
+        for conv in &self.convs {
+            // Uniform with He's variance, 2 / count.
+            let most = conv.gain * (6.0 / conv.count() as f32).sqrt();
+            let kernel = (0..conv.outs * conv.count())
+                .map(|_| rng.random_range(-most..most))
+                .collect();
+            weights.push(kernel);
+            weights.push(vec![0.0; conv.outs]);
+        }
+        let transformer = self.architecture.transformer;
+        let (last, out) = (self.ups[self.ups.len() - 1], self.out);
+        for channel in 0..3 {
+            let feature = &mut weights[2 * last.at][channel * last.count()..][..last.count()];
+            feature.fill(0.0);
+            // The middle of the 3×3 window of x_ref's channel, which follows the features from below.
+            feature[9 * (last.ins - 3 + channel) + 4] = 1.0;
+            let levels = references.iter().map(|rgb| f32::from(rgb[channel]) / 255.0);
+            let eta = (levels.sum::<f32>() / references.len().max(1) as f32).max(DARKEST_REFERENCE);
+            transformer.spread(channel, transformer.open(), |map, bias| {
+                weights[2 * out.at + 1][map] = bias as f32;
+                if map == transformer.multiplying(channel) {
+                    weights[2 * out.at][map * out.ins + channel] = 1.0 / eta;
+                }
+            });
+        }
+        weights
+    }
+
+    /// `reference`: `[batch, 3, height, width]`, sRGB 0 to 1, 0 outside the paint; both sizes multiples of [`Architecture::ALIGN_PX`].
+    /// The result is TF, `[batch, channels, height, width]`.
+    pub(super) fn forward(&self, weights: &[Tensor<4>], reference: Tensor<4>) -> Tensor<4> {
+        let apply = |conv: Conv, x: Tensor<4>| convolved(conv, weights, x);
+        let mut sizes = vec![reference.clone()];
+        let mut x = reference;
+        for stage in &self.stages {
+            x = relu(apply(stage.down, x));
+            let [first, second] = stage.block;
+            x = match (self.architecture.encoder, stage.join) {
+                (Encoder::ResNet, _) => {
+                    let change = apply(second, relu(apply(first, x.clone())));
+                    relu(x + change)
+                }
+                (Encoder::DenseNet, Some(join)) => {
+                    let grown = relu(apply(first, x.clone()));
+                    let x = Tensor::cat(vec![x, grown], 1);
+                    let grown = relu(apply(second, x.clone()));
+                    relu(apply(join, Tensor::cat(vec![x, grown], 1)))
+                }
+                _ => relu(apply(second, relu(apply(first, x)))),
+            };
+            sizes.push(x.clone());
+        }
+        sizes.pop();
+        for up in &self.ups {
+            let beside = sizes.pop();
+            let all = std::iter::once(doubled(x)).chain(beside).collect();
+            x = relu(apply(*up, Tensor::cat(all, 1)));
+        }
+        apply(self.out, x)
+    }
+}
+
+/// Weights as tensors; lists of another length than their shapes give `None`.
+pub(super) fn tensors(lists: &[Vec<f32>], shapes: &[[usize; 4]], device: &Device) -> Option<Vec<Tensor<4>>> {
+    let is_right = |(list, shape): (&Vec<f32>, &[usize; 4])| list.len() == shape.iter().product::<usize>();
+    if lists.len() != shapes.len() || !lists.iter().zip(shapes).all(is_right) {
+        return None;
+    }
+    let tensor =
+        |(list, shape): (&Vec<f32>, &[usize; 4])| Tensor::from_data(TensorData::new(list.clone(), *shape), device);
+    Some(lists.iter().zip(shapes).map(tensor).collect())
+}
+
+/// A tensor's values, the last dimension fastest.
+pub(super) fn values(tensor: Tensor<4>) -> Result<Vec<f32>, DtnError> {
+    tensor.try_into_vec_as().map_err(|e| DtnError::Tensor(format!("{e:?}")))
+}
+
+fn convolved(conv: Conv, weights: &[Tensor<4>], x: Tensor<4>) -> Tensor<4> {
+    let (kernel, bias) = (weights[2 * conv.at].clone(), weights[2 * conv.at + 1].clone());
+    let pad = conv.kernel / 2;
+    let options = ConvOptions::new([conv.stride; 2], [pad; 2], [1; 2], 1);
+    conv2d(x, kernel, Some(bias.reshape([conv.outs])), options)
+}
+
+/// Each pixel four times.
+fn doubled(x: Tensor<4>) -> Tensor<4> {
+    let [batch, channels, height, width] = x.dims();
+    x.reshape([batch, channels, height, 1, width, 1])
+        .expand([batch, channels, height, 2, width, 2])
+        .reshape([batch, channels, 2 * height, 2 * width])
+}

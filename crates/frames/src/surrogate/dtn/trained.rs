@@ -1,0 +1,144 @@
+//! A trained network as a surrogate renderer of one view.
+
+use burn::tensor::{Device, Tensor, TensorData};
+use image::RgbImage;
+
+use super::data::{PaintPixels, PaintWindow};
+use super::network::{Architecture, LayerShapes, values};
+use super::transformer::Maps;
+use super::{DtnError, Transformer};
+use crate::frames::{Coverage, light};
+use crate::surrogate::renderer::{NeuralRenderer, NotComputed, Renderer};
+
+/// A network that is trained.
+#[derive(Debug, Clone)]
+pub struct DtnNetwork {
+    pub architecture: Architecture,
+    /// Colours it was trained to start from; it takes an image in any of them.
+    pub references: Vec<[u8; 3]>,
+    /// Time spent on its training.
+    pub training_seconds: f64,
+    pub(super) layout: LayerShapes,
+    pub(super) weights: Vec<Tensor<4>>,
+    pub(super) device: Device,
+}
+
+impl DtnNetwork {
+    /// TF of each paint pixel, `channels` values each, from the sRGB of those pixels in the reference image.
+    pub(super) fn maps(&self, paint: &PaintPixels, reference: &[[f32; 3]]) -> Result<Vec<f32>, DtnError> {
+        let window = PaintWindow::around(&[paint]);
+        let mut input = vec![0.0; 3 * window.pixels()];
+        let at = window.middle(paint);
+        window.fill(&mut input, paint, at, reference);
+        let shape = [1, 3, window.height, window.width];
+        let input = Tensor::<4>::from_data(TensorData::new(input, shape), &self.device);
+        let maps = values(self.layout.forward(&self.weights, input))?;
+        let channels = self.architecture.transformer.channels();
+        let places: Vec<usize> = window.places(paint, at).collect();
+        let of_pixel = |place: &usize| {
+            let (place, pixels) = (*place, window.pixels());
+            (0..channels).map(move |c| (c, place, pixels))
+        };
+        Ok(places
+            .iter()
+            .flat_map(of_pixel)
+            .map(|(c, place, pixels)| maps[c * pixels + place])
+            .collect())
+    }
+
+    /// The surrogate renderer of a view, from its image in a reference colour.
+    ///
+    /// # Errors
+    /// Only if the tensors cannot be computed.
+    pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<DtnView, DtnError> {
+        let paint = PaintPixels::of(mask);
+        let image: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
+        let width = mask.width() as usize;
+        let index: Vec<usize> = paint
+            .at
+            .iter()
+            .map(|[x, y]| *y as usize * width + *x as usize)
+            .collect();
+        let seen: Vec<[f32; 3]> = index.iter().map(|i| image[*i].map(|v| v as f32)).collect();
+        let maps = if index.is_empty() {
+            Vec::new()
+        } else {
+            self.maps(&paint, &seen)?
+        };
+        Ok(DtnView {
+            transformer: self.architecture.transformer,
+            image,
+            index,
+            maps,
+        })
+    }
+}
+
+impl NeuralRenderer for DtnNetwork {
+    fn name(&self) -> String {
+        self.architecture.name()
+    }
+
+    fn references(&self) -> &[[u8; 3]] {
+        &self.references
+    }
+
+    fn training_seconds(&self) -> f64 {
+        self.training_seconds
+    }
+
+    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, NotComputed> {
+        match self.view(reference, mask) {
+            Ok(view) => Ok(Box::new(view)),
+            Err(e) => Err(NotComputed(e.to_string())),
+        }
+    }
+}
+
+/// The maps of one view. Outside the paint the image is the reference's.
+#[derive(Debug, Clone)]
+pub struct DtnView {
+    transformer: Transformer,
+    image: Vec<[f64; 3]>,
+    /// Of the paint's pixels in the image.
+    index: Vec<usize>,
+    maps: Vec<f32>,
+}
+
+impl DtnView {
+    fn maps_of(&self, pixel: usize, channel: usize) -> Maps {
+        let first = pixel * self.transformer.channels();
+        self.transformer.maps(channel, |i| f64::from(self.maps[first + i]))
+    }
+}
+
+impl Renderer for DtnView {
+    fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut image = self.image.clone();
+        for (pixel, &at) in self.index.iter().enumerate() {
+            image[at] = std::array::from_fn(|channel| {
+                let eta = light::encode(paint[at][channel]);
+                self.transformer
+                    .value(self.maps_of(pixel, channel), eta)
+                    .clamp(0.0, 1.0)
+            });
+        }
+        image
+    }
+
+    fn derivative(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut derivatives = vec![[0.0; 3]; self.image.len()];
+        for (pixel, &at) in self.index.iter().enumerate() {
+            derivatives[at] = std::array::from_fn(|channel| {
+                let (maps, eta) = (self.maps_of(pixel, channel), light::encode(paint[at][channel]));
+                let value = self.transformer.value(maps, eta);
+                if value <= 0.0 || value >= 1.0 {
+                    return 0.0;
+                }
+                // The chain through η, the sRGB of the reflectance.
+                self.transformer.derivative(maps, eta) / light::decode_derivative(eta)
+            });
+        }
+        derivatives
+    }
+}

@@ -1,0 +1,469 @@
+//! Training: Adam on the binary cross-entropy over the paint (CVPR 2022, algorithm 2).
+//!
+//! A batch is eight views in four colours each: TF does not depend on the colour, so that one pass of the network serves four images. Views are
+//! mirrored, moved within the window, and put under brighter, darker, tinted and mixed light, which is exact in linear light: frames come from a
+//! few lights, and the network is asked about others. What is kept as the network is the running mean of the weights, which is smoother than the
+//! weights of any one step.
+//!
+//! Every step draws its random numbers from the seed and its own number, so that training that was interrupted goes on as if it had not been.
+
+use std::path::Path;
+
+use burn::optim::{Adam, AdamConfig, AdamState, AdaptiveMomentumState, Optimizer};
+use burn::tensor::{Device, Tensor, TensorData};
+use rand::seq::SliceRandom;
+use rand::{Rng, RngExt};
+use rand_pcg::Pcg32;
+use serde::{Deserialize, Serialize};
+
+use super::data::{CropPlacement, NewLight, PaintWindow, TrainingSet, TrainingView};
+use super::network::{LayerShapes, tensors, values};
+use super::trained::DtnNetwork;
+use super::{Architecture, DtnError, Transformer};
+use crate::frames::light;
+
+const LEARNING_RATE: f64 = 1e-3;
+const BATCH_VIEWS: usize = 8;
+const COLOURS_A_VIEW: usize = 4;
+/// What a mean of weights keeps of itself in a step, once it has seen enough.
+const MEAN_KEEPS: f64 = 0.998;
+/// Steps between two validations.
+pub const VALIDATE_EVERY: u64 = 100;
+/// Cross-entropy is infinite at 0 and 1; its derivative is cut to what it is so far from them.
+const EDGE: f64 = 0.01;
+
+/// What must be the same for training to go on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TrainingPlan {
+    pub architecture: Architecture,
+    /// Each view of a batch takes its reference image in one of them at random.
+    pub references: Vec<[u8; 3]>,
+    pub seed: u64,
+    /// Of the frames.
+    pub data_sha256: String,
+}
+
+/// A measurement during training.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TrainingProgress {
+    pub step: u64,
+    /// Time spent on training.
+    pub seconds: f64,
+    /// Mean cross-entropy over the steps since the last.
+    pub loss: f64,
+    /// On the validation views in unseen colours; `None` without any.
+    pub validation_mse: Option<f64>,
+}
+
+/// Training that can be saved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrainingState {
+    pub plan: TrainingPlan,
+    pub steps: u64,
+    pub seconds: f64,
+    pub history: Vec<TrainingProgress>,
+    /// Sum and number of the losses since the last entry of the history.
+    losses: (f64, u64),
+    weights: Vec<Vec<f32>>,
+    mean: Vec<Vec<f32>>,
+    /// Adam's two moments of each list of weights; none before the first step.
+    moments: Vec<(Vec<f32>, Vec<f32>)>,
+}
+
+/// Training under way.
+pub struct Trainer {
+    plan: TrainingPlan,
+    pub steps: u64,
+    pub seconds: f64,
+    pub history: Vec<TrainingProgress>,
+    losses: (f64, u64),
+    layout: LayerShapes,
+    weights: Vec<Tensor<4>>,
+    mean: Vec<Tensor<4>>,
+    moments: Vec<Option<AdamState<4>>>,
+    adam: Adam,
+    device: Device,
+}
+
+/// One view of a batch.
+struct Sample<'a> {
+    view: &'a TrainingView,
+    placement: CropPlacement,
+    reference: Vec<[f32; 3]>,
+    /// Colours and what they look like.
+    targets: Vec<([u8; 3], Vec<[f32; 3]>)>,
+}
+
+impl TrainingPlan {
+    /// What it says otherwise than another.
+    fn differences(&self, other: &Self) -> String {
+        let mut words = Vec::new();
+        if self.architecture != other.architecture {
+            words.push(self.architecture.name());
+        }
+        if self.references != other.references {
+            let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
+            words.push(format!("the reference {}", colours.join(" ")));
+        }
+        if self.seed != other.seed {
+            words.push(format!("seed {}", self.seed));
+        }
+        if self.data_sha256 != other.data_sha256 {
+            let sha256 = &self.data_sha256;
+            words.push(format!("the frames {}", sha256.get(..8).unwrap_or(sha256)));
+        }
+        words.join(", ")
+    }
+}
+
+impl Trainer {
+    /// Begins, or resumes what `path` holds.
+    ///
+    /// # Errors
+    /// Training by another plan, and a state that does not fit its own architecture.
+    pub fn begin(
+        plan: TrainingPlan,
+        known: Option<TrainingState>,
+        path: &Path,
+        device: Device,
+    ) -> Result<Self, DtnError> {
+        match known {
+            None => Self::new(plan, device),
+            Some(state) if state.plan == plan => Self::go_on(state, device),
+            Some(state) => Err(DtnError::OtherTraining {
+                path: path.to_owned(),
+                found: state.plan.differences(&plan),
+                asked: plan.differences(&state.plan),
+            }),
+        }
+    }
+
+    /// # Errors
+    /// Only for a state that does not fit its own architecture.
+    pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
+        let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
+        Self::go_on(
+            TrainingState {
+                plan,
+                steps: 0,
+                seconds: 0.0,
+                history: Vec::new(),
+                losses: (0.0, 0),
+                mean: first.clone(),
+                weights: first,
+                moments: Vec::new(),
+            },
+            device,
+        )
+    }
+
+    /// # Errors
+    /// A state whose weights do not fit its architecture.
+    pub fn go_on(state: TrainingState, device: Device) -> Result<Self, DtnError> {
+        let layout = LayerShapes::new(state.plan.architecture);
+        let shapes = layout.shapes();
+        let broken = || DtnError::Tensor("its weights do not fit its architecture".to_owned());
+        let load = |lists: &[Vec<f32>]| tensors(lists, &shapes, &device).ok_or_else(broken);
+        let moments = if state.moments.is_empty() {
+            shapes.iter().map(|_| None).collect()
+        } else {
+            let (first, second): (Vec<Vec<f32>>, Vec<Vec<f32>>) = state.moments.into_iter().unzip();
+            let both = load(&first)?.into_iter().zip(load(&second)?);
+            both.map(|(m, v)| Some(AdamState::new(AdaptiveMomentumState::new(state.steps as usize, m, v))))
+                .collect()
+        };
+        Ok(Self {
+            weights: load(&state.weights)?,
+            mean: load(&state.mean)?,
+            moments,
+            layout,
+            plan: state.plan,
+            steps: state.steps,
+            seconds: state.seconds,
+            history: state.history,
+            losses: state.losses,
+            adam: AdamConfig::new().with_epsilon(1e-7).build(),
+            device,
+        })
+    }
+
+    /// # Errors
+    /// Weights that are no numbers any more.
+    pub fn state(&self) -> Result<TrainingState, DtnError> {
+        let lists = |tensors: &[Tensor<4>]| tensors.iter().map(|t| self.list(t)).collect::<Result<Vec<_>, _>>();
+        let moments = self.moments.iter().flatten();
+        Ok(TrainingState {
+            plan: self.plan.clone(),
+            steps: self.steps,
+            seconds: self.seconds,
+            history: self.history.clone(),
+            losses: self.losses,
+            weights: lists(&self.weights)?,
+            mean: lists(&self.mean)?,
+            moments: moments
+                .map(|s| Ok((self.list(&s.momentum.moment_1)?, self.list(&s.momentum.moment_2)?)))
+                .collect::<Result<_, DtnError>>()?,
+        })
+    }
+
+    fn list(&self, tensor: &Tensor<4>) -> Result<Vec<f32>, DtnError> {
+        let list = values(tensor.clone())?;
+        if list.iter().all(|v| v.is_finite()) {
+            Ok(list)
+        } else {
+            Err(DtnError::NotFinite { step: self.steps })
+        }
+    }
+
+    /// Steps that see every training view once.
+    pub fn steps_an_epoch(set: &TrainingSet) -> u64 {
+        set.training.len().div_ceil(BATCH_VIEWS) as u64
+    }
+
+    /// One step; returns its loss.
+    ///
+    /// # Errors
+    /// A loss that is no number.
+    pub fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
+        let (window, batch) = self.batch(set);
+        let pixels = window.pixels();
+        let mut input = vec![0.0; 3 * pixels * batch.len()];
+        for (sample, part) in batch.iter().zip(input.chunks_exact_mut(3 * pixels)) {
+            window.fill(part, &sample.view.paint, sample.placement, &sample.reference);
+        }
+        let shape = [batch.len(), 3, window.height, window.width];
+        let autodiff = self.device.clone().autodiff();
+        let input = Tensor::<4>::from_data(TensorData::new(input, shape), &autodiff);
+        let leaves: Vec<Tensor<4>> = self
+            .weights
+            .iter()
+            .map(|w| w.clone().autodiff().require_grad())
+            .collect();
+        let maps = self.layout.forward(&leaves, input);
+        let known = values(maps.clone().inner())?;
+        let transformer = self.plan.architecture.transformer;
+        let (loss, map_gradients) = loss(transformer, &batch, window, &known);
+        // A ReLU makes 0 of what is no number, so the loss alone does not tell.
+        if !loss.is_finite() || known.iter().any(|v| !v.is_finite()) {
+            return Err(DtnError::NotFinite { step: self.steps });
+        }
+        // The formula's derivatives are closed forms; from TF on, the framework computes the backward pass.
+        let map_gradients = Tensor::<4>::from_data(TensorData::new(map_gradients, maps.dims()), &autodiff);
+        let mut gradients = (maps * map_gradients).sum().backward();
+        let keeps = MEAN_KEEPS.min((1.0 + self.steps as f64) / (10.0 + self.steps as f64));
+        for (i, leaf) in leaves.iter().enumerate() {
+            let Some(gradient) = leaf.grad_remove(&mut gradients) else {
+                continue;
+            };
+            let (weight, state) =
+                self.adam
+                    .step(LEARNING_RATE, self.weights[i].clone(), gradient, self.moments[i].take());
+            self.mean[i] = self.mean[i].clone().mul_scalar(keeps) + weight.clone().mul_scalar(1.0 - keeps);
+            (self.weights[i], self.moments[i]) = (weight, state);
+        }
+        self.steps += 1;
+        self.losses = (self.losses.0 + loss, self.losses.1 + 1);
+        Ok(loss)
+    }
+
+    /// The views of this step: those of an epoch in random order, every one once, in batches of like size, so that a window is no larger than
+    /// its views need.
+    fn batch<'a>(&self, set: &'a TrainingSet) -> (PaintWindow, Vec<Sample<'a>>) {
+        let (epoch, number) = (
+            self.steps / Self::steps_an_epoch(set),
+            self.steps % Self::steps_an_epoch(set),
+        );
+        let mut rng = Pcg32::new(self.plan.seed, 2 * epoch);
+        let mut order: Vec<&TrainingView> = set.training.iter().collect();
+        order.shuffle(&mut rng);
+        order.sort_by_key(|view| PaintWindow::around(&[&view.paint]).pixels());
+        let mut batches: Vec<&[&TrainingView]> = order.chunks(BATCH_VIEWS).collect();
+        batches.shuffle(&mut rng);
+        let batch = batches.get(number as usize).copied().unwrap_or_default();
+        let paints: Vec<_> = batch.iter().map(|v| &v.paint).collect();
+        let window = PaintWindow::around(&paints);
+        let mut rng = Pcg32::new(self.plan.seed, 2 * self.steps + 1);
+        let samples = batch.iter().filter_map(|view| self.sample(set, view, window, &mut rng));
+        (window, samples.collect())
+    }
+
+    fn sample<'a>(
+        &self,
+        set: &TrainingSet,
+        view: &'a TrainingView,
+        window: PaintWindow,
+        rng: &mut impl Rng,
+    ) -> Option<Sample<'a>> {
+        let placement = window.anywhere(&view.paint, rng);
+        let light = NewLight::random(set, view, rng);
+        let reference = self.plan.references[rng.random_range(0..self.plan.references.len())];
+        let colours: Vec<[u8; 3]> = (0..COLOURS_A_VIEW).map(|_| view.colour(set, rng)).collect();
+        let target = |rgb: [u8; 3]| Some((rgb, view.image(rgb, &light)?));
+        Some(Sample {
+            view,
+            placement,
+            reference: view.image(reference, &light)?,
+            targets: colours.into_iter().map(target).collect::<Option<_>>()?,
+        })
+    }
+
+    /// Measures the network as it stands and adds to the history.
+    ///
+    /// # Errors
+    /// Only if the tensors cannot be computed.
+    pub fn validate(&mut self, set: &TrainingSet) -> Result<TrainingProgress, DtnError> {
+        let (sum, count) = std::mem::take(&mut self.losses);
+        let progress = TrainingProgress {
+            step: self.steps,
+            seconds: self.seconds,
+            loss: sum / count.max(1) as f64,
+            validation_mse: self.validation_mse(set)?,
+        };
+        self.history.push(progress);
+        Ok(progress)
+    }
+
+    fn validation_mse(&self, set: &TrainingSet) -> Result<Option<f64>, DtnError> {
+        let network = self.network();
+        let transformer = self.plan.architecture.transformer;
+        let (mut sum, mut count) = (0.0, 0);
+        for view in &set.validation {
+            let Some(reference) = view.image(self.plan.references[0], &NewLight::NONE) else {
+                continue;
+            };
+            let maps = network.maps(&view.paint, &reference)?;
+            for rgb in view.validation_colours(set) {
+                let Some(truth) = view.image(rgb, &NewLight::NONE) else {
+                    continue;
+                };
+                let mut error = 0.0;
+                for (of_pixel, truth) in maps.chunks_exact(transformer.channels()).zip(&truth) {
+                    for channel in 0..3 {
+                        let maps = transformer.maps(channel, |i| f64::from(of_pixel[i]));
+                        let x = transformer.value(maps, f64::from(rgb[channel]) / 255.0).clamp(0.0, 1.0);
+                        error += (x - f64::from(truth[channel])).powi(2);
+                    }
+                }
+                sum += error / (3 * truth.len()) as f64;
+                count += 1;
+            }
+        }
+        Ok((count > 0).then(|| sum / f64::from(count)))
+    }
+
+    /// The network as it stands: the running mean of its weights.
+    pub fn network(&self) -> DtnNetwork {
+        DtnNetwork {
+            architecture: self.plan.architecture,
+            references: self.plan.references.clone(),
+            training_seconds: self.seconds,
+            layout: self.layout.clone(),
+            weights: self.mean.clone(),
+            device: self.device.clone(),
+        }
+    }
+}
+
+impl TrainingState {
+    /// Whether there is a network in it: its weights are those of its architecture.
+    pub(super) fn is_whole(&self) -> bool {
+        if !self.plan.architecture.is_possible() || self.plan.references.is_empty() {
+            return false;
+        }
+        let shapes = LayerShapes::new(self.plan.architecture).shapes();
+        let fits = |lists: &[Vec<f32>]| {
+            lists
+                .iter()
+                .map(Vec::len)
+                .eq(shapes.iter().map(|s| s.iter().product::<usize>()))
+        };
+        fits(&self.weights) && fits(&self.mean)
+    }
+
+    /// The trained network.
+    ///
+    /// # Errors
+    /// Weights that do not fit the architecture.
+    pub fn network(self, device: Device) -> Result<DtnNetwork, DtnError> {
+        Ok(Trainer::go_on(self, device)?.network())
+    }
+}
+
+/// The mean cross-entropy over images, each the mean over its paint's pixels and channels; and how it depends on TF.
+fn loss(transformer: Transformer, batch: &[Sample], window: PaintWindow, maps: &[f32]) -> (f64, Vec<f32>) {
+    let (pixels, channels) = (window.pixels(), transformer.channels());
+    let mut map_gradients = vec![0.0; maps.len()];
+    let mut sum = 0.0;
+    let parts = maps
+        .chunks_exact(channels * pixels)
+        .zip(map_gradients.chunks_exact_mut(channels * pixels));
+    for (sample, (maps, map_gradients)) in batch.iter().zip(parts) {
+        let images = sample.targets.len() * batch.len();
+        let share = 1.0 / (3 * sample.view.paint.at.len() * images) as f64;
+        for (rgb, truth) in &sample.targets {
+            for (place, truth) in window.places(&sample.view.paint, sample.placement).zip(truth) {
+                for channel in 0..3 {
+                    let eta = f64::from(rgb[channel]) / 255.0;
+                    let found = transformer.maps(channel, |i| f64::from(maps[i * pixels + place]));
+                    let x = transformer.value(found, eta);
+                    let target = f64::from(truth[channel]);
+                    sum += share * cross_entropy(x, target);
+                    let cotangent = share * cross_entropy_derivative(x, target);
+                    transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
+                        map_gradients[i * pixels + place] += v as f32;
+                    });
+                }
+            }
+        }
+    }
+    (sum, map_gradients)
+}
+
+/// Of a prediction and a value from 0 to 1.
+fn cross_entropy(x: f64, target: f64) -> f64 {
+    let x = x.clamp(1e-4, 1.0 - 1e-4);
+    -(target * x.ln() + (1.0 - target) * (1.0 - x).ln())
+}
+
+/// Its derivative, (x − t) / (x (1 − x)), bounded near 0 and 1. Beyond them it is what draws a value back that should not be there; a white that is
+/// predicted brighter than white is right.
+fn cross_entropy_derivative(x: f64, target: f64) -> f64 {
+    let inside = x.clamp(0.0, 1.0);
+    (inside - target) / (inside * (1.0 - inside)).max(EDGE * (1.0 - EDGE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::FrameSet;
+    use crate::surrogate::dtn::Encoder;
+
+    /// Nothing a user gives makes a number break down, so weights are broken here.
+    #[test]
+    fn what_is_no_number_is_neither_stepped_along_nor_saved() -> Result<(), DtnError> {
+        let frames = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../captures/skyline_frames");
+        let references = vec![[128; 3]];
+        let set = TrainingSet::read(&[FrameSet::open(&frames)?], None, 48, &references, || ())?;
+        let architecture = Architecture {
+            encoder: Encoder::ConvNet,
+            depth: 1,
+            transformer: Transformer::Texture,
+        };
+        let plan = TrainingPlan {
+            architecture,
+            references,
+            seed: 1,
+            data_sha256: String::new(),
+        };
+        let mut trainer = Trainer::new(plan, Device::flex())?;
+        trainer.step(&set)?;
+        assert!(trainer.state().is_ok());
+        if let Some(last) = trainer.weights.last_mut() {
+            *last = last.clone().mul_scalar(f32::NAN);
+        }
+        let refused = trainer.step(&set).map_err(|e| e.to_string());
+        assert!(refused.is_err_and(|e| e.contains("step 1") && e.contains("no number")));
+        assert!(matches!(trainer.state(), Err(DtnError::NotFinite { .. })));
+        Ok(())
+    }
+}

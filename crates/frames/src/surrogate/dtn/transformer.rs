@@ -1,0 +1,153 @@
+//! What is done to a texture, given its maps: per pixel and channel, so that values and derivatives are closed forms.
+
+use serde::{Deserialize, Serialize};
+
+/// The maps of one pixel and channel, in the order in which they are applied; NTR has only the last two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Maps {
+    /// s: what darkness swallows.
+    pub subtract: f64,
+    /// a
+    pub add: f64,
+    /// m
+    pub multiply: f64,
+    /// b: what shines without the paint.
+    pub bias: f64,
+}
+
+/// The formula between texture and image; η and x are sRGB, 0 to 1.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transformer {
+    /// DTN's Expected Texture Transformer (CVPR 2022, fig. 4): `x = relu((relu(η − s) + a)·m + b)`; `TF[0:3]` is s, `[3:6]` a, `[6:9]` m and
+    /// `[9:12]` b.
+    #[default]
+    Texture,
+    /// ACTIVE's Neural Texture Renderer (ICCV 2023): `x = η·m + b`; `TF[0:3]` is m, `[3:6]` b.
+    MultiplyAdd,
+}
+
+impl Transformer {
+    pub const ALL: [Self; 2] = [Self::Texture, Self::MultiplyAdd];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Texture => "texture",
+            Self::MultiplyAdd => "multiply-add",
+        }
+    }
+
+    /// Channels of TF.
+    pub fn channels(self) -> usize {
+        match self {
+            Self::Texture => 12,
+            Self::MultiplyAdd => 6,
+        }
+    }
+
+    /// Maps with which both ReLUs are open for every η from 0 to 1, and x = η·m for the m that is added to this one, 0.
+    pub fn open(self) -> Maps {
+        let open = 0.05;
+        let (subtract, add) = match self {
+            Self::Texture => (-open, -open),
+            Self::MultiplyAdd => (0.0, 0.0),
+        };
+        Maps {
+            subtract,
+            add,
+            multiply: 0.0,
+            bias: 0.0,
+        }
+    }
+
+    /// The number of a channel's m in TF.
+    pub fn multiplying(self, channel: usize) -> usize {
+        match self {
+            Self::Texture => 6 + channel,
+            Self::MultiplyAdd => channel,
+        }
+    }
+
+    /// The maps of a channel (0 to 2) of a pixel, whose values of TF `at` gives by their number.
+    pub fn maps(self, channel: usize, at: impl Fn(usize) -> f64) -> Maps {
+        match self {
+            Self::Texture => Maps {
+                subtract: at(channel),
+                add: at(3 + channel),
+                multiply: at(6 + channel),
+                bias: at(9 + channel),
+            },
+            Self::MultiplyAdd => Maps {
+                subtract: 0.0,
+                add: 0.0,
+                multiply: at(channel),
+                bias: at(3 + channel),
+            },
+        }
+    }
+
+    /// The other way round: what [`Transformer::maps`] took from TF, by number of the value.
+    pub fn spread(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
+        match self {
+            Self::Texture => {
+                let values = [maps.subtract, maps.add, maps.multiply, maps.bias];
+                values
+                    .into_iter()
+                    .enumerate()
+                    .for_each(|(i, value)| put(3 * i + channel, value));
+            }
+            Self::MultiplyAdd => {
+                put(channel, maps.multiply);
+                put(3 + channel, maps.bias);
+            }
+        }
+    }
+
+    /// x, which may lie above 1 (NTR's also below 0).
+    pub fn value(self, maps: Maps, eta: f64) -> f64 {
+        match self {
+            Self::Texture => (((eta - maps.subtract).max(0.0) + maps.add) * maps.multiply + maps.bias).max(0.0),
+            Self::MultiplyAdd => eta * maps.multiply + maps.bias,
+        }
+    }
+
+    /// dx/dη; 0 where a ReLU is shut.
+    pub fn derivative(self, maps: Maps, eta: f64) -> f64 {
+        match self {
+            Self::Texture if eta <= maps.subtract || self.value(maps, eta) <= 0.0 => 0.0,
+            _ => maps.multiply,
+        }
+    }
+
+    /// How the loss depends on the maps, given how it depends on x (`cotangent`).
+    ///
+    /// Where a ReLU is shut the derivative is 0, and a pixel could never leave it. So a shut ReLU passes a cotangent that would open it, and no other:
+    /// the formula that is learnt stays as it stands, only the steps of its training differ.
+    pub fn vjp(self, maps: Maps, eta: f64, cotangent: f64) -> Maps {
+        let none = Maps {
+            subtract: 0.0,
+            add: 0.0,
+            multiply: 0.0,
+            bias: 0.0,
+        };
+        let Self::Texture = self else {
+            return Maps {
+                multiply: cotangent * eta,
+                bias: cotangent,
+                ..none
+            };
+        };
+        let inner = (eta - maps.subtract).max(0.0) + maps.add;
+        if inner * maps.multiply + maps.bias <= 0.0 && cotangent >= 0.0 {
+            return none;
+        }
+        let inner_cotangent = cotangent * maps.multiply;
+        let passes = eta > maps.subtract || inner_cotangent < 0.0;
+        Maps {
+            subtract: if passes { -inner_cotangent } else { 0.0 },
+            add: inner_cotangent,
+            multiply: cotangent * inner,
+            bias: cotangent,
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Where a pattern's cells lie in an image: a sparse linear map from cells to pixels, forward and transposed.
+//!
+//! Two makers: [`repeated`] (Repeated Texture Projection of DTA) and [`world`] (world-aligned, as the printed panels are). Colours are linear
+//! reflectance, since a pixel that sees several cells sees the mean of their light.
+
+pub mod repeated;
+pub mod world;
+
+/// The grid of a pattern on the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Cells across.
+    pub columns: u32,
+    /// Cells down.
+    pub rows: u32,
+    /// Width and height of a cell on the model.
+    pub cell_mm: f64,
+}
+
+impl Grid {
+    /// The grid of a pattern whose repeat is `tile_mm` wide.
+    pub fn of(pattern: &scaleproof_surface::pattern::Pattern, tile_mm: f64) -> Self {
+        Self {
+            columns: pattern.columns(),
+            rows: pattern.rows(),
+            cell_mm: tile_mm / f64::from(pattern.columns()),
+        }
+    }
+
+    /// Cells of one repeat.
+    pub fn cells(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+}
+
+/// What a point between the middles of cells gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// The cell it is in, as print has it.
+    Nearest,
+    /// A mixture of the four nearest, which smooths gradients.
+    Bilinear,
+}
+
+/// A linear map from the cells of a pattern (row by row from the top) to the pixels of an image (likewise).
+///
+/// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Projection {
+    /// Cells of the pattern.
+    pub cells: usize,
+    /// Where each pixel's entries start, and the end.
+    pub starts: Vec<usize>,
+    /// Cell and weight; the weights of a pixel add up to 1.
+    entries: Vec<(u32, f64)>,
+}
+
+impl Projection {
+    /// From the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells.
+    fn from_points(grid: &Grid, sampling: Sampling, pixels: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
+        let (mut starts, mut entries) = (vec![0], Vec::<(u32, f64)>::new());
+        for points in pixels {
+            let (start, share) = (entries.len(), 1.0 / points.len().max(1) as f64);
+            let mut seen: Vec<(u32, f64)> = points.iter().flat_map(|p| weights(grid, sampling, *p)).collect();
+            seen.sort_by_key(|(cell, _)| *cell);
+            for (cell, weight) in seen {
+                let is_again = entries.len() > start && entries.last().is_some_and(|(last, _)| *last == cell);
+                match entries.last_mut() {
+                    Some((_, sum)) if is_again => *sum += share * weight,
+                    _ => entries.push((cell, share * weight)),
+                }
+            }
+            starts.push(entries.len());
+        }
+        Self {
+            cells: grid.cells(),
+            starts,
+            entries,
+        }
+    }
+
+    /// Pixels of the image.
+    pub fn pixels(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The paint in each pixel.
+    ///
+    /// # Panics
+    /// When there are not `cells` colours.
+    pub fn forward(&self, cells: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        assert_eq!(cells.len(), self.cells, "one colour a cell");
+        let mean = scaled(
+            cells.iter().fold([0.0; 3], |sum, c| plus(sum, *c)),
+            1.0 / self.cells as f64,
+        );
+        let pixel = |window: &[usize]| {
+            let entries = &self.entries[window[0]..window[1]];
+            if entries.is_empty() {
+                return mean;
+            }
+            let add = |sum, (cell, weight): &(u32, f64)| plus(sum, scaled(cells[*cell as usize], *weight));
+            entries.iter().fold([0.0; 3], add)
+        };
+        self.starts.windows(2).map(pixel).collect()
+    }
+
+    /// The transposed map: what a change of each cell changes, given what a change of each pixel's paint changes.
+    ///
+    /// # Panics
+    /// When there are not [`Projection::pixels`] values.
+    pub fn transposed(&self, pixels: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        assert_eq!(pixels.len(), self.pixels(), "one value a pixel");
+        let mut cells = vec![[0.0; 3]; self.cells];
+        let mut everywhere = [0.0; 3];
+        for (window, value) in self.starts.windows(2).zip(pixels) {
+            let entries = &self.entries[window[0]..window[1]];
+            if entries.is_empty() {
+                everywhere = plus(everywhere, *value);
+            }
+            for (cell, weight) in entries {
+                let cell = &mut cells[*cell as usize];
+                *cell = plus(*cell, scaled(*value, *weight));
+            }
+        }
+        let share = scaled(everywhere, 1.0 / self.cells as f64);
+        cells.iter_mut().for_each(|cell| *cell = plus(*cell, share));
+        cells
+    }
+}
+
+/// The cells that a point of the repeated pattern takes its colour from.
+fn weights(grid: &Grid, sampling: Sampling, [column, row]: [f64; 2]) -> Vec<(u32, f64)> {
+    let wrap = |v: f64, count: u32| (v.rem_euclid(f64::from(count)) as u32) % count;
+    let cell = |column: f64, row: f64| wrap(row, grid.rows) * grid.columns + wrap(column, grid.columns);
+    match sampling {
+        Sampling::Nearest => vec![(cell(column.floor(), row.floor()), 1.0)],
+        Sampling::Bilinear => {
+            // The middle of cell 0 is at 0.5.
+            let (left, top) = ((column - 0.5).floor(), (row - 0.5).floor());
+            let (fx, fy) = (column - 0.5 - left, row - 0.5 - top);
+            vec![
+                (cell(left, top), (1.0 - fx) * (1.0 - fy)),
+                (cell(left + 1.0, top), fx * (1.0 - fy)),
+                (cell(left, top + 1.0), (1.0 - fx) * fy),
+                (cell(left + 1.0, top + 1.0), fx * fy),
+            ]
+        }
+    }
+}
+
+fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+fn scaled(a: [f64; 3], by: f64) -> [f64; 3] {
+    a.map(|v| v * by)
+}

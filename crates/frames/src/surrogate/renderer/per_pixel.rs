@@ -1,0 +1,218 @@
+//! A polynomial per pixel and channel, in sRGB or in light.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+
+use super::tone::{Tone, least};
+use super::{ClosedForm, FitError, FlatImage, Renderer};
+use crate::frames::light;
+
+/// More images than bits in [`Used`] would not fit, and are of no use.
+const MOST_IMAGES: usize = 32;
+/// The tone curve is fitted to at most about so many values.
+const CURVE_VALUES: usize = 6_000;
+/// A value this high may have been brighter.
+const CLIPPED: u8 = 255;
+
+/// Which images a fit uses, as bits.
+type Used = u32;
+
+/// A fitted model of one view.
+#[derive(Debug, Clone)]
+pub struct PerPixel {
+    /// `None` for a polynomial in sRGB.
+    tone: Option<Tone>,
+    /// Constant, linear and quadratic term.
+    terms: Vec<[[f64; 3]; 3]>,
+}
+
+impl PerPixel {
+    /// Fits by least squares. Clipped values are left out where the others suffice: how bright they were is not known.
+    ///
+    /// The tone curve is the exponent with which an affine model explains the images best; it takes three colours to tell, and with two the
+    /// curve is sRGB's.
+    ///
+    /// # Errors
+    /// Too few or too many images, or images of different sizes.
+    pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
+        let needed = kind.least_colours();
+        let found = (0..3).map(|c| distinct(flats, c)).min().unwrap_or(0);
+        if found < needed {
+            let model = kind.name();
+            return Err(FitError::TooFew { model, needed, found });
+        }
+        if flats.len() > MOST_IMAGES {
+            return Err(FitError::TooMany { most: MOST_IMAGES });
+        }
+        if flats
+            .iter()
+            .any(|s| s.image.dimensions() != flats[0].image.dimensions())
+        {
+            return Err(FitError::Sizes);
+        }
+        let has_curve = matches!(kind, ClosedForm::AffineCurve | ClosedForm::QuadraticCurve);
+        let tone = has_curve.then(|| fitted_tone(flats, found));
+        Ok(polynomial(kind.degree(), tone, flats, 1))
+    }
+
+    /// The tone curve, where the model has one.
+    pub fn tone(&self) -> Option<Tone> {
+        self.tone
+    }
+
+    /// Terms of a pixel and channel, and the paint as the polynomial takes it.
+    fn argument(&self, reflectance: f64) -> f64 {
+        if self.tone.is_some() {
+            reflectance
+        } else {
+            light::encode(reflectance)
+        }
+    }
+
+    fn pixel(&self, index: usize, paint: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|channel| {
+            let [a, b, c] = self.terms[index][channel];
+            let t = self.argument(paint[channel]);
+            let y = a + t * (b + t * c);
+            self.tone.map_or(y.clamp(0.0, 1.0), |tone| tone.value(y))
+        })
+    }
+
+    fn pixel_derivative(&self, index: usize, paint: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|channel| {
+            let [a, b, c] = self.terms[index][channel];
+            let t = self.argument(paint[channel]);
+            let (y, derivative) = (a + t * (b + t * c), b + 2.0 * c * t);
+            match self.tone {
+                Some(tone) => tone.value_derivative(y) * derivative,
+                None if y <= 0.0 || y >= 1.0 => 0.0,
+                None => derivative / light::decode_derivative(t),
+            }
+        })
+    }
+}
+
+impl Renderer for PerPixel {
+    fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        paint.iter().enumerate().map(|(i, p)| self.pixel(i, *p)).collect()
+    }
+
+    fn derivative(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        paint
+            .iter()
+            .enumerate()
+            .map(|(i, p)| self.pixel_derivative(i, *p))
+            .collect()
+    }
+}
+
+/// Different values of a channel among the images' colours.
+fn distinct(flats: &[FlatImage], channel: usize) -> usize {
+    let mut values: Vec<u8> = flats.iter().map(|s| s.flat_rgb[channel]).collect();
+    values.sort_unstable();
+    values.dedup();
+    values.len()
+}
+
+fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
+    if colours < 3 {
+        return Tone::SRGB;
+    }
+    let pixels = flats[0].image.pixels().len();
+    let every = (3 * pixels * flats.len()).div_ceil(CURVE_VALUES).max(1);
+    let error = |power: f64| {
+        let model = polynomial(1, Some(Tone { power }), flats, every);
+        let mut sum = 0.0;
+        for flat in flats {
+            let paint = light::linear_of(flat.flat_rgb);
+            for (i, (_, pixel)) in chosen(flat, every).enumerate() {
+                let predicted = model.pixel(i, paint);
+                sum += (0..3)
+                    .map(|c| (predicted[c] - f64::from(pixel[c]) / 255.0).powi(2))
+                    .sum::<f64>();
+            }
+        }
+        sum
+    };
+    Tone {
+        power: least(Tone::POWERS, error),
+    }
+}
+
+/// Every so many of an image's pixels.
+fn chosen(flat: &FlatImage, every: usize) -> impl Iterator<Item = (usize, [u8; 3])> {
+    flat.image.pixels().map(|p| p.0).enumerate().step_by(every)
+}
+
+/// The polynomial of every so many pixels, in their order.
+fn polynomial(degree: usize, tone: Option<Tone>, flats: &[FlatImage], every: usize) -> PerPixel {
+    let argument = |v: u8| {
+        let srgb = f64::from(v) / 255.0;
+        if tone.is_some() { light::decode(srgb) } else { srgb }
+    };
+    // 256 values have 256 lights.
+    let values: Vec<f64> = (0..=255_u8)
+        .map(|v| {
+            let srgb = f64::from(v) / 255.0;
+            tone.map_or(srgb, |tone| tone.light(srgb))
+        })
+        .collect();
+    let mut solvers: [BTreeMap<(Used, usize), DMatrix<f64>>; 3] = Default::default();
+    let columns: Vec<Vec<[u8; 3]>> = flats
+        .iter()
+        .map(|s| chosen(s, every).map(|(_, p)| p).collect())
+        .collect();
+    let fit = |pixel: usize| {
+        std::array::from_fn(|channel| {
+            let seen: Vec<u8> = columns.iter().map(|column| column[pixel][channel]).collect();
+            let (used, degree) = usable(&seen, flats, channel, degree, tone.is_some());
+            let solver = solvers[channel]
+                .entry((used, degree))
+                .or_insert_with(|| pseudo_inverse(degree, used, flats.iter().map(|s| argument(s.flat_rgb[channel]))));
+            let mut terms = [0.0; 3];
+            for (term, row) in terms.iter_mut().zip(solver.row_iter()) {
+                *term = row.iter().zip(&seen).map(|(w, v)| w * values[usize::from(*v)]).sum();
+            }
+            terms
+        })
+    };
+    let terms = (0..columns[0].len()).map(fit).collect();
+    PerPixel { tone, terms }
+}
+
+/// The images that are not clipped, and the degree they give; all images where too few would be left. A polynomial in light is lowered to a
+/// line rather than bent to a clipped value; in sRGB, where a line fits badly, it is not.
+fn usable(seen: &[u8], flats: &[FlatImage], channel: usize, degree: usize, is_light: bool) -> (Used, usize) {
+    let all: Used = (0..flats.len()).fold(0, |bits, i| bits | 1 << i);
+    if seen.iter().all(|v| *v < CLIPPED) {
+        return (all, degree);
+    }
+    let fine = (0..flats.len()).filter(|i| seen[*i] < CLIPPED);
+    let mut levels: Vec<u8> = fine.clone().map(|i| flats[i].flat_rgb[channel]).collect();
+    levels.sort_unstable();
+    levels.dedup();
+    let given = degree.min(levels.len().saturating_sub(1));
+    if given == degree || is_light && given > 0 {
+        (fine.fold(0, |bits, i| bits | 1 << i), given)
+    } else {
+        (all, if is_light { 1 } else { degree })
+    }
+}
+
+/// The matrix that makes the terms of a polynomial from the values at these arguments; columns of unused images are 0.
+fn pseudo_inverse(degree: usize, used: Used, arguments: impl Iterator<Item = f64>) -> DMatrix<f64> {
+    let arguments: Vec<f64> = arguments.collect();
+    let design = DMatrix::from_fn(arguments.len(), degree + 1, |flat, power| {
+        if used >> flat & 1 == 1 {
+            arguments[flat].powi(power as i32)
+        } else {
+            0.0
+        }
+    });
+    let (rows, columns) = (degree + 1, arguments.len());
+    // Fails only for a matrix that is not finite, which arguments from 0 to 1 do not make.
+    design
+        .pseudo_inverse(1e-12)
+        .unwrap_or_else(|_| DMatrix::zeros(rows, columns))
+}

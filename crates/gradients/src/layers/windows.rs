@@ -1,0 +1,63 @@
+//! Where windows lie on an image, and what the numbers in them are weighted with.
+
+/// How windows lie on an image; rows first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Windows {
+    pub channels: usize,
+    pub image: [usize; 2],
+    pub kernel: [usize; 2],
+    pub stride: [usize; 2],
+    pub dilation: [usize; 2],
+    /// Rows above, columns on the left that the image is enlarged by.
+    pub before: [usize; 2],
+    /// How many windows there are.
+    pub count: [usize; 2],
+}
+
+impl Windows {
+    pub(super) fn image_area(&self) -> usize {
+        self.image.iter().product()
+    }
+
+    pub(super) fn area(&self) -> usize {
+        self.count.iter().product()
+    }
+
+    /// The numbers of a window in one channel.
+    pub(super) fn taps(&self) -> usize {
+        self.kernel.iter().product()
+    }
+
+    /// Where the number `tap` of window `at` lies along an axis, if it lies on the image.
+    pub(crate) fn place(&self, axis: usize, at: usize, tap: usize) -> Option<usize> {
+        let place = (at * self.stride[axis] + tap * self.dilation[axis]).checked_sub(self.before[axis])?;
+        (place < self.image[axis]).then_some(place)
+    }
+
+    /// The windows along an axis whose number `tap` lies on the image, and where that of the first lies.
+    pub(super) fn inside(&self, axis: usize, tap: usize) -> (std::ops::Range<usize>, usize) {
+        let at = tap * self.dilation[axis];
+        let first = self.before[axis].saturating_sub(at).div_ceil(self.stride[axis]);
+        let end = (self.image[axis] + self.before[axis])
+            .saturating_sub(at)
+            .div_ceil(self.stride[axis])
+            .min(self.count[axis]);
+        let place = (first * self.stride[axis] + at).saturating_sub(self.before[axis]);
+        (first.min(end)..end, place)
+    }
+}
+
+/// Weights (outputs × channels of a group × kernel) and biases.
+pub(crate) struct Weights {
+    pub groups: usize,
+    pub weights: Vec<f32>,
+    pub biases: Option<Vec<f32>>,
+    /// Output channels.
+    pub outputs: usize,
+}
+
+impl Weights {
+    pub(super) fn bias(&self, output: usize) -> f32 {
+        self.biases.as_ref().map_or(0.0, |biases| biases[output])
+    }
+}

@@ -1,0 +1,156 @@
+//! Operators that combine the numbers along axes: softmax, sums, matrix products.
+
+use burn::tensor::{Tensor, activation};
+use onnx_ir::Node;
+use onnx_ir::reduce::{ReduceAxes, ReduceConfig};
+
+use super::operator::{Inputs, IntegerSetting, Operator, axis_of, setting};
+use super::value::{Floats, RANK, Result, Value, bounded, broadcast};
+use crate::NetworkFault;
+
+/// Along one axis; before opset 13 along all from there on, as one.
+fn softmax(first: usize, joins_axes: bool) -> Operator {
+    Operator::new(move |mut inputs| {
+        let v = inputs.floats(0)?;
+        let (axis, shape) = (v.axis(first)?, v.shape());
+        if !joins_axes {
+            let Floats { x, rank } = v;
+            let x = activation::softmax(x, axis);
+            return Ok(Floats { x, rank }.into());
+        }
+        let rows = [shape[..first].iter().product(), shape[first..].iter().product()];
+        let Floats { x, rank } = v.reshaped(&rows)?;
+        let x = activation::softmax(x, RANK - 1);
+        Floats { x, rank }.reshaped(&shape).map(Value::Floats)
+    })
+}
+
+/// Along the named axes, or along all when none is named.
+fn reduce(config: &ReduceConfig, along: fn(Tensor<RANK>, usize) -> Tensor<RANK>) -> Operator {
+    let named = setting!(ReduceAxes, &config.axes);
+    let (keeps_axes, none_means_none) = (config.keepdims, config.noop_with_empty_axes);
+    Operator::new(move |mut inputs| {
+        let named = named.of(&inputs)?;
+        let v = inputs.floats(0)?;
+        let axes: Vec<usize> = match named[..] {
+            [] if none_means_none => Vec::new(),
+            [] => (0..v.rank).collect(),
+            _ => named.iter().map(|axis| axis_of(*axis, v.rank)).collect::<Result<_>>()?,
+        };
+        let shape = v.shape();
+        let Floats { mut x, rank } = v;
+        for axis in &axes {
+            x = along(x, RANK - rank + axis);
+        }
+        let reduced = Floats { x, rank };
+        if keeps_axes {
+            return Ok(reduced.into());
+        }
+        let left: Vec<usize> = (0..rank).filter(|i| !axes.contains(i)).map(|i| shape[i]).collect();
+        reduced.reshaped(&left).map(Value::Floats)
+    })
+}
+
+/// Product of matrices, or of stacks of them.
+fn product(a: Floats, b: Floats) -> Result<Floats> {
+    let (left, right) = (a.shape(), b.shape());
+    let fit = matches!((&left[..], &right[..]), ([_, .., inner], [.., rows, _]) if inner == rows);
+    if !fit {
+        return Err(NetworkFault::Mismatch("matrices", left, right));
+    }
+    let (rows, columns) = (left[left.len() - 2], right[right.len() - 1]);
+    let stack = broadcast(&left[..left.len() - 2], &right[..right.len() - 2])?;
+    bounded(stack.into_iter().chain([rows, columns]))?;
+    let (x, rank) = (a.x.matmul(b.x), a.rank.max(b.rank));
+    Ok(Floats { x, rank })
+}
+
+/// (x − mean) / √(variance + ε) · scale + shift, over all axes from one on.
+fn layer_norm(first: i64, epsilon: f64) -> Operator {
+    Operator::new(move |mut inputs| {
+        let Floats { x, rank } = inputs.floats(0)?;
+        let scale = inputs.floats(1)?;
+        let shift = inputs.optional_floats(2)?;
+        let axes = RANK - rank + axis_of(first, rank)?..RANK;
+        let shape = Floats { x: x.clone(), rank }.shape();
+        for other in [Some(&scale), shift.as_ref()].into_iter().flatten() {
+            bounded(broadcast(&shape, &other.shape())?)?;
+        }
+        let mean = |x: Tensor<RANK>| axes.clone().fold(x, Tensor::mean_dim);
+        let centred = x.clone() - mean(x);
+        let variance = mean(centred.clone() * centred.clone());
+        let mut x = centred / variance.add_scalar(epsilon).sqrt() * scale.x;
+        if let Some(shift) = shift {
+            x = x + shift.x;
+        }
+        Ok(Floats { x, rank }.into())
+    })
+}
+
+/// As NumPy multiplies: a vector on the left is a row, one on the right a column, and its axis is gone afterwards.
+fn matmul(mut inputs: Inputs) -> Result<Value> {
+    let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);
+    let (left, right) = (a.shape(), b.shape());
+    let row = if left.len() == 1 { a.reshaped(&[1, left[0]])? } else { a };
+    let column = if right.len() == 1 {
+        b.reshaped(&[right[0], 1])?
+    } else {
+        b
+    };
+    let result = product(row, column)?;
+    let mut shape = result.shape();
+    if right.len() == 1 {
+        shape.pop();
+    }
+    if left.len() == 1 {
+        shape.remove(shape.len() - if right.len() == 1 { 1 } else { 2 });
+    }
+    result.reshaped(&shape).map(Value::Floats)
+}
+
+/// α·A·B + β·C of matrices, A and B turned where said.
+fn gemm(alpha: f32, beta: f32, turns: [bool; 2]) -> Operator {
+    Operator::new(move |mut inputs| {
+        let turned = |v: Floats, turn: bool| {
+            if turn {
+                Floats {
+                    x: v.x.swap_dims(RANK - 2, RANK - 1),
+                    rank: v.rank,
+                }
+            } else {
+                v
+            }
+        };
+        let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);
+        let added = inputs.optional_floats(2)?;
+        let Floats { mut x, rank } = product(turned(a, turns[0]), turned(b, turns[1]))?;
+        if alpha != 1.0 {
+            x = x.mul_scalar(alpha);
+        }
+        if let Some(c) = added {
+            let product = Floats { x, rank };
+            bounded(broadcast(&product.shape(), &c.shape())?)?;
+            x = product.x + c.x.mul_scalar(beta);
+        }
+        Ok(Floats { x, rank }.into())
+    })
+}
+
+pub(super) fn read(node: &Node, opset: i64) -> Option<Operator> {
+    Some(match node {
+        Node::Softmax(n) => softmax(n.config.axis, opset < 13),
+        Node::ReduceSum(n) => reduce(&n.config, |x, axis| x.sum_dim(axis)),
+        Node::ReduceMean(n) => reduce(&n.config, |x, axis| x.mean_dim(axis)),
+        Node::ReduceMax(n) => reduce(&n.config, |x, axis| x.max_dim(axis)),
+        Node::ReduceMin(n) => reduce(&n.config, |x, axis| x.min_dim(axis)),
+        Node::MatMul(_) => Operator::new(matmul),
+        Node::Gemm(n) => {
+            let turns = [n.config.trans_a != 0, n.config.trans_b != 0];
+            gemm(n.config.alpha, n.config.beta, turns)
+        }
+        Node::LayerNormalization(n) if n.outputs.len() == 1 => layer_norm(n.config.axis, n.config.epsilon),
+        // Made by the parser of Gemm, or of MatMul and Add.
+        Node::Linear(n) => gemm(1.0, 1.0, [false, n.config.transpose_weight]),
+        _ => return None,
+    })
+}

@@ -1,0 +1,16 @@
+//! A photo: what decoding it may cost, its pixels upright and at any size, its EXIF; lines and labels drawn into images.
+//!
+//! Every image is measured by its header before it is decoded ([`photo::Budget`]), and photos are turned as EXIF says.
+//!
+//! ```
+//! use std::path::Path;
+//! use scaleproof_photo::photo::Photo;
+//!
+//! let photo = Photo::open(Path::new("../../captures/skyline/normal_000.jpg"))?;
+//! let luma = photo.luma()?;
+//! assert_eq!((luma.width(), luma.height()), (photo.width, photo.height));
+//! # Ok::<(), scaleproof_photo::photo::PhotoError>(())
+//! ```
+
+pub mod draw;
+pub mod photo;

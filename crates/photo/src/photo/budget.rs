@@ -1,0 +1,195 @@
+//! What an image from elsewhere may cost, by its use. Every image that this program decodes is measured here first, by its header.
+//!
+//! A few kilobytes can claim to be terabytes of pixels, and a progressive JPEG can make a decoder go over every pixel again for each scan,
+//! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
+//! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst image within each budget takes.
+
+use super::jpeg::Frame;
+use super::problem::DecodeProblem;
+
+/// The bounds of one use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Budget {
+    /// Of the file.
+    pub bytes: u64,
+    pub megapixels: u64,
+    /// Megapixels times scans, of a JPEG. A scan whose data is not there takes up to 3.5 ms a megapixel: decoders
+    /// go on with zeros.
+    pub scanned_megapixels: u64,
+    /// What decoding may hold at once: the pixels, and the coefficients of a progressive JPEG.
+    pub memory: u64,
+}
+
+impl Budget {
+    /// Files that a user names, or lays into a watched folder: the largest cameras have 200 megapixels.
+    pub const FILE: Budget = Budget {
+        bytes: 512 << 20,
+        megapixels: 250,
+        scanned_megapixels: 2_000,
+        memory: 1536 << 20,
+    };
+
+    /// What a browser sends. A phone's 50-megapixel JPEG has 15 MB.
+    pub const UPLOAD: Budget = Budget {
+        bytes: 32 << 20,
+        megapixels: 120,
+        scanned_megapixels: 600,
+        memory: 512 << 20,
+    };
+
+    /// What may be held only to show an image small; JPEGs are decoded reduced for that.
+    pub const PREVIEW_MEMORY: u64 = 256 << 20;
+
+    /// No encoder makes more scans: libjpeg's usual script has 10, others stay below 20.
+    pub const SCANS: u64 = 64;
+
+    pub(super) fn check_bytes(&self, bytes: usize) -> Result<(), DecodeProblem> {
+        if bytes as u64 > self.bytes {
+            Err(DecodeProblem::TooLarge(format!(
+                "{} MB, more than the {} MB that an image may have here",
+                bytes >> 20,
+                self.bytes >> 20
+            )))
+        } else {
+            Ok(())
+        }
+    }
+
+    pub(super) fn check(&self, cost: &DecodeCost) -> Result<(), DecodeProblem> {
+        let megapixels = cost.pixels / 1_000_000;
+        if megapixels > self.megapixels {
+            return Err(DecodeProblem::TooLarge(format!(
+                "{megapixels} megapixels, more than the {} that fit in memory safely",
+                self.megapixels
+            )));
+        }
+        if cost.scans > cost.most_scans || cost.scans * megapixels > self.scanned_megapixels {
+            return Err(DecodeProblem::TooManyScans(cost.scans));
+        }
+        let memory = cost.memory(1);
+        if memory > self.memory {
+            return Err(DecodeProblem::TooLarge(format!(
+                "{megapixels} megapixels that take {} MB to decode, more than {} MB",
+                memory >> 20,
+                self.memory >> 20
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// What decoding an image takes, as its header says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DecodeCost {
+    pixels: u64,
+    /// Bytes that the decoder writes for a pixel.
+    bytes_per_pixel: u64,
+    /// Bytes of coefficients, which are kept as long as the photo.
+    kept: u64,
+    /// 1 for what is no JPEG.
+    scans: u64,
+    most_scans: u64,
+    /// By EXIF, by 90°: the turned image is another one.
+    is_turned: bool,
+}
+
+impl DecodeCost {
+    /// Of 8-bit RGB, the form that images end in.
+    const RGB: u64 = 3;
+
+    /// Of a JPEG whose file has so many bytes.
+    pub(super) fn of_jpeg(frame: &Frame, bytes: usize) -> DecodeCost {
+        let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
+        let components = frame.components.len() as u64;
+        DecodeCost {
+            pixels,
+            bytes_per_pixel: DecodeCost::RGB,
+            kept: match frame.scans {
+                // What is not zero, two bytes for the four bits of data or more that each takes, and eight bytes a block.
+                0 | 1 => pixels * components / 8 + 4 * bytes as u64,
+                // Coefficients of 2 bytes, one a pixel and component at most.
+                _ => pixels * 2 * components,
+            },
+            scans: frame.scans,
+            // A sequential frame has each component in one scan.
+            most_scans: if frame.is_progressive {
+                Budget::SCANS
+            } else {
+                components
+            },
+            // It is made upright at once.
+            is_turned: false,
+        }
+    }
+
+    /// Of a PNG, whose decoder writes so many bytes for a pixel.
+    pub(super) fn of_png(size: [u32; 2], bytes_per_pixel: u64, is_turned: bool) -> DecodeCost {
+        DecodeCost {
+            pixels: u64::from(size[0]) * u64::from(size[1]),
+            bytes_per_pixel,
+            kept: 0,
+            scans: 1,
+            most_scans: 1,
+            is_turned,
+        }
+    }
+
+    /// Of the pixels alone, at full size.
+    pub(super) fn pixel_bytes(&self) -> u64 {
+        self.pixels * self.bytes_per_pixel
+    }
+
+    /// What decoding at 1/`reduction` of the size holds at most, in bytes: while the decoder works, while its form is made into RGB, and while
+    /// that is turned.
+    pub(super) fn memory(&self, reduction: u32) -> u64 {
+        let reduced = self.pixels / (u64::from(reduction) * u64::from(reduction));
+        let decoding = self.kept + reduced * self.bytes_per_pixel;
+        let forming = match self.bytes_per_pixel {
+            DecodeCost::RGB => 0,
+            other => reduced * (other + DecodeCost::RGB),
+        };
+        let turning = if self.is_turned {
+            reduced * 2 * DecodeCost::RGB
+        } else {
+            0
+        };
+        decoding.max(forming).max(turning)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photo::jpeg::{Colours, FrameComponent};
+
+    #[test]
+    fn photos_of_real_cameras_are_within_and_bombs_are_not() {
+        let jpeg = |megapixels: u32, scans: u64| {
+            let frame = Frame {
+                size: [megapixels * 1000, 1000],
+                is_progressive: scans > 1,
+                components: vec![FrameComponent::default(); 3],
+                scans,
+                colours: Colours::YCbCr,
+                exif: None,
+            };
+            // A camera's file has some 0.3 bytes a pixel.
+            DecodeCost::of_jpeg(&frame, 300_000 * megapixels as usize)
+        };
+        for (budget, cost, is_within) in [
+            (Budget::FILE, jpeg(200, 1), true),
+            (Budget::FILE, jpeg(108, 10), true),
+            (Budget::FILE, jpeg(251, 1), false),
+            (Budget::FILE, jpeg(12, 65), false),
+            (Budget::FILE, jpeg(200, 20), false),
+            (Budget::FILE, DecodeCost::of_png([13_000, 12_000], 8, false), false),
+            (Budget::UPLOAD, jpeg(50, 10), true),
+            (Budget::UPLOAD, jpeg(108, 1), true),
+            (Budget::UPLOAD, jpeg(121, 1), false),
+            (Budget::UPLOAD, jpeg(108, 10), false),
+            (Budget::UPLOAD, DecodeCost::of_png([8000, 8000], 8, false), false),
+        ] {
+            assert_eq!(budget.check(&cost).is_ok(), is_within, "{budget:?} {cost:?}");
+        }
+    }
+}

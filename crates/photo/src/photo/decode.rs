@@ -1,0 +1,344 @@
+//! From the bytes of a JPEG or PNG file to upright pixels, whole or not at all.
+
+use std::io::Cursor;
+
+use image::codecs::png::PngDecoder;
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
+
+use super::budget::{Budget, DecodeCost};
+use super::jpeg::{Coefficients, Colours, Frame, JpegError};
+use super::problem::DecodeProblem;
+
+/// The kind of an HEIF file (ISO 23008-12, 10: its brands), by the `ftyp` box that it begins with.
+pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
+    let length = u32::from_be_bytes(*bytes.first_chunk()?) as usize;
+    let ftyp = bytes.get(4..length.min(bytes.len()).min(LONGEST_FTYP))?;
+    // The major brand, a version, and the brands that the file fits as well.
+    let (major, others) = ftyp.strip_prefix(b"ftyp")?.split_at_checked(4)?;
+    let brands: Vec<&[u8]> = std::iter::once(major).chain(others.chunks_exact(4).skip(1)).collect();
+    let is_any = |known: &[&[u8]]| brands.iter().any(|brand| known.contains(brand));
+    if is_any(&[b"avif", b"avis"]) {
+        Some("AVIF")
+    } else if is_any(&[b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis"]) {
+        Some("HEIC")
+    } else {
+        is_any(&[b"mif1", b"msf1"]).then_some("HEIF")
+    }
+}
+
+/// Files name a handful of brands, 4 bytes each.
+const LONGEST_FTYP: usize = 1024;
+
+/// What EXIF data says; data that cannot be read is no reason to refuse the image.
+pub(super) fn orientation_of(exif: Option<&[u8]>) -> Orientation {
+    let read = exif.and_then(Orientation::from_exif_chunk);
+    read.unwrap_or(Orientation::NoTransforms)
+}
+
+/// True when an orientation swaps width and height.
+fn lies_across(orientation: Orientation) -> bool {
+    turned_deg(orientation) % 180 == 90
+}
+
+/// How far the sensor's image is turned clockwise; mirroring is what software did to it before.
+pub(super) fn turned_deg(orientation: Orientation) -> u32 {
+    match orientation {
+        Orientation::NoTransforms | Orientation::FlipHorizontal => 0,
+        Orientation::Rotate90 | Orientation::Rotate270FlipH => 90,
+        Orientation::Rotate180 | Orientation::FlipVertical => 180,
+        Orientation::Rotate270 | Orientation::Rotate90FlipH => 270,
+    }
+}
+
+/// What stands at the beginning of an image file.
+#[derive(Debug)]
+pub(super) struct Header {
+    /// Width, height as stored.
+    size: [u32; 2],
+    pub cost: DecodeCost,
+    pub orientation: Orientation,
+    /// `None` for a PNG.
+    jpeg: Option<Frame>,
+}
+
+impl Header {
+    /// Also gives the EXIF block.
+    pub(super) fn of(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
+        match image::guess_format(bytes) {
+            Ok(ImageFormat::Jpeg) => Header::of_jpeg(bytes, budget),
+            Ok(ImageFormat::Png) => Header::of_png(bytes, budget),
+            _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif)),
+        }
+    }
+
+    /// A cut JPEG ends here.
+    fn of_jpeg(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
+        budget.check_bytes(bytes.len())?;
+        let mut frame = Frame::of(bytes).map_err(|e| jpeg_problem(e, budget))?;
+        let exif = frame.exif.take();
+        let header = Header {
+            size: frame.size,
+            cost: DecodeCost::of_jpeg(&frame, bytes.len()),
+            orientation: orientation_of(exif.as_deref()),
+            jpeg: Some(frame),
+        };
+        budget.check(&header.cost)?;
+        Ok((header, exif))
+    }
+
+    fn of_png(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
+        let (mut decoder, cost) = png_header(bytes, budget)?;
+        let exif = decoder.exif_metadata().ok().flatten();
+        let header = Header {
+            size: decoder.dimensions().into(),
+            cost,
+            orientation: orientation_of(exif.as_deref()),
+            jpeg: None,
+        };
+        Ok((header, exif))
+    }
+
+    /// `jpg` or `png`.
+    pub(super) fn extension(&self) -> &'static str {
+        if self.jpeg.is_some() { "jpg" } else { "png" }
+    }
+
+    /// A JPEG that stores luma by itself, as almost all do: the others are CMYK or plain RGB.
+    pub(super) fn has_luma(&self) -> bool {
+        let colours = self.jpeg.as_ref().map(|frame| frame.colours);
+        matches!(colours, Some(Colours::YCbCr | Colours::Grey))
+    }
+
+    /// A JPEG for print.
+    pub(super) fn is_cmyk(&self) -> bool {
+        let colours = self.jpeg.as_ref().map(|frame| frame.colours);
+        matches!(colours, Some(Colours::Cmyk | Colours::Ycck))
+    }
+
+    /// Width and height of the upright image.
+    pub(super) fn upright_size(&self) -> [u32; 2] {
+        let [width, height] = self.size;
+        if lies_across(self.orientation) {
+            [height, width]
+        } else {
+            [width, height]
+        }
+    }
+
+    /// What the data of a JPEG says, of which pixels of every size follow; `None` for a PNG.
+    pub(super) fn coefficients(&self, bytes: &[u8], budget: &Budget) -> Result<Option<Coefficients>, DecodeProblem> {
+        let Some(frame) = &self.jpeg else { return Ok(None) };
+        let most_bytes = budget.memory.saturating_sub(self.cost.pixel_bytes());
+        let read = Coefficients::read(bytes, frame, most_bytes);
+        read.map(Some).map_err(|e| jpeg_problem(e, budget))
+    }
+
+    /// The pixels of a PNG, upright.
+    pub(super) fn png(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
+        let (decoder, _) = png_header(bytes, budget)?;
+        let stored = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb8();
+        let mut upright = DynamicImage::from(stored);
+        upright.apply_orientation(self.orientation);
+        Ok(upright.into_rgb8())
+    }
+}
+
+fn jpeg_problem(e: JpegError, budget: &Budget) -> DecodeProblem {
+    match e {
+        JpegError::Truncated => DecodeProblem::Truncated,
+        JpegError::Damaged(reason) => DecodeProblem::Damaged(reason.to_owned()),
+        JpegError::TooManyValues => DecodeProblem::TooLarge(format!(
+            "data that takes more than {} MB to decode",
+            budget.memory >> 20
+        )),
+    }
+}
+
+/// Why bytes are no PNG that can be decoded, as a clause.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PngError {
+    #[error("it has {0}")]
+    TooLarge(String),
+    #[error("{0}")]
+    Damaged(String),
+    #[error("it is no PNG")]
+    NotAPng,
+}
+
+/// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
+pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, PngError> {
+    match png_header(bytes, budget) {
+        Ok((decoder, _)) => Ok(decoder),
+        Err(DecodeProblem::TooLarge(size)) => Err(PngError::TooLarge(size)),
+        Err(DecodeProblem::Damaged(reason)) => Err(PngError::Damaged(reason)),
+        Err(_) => Err(PngError::NotAPng),
+    }
+}
+
+/// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.
+const PNG_CHUNKS: u64 = 64 << 20;
+
+/// A decoder that has read the header, and what the image takes.
+type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, DecodeCost);
+
+fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, DecodeProblem> {
+    budget.check_bytes(bytes.len())?;
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(PNG_CHUNKS);
+    let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let is_turned = lies_across(orientation_of(decoder.exif_metadata().ok().flatten().as_deref()));
+    let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
+    let cost = DecodeCost::of_png([width, height], bytes_per_pixel, is_turned);
+    budget.check(&cost)?;
+    Ok((decoder, cost))
+}
+
+/// The first line of what a decoder says, without the internals it prints in braces.
+fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
+    let text = e.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    DecodeProblem::Damaged(line.split(" {").next().unwrap_or(line).to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
+        let (header, _) = Header::of(bytes, &Budget::FILE)?;
+        match header.coefficients(bytes, &Budget::FILE)? {
+            Some(coefficients) => Ok(coefficients.rgb(1, header.orientation)),
+            None => header.png(bytes, &Budget::FILE),
+        }
+    }
+
+    fn small_jpeg() -> Vec<u8> {
+        let image = RgbImage::from_fn(64, 48, |x, y| {
+            image::Rgb([(x * 4) as u8, (y * 5) as u8, ((x * y) % 256) as u8])
+        });
+        let mut bytes = Vec::new();
+        image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_whole_jpeg_decodes_and_trailing_bytes_do_not_matter() {
+        let mut bytes = small_jpeg();
+        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+        bytes.extend_from_slice(b"motion photo video");
+        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+    }
+
+    #[test]
+    fn every_cut_is_noticed() {
+        let bytes = small_jpeg();
+        for keep in 3..bytes.len() {
+            assert!(
+                decode(&bytes[..keep]).is_err(),
+                "a JPEG cut at byte {keep} of {} was accepted",
+                bytes.len()
+            );
+        }
+    }
+
+    #[test]
+    fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
+        let mut bytes = Vec::new();
+        RgbImage::new(1, 1)
+            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+            .unwrap();
+        // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
+        bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
+        let crc = crc32(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+        let problem = decode(&bytes).unwrap_err();
+        assert!(
+            matches!(&problem, DecodeProblem::TooLarge(size) if size.starts_with("10000 megapixels")),
+            "{problem:?}"
+        );
+    }
+
+    /// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.
+    fn crc32(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |crc, b| {
+            (0..8).fold(crc ^ u32::from(*b), |c, _| {
+                if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
+            })
+        })
+    }
+
+    /// Damage inside a JPEG decodes into some other image; what cannot be right is refused, where lenient decoders refuse none of these.
+    #[test]
+    fn damage_that_can_be_noticed_is_refused() {
+        let photo = concat!(env!("CARGO_MANIFEST_DIR"), "/../../captures/skyline/normal_000.jpg");
+        let bytes = std::fs::read(photo).unwrap();
+        let mut random = 1_u64;
+        let mut next = || {
+            random = random
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (random >> 33) as usize
+        };
+        let refused = (0..60).filter(|_| {
+            let mut copy = bytes.clone();
+            for _ in 0..20 {
+                let at = 700 + next() % (copy.len() - 702);
+                copy[at] = next() as u8;
+            }
+            decode(&copy).is_err()
+        });
+        assert!(refused.count() >= 54);
+    }
+
+    #[test]
+    fn text_is_not_an_image() {
+        assert_eq!(
+            decode(b"this is a shopping list").unwrap_err(),
+            DecodeProblem::NotAnImage
+        );
+        assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAnImage);
+    }
+
+    #[test]
+    fn photos_of_iphones_are_known_by_their_brands() {
+        let ftyp = |brands: &[u8]| {
+            [
+                &(8 + brands.len() as u32).to_be_bytes()[..],
+                b"ftyp",
+                brands,
+                b"\0\0\0\x08mdat",
+            ]
+            .concat()
+        };
+        for (brands, kind) in [
+            (&b"heic\0\0\0\0mif1heic"[..], Some("HEIC")),
+            (b"mif1\0\0\0\0mif1heix", Some("HEIC")),
+            (b"mif1\0\0\0\0mif1", Some("HEIF")),
+            (b"avif\0\0\0\0avifmif1miaf", Some("AVIF")),
+            (b"isom\0\0\x02\0isomiso2", None),
+            (b"", None),
+        ] {
+            let file = ftyp(brands);
+            let problem = kind.map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif);
+            assert_eq!(decode(&file).unwrap_err(), problem, "{}", brands.escape_ascii());
+            for cut in 0..file.len() {
+                let _ = decode(&file[..cut]);
+            }
+        }
+    }
+
+    proptest! {
+        /// User files of any content: an error or an image, never a panic.
+        #[test]
+        fn damaged_jpegs_never_panic(at in 2usize..600, value in any::<u8>()) {
+            let mut bytes = small_jpeg();
+            let at = at % bytes.len();
+            bytes[at] = value;
+            let _ = decode(&bytes);
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! HEIC and its kin (ISO 23008-12), by the decoder that the system has: `heif-dec` or `heif-convert` of libheif. Nothing here decodes them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{Budget, PhotoError};
+use scaleproof_core::files;
+
+/// By their age: newer versions of libheif call it `heif-dec`.
+const DECODERS: [&str; 2] = ["heif-dec", "heif-convert"];
+/// A decoder that takes longer than this for one image hangs.
+const MOST_TIME: Duration = Duration::from_secs(60);
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
+
+/// Whether the system has a decoder for HEIC files.
+pub fn reads_heif() -> bool {
+    decoder().is_some()
+}
+
+/// The image of an HEIF file as an upright PNG; `None` where the system has no decoder for it.
+///
+/// # Errors
+/// A decoder that fails, or takes more than a minute.
+pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
+    let Some(decoder) = decoder() else { return Ok(None) };
+    let failed = |reason: String| PhotoError::Damaged {
+        path: path.to_owned(),
+        reason,
+    };
+    let folder = own_folder().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
+    let (from, to, complaint) = (
+        folder.path().join("in.heic"),
+        folder.path().join("out.png"),
+        folder.path().join("said"),
+    );
+    std::fs::write(&from, bytes).map_err(|e| failed(format!("no room for decoding it: {e}")))?;
+    let started = Command::new(&decoder)
+        .args([&from, &to])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(std::fs::File::create(&complaint).map_or_else(|_| Stdio::null(), Stdio::from))
+        .spawn();
+    let name = decoder.file_name().unwrap_or_default().display();
+    let ended = started.and_then(within_time);
+    let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
+    // A file of several images becomes as many; the first is the one that is shown.
+    let image = [to, folder.path().join("out-1.png")]
+        .into_iter()
+        .find(|path| path.is_file());
+    match image.filter(|_| is_done) {
+        Some(image) => Ok(Some(pixels_only(&files::read_at_most(&image, Budget::FILE.bytes)?))),
+        None => {
+            let said = files::read_at_most(&complaint, 1 << 20).unwrap_or_default();
+            let said = String::from_utf8_lossy(&said)
+                .lines()
+                .next()
+                .unwrap_or_default()
+                .trim()
+                .to_owned();
+            let said = if said.is_empty() { said } else { format!(" ({said})") };
+            Err(failed(format!(
+                "{name} could not decode it{said}; is libheif's decoder for it installed (Debian: libheif-plugin-libde265)?"
+            )))
+        }
+    }
+}
+
+fn decoder() -> Option<PathBuf> {
+    let folders: Vec<PathBuf> = std::env::split_paths(&files::environment::variable("PATH")?).collect();
+    let mut places = DECODERS
+        .iter()
+        .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    places.find(|place| place.is_file())
+}
+
+/// Whether it ended well; it is killed when it takes too long.
+fn within_time(mut child: Child) -> std::io::Result<bool> {
+    let began = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status.success());
+        }
+        if began.elapsed() > MOST_TIME {
+            child.kill()?;
+            child.wait()?;
+            return Err(std::io::Error::other("it took more than a minute"));
+        }
+        std::thread::sleep(LOOK_AGAIN);
+    }
+}
+
+/// A PNG without its remarks. The decoder has turned the image upright; EXIF data that it kept beside would turn it again.
+fn pixels_only(png: &[u8]) -> Vec<u8> {
+    const SIGNATURE: usize = 8;
+    let mut kept = png.get(..SIGNATURE).unwrap_or_default().to_vec();
+    let mut rest = png.get(SIGNATURE..).unwrap_or_default();
+    // Length, type, data and checksum of each chunk; what is damaged is left for the PNG decoder to say.
+    while let Some((length, kind)) = rest.first_chunk::<8>().map(|head| head.split_at(4)) {
+        let length = u32::from_be_bytes([length[0], length[1], length[2], length[3]]) as usize;
+        let end = length.saturating_add(12).min(rest.len());
+        // The kinds in capitals are those that pixels need (PNG specification, 5.4); tRNS is transparency.
+        if kind[0].is_ascii_uppercase() || kind == b"tRNS" {
+            kept.extend_from_slice(&rest[..end]);
+        }
+        rest = &rest[end..];
+    }
+    kept
+}
+
+/// The EXIF block of an HEIF file: a TIFF structure.
+pub(super) fn exif(bytes: &[u8]) -> Option<Vec<u8>> {
+    let read = exif::Reader::new().read_from_container(&mut std::io::Cursor::new(bytes));
+    read.ok().map(|exif| exif.buf().to_vec())
+}
+
+/// A folder that only this user may enter; gone when dropped.
+fn own_folder() -> std::io::Result<tempfile::TempDir> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+    builder.prefix("scaleproof-").tempdir()
+}

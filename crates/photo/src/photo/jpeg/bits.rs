@@ -1,0 +1,97 @@
+//! Bits of entropy-coded data, the highest first (ITU-T T.81, F.2.2.5). Behind the end come zeros, which the reader counts.
+
+pub(super) struct Bits<'a> {
+    bytes: &'a [u8],
+    /// The next byte to be loaded; it may lie behind the end.
+    next: usize,
+    /// The loaded bits, at the top.
+    loaded: u64,
+    /// How many of them are to be read.
+    count: u32,
+}
+
+/// [`Bits::load`] leaves at least as many bits.
+const LOADED: u32 = 32;
+
+impl<'a> Bits<'a> {
+    pub(super) fn of(bytes: &'a [u8]) -> Bits<'a> {
+        Bits {
+            bytes,
+            next: 0,
+            loaded: 0,
+            count: 0,
+        }
+    }
+
+    /// Afterwards 32 bits at least can be read: more than a code of 16 and its value of 15.
+    #[inline(always)]
+    pub(super) fn load(&mut self) {
+        if self.count < LOADED {
+            self.load_more();
+        }
+    }
+
+    #[inline(always)]
+    fn load_more(&mut self) {
+        let word = match self.bytes.get(self.next..).and_then(|rest| rest.first_chunk::<8>()) {
+            Some(word) => u64::from_be_bytes(*word),
+            None => last_word(self.bytes, self.next),
+        };
+        self.loaded |= word >> self.count;
+        let bytes = (63 - self.count) / 8;
+        self.next += bytes as usize;
+        self.count += 8 * bytes;
+    }
+
+    /// The next `n` bits, 1 to 16, which stay.
+    #[inline(always)]
+    pub(super) fn peek(&self, n: u32) -> u32 {
+        (self.loaded >> (64 - n)) as u32
+    }
+
+    #[inline(always)]
+    pub(super) fn skip(&mut self, n: u32) {
+        self.loaded <<= n;
+        self.count -= n;
+    }
+
+    /// The next `n` bits, 0 to 16, which must be loaded.
+    #[inline(always)]
+    pub(super) fn take(&mut self, n: u32) -> u32 {
+        let bits = (self.loaded >> 1 >> (63 - n)) as u32;
+        self.skip(n);
+        bits
+    }
+
+    /// The value of `n` bits as F.2.2.1's EXTEND reads it: those below half of the range are negative.
+    #[inline(always)]
+    pub(super) fn value(&mut self, n: u32) -> i32 {
+        let bits = self.take(n) as i32;
+        if n > 0 && bits < 1 << (n - 1) {
+            bits - (1 << n) + 1
+        } else {
+            bits
+        }
+    }
+
+    /// One bit.
+    #[inline(always)]
+    pub(super) fn bit(&mut self) -> bool {
+        self.load();
+        self.take(1) == 1
+    }
+
+    /// How many whole bytes are left; negative when bits were read that are not there.
+    pub(super) fn bytes_left(&self) -> i64 {
+        (8 * (self.bytes.len() as i64 - self.next as i64) + i64::from(self.count)).div_euclid(8)
+    }
+}
+
+/// Fewer than eight bytes, with zeros behind them.
+#[cold]
+fn last_word(bytes: &[u8], at: usize) -> u64 {
+    let mut word = [0; 8];
+    let rest = bytes.get(at..).unwrap_or_default();
+    word.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
+    u64::from_be_bytes(word)
+}

@@ -1,0 +1,188 @@
+//! From the bytes of a file to coefficients.
+
+use super::JpegError;
+use super::coefficients::Component;
+use super::frame::{Colours, Frame};
+use super::huffman::HuffmanTable;
+use super::scan::{self, Part, Scan, ScanComponent};
+use super::segments::{START_OF_SCAN, Segment, Segments};
+
+/// All that a JPEG's data says.
+#[derive(Debug)]
+pub(in crate::photo) struct Coefficients {
+    /// Width, height as stored.
+    pub(super) size: [u32; 2],
+    /// The largest samplings across and down.
+    pub(super) most_sampling: [u32; 2],
+    pub(super) colours: Colours,
+    pub(super) components: Vec<Component>,
+}
+
+const QUANTIZATION: u8 = 0xDB;
+const HUFFMAN: u8 = 0xC4;
+const RESTART_INTERVAL: u8 = 0xDD;
+
+const SHORT: JpegError = JpegError::Damaged("a segment is too short");
+const WRONG_TABLE: JpegError = JpegError::Damaged("one of its tables cannot be");
+const WRONG_SCAN: JpegError = JpegError::Damaged("a scan's header cannot be");
+const NO_DATA: JpegError = JpegError::Damaged("it has no data for one of its colours");
+
+/// Tables as they stand at some place of the file.
+#[derive(Default)]
+struct Tables {
+    steps: [Option<[u16; 64]>; 4],
+    means: [Option<HuffmanTable>; 4],
+    others: [Option<HuffmanTable>; 4],
+    restart_interval: usize,
+}
+
+impl Coefficients {
+    /// Reads the data of a file whose header was read before; `most_bytes` may be held besides what its size alone demands.
+    pub(in crate::photo) fn read(bytes: &[u8], frame: &Frame, most_bytes: u64) -> Result<Coefficients, JpegError> {
+        let most_sampling = frame.most_sampling();
+        // A scan's header names the components behind their number.
+        let is_sparse = !frame.is_progressive && frame.scans == 1;
+        let mut all = Coefficients {
+            size: frame.size,
+            most_sampling,
+            colours: frame.colours,
+            components: components(frame, is_sparse.then_some(bytes.len())),
+        };
+        // Of each component: two bytes each, and twice as many while there is too little room.
+        let most_values = usize::try_from(most_bytes / 6 / frame.components.len().max(1) as u64)
+            .unwrap_or(usize::MAX)
+            .min(u32::MAX as usize / 2);
+        let mut tables = Tables::default();
+        let mut is_read = vec![false; frame.components.len()];
+        for segment in Segments::of(bytes) {
+            let Segment { marker, content, data } = segment.ok_or(JpegError::Truncated)?;
+            match marker {
+                QUANTIZATION => tables.read_steps(content)?,
+                HUFFMAN => tables.read_codes(content)?,
+                RESTART_INTERVAL => {
+                    tables.restart_interval = u16::from_be_bytes(*content.first_chunk().ok_or(SHORT)?).into();
+                }
+                START_OF_SCAN => {
+                    let mut scan = tables.scan(content, frame)?;
+                    scan.most_values = most_values;
+                    for (index, ..) in &scan.components {
+                        let table = usize::from(frame.components[*index].table);
+                        if !std::mem::replace(&mut is_read[*index], true) {
+                            all.components[*index].steps = tables.steps[table].ok_or(WRONG_TABLE)?;
+                        }
+                    }
+                    scan::decode(&scan, data, &mut all.components)?;
+                }
+                _ => {}
+            }
+        }
+        if is_read.iter().all(|is_read| *is_read) {
+            Ok(all)
+        } else {
+            Err(NO_DATA)
+        }
+    }
+}
+
+/// Empty, each with a share of the room that data of so many bytes takes: a value of two bytes takes four bits at least, but for few.
+fn components(frame: &Frame, bytes: Option<usize>) -> Vec<Component> {
+    let most = frame.most_sampling();
+    let groups = groups(frame);
+    let all: u32 = frame.components.iter().map(|c| c.sampling[0] * c.sampling[1]).sum();
+    let made = frame.components.iter().map(|c| {
+        let size = [0, 1].map(|i| (frame.size[i] * c.sampling[i]).div_ceil(most[i]) as usize);
+        let blocks = [0, 1].map(|i| groups[i] * c.sampling[i] as usize);
+        let room = bytes.map(|bytes| 2 * bytes * (c.sampling[0] * c.sampling[1]) as usize / all.max(1) as usize);
+        Component::new(c.sampling, blocks, size, room)
+    });
+    made.collect()
+}
+
+/// How many groups of blocks lie across and down.
+fn groups(frame: &Frame) -> [usize; 2] {
+    let most = frame.most_sampling();
+    [0, 1].map(|i| frame.size[i].div_ceil(8 * most[i]) as usize)
+}
+
+impl Tables {
+    /// DQT (B.2.4.1).
+    fn read_steps(&mut self, mut content: &[u8]) -> Result<(), JpegError> {
+        while let Some((head, rest)) = content.split_first() {
+            let bytes = if head >> 4 == 0 { 64 } else { 128 };
+            let (steps, rest) = rest.split_at_checked(bytes).ok_or(SHORT)?;
+            let to = self.steps.get_mut(usize::from(head & 15)).ok_or(WRONG_TABLE)?;
+            *to = Some(std::array::from_fn(|i| match bytes {
+                64 => steps[i].into(),
+                _ => u16::from_be_bytes([steps[2 * i], steps[2 * i + 1]]),
+            }));
+            content = rest;
+        }
+        Ok(())
+    }
+
+    /// DHT (B.2.4.2).
+    fn read_codes(&mut self, mut content: &[u8]) -> Result<(), JpegError> {
+        while let Some((head, rest)) = content.split_first() {
+            let counts: &[u8; 16] = rest.first_chunk().ok_or(SHORT)?;
+            let count = counts.iter().map(|n| usize::from(*n)).sum();
+            let (symbols, rest) = rest[16..].split_at_checked(count).ok_or(SHORT)?;
+            let kind = if head >> 4 == 0 {
+                &mut self.means
+            } else {
+                &mut self.others
+            };
+            let to = kind.get_mut(usize::from(head & 15)).ok_or(WRONG_TABLE)?;
+            *to = Some(HuffmanTable::new(counts, symbols).ok_or(WRONG_TABLE)?);
+            content = rest;
+        }
+        Ok(())
+    }
+
+    /// SOS (B.2.3).
+    fn scan(&self, content: &[u8], frame: &Frame) -> Result<Scan<'_>, JpegError> {
+        let count = usize::from(*content.first().ok_or(SHORT)?);
+        let listed = content.get(1..1 + 2 * count).ok_or(SHORT)?;
+        let mut components: Vec<ScanComponent> = Vec::with_capacity(count);
+        for [id, tables] in listed.as_chunks::<2>().0 {
+            let index = frame.components.iter().position(|c| c.id == *id).ok_or(WRONG_SCAN)?;
+            if components.iter().any(|(other, ..)| *other == index) {
+                return Err(WRONG_SCAN);
+            }
+            let mean = self.means.get(usize::from(tables >> 4)).and_then(Option::as_ref);
+            let other = self.others.get(usize::from(tables & 15)).and_then(Option::as_ref);
+            components.push((index, mean, other));
+        }
+        let &[first, last, bits] = content
+            .get(1 + 2 * count..)
+            .and_then(|rest| rest.first_chunk())
+            .ok_or(SHORT)?;
+        let part = if frame.is_progressive {
+            Part::Progressive {
+                first: first.into(),
+                last: last.into(),
+                low: u32::from(bits & 15),
+                refines: bits >> 4 != 0,
+            }
+        } else {
+            Part::Whole
+        };
+        let is_sound = match part {
+            Part::Whole => (1..=4).contains(&count) && (frame.scans > 1 || count == frame.components.len()),
+            Part::Progressive {
+                first: 0, last, low, ..
+            } => (1..=4).contains(&count) && last == 0 && low <= 13,
+            Part::Progressive { first, last, low, .. } => count == 1 && (first..64).contains(&last) && low <= 13,
+        };
+        if is_sound {
+            Ok(Scan {
+                components,
+                restart_interval: self.restart_interval,
+                groups: groups(frame),
+                part,
+                most_values: 0,
+            })
+        } else {
+            Err(WRONG_SCAN)
+        }
+    }
+}

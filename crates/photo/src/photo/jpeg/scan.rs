@@ -1,0 +1,301 @@
+//! The entropy-coded data of a scan into coefficients (ITU-T T.81, annexes F and G, Huffman codes).
+//!
+//! What cannot be right is refused: codes that the tables do not have, data that ends early or goes on behind the last block, restart markers
+//! out of their order, brightness that no picture has.
+
+use super::JpegError;
+use super::bits::Bits;
+use super::coefficients::Component;
+use super::huffman::{Coefficient, HuffmanTable, LARGEST_SIZE};
+use super::segments::Intervals;
+
+/// What a scan's header says, with the tables that were defined before it.
+pub(super) struct Scan<'a> {
+    pub components: Vec<ScanComponent<'a>>,
+    /// Groups between restart markers; 0 without.
+    pub restart_interval: usize,
+    /// Groups across and down when the scan has several components.
+    pub groups: [usize; 2],
+    pub part: Part,
+    /// Most entries that a component may keep.
+    pub most_values: usize,
+}
+
+/// Which of the frame's components, with the tables for its means and its other coefficients.
+pub(super) type ScanComponent<'a> = (usize, Option<&'a HuffmanTable>, Option<&'a HuffmanTable>);
+
+/// Which part of the coefficients a scan has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Part {
+    /// All of it.
+    Whole,
+    /// Of a progressive frame: the places from `first` to `last` without their `low` lowest bits; or one bit more of what earlier scans gave.
+    Progressive {
+        first: usize,
+        last: usize,
+        low: u32,
+        refines: bool,
+    },
+}
+
+/// Some cameras leave so many bytes behind the last code.
+const PADDING: i64 = 8;
+
+const NO_CODE: JpegError = JpegError::Damaged("its data has a code that is in no table");
+const NO_TABLE: JpegError = JpegError::Damaged("a table for its data is missing");
+const ENDS_EARLY: JpegError = JpegError::Damaged("its data ends before the picture does");
+const GOES_ON: JpegError = JpegError::Damaged("its data goes on behind the picture");
+const OUT_OF_ORDER: JpegError = JpegError::Damaged("its restart markers are out of order");
+const NO_PICTURE: JpegError = JpegError::Damaged("its data is of no picture");
+
+/// Decodes a scan's data.
+pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> Result<(), JpegError> {
+    let mut intervals = Intervals::of(data);
+    let mut bytes = Vec::new();
+    let [across, down] = match scan.components[..] {
+        // A scan of one component has groups of one block, and none that the image does not cover.
+        [(component, ..)] => components[component].size.map(|side| side.div_ceil(8)),
+        _ => scan.groups,
+    };
+    let groups = across * down;
+    let interval = match scan.restart_interval {
+        0 => groups,
+        interval => interval,
+    };
+    let mut first = 0;
+    while first < groups {
+        let is_last = first + interval >= groups;
+        if !intervals.read(&mut bytes) {
+            return Err(OUT_OF_ORDER);
+        }
+        let mut bits = Bits::of(&bytes);
+        let mut state = State {
+            means: [0; 4],
+            empty_blocks: 0,
+        };
+        for group in first..(first + interval).min(groups) {
+            let place = [group % across, group / across];
+            state.group(scan, place, &mut bits, components)?;
+            if bits.bytes_left() < 0 {
+                return Err(ENDS_EARLY);
+            }
+        }
+        if bits.bytes_left() > PADDING || (is_last && !intervals.is_over()) {
+            return Err(GOES_ON);
+        }
+        first += interval;
+    }
+    Ok(())
+}
+
+/// What is carried from block to block within an interval.
+struct State {
+    /// The last mean of each component of the scan.
+    means: [i32; 4],
+    /// Blocks that still have nothing new.
+    empty_blocks: u32,
+}
+
+impl State {
+    /// A group: the blocks of all components that cover the same pixels.
+    fn group(
+        &mut self,
+        scan: &Scan,
+        [x, y]: [usize; 2],
+        bits: &mut Bits,
+        components: &mut [Component],
+    ) -> Result<(), JpegError> {
+        let is_one = scan.components.len() == 1;
+        for (nth, (index, mean_table, table)) in scan.components.iter().enumerate() {
+            let component = &mut components[*index];
+            let [across, down] = if is_one {
+                [1, 1]
+            } else {
+                component.sampling.map(|s| s as usize)
+            };
+            for row in 0..down {
+                for column in 0..across {
+                    let block = (y * down + row) * component.blocks[0] + x * across + column;
+                    match scan.part {
+                        Part::Whole => self.whole(
+                            nth,
+                            mean_table.ok_or(NO_TABLE)?,
+                            table.ok_or(NO_TABLE)?,
+                            bits,
+                            component,
+                            (block, scan.most_values),
+                        )?,
+                        Part::Progressive {
+                            first: 0, low, refines, ..
+                        } => {
+                            let value = &mut component.dense(block)[0];
+                            if refines {
+                                *value |= i16::from(bits.bit()) << low
+                            } else {
+                                *value = self.mean(nth, mean_table.ok_or(NO_TABLE)?, bits)? << low
+                            }
+                        }
+                        Part::Progressive {
+                            first,
+                            last,
+                            low,
+                            refines,
+                        } => {
+                            let table = table.ok_or(NO_TABLE)?;
+                            let values = &mut component.dense(block)[..=last];
+                            if refines {
+                                self.refine(first, low, table, bits, values)?
+                            } else {
+                                self.first(first, low, table, bits, values)?
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The mean of the next block, as a difference from the one before (F.2.2.1).
+    #[inline(always)]
+    fn mean(&mut self, nth: usize, table: &HuffmanTable, bits: &mut Bits) -> Result<i16, JpegError> {
+        match table.coefficient(bits) {
+            Coefficient::Value { zeros: 0, value } => self.means[nth] += value,
+            Coefficient::None(0) => {}
+            _ => return Err(NO_CODE),
+        }
+        // Samples of 8 bits have means up to 1024; what goes far beyond comes of damage.
+        match self.means[nth] {
+            mean @ -2048..=2047 => Ok(mean as i16),
+            _ => Err(NO_PICTURE),
+        }
+    }
+
+    /// A block of a sequential frame (F.2.2.2).
+    #[inline(always)]
+    fn whole(
+        &mut self,
+        nth: usize,
+        mean_table: &HuffmanTable,
+        table: &HuffmanTable,
+        bits: &mut Bits,
+        component: &mut Component,
+        (block, most): (usize, usize),
+    ) -> Result<(), JpegError> {
+        let mean = self.mean(nth, mean_table, bits)?;
+        let mut others = component.others(most)?;
+        let mut place = 1;
+        while place < 64 {
+            match table.coefficient(bits) {
+                Coefficient::Value { zeros, value } => {
+                    place += zeros as usize;
+                    if place > 63 {
+                        return Err(NO_CODE);
+                    }
+                    others.push(place, value as i16);
+                    place += 1;
+                }
+                Coefficient::None(0) => break,
+                Coefficient::None(15) => place += 16,
+                _ => return Err(NO_CODE),
+            }
+        }
+        let count = others.count;
+        component.set(block, mean, count);
+        Ok(())
+    }
+
+    /// The first scan of some places of a block (G.1.2.2).
+    fn first(
+        &mut self,
+        first: usize,
+        low: u32,
+        table: &HuffmanTable,
+        bits: &mut Bits,
+        values: &mut [i16],
+    ) -> Result<(), JpegError> {
+        if self.empty_blocks > 0 {
+            self.empty_blocks -= 1;
+            return Ok(());
+        }
+        let mut place = first;
+        while place < values.len() {
+            match table.coefficient(bits) {
+                Coefficient::Value { zeros, value } => {
+                    place += zeros as usize;
+                    *values.get_mut(place).ok_or(NO_CODE)? = (value << low) as i16;
+                    place += 1;
+                }
+                Coefficient::None(15) => place += 16,
+                Coefficient::None(size) => {
+                    self.empty_blocks = end_of_blocks(size, bits) - 1;
+                    break;
+                }
+                Coefficient::Unknown => return Err(NO_CODE),
+            }
+        }
+        Ok(())
+    }
+
+    /// One bit more of some places of a block (G.1.2.3).
+    fn refine(
+        &mut self,
+        first: usize,
+        low: u32,
+        table: &HuffmanTable,
+        bits: &mut Bits,
+        values: &mut [i16],
+    ) -> Result<(), JpegError> {
+        let mut place = first;
+        while self.empty_blocks == 0 && place < values.len() {
+            let symbol = table.symbol(bits).ok_or(NO_CODE)?;
+            let (mut zeros, size) = (u32::from(symbol >> 4), u32::from(symbol & 15));
+            let new = match (size, zeros) {
+                (0, 15) => 0,
+                (0, _) => {
+                    self.empty_blocks = end_of_blocks(zeros, bits);
+                    break;
+                }
+                (1, _) if bits.bit() => 1 << low,
+                (1, _) => -1 << low,
+                _ => return Err(NO_CODE),
+            };
+            // Values that are known already get their bit on the way, and do not count as zeros.
+            while let Some(value) = values.get_mut(place) {
+                place += 1;
+                if *value != 0 {
+                    refine(value, low, bits);
+                } else if zeros > 0 {
+                    zeros -= 1;
+                } else {
+                    *value = new;
+                    break;
+                }
+            }
+        }
+        if self.empty_blocks > 0 {
+            self.empty_blocks -= 1;
+            for value in values.get_mut(place..).unwrap_or_default() {
+                if *value != 0 {
+                    refine(value, low, bits);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// For how many blocks, this one included, nothing new follows.
+fn end_of_blocks(size: u32, bits: &mut Bits) -> u32 {
+    bits.load();
+    (1 << size) + bits.take(size)
+}
+
+/// The next bit of a value's size.
+fn refine(value: &mut i16, low: u32, bits: &mut Bits) {
+    if bits.bit() {
+        *value = value.saturating_add(value.signum() << low);
+    }
+}
+
+const _: () = assert!(LARGEST_SIZE <= 16, "16 bits are loaded behind a code");

@@ -1,0 +1,234 @@
+//! What a board is: the file that is written beside it, for whoever detects it.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use scaleproof_core::files;
+use scaleproof_core::geometry::length::{self, BadLength, number};
+
+/// Why a board file was refused, or could not be put together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DefinitionError {
+    #[error("{0}")]
+    File(String),
+    #[error("{path} is no board file ({fault}): use the .toml that `print board` wrote, or one of calibration/", path = path.display())]
+    Content { path: PathBuf, fault: BoardFault },
+    #[error("the definition could not be put together: {0}")]
+    Write(String),
+}
+
+/// What is wrong in a board file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BoardFault {
+    #[error("{0}")]
+    Syntax(String),
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    #[error("legacy_layout = true, the layout before OpenCV 4.6, is not supported")]
+    LegacyLayout,
+    #[error("marker_mm must be below square_mm")]
+    LargeMarker,
+    #[error("inner_corners must be one below squares each way")]
+    InnerCorners,
+    #[error("family {0} is not supported, only tag36h11")]
+    Family(String),
+    #[error("border_modules must be 1 to {}", Definition::MOST_BORDER_MODULES)]
+    Border,
+    #[error("it must have {0} to {most} columns and rows", most = Definition::MOST_SQUARES)]
+    Count(u32),
+}
+
+/// A board by the numbers a detector needs. Lengths in mm; (columns, rows).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Definition {
+    /// OpenCV 4.6's layout: the top left square is black, markers stand in the white squares, row by row from the top left.
+    Charuco {
+        squares: [u32; 2],
+        square_mm: f64,
+        /// Outer edge of a marker's black border.
+        marker_mm: f64,
+        dictionary: String,
+        /// Always false: OpenCV's layout before 4.6, `setLegacyPattern(true)`.
+        legacy_layout: bool,
+    },
+    /// The top left square is black.
+    Chessboard {
+        squares: [u32; 2],
+        /// OpenCV's pattern size.
+        inner_corners: [u32; 2],
+        square_mm: f64,
+    },
+    /// Kalibr's layout: ids row by row from the bottom left, black squares in the corners between tags.
+    Aprilgrid {
+        tags: [u32; 2],
+        /// Outer edge of a tag's black border: Kalibr's `tagSize`, there in metres.
+        tag_mm: f64,
+        /// The gap between two tags by the tag's size: Kalibr's `tagSpacing`.
+        tag_spacing: f64,
+        family: String,
+        /// Kalibr draws the black border two modules wide.
+        border_modules: u32,
+    },
+}
+
+impl Definition {
+    /// The default dictionary of a ChArUco board.
+    pub const DICTIONARY: &'static str = "DICT_5X5_100";
+    /// A ChArUco marker's share of its square.
+    pub const MARKER_SHARE: f64 = 0.75;
+    /// The gap of Kalibr's own grids, by the tag's size.
+    pub const TAG_SPACING: f64 = 0.3;
+    /// More columns or rows than this are a mistake in the numbers.
+    pub const MOST_SQUARES: u32 = 100;
+    /// Modules of a Kalibr tag: 6 of code, 2 of border on each side.
+    pub const GRID_TAG_MODULES: u32 = 10;
+    /// Wider borders leave no code in a tag.
+    const MOST_BORDER_MODULES: u32 = 4;
+
+    /// Reads a board file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no board file, or whose numbers make no board.
+    pub fn open(path: &Path) -> Result<Self, DefinitionError> {
+        let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
+        let refuse = |fault| DefinitionError::Content {
+            path: path.to_owned(),
+            fault,
+        };
+        let syntax = |e: toml::de::Error| BoardFault::Syntax(e.message().trim().replace('\n', " "));
+        let definition: Self = toml::from_str(&text).map_err(|e| refuse(syntax(e)))?;
+        definition.checked().map_err(refuse)
+    }
+
+    fn checked(self) -> Result<Self, BoardFault> {
+        let (lengths, counts, least) = match &self {
+            Self::Charuco {
+                squares,
+                square_mm,
+                marker_mm,
+                legacy_layout,
+                ..
+            } => {
+                if *legacy_layout {
+                    return Err(BoardFault::LegacyLayout);
+                }
+                if marker_mm >= square_mm {
+                    return Err(BoardFault::LargeMarker);
+                }
+                (vec![("square_mm", *square_mm), ("marker_mm", *marker_mm)], squares, 3)
+            }
+            Self::Chessboard {
+                squares,
+                inner_corners,
+                square_mm,
+            } => {
+                if *inner_corners != squares.map(|n| n.saturating_sub(1)) {
+                    return Err(BoardFault::InnerCorners);
+                }
+                (vec![("square_mm", *square_mm)], squares, 3)
+            }
+            Self::Aprilgrid {
+                tags,
+                tag_mm,
+                tag_spacing,
+                family,
+                border_modules,
+            } => {
+                if family != "tag36h11" {
+                    return Err(BoardFault::Family(family.clone()));
+                }
+                if !(1..=Self::MOST_BORDER_MODULES).contains(border_modules) {
+                    return Err(BoardFault::Border);
+                }
+                let gap = ("tag_mm times tag_spacing", tag_mm * tag_spacing);
+                (vec![("tag_mm", *tag_mm), gap], tags, 1)
+            }
+        };
+        for (what, value) in lengths {
+            length::size_mm(what, value)?;
+        }
+        if counts.iter().any(|n| !(least..=Self::MOST_SQUARES).contains(n)) {
+            return Err(BoardFault::Count(least));
+        }
+        Ok(self)
+    }
+
+    /// Width and height of everything printed.
+    pub fn size_mm(&self) -> (f64, f64) {
+        match self {
+            Self::Charuco { squares, square_mm, .. } | Self::Chessboard { squares, square_mm, .. } => {
+                (f64::from(squares[0]) * square_mm, f64::from(squares[1]) * square_mm)
+            }
+            Self::Aprilgrid {
+                tags,
+                tag_mm,
+                tag_spacing,
+                ..
+            } => {
+                let along = |n: u32| tag_mm * (f64::from(n) * (1.0 + tag_spacing) + tag_spacing);
+                (along(tags[0]), along(tags[1]))
+            }
+        }
+    }
+
+    /// What people call it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Charuco { .. } => "ChArUco",
+            Self::Chessboard { .. } => "chessboard",
+            Self::Aprilgrid { .. } => "AprilGrid",
+        }
+    }
+
+    /// One line for people.
+    pub fn line(&self) -> String {
+        match self {
+            Self::Charuco {
+                squares: [x, y],
+                square_mm,
+                marker_mm,
+                dictionary,
+                ..
+            } => format!(
+                "ChArUco · {x}×{y} squares of {} mm · markers of {} mm · {dictionary} · OpenCV 4.6 layout",
+                number(*square_mm),
+                number(*marker_mm)
+            ),
+            Self::Chessboard {
+                squares: [x, y],
+                inner_corners: [across, down],
+                square_mm,
+            } => format!(
+                "chessboard · {x}×{y} squares of {} mm · {across}×{down} inner corners",
+                number(*square_mm)
+            ),
+            Self::Aprilgrid {
+                tags: [x, y],
+                tag_mm,
+                tag_spacing,
+                family,
+                ..
+            } => format!(
+                "AprilGrid (Kalibr) · {x}×{y} tags of {} mm · spacing {} · {family}",
+                number(*tag_mm),
+                number(*tag_spacing)
+            ),
+        }
+    }
+
+    /// The definition file.
+    ///
+    /// # Errors
+    /// Only if the TOML library fails.
+    pub fn to_toml(&self) -> Result<String, DefinitionError> {
+        let fields = toml::to_string(self).map_err(|e| DefinitionError::Write(e.to_string()))?;
+        Ok(format!(
+            "# {}\n# Lengths in mm; columns, rows. Written by `scaleproof print board`.\n{fields}",
+            self.line()
+        ))
+    }
+}

@@ -1,0 +1,8 @@
+//! Calibration boards: the file that describes one, and where its corners are, for whoever prints or finds it.
+
+mod corners;
+mod definition;
+
+pub use corners::Marker;
+
+pub use definition::{Definition, DefinitionError};

@@ -1,0 +1,228 @@
+//! The projection of a point into the image, and its derivatives by the point, the pose and the camera.
+//!
+//! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Point3, SMatrix};
+
+use super::Camera;
+use scaleproof_core::geometry::Rigid;
+
+/// Every number of a camera: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
+pub const PARAMETERS: usize = 12;
+
+/// The pixel of a point, and its Jacobians.
+pub struct ProjectedPoint {
+    pub pixel: [f64; 2],
+    /// By the point in the camera frame, px per mm.
+    pub by_point: Matrix2x3<f64>,
+    /// By the camera's numbers, in the order of [`PARAMETERS`].
+    pub by_camera: SMatrix<f64, 2, PARAMETERS>,
+}
+
+/// Projects a point of the camera frame by the formula alone: behind the camera, and where the distortion folds back on itself, it
+/// answers too. A fit passes through such cameras; everything else uses [`Camera::project`].
+pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> ProjectedPoint {
+    let [fx, fy, cx, cy, k @ ..] = *parameters;
+    let (x, y) = (p.x / p.z, p.y / p.z);
+    let (distorted, by_xy) = distort(&k, x, y);
+    let by_k = distortion_by_coefficients(&k, x, y);
+    let mut by_camera = SMatrix::zeros();
+    (by_camera[(0, 0)], by_camera[(1, 1)]) = (distorted[0], distorted[1]);
+    (by_camera[(0, 2)], by_camera[(1, 3)]) = (1.0, 1.0);
+    for (i, [u, v]) in by_k.into_iter().enumerate() {
+        (by_camera[(0, 4 + i)], by_camera[(1, 4 + i)]) = (fx * u, fy * v);
+    }
+    ProjectedPoint {
+        pixel: [fx * distorted[0] + cx, fy * distorted[1] + cy],
+        by_point: by_point([fx, fy], [x, y], p.z, &by_xy),
+        by_camera,
+    }
+}
+
+impl Camera {
+    /// The pixel of a point in the camera frame (mm, x right, y down, z forward). `None` behind the camera and where the
+    /// distortion model folds back on itself, since a pixel there would be a lie.
+    pub fn project(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
+        let [x, y] = self.at_depth_one(p)?;
+        Some(self.pixel_of(distort(self.distortion(), x, y).0))
+    }
+
+    /// The pixel of a point in the camera frame (mm), and its derivative by that point, px per mm. `None` where
+    /// [`Camera::project`] has no pixel.
+    pub fn project_by_point(&self, p: &Point3<f64>) -> Option<([f64; 2], Matrix2x3<f64>)> {
+        let [x, y] = self.at_depth_one(p)?;
+        let (distorted, by_xy) = distort(self.distortion(), x, y);
+        let by_point = by_point([self.fx, self.fy], [x, y], p.z, &by_xy);
+        Some((self.pixel_of(distorted), by_point))
+    }
+
+    /// The pixel of a point of frame x (mm) under the pose `T_camera_x`, and its derivative by a step of the pose
+    /// (`geometry::rigid::stepped`): columns ω (px per rad), υ (px per mm).
+    pub fn project_by_pose(&self, pose: &Rigid, point: &Point3<f64>) -> Option<([f64; 2], Matrix2x6<f64>)> {
+        let p = pose * point;
+        let (pixel, by_point) = self.project_by_point(&p)?;
+        Some((pixel, by_step(&by_point, &p)))
+    }
+
+    /// The camera's numbers in the order of `PARAMETERS`.
+    pub fn parameters(&self) -> [f64; PARAMETERS] {
+        let mut all = [
+            self.fx, self.fy, self.cx, self.cy, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        ];
+        all[4..].copy_from_slice(self.distortion());
+        all
+    }
+
+    /// A point's normalised coordinates where the lens model holds.
+    fn at_depth_one(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
+        let (x, y) = (p.x / p.z, p.y / p.z);
+        (p.z > 0.0 && (x * x + y * y).sqrt() <= self.widest_radius()).then_some([x, y])
+    }
+
+    fn pixel_of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.fx * x + self.cx, self.fy * y + self.cy]
+    }
+}
+
+/// The derivative of a pixel by a step of the pose, from that by the point `p` of the camera frame.
+pub fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
+    let by_turn = -by_point * p.coords.cross_matrix();
+    let mut by_pose = Matrix2x6::zeros();
+    by_pose.fixed_columns_mut::<3>(0).copy_from(&by_turn);
+    by_pose.fixed_columns_mut::<3>(3).copy_from(by_point);
+    by_pose
+}
+
+fn by_point([fx, fy]: [f64; 2], [x, y]: [f64; 2], z: f64, by_xy: &Matrix2<f64>) -> Matrix2x3<f64> {
+    let (ux, uy) = (fx * by_xy[(0, 0)], fx * by_xy[(0, 1)]);
+    let (vx, vy) = (fy * by_xy[(1, 0)], fy * by_xy[(1, 1)]);
+    Matrix2x3::new(ux, uy, -(ux * x + uy * y), vx, vy, -(vx * x + vy * y)) / z
+}
+
+/// Distorts normalised coordinates (depth 1); with the derivative by them.
+pub(super) fn distort(k: &[f64; 8], x: f64, y: f64) -> ([f64; 2], Matrix2<f64>) {
+    let [k1, k2, p1, p2, k3, k4, k5, k6] = *k;
+    let r2 = x * x + y * y;
+    let (above, below) = radial_terms(k, r2);
+    let (above_by_r2, below_by_r2) = (
+        k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3),
+        k4 + r2 * (2.0 * k5 + 3.0 * r2 * k6),
+    );
+    let radial = above / below;
+    let radial_by_r2 = (above_by_r2 - radial * below_by_r2) / below;
+    let mixed = 2.0 * x * y * radial_by_r2 + 2.0 * p1 * x + 2.0 * p2 * y;
+    let distorted = [
+        x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+        y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+    ];
+    let by_xy = Matrix2::new(
+        radial + 2.0 * x * x * radial_by_r2 + 2.0 * p1 * y + 6.0 * p2 * x,
+        mixed,
+        mixed,
+        radial + 2.0 * y * y * radial_by_r2 + 6.0 * p1 * y + 2.0 * p2 * x,
+    );
+    (distorted, by_xy)
+}
+
+/// The derivatives of the distorted coordinates by k1, k2, p1, p2, k3, k4, k5, k6.
+fn distortion_by_coefficients(k: &[f64; 8], x: f64, y: f64) -> [[f64; 2]; 8] {
+    let r2 = x * x + y * y;
+    let (above, below) = radial_terms(k, r2);
+    let radial = |by: f64| [x * by / below, y * by / below];
+    let down = -above / below;
+    [
+        radial(r2),
+        radial(r2 * r2),
+        [2.0 * x * y, r2 + 2.0 * y * y],
+        [r2 + 2.0 * x * x, 2.0 * x * y],
+        radial(r2 * r2 * r2),
+        radial(down * r2),
+        radial(down * r2 * r2),
+        radial(down * r2 * r2 * r2),
+    ]
+}
+
+/// Numerator and denominator of the radial distortion.
+fn radial_terms([k1, k2, _, _, k3, k4, k5, k6]: &[f64; 8], r2: f64) -> (f64, f64) {
+    (
+        1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)),
+        1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)),
+    )
+}
+
+/// The first radius at which the distorted radius stops growing, searched up to 80° off the axis.
+pub(super) fn valid_radius(coefficients: &[f64; 8]) -> f64 {
+    const STEP: f64 = 0.01;
+    let furthest = 80f64.to_radians().tan();
+    let distorted = |r: f64| {
+        let (above, below) = radial_terms(coefficients, r * r);
+        r * (above / below)
+    };
+    let mut r = 0.0;
+    while r < furthest && distorted(r + STEP) > distorted(r) {
+        r += STEP;
+    }
+    r
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector6;
+    use proptest::prelude::*;
+
+    use super::*;
+    use scaleproof_core::geometry::rigid::{self, stepped};
+
+    fn camera() -> Camera {
+        Camera::pinhole(1280, 960, 1180.0, 1210.0, 648.5, 473.5)
+            .with_distortion(&[-0.2, 0.06, 0.001, -0.002, 0.01, 0.02, 0.003, 0.001])
+    }
+
+    proptest! {
+        #[test]
+        fn the_derivative_is_that_of_finite_differences(
+            turn in prop::array::uniform3(-0.3..0.3_f64),
+            shift in prop::array::uniform3(-80.0..80.0_f64),
+            at in prop::array::uniform3(-150.0..150.0_f64),
+        ) {
+            let pose = rigid::from_rotation_vector(turn, [shift[0], shift[1], 800.0 + shift[2]]);
+            let point = Point3::from(at);
+            let (_, by_pose) = camera().project_by_pose(&pose, &point).unwrap();
+            for axis in 0..6 {
+                let half = if axis < 3 { 1e-6 } else { 1e-3 };
+                let pixel = |sign: f64| {
+                    let mut step = Vector6::zeros();
+                    step[axis] = sign * half;
+                    camera().project(&(stepped(&pose, &step) * point)).unwrap()
+                };
+                let (after, before) = (pixel(1.0), pixel(-1.0));
+                for row in 0..2 {
+                    let difference = (after[row] - before[row]) / (2.0 * half);
+                    let off = (by_pose[(row, axis)] - difference).abs();
+                    prop_assert!(off < 1e-5 * (1.0 + difference.abs()), "row {row}, axis {axis}: off by {off}");
+                }
+            }
+        }
+
+        #[test]
+        fn the_derivative_by_the_camera_is_that_of_finite_differences(x in -0.6..0.6_f64, y in -0.5..0.5_f64) {
+            let (parameters, point) = (camera().parameters(), Point3::new(700.0 * x, 700.0 * y, 700.0));
+            let at = project_unchecked(&parameters, &point);
+            prop_assert_eq!(Some(at.pixel), camera().project(&point));
+            for axis in 0..PARAMETERS {
+                let half = if axis < 4 { 1e-3 } else { 1e-6 };
+                let pixel = |sign: f64| {
+                    let mut moved = parameters;
+                    moved[axis] += sign * half;
+                    project_unchecked(&moved, &point).pixel
+                };
+                let (after, before) = (pixel(1.0), pixel(-1.0));
+                for row in 0..2 {
+                    let difference = (after[row] - before[row]) / (2.0 * half);
+                    let off = (at.by_camera[(row, axis)] - difference).abs();
+                    prop_assert!(off < 1e-5 * (1.0 + difference.abs()), "row {row}, axis {axis}: off by {off}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! From a photo to the camera pose: scenes, cameras, boards, AprilTags, pose estimation with its doubt, simulated views.
+//!
+//! [`locate::locate_photo`] is the one way from a photo to its pose. It returns an [`locate::Abstention`] with the reason instead of a pose that it
+//! cannot be sure of.
+//!
+//! ```
+//! use std::path::Path;
+//! use scaleproof_photo::photo::Photo;
+//! use scaleproof_pose::camera::Camera;
+//! use scaleproof_pose::locate::locate_photo;
+//! use scaleproof_pose::scene::Scene;
+//! use scaleproof_pose::tags::TagDetectorChoice;
+//!
+//! let session = Path::new("../../captures/skyline");
+//! let scene = Scene::open(&session.join("scene.toml"))?;
+//! let camera = Camera::open(&session.join("camera.yaml"))?;
+//! let photo = Photo::open(&session.join("normal_000.jpg"))?;
+//! let mut tags = TagDetectorChoice::default().open(&scene.families())?;
+//! let located = locate_photo(&photo, &scene, &camera, &mut *tags)?.result?;
+//! println!("{:.1}° ± {:.1}°", located.viewpoint.azimuth_deg, located.sigma.azimuth_deg);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod board;
+pub mod camera;
+pub mod locate;
+pub mod scene;
+pub mod simulate;
+pub mod tags;
+
+/// Keeps items where OpenCV has ArUco in its module `aruco`: before 4.7.
+#[cfg(not(opencv_aruco_in_objdetect))]
+#[macro_export]
+macro_rules! before_opencv_4_7 {
+    ($($item:item)*) => { $($item)* };
+}
+
+/// Drops items for OpenCV before 4.7.
+#[cfg(opencv_aruco_in_objdetect)]
+#[macro_export]
+macro_rules! before_opencv_4_7 {
+    ($($item:item)*) => {};
+}
+
+/// Keeps items where ArUco is an object of OpenCV's module `objdetect`: since 4.7.
+#[cfg(opencv_aruco_in_objdetect)]
+#[macro_export]
+macro_rules! since_opencv_4_7 {
+    ($($item:item)*) => { $($item)* };
+}
+
+/// Drops items for OpenCV since 4.7.
+#[cfg(not(opencv_aruco_in_objdetect))]
+#[macro_export]
+macro_rules! since_opencv_4_7 {
+    ($($item:item)*) => {};
+}

@@ -1,0 +1,243 @@
+//! One moved card among several whole ones: which tags agree, and what is wrong with the others.
+//!
+//! A tag's four corners stand or fall together. A pose is found from the tags that agree only when these are at least three and
+//! two thirds; two tags that disagree are never chosen between.
+
+use nalgebra::{Matrix6, SMatrix, SVector};
+
+use super::abstention::Abstention;
+use super::doubt;
+use super::matches::{Corners, Ignored, IgnoredTag, Match};
+use super::refine::{self, NO_HUBER};
+use super::solver::{PoseCandidate, Solver, largest_first};
+use super::uncertainty::pooled;
+use crate::camera::Camera;
+use crate::scene::{Scene, Tag};
+use scaleproof_core::geometry::Rigid;
+
+/// Squared distance of a tag's eight coordinates from where the other tags expect them, in units of the noise, beyond which it
+/// does not agree: 3.5 σ for each. Normal noise does not come near it; real corners have tails.
+const AGREES: f64 = 8.0 * 3.5 * 3.5;
+
+/// Noise that is believed at most, as an angle: with more, several moved tags would excuse each other.
+pub(super) const MAX_NOISE_DEG: f64 = 0.05;
+
+/// Pairs of so many of the largest tags are asked what they see.
+const ASKED_TAGS: usize = 8;
+
+/// A majority is at least so many tags.
+const MIN_AGREEING: usize = 3;
+
+/// The tags that agree, the poses that might be theirs, and the tags left out.
+pub(super) struct Consensus<'a> {
+    pub matches: Vec<Match<'a>>,
+    pub candidates: Vec<PoseCandidate>,
+    pub left_out: Vec<IgnoredTag>,
+}
+
+/// All tags where they agree, else the majority that does.
+pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) -> Result<Consensus<'a>, Abstention> {
+    let candidates = Solver::EveryBranch.candidates(&matches, camera);
+    let best = candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
+    let all_agree =
+        |b: &PoseCandidate| disagreement(&b.pose, &matches, camera).is_some_and(|d| d.iter().all(|d| *d <= 1.0));
+    if matches.len() < MIN_AGREEING || best.is_some_and(all_agree) {
+        return Ok(Consensus {
+            matches,
+            candidates,
+            left_out: Vec::new(),
+        });
+    }
+    let tags = matches.len();
+    let (pose, kept) = majority(best, &matches, camera).ok_or(Abstention::NoMajority { tags })?;
+    let (matches, outliers): (Vec<_>, Vec<_>) = matches.into_iter().zip(&kept).partition(|(_, is_kept)| **is_kept);
+    let matches: Vec<Match> = matches.into_iter().map(|(m, _)| m).collect();
+    let why = |m: &Match| diagnose_outlier(m, &pose, scene, camera);
+    Ok(Consensus {
+        candidates: Solver::EveryBranch.candidates(&matches, camera),
+        matches,
+        left_out: outliers
+            .iter()
+            .map(|(m, _)| IgnoredTag {
+                id: m.tag.id,
+                why: why(m),
+            })
+            .collect(),
+    })
+}
+
+/// The pose that a majority of tags agrees on, and which do. `None` without a majority, and with two of them.
+///
+/// One or two moved tags show up when all are fitted; where more do not, some pair of whole ones does not know of them.
+fn majority(start: Option<&PoseCandidate>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
+    if let Some(found) = start.and_then(|s| settle(s.pose, vec![true; matches.len()], matches, camera)) {
+        return Some(found);
+    }
+    let mut largest = matches.to_vec();
+    largest_first(&mut largest);
+    largest.truncate(ASKED_TAGS);
+    let mut found: Vec<(Rigid, Vec<bool>)> = Vec::new();
+    for (i, one) in largest.iter().enumerate() {
+        for other in &largest[i + 1..] {
+            let pair = [one.clone(), other.clone()];
+            let is_of = |kept: &[bool]| pair.iter().all(|p| chosen(matches, kept).iter().any(|m| is_same(m, p)));
+            if !found.iter().any(|(_, kept)| is_of(kept)) {
+                found.extend(majority_by(&pair, matches, camera));
+            }
+        }
+    }
+    let (pose, kept) = found.iter().max_by_key(|(_, kept)| count(kept))?;
+    let has_rival = found.iter().any(|(other, _)| doubt::is_different(other, pose));
+    (!has_rival).then(|| (*pose, kept.clone()))
+}
+
+/// The majorities that agree with the poses of a pair.
+fn majority_by(pair: &[Match], matches: &[Match], camera: &Camera) -> Vec<(Rigid, Vec<bool>)> {
+    let by = |candidate: &PoseCandidate| {
+        let kept = expected_by(&candidate.pose, pair, matches, camera)?;
+        settle(candidate.pose, kept, matches, camera)
+    };
+    let candidates = Solver::EveryBranch.candidates(pair, camera);
+    let fitting = candidates.iter().filter(|c| c.rms_px <= doubt::limit_px(camera));
+    fitting.filter_map(by).collect()
+}
+
+fn count(kept: &[bool]) -> usize {
+    kept.iter().filter(|k| **k).count()
+}
+
+/// Two of three tags at least: with fewer, tags that a wrong camera or scene file puts at odds would be dropped until the rest
+/// agrees on a wrong pose.
+fn is_majority(kept: &[bool]) -> bool {
+    count(kept) >= MIN_AGREEING && 3 * count(kept) >= 2 * kept.len()
+}
+
+fn is_same(a: &Match, b: &Match) -> bool {
+    std::ptr::eq(a.tag, b.tag)
+}
+
+/// Fits the chosen tags and drops the one that agrees least with the others, until all agree. `None` when that leaves no majority.
+fn settle(mut pose: Rigid, mut kept: Vec<bool>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
+    while is_majority(&kept) {
+        let members = chosen(matches, &kept);
+        pose = refine::refine(&pose, &Corners::of(&members), camera, NO_HUBER)?;
+        let disagreement = disagreement(&pose, &members, camera)?;
+        let worst = (0..members.len()).max_by(|a, b| disagreement[*a].total_cmp(&disagreement[*b]))?;
+        if disagreement[worst] <= 1.0 {
+            return Some((pose, kept));
+        }
+        let dropped = matches.iter().position(|m| is_same(m, &members[worst]))?;
+        kept[dropped] = false;
+    }
+    None
+}
+
+fn chosen<'a>(matches: &[Match<'a>], kept: &[bool]) -> Vec<Match<'a>> {
+    let chosen = matches.iter().zip(kept).filter(|(_, is_kept)| **is_kept);
+    chosen.map(|(m, _)| m.clone()).collect()
+}
+
+/// How far each tag is from where the others expect it, in units of what is allowed, by the residuals of the fit to all: deleted
+/// residuals (Cook & Weisberg 1982, "Residuals and Influence in Regression", section 3.2) of a tag's eight coordinates.
+fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<f64>> {
+    let seen = LinearisedTag::of_all(pose, matches, camera)?;
+    let covariance = total(&seen)?;
+    let squares: f64 = seen.iter().map(|l| l.residual.norm_squared()).sum();
+    let freedom = 8.0 * (seen.len() as f64 - 1.0) - 6.0;
+    let of = |l: &LinearisedTag| {
+        let kept = SMatrix::<f64, 8, 8>::identity() - l.jacobian * covariance * l.jacobian.transpose();
+        // A tag that the others say nothing about cannot be tested: it does not agree.
+        kept.cholesky().map_or(f64::INFINITY, |c| {
+            let deleted = l.residual.dot(&c.solve(&l.residual));
+            deleted / allowed_px2(squares - deleted, freedom, camera)
+        })
+    };
+    Some(seen.iter().map(of).collect())
+}
+
+/// Which tags lie where a pose, fitted to some of them, expects them.
+fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camera) -> Option<Vec<bool>> {
+    let members = LinearisedTag::of_all(pose, fitted, camera)?;
+    let covariance = total(&members)?;
+    let squares: f64 = members.iter().map(|l| l.residual.norm_squared()).sum();
+    let allowed_px2 = allowed_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
+    let agrees = |m: &Match| {
+        let is_member = fitted.iter().any(|f| is_same(f, m));
+        let Some(l) = LinearisedTag::of(pose, m, camera) else {
+            return false;
+        };
+        let expected = SMatrix::<f64, 8, 8>::identity() + l.jacobian * covariance * l.jacobian.transpose();
+        let square = expected.cholesky().map(|c| l.residual.dot(&c.solve(&l.residual)));
+        is_member || square.is_some_and(|square| square <= allowed_px2)
+    };
+    Some(matches.iter().map(agrees).collect())
+}
+
+/// The squared distance at which a tag still agrees, px², by the squared residuals of the others and their degrees of freedom.
+fn allowed_px2(squares: f64, freedom: f64, camera: &Camera) -> f64 {
+    let most = (MAX_NOISE_DEG / camera.deg_per_px()).powi(2);
+    // The fewer the others, the less is known of the noise.
+    AGREES * (1.0 + 8.0 / freedom) * pooled(squares.max(0.0), freedom).min(most)
+}
+
+/// The eight coordinates of a tag near a pose: residuals, and their derivatives by a step of the pose.
+struct LinearisedTag {
+    residual: SVector<f64, 8>,
+    jacobian: SMatrix<f64, 8, 6>,
+}
+
+impl LinearisedTag {
+    fn of(pose: &Rigid, m: &Match, camera: &Camera) -> Option<LinearisedTag> {
+        let (mut residual, mut jacobian) = (SVector::<f64, 8>::zeros(), SMatrix::<f64, 8, 6>::zeros());
+        for (i, (point, [u, v])) in m.tag.corners_mm().iter().zip(m.corners_px).enumerate() {
+            let ([x, y], by_pose) = camera.project_by_pose(pose, point)?;
+            (residual[2 * i], residual[2 * i + 1]) = (x - u, y - v);
+            jacobian.fixed_view_mut::<2, 6>(2 * i, 0).copy_from(&by_pose);
+        }
+        residual
+            .iter()
+            .all(|r: &f64| r.is_finite())
+            .then_some(LinearisedTag { residual, jacobian })
+    }
+
+    fn of_all(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<LinearisedTag>> {
+        matches.iter().map(|m| LinearisedTag::of(pose, m, camera)).collect()
+    }
+}
+
+/// (JᵀJ)⁻¹ over some tags.
+fn total(seen: &[LinearisedTag]) -> Option<Matrix6<f64>> {
+    let information: Matrix6<f64> = seen.iter().map(|l| l.jacobian.transpose() * l.jacobian).sum();
+    Some(information.cholesky()?.inverse())
+}
+
+/// What is wrong with an outlier tag, by the pose of the others.
+fn diagnose_outlier(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> Ignored {
+    let limit_px = doubt::limit_px(camera);
+    let expected =
+        |tag: &Tag| -> Option<Vec<[f64; 2]>> { tag.corners_mm().iter().map(|p| camera.project(&(pose * p))).collect() };
+    // How many corners are where they are expected, when seen corner `i` is really corner `order(i)`.
+    let fitting = |tag: &Tag, order: &dyn Fn(usize) -> usize| {
+        let Some(expected) = expected(tag) else { return 0 };
+        let is_near = |i: &usize| {
+            let ([x, y], [u, v]) = (expected[order(*i) % 4], m.corners_px[*i]);
+            (x - u).hypot(y - v) <= limit_px
+        };
+        (0..4).filter(is_near).count()
+    };
+    let others = scene
+        .tags
+        .iter()
+        .filter(|t| (t.family, t.id) != (m.tag.family, m.tag.id));
+    if (1..4).any(|by| fitting(m.tag, &|i| i + by) == 4) {
+        Ignored::Turned
+    } else if (0..4).any(|from| fitting(m.tag, &|i| from + 4 - i) == 4) {
+        Ignored::Mirrored
+    } else if others.into_iter().any(|other| fitting(other, &|i| i) == 4) {
+        Ignored::WrongId
+    } else if fitting(m.tag, &|i| i) >= 3 {
+        Ignored::CornerOff
+    } else {
+        Ignored::Moved
+    }
+}

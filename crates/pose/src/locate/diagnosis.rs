@@ -1,0 +1,366 @@
+//! One cause for many photos without a good pose, where there is one: hundreds of photos seldom fail for hundreds of reasons.
+//!
+//! A wrong cause would cost more time than none. So most photos must be bad, most of those that can tell must be good again once the
+//! cause is taken away, and a rival cause must not do that as well.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use super::factor::{self, Factor, FactorKind};
+use super::{Abstention, LocatedPhoto, Warning};
+use crate::camera::{Camera, SizeError};
+use crate::scene::{Scene, TagFamily};
+use crate::tags::SeenTag;
+
+/// What seems wrong with all photos of a set.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Diagnosis {
+    /// The tags are larger or smaller than the scene says.
+    TagSize(Factor),
+    /// The camera's focal length is longer or shorter than its file says.
+    Focal(Factor),
+    /// Tags of the scene's family that the scene does not have.
+    OtherIds { family: TagFamily, ids: Vec<u32> },
+    /// No tag of the scene's families, but of others.
+    OtherFamilies { found: Vec<(TagFamily, Vec<u32>)> },
+    /// The camera file is for another aspect ratio.
+    CameraSize { errors: Vec<SizeError> },
+    /// No tag at all. `searched_others`: so many photos were searched for every family.
+    NoTags {
+        photos: usize,
+        of: usize,
+        searched_others: usize,
+    },
+}
+
+/// So many photos must be bad in one way, and so many must tell the cause.
+const FEWEST: usize = 3;
+
+/// Share of the photos that must be bad, and of the telling ones that must be healed.
+const MOST: f64 = 0.8;
+
+/// A factor must leave no more than this share of the mean squared error, and no more than this share of the rival's.
+const BETTER: f64 = 0.25;
+const BETTER_THAN_RIVAL: f64 = 0.5;
+
+/// Factors nearer to 1 are within what prints and lenses do anyway.
+const SMALLEST: f64 = 0.01;
+
+/// Half of the photos must agree on how far from 1 the factor is to this share.
+const AGREEMENT: f64 = 0.5;
+
+/// The photos without a pose, or with one that its tags hardly fit.
+pub fn is_bad(photo: &LocatedPhoto) -> bool {
+    match &photo.result {
+        Ok(located) => located.warnings.contains(&Warning::PoorFit),
+        Err(_) => true,
+    }
+}
+
+/// Whether nearly all photos show no tag of the families that were searched, so that others should be.
+pub fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
+    is_most(photos, |p| matches!(p.result, Err(Abstention::NoTags)))
+}
+
+/// The one cause, if there is one. `others`: some photos searched for families that the scene lacks, if they were.
+pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
+    if !is_most(photos, is_bad) {
+        return None;
+    }
+    let wrong_sizes = is_most(photos, |p| matches!(p.result, Err(Abstention::WrongCameraSize(_))));
+    if wrong_sizes {
+        return Some(camera_size(photos));
+    }
+    if is_without_tags(photos) {
+        return Some(other_families(others).unwrap_or_else(|| no_tags(photos, others)));
+    }
+    let bad: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p)).collect();
+    other_ids(photos, scene).or_else(|| wrong_number(&bad, photos.len(), scene))
+}
+
+fn is_most(photos: &[&LocatedPhoto], is: impl Fn(&LocatedPhoto) -> bool) -> bool {
+    let count = photos.iter().filter(|p| is(p)).count();
+    count >= FEWEST && count as f64 >= MOST * photos.len() as f64
+}
+
+fn camera_size(photos: &[&LocatedPhoto]) -> Diagnosis {
+    let mut errors: Vec<SizeError> = Vec::new();
+    for photo in photos {
+        if let Err(Abstention::WrongCameraSize(e)) = &photo.result
+            && !errors.contains(e)
+        {
+            errors.push(e.clone());
+        }
+    }
+    Diagnosis::CameraSize { errors }
+}
+
+fn no_tags(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>]) -> Diagnosis {
+    Diagnosis::NoTags {
+        photos: photos.iter().filter(|p| p.seen.is_empty()).count(),
+        of: photos.len(),
+        searched_others: others.len(),
+    }
+}
+
+/// Families with two whole tags in most of the photos that were searched: single ones are found in grass and print alike.
+fn other_families(others: &[Vec<SeenTag>]) -> Option<Diagnosis> {
+    let found = TagFamily::ALL.into_iter().filter_map(|(family, _)| {
+        let of = |seen: &Vec<SeenTag>| -> BTreeSet<u32> {
+            let whole = seen.iter().filter(|tag| tag.family == family && tag.is_whole);
+            whole.map(|tag| tag.id).collect()
+        };
+        let ids: Vec<BTreeSet<u32>> = others.iter().map(of).collect();
+        let with_two = ids.iter().filter(|ids| ids.len() >= 2).count();
+        let is_there = with_two >= 2.min(others.len()) && 2 * with_two > others.len();
+        is_there.then(|| {
+            (
+                family,
+                ids.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect(),
+            )
+        })
+    });
+    let found: Vec<(TagFamily, Vec<u32>)> = found.collect();
+    (!found.is_empty()).then_some(Diagnosis::OtherFamilies { found })
+}
+
+/// Most photos show two tags or more that the scene lacks, and at least as many of those as of the scene's own.
+fn other_ids(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Diagnosis> {
+    let unknown = |p: &LocatedPhoto| -> BTreeSet<(TagFamily, u32)> {
+        let unknown = p.seen.iter().filter(|t| scene.tag(t.family, t.id).is_none());
+        unknown.map(|t| (t.family, t.id)).collect()
+    };
+    let is_strange = |p: &LocatedPhoto| {
+        let strange = unknown(p).len();
+        strange >= 2 && strange >= p.seen.len() - strange.min(p.seen.len())
+    };
+    if !is_most(photos, is_strange) {
+        return None;
+    }
+    let all: BTreeSet<(TagFamily, u32)> = photos.iter().flat_map(|p| unknown(p)).collect();
+    let of = |family| {
+        all.iter()
+            .filter(|(f, _)| *f == family)
+            .map(|(_, id)| *id)
+            .collect::<Vec<u32>>()
+    };
+    let (family, ids) = scene
+        .families()
+        .into_iter()
+        .map(|family| (family, of(family)))
+        .max_by_key(|(_, ids)| ids.len())?;
+    Some(Diagnosis::OtherIds { family, ids })
+}
+
+/// A wrong size of all tags, or a wrong focal length.
+fn wrong_number(bad: &[&LocatedPhoto], photos: usize, scene: &Scene) -> Option<Diagnosis> {
+    let size = factor::fit(FactorKind::TagSize, bad, scene)?;
+    let focal = factor::fit(FactorKind::Focal, bad, scene)?;
+    let best = size.cost.min(focal.cost);
+    let could_be = |fit: &Factor| best > BETTER_THAN_RIVAL * fit.cost;
+    let is_good = |fit: &Factor| is_good(fit, photos);
+    match (could_be(&size), could_be(&focal)) {
+        (true, false) if is_good(&size) => Some(Diagnosis::TagSize(size)),
+        (false, true) if is_good(&focal) => Some(Diagnosis::Focal(focal)),
+        _ => None, // where both could be, naming either would be a guess
+    }
+}
+
+/// Whether a factor makes most photos good, and most of them ask for it.
+fn is_good(fit: &Factor, photos: usize) -> bool {
+    let share = |part: usize, of: usize| part as f64 / of as f64;
+    let away = fit.factor.ln().abs();
+    let spread = (fit.middle_half[1] / fit.middle_half[0]).ln();
+    fit.healed >= FEWEST
+        && share(fit.healed, fit.telling) >= MOST
+        && share(fit.telling, photos) >= 0.5
+        && fit.cost <= BETTER * fit.cost_of_one
+        && away >= SMALLEST
+        && spread <= AGREEMENT * away
+}
+
+impl Factor {
+    fn fits(&self) -> String {
+        format!(
+            "{} of the {} photos with two tags or more fit",
+            self.healed, self.telling
+        )
+    }
+}
+
+impl Diagnosis {
+    /// The cause as a sentence that names the files, and what to do.
+    pub fn sentence(&self, scene: &Scene, scene_file: &Path, camera: &Camera, camera_file: &Path) -> String {
+        let (scene_file, camera_file) = (scene_file.display(), camera_file.display());
+        match self {
+            Diagnosis::TagSize(size) => {
+                let (is, was) = tag_size(scene, size);
+                format!(
+                    "the tags seem to be {is}, not {was} as {scene_file} says: so {}. Measure the black square of a printed tag: if it is \
+                     as {scene_file} says, all tags stand {:.2} times as far apart as it says instead",
+                    size.fits(),
+                    1.0 / size.factor
+                )
+            }
+            Diagnosis::Focal(focal) => format!(
+                "{}: so {}. Are these photos of another camera or zoom, or cut out of larger ones? Calibrate this camera (scaleproof \
+                 calibrate), or name its file",
+                focal_length(camera, &camera_file.to_string(), focal),
+                focal.fits()
+            ),
+            Diagnosis::OtherIds { family, ids } => {
+                let own: Vec<u32> = scene
+                    .tags
+                    .iter()
+                    .filter(|t| t.family == *family)
+                    .map(|t| t.id)
+                    .collect();
+                format!(
+                    "these photos show {} {}, and {scene_file} has {}: are these another scene's cards?",
+                    name(*family),
+                    ids_in_words(ids),
+                    ids_in_words(&own)
+                )
+            }
+            Diagnosis::OtherFamilies { found } => {
+                let found: Vec<String> = found
+                    .iter()
+                    .map(|(f, ids)| format!("{} {}", name(*f), ids_in_words(ids)))
+                    .collect();
+                format!(
+                    "these photos show {}, and {scene_file} has {} only: are these another scene's cards, or is `family` wrong there?",
+                    found.join(" and "),
+                    families(scene)
+                )
+            }
+            Diagnosis::CameraSize { errors } => camera_sizes(errors, &camera_file.to_string()),
+            Diagnosis::NoTags {
+                photos,
+                of,
+                searched_others,
+            } => {
+                let where_none = if photos == of {
+                    "none of the photos shows a tag".to_owned()
+                } else {
+                    format!("{photos} of {of} photos show no tag")
+                };
+                let others = match searched_others {
+                    0 => String::new(),
+                    n => format!(", and no other family in the {n} that were searched for all"),
+                };
+                format!(
+                    "{where_none}: no {} of {scene_file}{others}. Are they in the photo, sharp, lit, with their white margin, and at \
+                     least 25 pixels wide? Look at one photo at full size",
+                    families(scene)
+                )
+            }
+        }
+    }
+}
+
+/// What the tags are and what the scene says, as widths where all have one.
+fn tag_size(scene: &Scene, size: &Factor) -> (String, String) {
+    let mut sizes = scene.tags.iter().map(|tag| tag.size_mm);
+    match sizes.next() {
+        Some(first) if sizes.all(|s| s == first) => {
+            (format!("{:.1} mm wide", first * size.factor), format!("{first} mm"))
+        }
+        _ => (format!("{:.2} times as wide", size.factor), "as wide".to_owned()),
+    }
+}
+
+fn focal_length(camera: &Camera, camera_file: &str, focal: &Factor) -> String {
+    let off = 100.0 * (1.0 / focal.factor - 1.0);
+    format!(
+        "the focal length in {camera_file} seems {:.0} % too {} (some {:.0} px, not {:.0})",
+        off.abs(),
+        if off > 0.0 { "long" } else { "short" },
+        camera.fx * focal.factor,
+        camera.fx
+    )
+}
+
+fn camera_sizes(errors: &[SizeError], camera_file: &str) -> String {
+    let (mut cropped, mut turned, mut own) = (Vec::new(), Vec::new(), "");
+    for error in errors {
+        let (photo, camera, kind) = match error {
+            SizeError::Cropped { photo, camera } => (photo, camera, &mut cropped),
+            SizeError::Turned { photo, camera } => (photo, camera, &mut turned),
+        };
+        own = camera;
+        kind.push(photo.as_str());
+    }
+    let sizes = |photos: &[&str]| match photos {
+        [first, second, third, _, ..] => format!("{first}, {second}, {third} and others"),
+        few => few.join(" and "),
+    };
+    match (&cropped[..], &turned[..]) {
+        ([], turned) => format!(
+            "{camera_file} is for photos of {own}, and these are {}, with no EXIF data that says which way they were turned: use the \
+             original photos, or calibrate with photos held this way",
+            sizes(turned)
+        ),
+        (cropped, _) => format!(
+            "{camera_file} is for photos of {own}, and these are {}, another aspect ratio: were they cut, or taken with another camera or \
+             format? Use the original photos, or calibrate at this size",
+            sizes(cropped)
+        ),
+    }
+}
+
+/// The families of a scene.
+fn families(scene: &Scene) -> String {
+    let names: Vec<&str> = scene.families().into_iter().map(name).collect();
+    names.join(" and ")
+}
+
+fn name(family: TagFamily) -> &'static str {
+    let named = TagFamily::ALL.iter().find(|(known, _)| *known == family);
+    named.map_or("tags", |(_, name)| name)
+}
+
+/// `id 7`, `ids 0 to 15`, `ids 1, 5 and 20 to 27`, at most some ranges.
+fn ids_in_words(ids: &[u32]) -> String {
+    let sorted: BTreeSet<u32> = ids.iter().copied().collect();
+    let mut ranges: Vec<(u32, u32)> = Vec::new();
+    for id in &sorted {
+        match ranges.last_mut() {
+            Some((_, last)) if *last + 1 == *id => *last = *id,
+            _ => ranges.push((*id, *id)),
+        }
+    }
+    let shown = |(first, last): &(u32, u32)| match last - first {
+        0 => vec![first.to_string()],
+        1 => vec![first.to_string(), last.to_string()],
+        _ => vec![format!("{first} to {last}")],
+    };
+    let mut words: Vec<String> = ranges.iter().flat_map(shown).collect();
+    if words.len() > MOST_RANGES {
+        words.truncate(MOST_RANGES - 1);
+        words.push("others".to_owned());
+    }
+    let noun = if sorted.len() == 1 { "id" } else { "ids" };
+    match words.pop() {
+        None => "no id".to_owned(),
+        Some(last) if words.is_empty() => format!("{noun} {last}"),
+        Some(last) => format!("{noun} {} and {last}", words.join(", ")),
+    }
+}
+
+/// More would not be read.
+const MOST_RANGES: usize = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_said_in_ranges() {
+        let words = |ids: &[u32]| ids_in_words(ids);
+        assert_eq!(words(&[7]), "id 7");
+        assert_eq!(words(&[3, 0, 1, 2]), "ids 0 to 3");
+        assert_eq!(words(&[1, 2, 9]), "ids 1, 2 and 9");
+        let even: Vec<u32> = (0..40).step_by(2).collect();
+        assert_eq!(words(&even), "ids 0, 2, 4, 6, 8, 10, 12 and others");
+    }
+}

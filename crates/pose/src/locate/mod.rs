@@ -1,0 +1,175 @@
+//! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
+
+mod abstention;
+mod consensus;
+pub mod diagnosis;
+mod doubt;
+mod factor;
+mod matches;
+mod missing;
+mod photo;
+mod plain_view;
+mod planar;
+mod rays;
+mod refine;
+mod solver;
+mod sqpnp;
+mod uncertainty;
+
+use nalgebra::Point3;
+use serde::Serialize;
+
+use crate::camera::Camera;
+use crate::scene::{Bin, Scene, Viewpoint};
+use crate::tags::SeenTag;
+use consensus::Consensus;
+use matches::{Corners, Match};
+use refine::NO_HUBER;
+use scaleproof_core::geometry::Rigid;
+use solver::PoseCandidate;
+
+pub use abstention::Abstention;
+pub use diagnosis::Diagnosis;
+pub use factor::spread;
+pub use matches::{Ignored, IgnoredTag};
+pub use photo::{LocatedPhoto, locate_photo};
+pub use photo::{locate_luma, locate_near, locate_tags};
+pub use planar::planar_branches;
+pub use solver::Solver;
+pub use sqpnp::sqpnp;
+pub use uncertainty::Sigma;
+pub use uncertainty::Uncertainty;
+
+/// A photo with a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Located {
+    /// `T_camera_model`: model frame to camera frame, mm.
+    pub pose: Rigid,
+    /// How far the pose may be off by corner noise.
+    pub uncertainty: Uncertainty,
+    /// Where the camera stands, seen from the model.
+    pub viewpoint: Viewpoint,
+    /// What that means for the viewpoint.
+    pub sigma: Sigma,
+    /// The bin of the scene that the viewpoint is in.
+    pub bin: Bin,
+    /// The probability that the bin is the right one.
+    pub bin_probability: f64,
+    /// What weakens the answer.
+    pub warnings: Vec<Warning>,
+    /// Ids of the tags the pose rests on, ascending.
+    pub tags: Vec<u32>,
+    /// Tags that were seen but not used, by id.
+    pub ignored_tags: Vec<IgnoredTag>,
+    /// Root mean square distance between seen and projected corners, px.
+    pub rms_px: f64,
+}
+
+/// What weakens an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Warning {
+    /// The camera stood so near to the edge of its bin that it may be the next one.
+    NearBinEdge,
+    /// The tags agree with each other worse than tags do in a good photo by a right camera: a crop, another camera, a bent card.
+    PoorFit,
+}
+
+/// A bin less probable than this is given with a warning.
+const SURE_BIN: f64 = 0.95;
+
+/// Locates the camera from the tags of one photo with the default solver.
+pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+    locate_by(Solver::default(), seen, scene, camera)
+}
+
+/// Locates the camera from the tags of one photo.
+///
+/// The best pose and the best *different* one are compared, and a pose that cannot exclude its rival is not returned, nor one
+/// whose azimuth the tags leave open.
+pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+    let (matches, mut ignored_tags) = matches::match_tags(seen, scene)?;
+    let Consensus {
+        matches,
+        candidates,
+        left_out,
+    } = found(solver, matches, scene, camera)?;
+    let (best, rival) = doubt::without_rival(candidates, &matches, camera)?;
+    if let [only] = &matches[..] {
+        plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
+    }
+    let has_outliers = !left_out.is_empty();
+    ignored_tags.extend(left_out);
+    ignored_tags.sort_unstable();
+    let corners = Corners::of(&matches);
+    let finished = finished(solver, &best, &corners, camera).and_then(|(pose, uncertainty)| {
+        let rms_px = refine::rms_px(&pose, &corners, camera)?;
+        Some((PoseCandidate { pose, rms_px }, uncertainty))
+    });
+    let (best, uncertainty) = finished.ok_or(Abstention::OPEN)?;
+    let viewpoint = viewpoint(&best.pose, scene);
+    let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
+    let mut sigma = uncertainty.of_viewpoint(&best.pose, scene.model.target_mm());
+    if has_outliers && is_poor_fit {
+        sigma = doubt::misfit_sigma(sigma);
+    }
+    doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
+    let bin = scene.bins.bin_of(&viewpoint);
+    let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
+    // An excluded rival keeps the weight of its likelihood.
+    let bin_probability = rival.map_or(of_best, |rival| {
+        let weight = uncertainty.likelihood(&rival, &best, corners.image_px.len());
+        let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
+        (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
+    });
+    let mut tags: Vec<u32> = matches.iter().map(|m| m.tag.id).collect();
+    tags.sort_unstable();
+    Ok(Located {
+        pose: best.pose,
+        uncertainty,
+        viewpoint,
+        sigma,
+        bin,
+        bin_probability,
+        warnings: [
+            (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge),
+            is_poor_fit.then_some(Warning::PoorFit),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+        tags,
+        ignored_tags,
+        rms_px: best.rms_px,
+    })
+}
+
+fn viewpoint(pose: &Rigid, scene: &Scene) -> Viewpoint {
+    Viewpoint::of_camera(pose.inverse() * Point3::origin(), scene.model.target_mm())
+}
+
+/// The tags a solver rests on, and the poses they might have.
+fn found<'a>(
+    solver: Solver,
+    matches: Vec<Match<'a>>,
+    scene: &Scene,
+    camera: &Camera,
+) -> Result<Consensus<'a>, Abstention> {
+    if solver == Solver::EveryBranch {
+        return consensus::find(matches, scene, camera);
+    }
+    let matches = solver.used(matches);
+    Ok(Consensus {
+        candidates: solver.candidates(&matches, camera),
+        matches,
+        left_out: Vec::new(),
+    })
+}
+
+/// The pose a solver ends with and how far it may be off. `None` when the corners leave it open.
+fn finished(solver: Solver, best: &PoseCandidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
+    match solver {
+        Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
+        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?)),
+    }
+}

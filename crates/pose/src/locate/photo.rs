@@ -1,0 +1,112 @@
+//! The one way from a photo to its pose: decode its luma, find tags in it, fit the camera to it, locate.
+
+use super::missing::still_missing;
+use super::{Abstention, Located, locate};
+use crate::camera::{Camera, FittedCamera, SizeError};
+use crate::scene::Scene;
+use crate::tags::{SeenTag, TagDetector};
+use scaleproof_core::geometry::Rigid;
+use scaleproof_photo::photo::{Luma, Photo, PhotoError};
+
+/// What a photo shows.
+#[derive(Debug, Clone)]
+pub struct LocatedPhoto {
+    /// Every tag that was found, whether the scene has it or not.
+    pub seen: Vec<SeenTag>,
+    /// The camera as it fits this photo, or why it does not.
+    pub fitted: Result<FittedCamera, SizeError>,
+    /// The pose, or why there is none.
+    pub result: Result<Located, Abstention>,
+}
+
+/// Finds the tags in a photo and locates its camera; `camera` is the camera file's, `tags` detects the scene's families.
+///
+/// # Errors
+/// A photo that cannot be decoded. A photo without a pose is no error.
+pub fn locate_photo(
+    photo: &Photo,
+    scene: &Scene,
+    camera: &Camera,
+    tags: &mut dyn TagDetector,
+) -> Result<LocatedPhoto, PhotoError> {
+    Ok(locate_luma(
+        photo.luma_where_seen()?.as_ref(),
+        photo.turned_deg,
+        scene,
+        camera,
+        tags,
+    ))
+}
+
+/// Finds the tags in upright luma, which EXIF turned by `turned_deg`, and locates its camera: for frames that are no files.
+pub fn locate_luma(
+    luma: &dyn Luma,
+    turned_deg: u32,
+    scene: &Scene,
+    camera: &Camera,
+    tags: &mut dyn TagDetector,
+) -> LocatedPhoto {
+    locate_near(None, luma, turned_deg, scene, camera, tags)
+}
+
+/// Like [`locate_luma`], with a guess of the pose, `T_camera_model`: tags are looked for where it expects them, before the image is searched.
+pub fn locate_near(
+    pose: Option<&Rigid>,
+    luma: &dyn Luma,
+    turned_deg: u32,
+    scene: &Scene,
+    camera: &Camera,
+    tags: &mut dyn TagDetector,
+) -> LocatedPhoto {
+    let [width, height] = luma.size();
+    let fitted = match camera.for_photo(width, height, turned_deg) {
+        Ok(fitted) => fitted,
+        Err(misfit) => {
+            return LocatedPhoto {
+                seen: tags.find(luma),
+                result: Err(Abstention::from(misfit.clone())),
+                fitted: Err(misfit),
+            };
+        }
+    };
+    let mut answered = None;
+    let seen = tags.find_until(luma, &mut |seen| {
+        let result = locate(seen, scene, &fitted.camera);
+        let missing = still_missing(&result, pose, seen, scene, &fitted.camera);
+        answered = Some((seen.to_vec(), result));
+        missing
+    });
+    let result = match answered {
+        Some((of, result)) if of == seen => result,
+        _ => locate(&seen, scene, &fitted.camera),
+    };
+    LocatedPhoto {
+        seen,
+        fitted: Ok(fitted),
+        result,
+    }
+}
+
+/// Locates the camera by the tags found in an upright photo of a width and height, px, which EXIF turned by `turned_deg`.
+pub fn locate_tags(
+    seen: Vec<SeenTag>,
+    (width, height): (u32, u32),
+    turned_deg: u32,
+    scene: &Scene,
+    camera: &Camera,
+) -> LocatedPhoto {
+    let fitted = camera.for_photo(width, height, turned_deg);
+    let result = match &fitted {
+        Ok(fitted) => locate(&seen, scene, &fitted.camera),
+        Err(e) => Err(Abstention::from(e.clone())),
+    };
+    LocatedPhoto { seen, fitted, result }
+}
+
+impl LocatedPhoto {
+    /// The pose and the camera that projects into this photo.
+    pub fn pose_and_camera(self) -> Result<(Located, FittedCamera), Abstention> {
+        let fitted = self.fitted?;
+        Ok((self.result?, fitted))
+    }
+}

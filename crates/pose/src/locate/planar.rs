@@ -1,0 +1,60 @@
+//! Both poses that a planar target, as a tag or a board, may have (IPPE: Collins & Bartoli, "Infinitesimal Plane-Based Pose Estimation", IJCV 2014).
+
+use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
+
+use super::rays;
+use crate::camera::Camera;
+use scaleproof_core::geometry::{Rigid, homography, rigid};
+
+/// `T_camera_plane` of the two branches of a planar target; none when its points are on a line or the lens model does not reach them.
+/// `in_plane_mm`: at least four points in the target's own frame, z = 0.
+pub fn planar_branches(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Vec<Rigid> {
+    both(in_plane_mm, seen_px, camera).map_or_else(Vec::new, Vec::from)
+}
+
+fn both(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Option<[Rigid; 2]> {
+    let seen = rays::at(seen_px, camera)?;
+    // The branches differ in how the plane is tilted about the origin, which is where the points are.
+    let middle = in_plane_mm.iter().map(|p| p.coords).sum::<Vector3<f64>>() / in_plane_mm.len() as f64;
+    let centred: Vec<_> = in_plane_mm.iter().map(|p| p - middle).collect();
+    let plane: Vec<_> = centred.iter().map(|p| [p.x, p.y]).collect();
+    let map = homography::fitted(&plane, &seen)?;
+    let pose = |rotation| {
+        let translation = rays::translation(&rotation, &centred, &seen)? - rotation * middle;
+        Some(rigid::from_matrix(rotation, translation))
+    };
+    let [one, other] = rotations(&map)?;
+    Some([pose(one)?, pose(other)?])
+}
+
+/// The two rotations that agree with the map of the plane to depth 1 in the neighbourhood of its origin (section 4 of the paper).
+fn rotations(map: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
+    let h = map / map[(2, 2)];
+    let centre = Vector2::new(h[(0, 2)], h[(1, 2)]);
+    let jacobian = Matrix2::from_fn(|i, j| h[(i, j)] - h[(2, j)] * centre[i]);
+    let turn = towards(centre);
+    let projected = Matrix2::from_fn(|i, j| turn[(i, j)] - centre[i] * turn[(2, j)]);
+    let scaled = projected.try_inverse()? * jacobian;
+    let size = scaled.svd(false, false).singular_values.max();
+    if !(size.is_finite() && size > 0.0) {
+        return None;
+    }
+    // The upper left of the rotation as seen along the ray, and what unit columns leave for the third row, up to its sign.
+    let upper = scaled / size;
+    let left = Matrix2::identity() - upper.transpose() * upper;
+    let [b1, b2] = [left[(0, 0)], left[(1, 1)]].map(|v| v.max(0.0).sqrt());
+    let b2 = if left[(0, 1)] < 0.0 { -b2 } else { b2 };
+    let branch = |sign: f64| {
+        let first = Vector3::new(upper[(0, 0)], upper[(1, 0)], sign * b1);
+        let second = Vector3::new(upper[(0, 1)], upper[(1, 1)], sign * b2);
+        turn * Matrix3::from_columns(&[first, second, first.cross(&second)])
+    };
+    Some([1.0, -1.0].map(|sign| rays::nearest_rotation(&branch(sign))))
+}
+
+/// The rotation by the smallest angle that takes the optical axis to the direction of a point at depth 1.
+fn towards(point: Vector2<f64>) -> Matrix3<f64> {
+    let direction = Vector3::new(point.x, point.y, 1.0);
+    let turn = nalgebra::Rotation3::rotation_between(&Vector3::z(), &direction);
+    turn.map_or_else(Matrix3::identity, nalgebra::Rotation3::into_inner)
+}

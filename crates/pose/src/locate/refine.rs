@@ -1,0 +1,106 @@
+//! Levenberg–Marquardt over corners: the pose that leaves them nearest to where they were seen.
+
+use nalgebra::{Matrix6, Vector6};
+
+use super::matches::Corners;
+use crate::camera::Camera;
+use scaleproof_core::geometry::{Rigid, rigid::stepped};
+use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
+
+/// A Huber threshold that no residual reaches: plain least squares.
+pub(super) const NO_HUBER: f64 = f64::INFINITY;
+
+/// A step that lowers the cost by less than (1e-7 px)² is the last.
+const LIMITS: Limits = Limits {
+    first_damping: 1e-4,
+    most_trials: 50,
+    relative_gain: 0.0,
+    absolute_gain: 1e-14,
+};
+
+/// The normal equations of all corners at one pose.
+pub(super) struct CornerEquations<'a> {
+    pose: Rigid,
+    /// JᵀWJ by (ω, υ) of [`stepped`].
+    pub information: Matrix6<f64>,
+    /// JᵀWr.
+    gradient: Vector6<f64>,
+    /// Σ 2ρ(|r|), px²: the sum of squares as long as no residual is longer than the threshold.
+    cost: f64,
+    corners: &'a Corners,
+    camera: &'a Camera,
+    huber_px: f64,
+}
+
+/// The pose at the minimum near `start`. Residuals longer than `huber_px` count linearly instead of squared (Huber 1964).
+/// `None` when a corner has no pixel at the start.
+pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Rigid> {
+    let start = CornerEquations::at(*start, corners, camera, huber_px)?;
+    Some(minimise(start, &LIMITS).pose)
+}
+
+impl<'a> CornerEquations<'a> {
+    /// `None` when a corner has no pixel or a number is not finite.
+    pub(super) fn at(
+        pose: Rigid,
+        corners: &'a Corners,
+        camera: &'a Camera,
+        huber_px: f64,
+    ) -> Option<CornerEquations<'a>> {
+        let (mut information, mut gradient, mut cost) = (Matrix6::zeros(), Vector6::zeros(), 0.0);
+        for (point, [u, v]) in corners.model_mm.iter().zip(&corners.image_px) {
+            let ([x, y], jacobian) = camera.project_by_pose(&pose, point)?;
+            let residual = nalgebra::Vector2::new(x - u, y - v);
+            let length = residual.norm();
+            let is_outlying = length > huber_px;
+            let weight = if is_outlying { huber_px / length } else { 1.0 };
+            information += weight * jacobian.transpose() * jacobian;
+            gradient += weight * jacobian.transpose() * residual;
+            cost += if is_outlying {
+                2.0 * huber_px * length - huber_px * huber_px
+            } else {
+                length * length
+            };
+        }
+        cost.is_finite().then_some(CornerEquations {
+            pose,
+            information,
+            gradient,
+            cost,
+            corners,
+            camera,
+            huber_px,
+        })
+    }
+}
+
+impl LeastSquares for CornerEquations<'_> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let diagonal = Matrix6::from_diagonal(&self.information.diagonal());
+        let step = -(self.information + diagonal * damping)
+            .cholesky()?
+            .solve(&self.gradient);
+        CornerEquations::at(stepped(&self.pose, &step), self.corners, self.camera, self.huber_px)
+    }
+}
+
+/// Distance between each seen corner and its projection, px; `None` when a corner has no pixel.
+pub(super) fn residuals_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<Vec<[f64; 2]>> {
+    let of = |(point, [u, v]): (&nalgebra::Point3<f64>, &[f64; 2])| {
+        let [x, y] = camera.project(&(pose * point))?;
+        let residual = [x - u, y - v];
+        residual.iter().all(|r| r.is_finite()).then_some(residual)
+    };
+    corners.model_mm.iter().zip(&corners.image_px).map(of).collect()
+}
+
+/// Root mean square distance of corners from where they were seen, px.
+pub(super) fn rms_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<f64> {
+    let residuals = residuals_px(pose, corners, camera)?;
+    let sum: f64 = residuals.iter().flatten().map(|r| r * r).sum();
+    Some((sum / residuals.len() as f64).sqrt())
+}

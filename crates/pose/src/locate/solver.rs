@@ -1,0 +1,112 @@
+//! The pose solvers, from the simplest to the default, each with what the one before lacks: [`super::planar`] and [`super::sqpnp`] solve directly,
+//! [`super::refine`] refines.
+
+use super::matches::{Corners, Match};
+use super::planar::planar_branches;
+use super::refine::{self, NO_HUBER};
+use super::sqpnp::sqpnp;
+use crate::camera::Camera;
+use scaleproof_core::geometry::Rigid;
+
+/// How a pose is found from matched tags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), as they come.
+    BestTag,
+    /// SQPnP over the corners of all tags (Terzakis & Lourakis 2020), as it comes.
+    Sqpnp,
+    /// SQPnP, then Levenberg–Marquardt over all corners, distortion included.
+    SqpnpRefined,
+    /// SQPnP and the branches of the largest tags, each refined; outlier tags are left out; single bad corners
+    /// weigh less.
+    #[default]
+    EveryBranch,
+}
+
+impl Solver {
+    /// Every solver, from the simplest to the default.
+    pub fn all() -> [Solver; 4] {
+        [
+            Solver::BestTag,
+            Solver::Sqpnp,
+            Solver::SqpnpRefined,
+            Solver::EveryBranch,
+        ]
+    }
+
+    /// A stable name for tables and programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Solver::BestTag => "ippe_best_tag",
+            Solver::Sqpnp => "sqpnp",
+            Solver::SqpnpRefined => "sqpnp_lm",
+            Solver::EveryBranch => "every_branch_lm",
+        }
+    }
+
+    /// The matches this solver looks at.
+    pub(super) fn used<'a>(self, mut matches: Vec<Match<'a>>) -> Vec<Match<'a>> {
+        if self == Solver::BestTag {
+            largest_first(&mut matches);
+            matches.truncate(1);
+        }
+        matches
+    }
+
+    /// Every pose that might be the one, unsorted.
+    pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<PoseCandidate> {
+        let corners = Corners::of(matches);
+        let refined = |starts: Vec<Rigid>| {
+            let refined = |start| refine::refine(start, &corners, camera, NO_HUBER);
+            starts.iter().filter_map(refined).collect()
+        };
+        let poses: Vec<Rigid> = match self {
+            Solver::BestTag => branches(matches, camera),
+            Solver::Sqpnp => of_all(&corners, camera),
+            Solver::SqpnpRefined => refined(of_all(&corners, camera)),
+            Solver::EveryBranch => {
+                let mut starts = of_all(&corners, camera);
+                starts.extend(branches(matches, camera));
+                refined(starts)
+            }
+        };
+        let with_rms = |pose| {
+            Some(PoseCandidate {
+                rms_px: refine::rms_px(&pose, &corners, camera)?,
+                pose,
+            })
+        };
+        poses.into_iter().filter_map(with_rms).collect()
+    }
+}
+
+/// A pose and how far it leaves the corners from where they were seen.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PoseCandidate {
+    pub pose: Rigid,
+    pub rms_px: f64,
+}
+
+/// So many of the largest tags give their planar branches as starts; smaller ones add time and no new pose.
+const BRANCHED_TAGS: usize = 3;
+
+/// `T_camera_model` by SQPnP over all corners.
+fn of_all(corners: &Corners, camera: &Camera) -> Vec<Rigid> {
+    Vec::from_iter(sqpnp(&corners.model_mm, &corners.image_px, camera))
+}
+
+/// `T_camera_model` by both planar branches of each of the largest tags.
+fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
+    let mut largest = matches.to_vec();
+    largest_first(&mut largest);
+    let of = |m: &Match| {
+        let to_model = m.tag.pose().inverse();
+        let branches = planar_branches(&m.tag.corners_in_tag_mm(), &m.corners_px, camera);
+        branches.into_iter().map(move |t_camera_tag| t_camera_tag * to_model)
+    };
+    largest.iter().take(BRANCHED_TAGS).flat_map(of).collect()
+}
+
+pub(super) fn largest_first(matches: &mut [Match]) {
+    matches.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));
+}

@@ -1,0 +1,132 @@
+//! Viewpoint bins: the cells in which photos are counted.
+
+use std::cmp::Ordering;
+
+use serde::Serialize;
+
+use super::Viewpoint;
+use scaleproof_core::geometry::angle::{turn, wrap_360};
+
+/// How viewpoints are divided: azimuth in equal steps, the first centred on the model's front; pitch and distance by
+/// centres, each photo going to the nearest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bins {
+    /// Step in degrees; divides 360.
+    pub azimuth_deg: f64,
+    /// Centres in degrees, ascending.
+    pub pitch_deg: Vec<f64>,
+    /// Centres in mm, ascending.
+    pub distance_mm: Vec<f64>,
+}
+
+/// One bin, named by its centre. Bins are sorted by azimuth, pitch and distance.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Bin {
+    /// Centre, degrees.
+    pub azimuth_deg: f64,
+    /// Centre, degrees.
+    pub pitch_deg: f64,
+    /// Centre, mm.
+    pub distance_mm: f64,
+}
+
+impl Bin {
+    /// Azimuth, pitch and distance in whole thousandths, which can be compared.
+    fn key(&self) -> [i64; 3] {
+        [self.azimuth_deg, self.pitch_deg, self.distance_mm].map(|v| (v * 1000.0).round() as i64)
+    }
+}
+
+impl PartialEq for Bin {
+    fn eq(&self, other: &Bin) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Eq for Bin {}
+
+impl PartialOrd for Bin {
+    fn partial_cmp(&self, other: &Bin) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Bin {
+    fn cmp(&self, other: &Bin) -> Ordering {
+        self.key().cmp(&other.key())
+    }
+}
+
+impl Bins {
+    /// The bin a viewpoint falls into.
+    pub fn bin_of(&self, v: &Viewpoint) -> Bin {
+        let steps = (v.azimuth_deg / self.azimuth_deg).round();
+        Bin {
+            azimuth_deg: wrap_360(steps * self.azimuth_deg),
+            pitch_deg: nearest(&self.pitch_deg, v.pitch_deg),
+            distance_mm: nearest(&self.distance_mm, v.distance_mm),
+        }
+    }
+
+    /// The azimuth centres in degrees, from the front counter-clockwise.
+    pub fn azimuth_centres(&self) -> Vec<f64> {
+        let count = (360.0 / self.azimuth_deg).round() as usize;
+        (0..count).map(|i| i as f64 * self.azimuth_deg).collect()
+    }
+
+    /// How far an azimuth is from the edge of its bin, in degrees.
+    pub fn azimuth_to_edge_deg(&self, azimuth_deg: f64) -> f64 {
+        let centre = (azimuth_deg / self.azimuth_deg).round() * self.azimuth_deg;
+        self.azimuth_deg / 2.0 - turn(centre, azimuth_deg).abs()
+    }
+}
+
+/// The centre nearest to a value; the lower one on a tie. Centres are never empty (checked when the scene is read).
+fn nearest(centres: &[f64], value: f64) -> f64 {
+    centres
+        .iter()
+        .copied()
+        .min_by(|a, b| (a - value).abs().total_cmp(&(b - value).abs()))
+        .unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bins() -> Bins {
+        Bins {
+            azimuth_deg: 45.0,
+            pitch_deg: vec![0.0, 15.0, 30.0],
+            distance_mm: vec![500.0, 1000.0],
+        }
+    }
+
+    fn at(azimuth_deg: f64, pitch_deg: f64, distance_mm: f64) -> Bin {
+        bins().bin_of(&Viewpoint {
+            azimuth_deg,
+            pitch_deg,
+            distance_mm,
+        })
+    }
+
+    #[test]
+    fn the_front_bin_is_centred_on_the_front() {
+        assert_eq!(at(22.4, 0.0, 500.0).azimuth_deg, 0.0);
+        assert_eq!(at(22.6, 0.0, 500.0).azimuth_deg, 45.0);
+        assert_eq!(at(337.6, 0.0, 500.0).azimuth_deg, 0.0);
+        assert_eq!(at(337.4, 0.0, 500.0).azimuth_deg, 315.0);
+    }
+
+    #[test]
+    fn pitch_and_distance_take_the_nearest_centre() {
+        let bin = at(0.0, 8.0, 760.0);
+        assert_eq!((bin.pitch_deg, bin.distance_mm), (15.0, 1000.0));
+    }
+
+    #[test]
+    fn the_edge_is_half_a_step_from_the_centre() {
+        assert!((bins().azimuth_to_edge_deg(359.0) - 21.5).abs() < 1e-9);
+        assert!((bins().azimuth_to_edge_deg(22.0) - 0.5).abs() < 1e-9);
+    }
+}

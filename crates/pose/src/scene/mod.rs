@@ -1,0 +1,132 @@
+//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or made
+//! by a preset ([`TagRing`]).
+
+mod bins;
+mod classes;
+mod envelope;
+mod fault;
+mod file;
+mod ring;
+mod tag;
+mod viewpoint;
+mod write;
+
+pub use bins::{Bin, Bins};
+pub use classes::Classes;
+pub use envelope::Envelope;
+pub use fault::SceneFault;
+pub use ring::TagRing;
+pub use tag::TagSigma;
+pub use tag::{Tag, TagFamily};
+pub use viewpoint::Viewpoint;
+
+use nalgebra::Point3;
+
+/// A scene in the model frame: origin on the ground under the model's centre, x to its front, y to its left, z up; mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The printed model.
+    pub model: ScaleModel,
+    /// How viewpoints are binned.
+    pub bins: Bins,
+    /// The tags around the model.
+    pub tags: Vec<Tag>,
+}
+
+impl Scene {
+    /// The tag of a family and id, if it stands in this scene.
+    pub fn tag(&self, family: TagFamily, id: u32) -> Option<&Tag> {
+        self.tags.iter().find(|t| t.family == family && t.id == id)
+    }
+
+    /// The tag families a detector has to look for, each once.
+    pub fn families(&self) -> Vec<TagFamily> {
+        let mut families: Vec<_> = self.tags.iter().map(|t| t.family).collect();
+        families.sort();
+        families.dedup();
+        families
+    }
+}
+
+/// The printed scale model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScaleModel {
+    /// What it is called.
+    pub name: String,
+    /// 10 for a 1:10 model.
+    pub scale: f64,
+    /// The labels that count as the model when a detector gives one of them, e.g. `car`.
+    pub class: Classes,
+    /// Length (x), width (y), height (z) of the printed model in mm.
+    pub size_mm: [f64; 3],
+    /// The shape whose projection is the ground truth box.
+    pub envelope: Envelope,
+}
+
+impl ScaleModel {
+    /// The point that viewpoints look at: the centre of the model's box, model frame, mm.
+    pub fn target_mm(&self) -> Point3<f64> {
+        Point3::new(0.0, 0.0, self.size_mm[2] / 2.0)
+    }
+
+    /// The eight corners of the model's box, model frame, mm. Corner `i` has its x, y, z on the far side where bit 0, 1, 2
+    /// of `i` is set.
+    pub fn box_corners_mm(&self) -> [Point3<f64>; 8] {
+        let [length, width, height] = self.size_mm;
+        std::array::from_fn(|i| {
+            let side = |bit: usize, size: f64| if i >> bit & 1 == 1 { size / 2.0 } else { -size / 2.0 };
+            Point3::new(
+                side(0, length),
+                side(1, width),
+                if i >> 2 & 1 == 1 { height } else { 0.0 },
+            )
+        })
+    }
+
+    /// Whether the model's box, grown by some mm on each side, cuts the line from a camera to a point; both in the model frame, mm
+    /// (slabs: Kay & Kajiya 1986).
+    pub fn hides(&self, point: Point3<f64>, camera: Point3<f64>, grown_mm: f64) -> bool {
+        let [length, width, height] = self.size_mm;
+        let slabs = [
+            (-length / 2.0, length / 2.0),
+            (-width / 2.0, width / 2.0),
+            (0.0, height),
+        ];
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for (axis, (low, high)) in slabs.into_iter().enumerate() {
+            let (from, by) = (camera[axis], point[axis] - camera[axis]);
+            let (low, high) = (low - grown_mm, high + grown_mm);
+            if by.abs() < 1e-9 {
+                if from < low || from > high {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((low - from) / by, (high - from) / by);
+            (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+        }
+        enter < leave
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_model_hides_what_is_behind_it_and_nothing_beside_or_on_it() {
+        let model = ScaleModel {
+            name: "m".to_owned(),
+            scale: 10.0,
+            class: "car".parse().unwrap(),
+            size_mm: [455.0, 186.0, 128.0],
+            envelope: Envelope::Box,
+        };
+        let hides = |point, grown_mm| model.hides(point, Point3::new(900.0, 0.0, 200.0), grown_mm);
+        assert!(hides(Point3::new(-300.0, 0.0, 0.0), -1.0));
+        assert!(!hides(Point3::new(300.0, 0.0, 0.0), -1.0));
+        assert!(!hides(Point3::new(-300.0, 400.0, 0.0), -1.0));
+        assert!(!hides(Point3::new(0.0, 0.0, 128.0), -1.0));
+        assert!(hides(Point3::new(0.0, 0.0, 128.0), 20.0));
+    }
+}

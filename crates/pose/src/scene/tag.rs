@@ -1,0 +1,107 @@
+//! AprilTags: where each printed tag stands.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use scaleproof_core::geometry::{Rigid, rigid};
+
+/// The AprilTag families a scene may use, by their usual names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TagFamily {
+    /// 30 tags of 4 × 4 bits.
+    Tag16h5,
+    /// 35 tags of 5 × 5 bits.
+    Tag25h9,
+    /// 587 tags of 6 × 6 bits.
+    #[default]
+    Tag36h11,
+    /// 2115 tags with bits around their border, too.
+    TagStandard41h12,
+    /// 48714 tags with bits around their border, too.
+    TagStandard52h13,
+}
+
+impl TagFamily {
+    /// Every family, with the name `scene.toml` uses.
+    pub const ALL: [(TagFamily, &str); 5] = [
+        (TagFamily::Tag16h5, "tag16h5"),
+        (TagFamily::Tag25h9, "tag25h9"),
+        (TagFamily::Tag36h11, "tag36h11"),
+        (TagFamily::TagStandard41h12, "tagstandard41h12"),
+        (TagFamily::TagStandard52h13, "tagstandard52h13"),
+    ];
+
+    /// How many different tags the family has; ids run from 0 to one below it.
+    pub fn count(self) -> u32 {
+        match self {
+            TagFamily::Tag16h5 => 30,
+            TagFamily::Tag25h9 => 35,
+            TagFamily::Tag36h11 => 587,
+            TagFamily::TagStandard41h12 => 2115,
+            TagFamily::TagStandard52h13 => 48714,
+        }
+    }
+
+    /// Width of a tag with the white ring it needs, for a `size_mm` of 1.
+    pub fn width_with_white(self) -> f64 {
+        match self {
+            TagFamily::Tag16h5 => 8.0 / 6.0,
+            TagFamily::Tag25h9 => 9.0 / 7.0,
+            TagFamily::Tag36h11 => 10.0 / 8.0,
+            TagFamily::TagStandard41h12 => 11.0 / 5.0,
+            TagFamily::TagStandard52h13 => 12.0 / 6.0,
+        }
+    }
+}
+
+/// One printed tag. Tag frame, the tag seen upright: x right, y up, z out of the paper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tag {
+    /// Its number in the family.
+    pub id: u32,
+    /// Which code it is of.
+    pub family: TagFamily,
+    /// Outer edge of the black border.
+    pub size_mm: f64,
+    /// Its centre, model frame.
+    pub centre_mm: Point3<f64>,
+    /// Unit vector to the tag's right, model frame.
+    pub right: Vector3<f64>,
+    /// Unit vector to the tag's top, model frame.
+    pub up: Vector3<f64>,
+    /// How well the pose is known, when it was surveyed.
+    pub sigma: Option<TagSigma>,
+}
+
+/// One standard deviation of a surveyed tag's pose, each in its worst direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TagSigma {
+    /// Of the centre, mm.
+    pub mm: f64,
+    /// Of the directions, degrees.
+    pub deg: f64,
+}
+
+impl Tag {
+    /// `T_model_tag`: maps tag coordinates to model coordinates, mm.
+    pub fn pose(&self) -> Rigid {
+        let normal = self.right.cross(&self.up);
+        rigid::from_matrix(
+            Matrix3::from_columns(&[self.right, self.up, normal]),
+            self.centre_mm.coords,
+        )
+    }
+
+    /// The corners in the tag frame, mm: top-left, top-right, bottom-right, bottom-left of the upright tag.
+    pub fn corners_in_tag_mm(&self) -> [Point3<f64>; 4] {
+        let h = self.size_mm / 2.0;
+        [[-h, h], [h, h], [h, -h], [-h, -h]].map(|[x, y]| Point3::new(x, y, 0.0))
+    }
+
+    /// The corners in the model frame, mm, in the same order.
+    pub fn corners_mm(&self) -> [Point3<f64>; 4] {
+        self.corners_in_tag_mm()
+            .map(|p| self.centre_mm + self.right * p.x + self.up * p.y)
+    }
+}

@@ -1,0 +1,123 @@
+//! What goes wrong on a table, in an image or in a file.
+
+use nalgebra::Vector3;
+use rand::RngExt;
+
+use super::{SimulatedView, Simulator, visible};
+
+/// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SimulatedFault {
+    /// A card was shifted on the table, in any direction.
+    MovedTag { mm: f64 },
+    /// A card was turned about its normal.
+    TwistedTag { deg: f64 },
+    /// A tag was printed in a mirror.
+    MirroredTag,
+    /// A tag reads as another tag of the scene that is not seen.
+    WrongId,
+    /// A second tag with the id of one of the others.
+    DuplicatedId,
+    /// One corner is off, as when it is covered and the detector does not notice.
+    WrongCorner { px: f64 },
+    /// Each tag is hidden with this probability.
+    Hidden { share: f64 },
+    /// Only the left part of the image shows something: this share of its width.
+    Cropped { share: f64 },
+    /// The scene file's tag sizes are wrong by this factor.
+    WrongTagSize { factor: f64 },
+    /// The camera file's focal length is wrong by this factor.
+    WrongFocal { factor: f64 },
+    /// The camera file's principal point is off to the right.
+    WrongPrincipalPoint { px: f64 },
+    /// The camera file has no distortion.
+    IgnoredDistortion,
+}
+
+impl Simulator<'_> {
+    /// Lets a fault happen to a view. One that needs a tag changes nothing where none is seen.
+    pub(super) fn strike(&mut self, view: &mut SimulatedView, fault: SimulatedFault) {
+        match fault {
+            SimulatedFault::Hidden { share } => view.seen.retain(|_| self.rng.random::<f64>() >= share),
+            SimulatedFault::Cropped { share } => {
+                let edge = share * f64::from(self.camera.width);
+                view.seen.retain(|tag| tag.corners_px.iter().all(|[x, _]| *x < edge));
+            }
+            SimulatedFault::WrongTagSize { factor } => view.scene.tags.iter_mut().for_each(|tag| tag.size_mm *= factor),
+            SimulatedFault::WrongFocal { factor } => {
+                view.camera.fx *= factor;
+                view.camera.fy *= factor;
+            }
+            SimulatedFault::WrongPrincipalPoint { px } => view.camera.cx += px,
+            SimulatedFault::IgnoredDistortion => view.camera = view.camera.clone().with_distortion(&[]),
+            _ if view.seen.is_empty() => {}
+            of_one_tag => {
+                let at = self.rng.random_range(0..view.seen.len());
+                view.struck = self.strike_tag(view, at, of_one_tag).then(|| view.seen[at].id);
+            }
+        }
+    }
+
+    /// False when the fault was not possible.
+    fn strike_tag(&mut self, view: &mut SimulatedView, at: usize, fault: SimulatedFault) -> bool {
+        let corners = &mut view.seen[at].corners_px;
+        match fault {
+            SimulatedFault::MirroredTag => *corners = [corners[1], corners[0], corners[3], corners[2]],
+            SimulatedFault::WrongCorner { px } => {
+                let angle: f64 = self.rng.random_range(0.0..std::f64::consts::TAU);
+                let corner = &mut corners[self.rng.random_range(0..4)];
+                *corner = [corner[0] + px * angle.cos(), corner[1] + px * angle.sin()];
+            }
+            SimulatedFault::WrongId => {
+                let unseen = self
+                    .scene
+                    .tags
+                    .iter()
+                    .filter(|t| view.seen.iter().all(|s| s.id != t.id));
+                let unseen: Vec<u32> = unseen.map(|t| t.id).collect();
+                if unseen.is_empty() {
+                    return false;
+                }
+                view.seen[at].id = unseen[self.rng.random_range(0..unseen.len())];
+            }
+            SimulatedFault::DuplicatedId => {
+                let mut copy = view.seen[at].clone();
+                let (x, y) = (
+                    self.rng.random_range(-200.0..200.0),
+                    self.rng.random_range(-200.0..200.0),
+                );
+                copy.corners_px.iter_mut().for_each(|c| *c = [c[0] + x, c[1] + y]);
+                view.seen.push(copy);
+            }
+            SimulatedFault::MovedTag { .. } | SimulatedFault::TwistedTag { .. } => {
+                return self.displace(view, at, fault);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Shifts or turns the card of a seen tag; not one that would then be out of sight.
+    fn displace(&mut self, view: &mut SimulatedView, at: usize, fault: SimulatedFault) -> bool {
+        let seen = &view.seen[at];
+        let Some(mut tag) = self.scene.tag(seen.family, seen.id).cloned() else {
+            return false;
+        };
+        match fault {
+            SimulatedFault::MovedTag { mm } => {
+                let angle: f64 = self.rng.random_range(0.0..std::f64::consts::TAU);
+                tag.centre_mm += mm * Vector3::new(angle.cos(), angle.sin(), 0.0);
+            }
+            SimulatedFault::TwistedTag { deg } => {
+                let (sin, cos) = deg.to_radians().sin_cos();
+                (tag.right, tag.up) = (cos * tag.right + sin * tag.up, cos * tag.up - sin * tag.right);
+            }
+            _ => return false,
+        }
+        let Some(pixels) = visible::pixels(&tag, self.scene, self.camera, &view.pose) else {
+            return false;
+        };
+        view.seen[at].corners_px = self.noisy(pixels);
+        true
+    }
+}

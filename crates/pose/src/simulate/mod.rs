@@ -1,0 +1,123 @@
+//! Photos that were never taken: what a detector would see from a viewpoint, with noise and faults of a known kind. For sweeps
+//! that drive `locate` to where it must refuse.
+
+mod fault;
+mod visible;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::ops::Range;
+
+use crate::camera::Camera;
+use crate::scene::{Scene, Viewpoint};
+use crate::tags::SeenTag;
+use scaleproof_core::geometry::{Rigid, rigid};
+
+pub use fault::SimulatedFault;
+
+/// Errors of a detector's corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of most corners, px per axis.
+    pub sigma_px: f64,
+    /// Share of corners whose standard deviation is four times that: the tails of real detectors.
+    pub tail_share: f64,
+}
+
+/// A photo that was never taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedView {
+    /// The truth: where the camera stood, and `T_camera_model`.
+    pub viewpoint: Viewpoint,
+    pub pose: Rigid,
+    /// What the detector saw.
+    pub seen: Vec<SeenTag>,
+    /// What the photographer believes to have on the table and in hand; differs from the truth only by the fault.
+    pub scene: Scene,
+    pub camera: Camera,
+    /// The tag that a fault of one tag struck.
+    pub struck: Option<u32>,
+}
+
+/// Makes views, the same for the same seed.
+pub struct Simulator<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    noise: Noise,
+    rng: Pcg64Mcg,
+}
+
+impl<'a> Simulator<'a> {
+    /// The scene and the camera as they truly are.
+    pub fn new(scene: &'a Scene, camera: &'a Camera, noise: Noise, seed: u64) -> Simulator<'a> {
+        Simulator {
+            scene,
+            camera,
+            noise,
+            rng: Pcg64Mcg::seed_from_u64(seed),
+        }
+    }
+
+    /// A viewpoint of any azimuth, with pitch (degrees) and distance (mm) from these ranges.
+    pub fn viewpoint(&mut self, pitch_deg: Range<f64>, distance_mm: Range<f64>) -> Viewpoint {
+        Viewpoint {
+            azimuth_deg: self.rng.random_range(0.0..360.0),
+            pitch_deg: self.rng.random_range(pitch_deg),
+            distance_mm: self.rng.random_range(distance_mm),
+        }
+    }
+
+    /// The view from a viewpoint towards the model, with a fault or none.
+    pub fn view(&mut self, viewpoint: &Viewpoint, fault: Option<SimulatedFault>) -> SimulatedView {
+        let pose = looking_at(viewpoint, self.scene.model.target_mm());
+        let mut view = SimulatedView {
+            viewpoint: *viewpoint,
+            pose,
+            seen: self.seen(&pose),
+            scene: self.scene.clone(),
+            camera: self.camera.clone(),
+            struck: None,
+        };
+        if let Some(fault) = fault {
+            self.strike(&mut view, fault);
+        }
+        view
+    }
+
+    /// What a detector sees of the scene's tags under a pose `T_camera_model`.
+    pub fn seen(&mut self, pose: &Rigid) -> Vec<SeenTag> {
+        let visible = visible::tags(self.scene, self.camera, pose);
+        let noisy = |(tag, pixels): (&crate::scene::Tag, [[f64; 2]; 4])| SeenTag {
+            id: tag.id,
+            family: tag.family,
+            corners_px: self.noisy(pixels),
+            is_whole: true,
+        };
+        visible.into_iter().map(noisy).collect()
+    }
+
+    /// Pixels with the detector's noise.
+    fn noisy(&mut self, pixels: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
+        pixels.map(|pixel| {
+            let is_tail = self.rng.random::<f64>() < self.noise.tail_share;
+            let sigma_px = self.noise.sigma_px * if is_tail { 4.0 } else { 1.0 };
+            pixel.map(|v| v + sigma_px * normal(&mut self.rng))
+        })
+    }
+}
+
+/// `T_camera_model` of an upright camera at a viewpoint, looking at the target (model frame, mm).
+pub fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
+    let centre = viewpoint.camera_centre_mm(target_mm);
+    let z = (target_mm - centre).normalize();
+    let x = z.cross(&Vector3::z()).normalize();
+    let rotation = Matrix3::from_rows(&[x.transpose(), z.cross(&x).transpose(), z.transpose()]);
+    rigid::from_matrix(rotation, -(rotation * centre.coords))
+}
+
+/// Normal noise of σ = 1 (Box & Muller 1958).
+pub fn normal(rng: &mut impl Rng) -> f64 {
+    let (a, b): (f64, f64) = (rng.random::<f64>().max(1e-12), rng.random());
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}

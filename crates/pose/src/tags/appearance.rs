@@ -1,0 +1,81 @@
+//! How tags look in a photo: the same print everywhere, so that they tell of its focus and its light.
+
+use image::{GrayImage, Luma, RgbImage};
+
+use super::{SeenTag, TagHomography, border, cells_across, refine};
+use scaleproof_core::statistics::upper_median;
+
+/// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
+const BAND_CELLS: f64 = 0.6;
+const MAX_BAND_PX: f64 = 6.0;
+
+/// Narrower cells are not distinguished from blur.
+const MIN_CELL_PX: f64 = 3.0;
+
+/// Share of a cell left out at the ends of a side.
+const END_CELLS: f64 = 0.5;
+
+/// What the whole tags of a photo say of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Appearance {
+    /// Standard deviation of the blur across the tags' borders, px, in the direction (across or along the image) that is more blurred:
+    /// motion blurs one only. The median of the sides; infinity when most are too blurred to be fitted, `None` when no whole tag is
+    /// large enough to tell.
+    pub blur_px: Option<f64>,
+    /// The paper's grey level beside the tags, 0–255: the median. `None` without a whole tag.
+    pub white_level: Option<f64>,
+}
+
+impl Appearance {
+    /// Looks at the whole tags; covered and cut ones say nothing of focus.
+    pub fn of(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
+        let whole = || tags.iter().filter(|tag| tag.is_whole);
+        let (mut across, mut along) = (Vec::new(), Vec::new());
+        for tag in whole() {
+            for side in 0..4 {
+                let Some(blur) = side_blur(grey, tag, side) else {
+                    continue;
+                };
+                let (a, b) = (tag.corners_px[side], tag.corners_px[(side + 1) % 4]);
+                let is_upright = (b[1] - a[1]).abs() > (b[0] - a[0]).abs();
+                if is_upright { &mut across } else { &mut along }.push(blur);
+            }
+        }
+        Appearance {
+            blur_px: [across, along].iter().filter_map(|b| upper_median(b)).reduce(f64::max),
+            white_level: upper_median(&whole().filter_map(|tag| white(grey, tag)).collect::<Vec<_>>()),
+        }
+    }
+}
+
+/// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the image.
+pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
+    let (width, height) = rgb.dimensions();
+    let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| Luma([rgb.get_pixel(x, y).0[c]])));
+    let level = |tag: &SeenTag| {
+        let [r, g, b] = [0, 1, 2].map(|c| white(&channels[c], tag));
+        Some([r?, g?, b?])
+    };
+    tags.iter().map(level).collect()
+}
+
+/// `None` where the side's cells are too small, or it touches the image's border.
+fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
+    let cells = cells_across(tag.family);
+    let homography = TagHomography::to(&tag.corners_px);
+    let cell = refine::cell_px(&homography, side, cells);
+    if cell.is_nan() || cell < MIN_CELL_PX {
+        return None;
+    }
+    let end = END_CELLS / cells;
+    let [from, to] = [end, 1.0 - end].map(|share| homography.pixel_at(side, share, 0.0));
+    refine::edge_blur(grey, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))
+}
+
+/// The lighter of the rings half a cell inside and outside the outline: families differ in which that is.
+fn white(grey: &GrayImage, tag: &SeenTag) -> Option<f64> {
+    let half_cell = 0.5 / cells_across(tag.family);
+    let homography = TagHomography::to(&tag.corners_px);
+    let tone = |depth| upper_median(&border::ring(grey, &homography, depth)?);
+    Some(tone(half_cell)?.max(tone(-half_cell)?))
+}

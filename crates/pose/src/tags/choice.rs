@@ -1,0 +1,190 @@
+//! The tag detectors by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::TagDetector;
+use super::fit::WithFittedCorners;
+use super::search::Search;
+use crate::scene::TagFamily;
+use scaleproof_core::spelling;
+
+/// A tag detector that can be chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum TagDetectorChoice {
+    /// The fast finders first, the others for what they missed; corners fitted at full size. The default: `docs/lessons.md`.
+    #[default]
+    Cascade,
+    /// C AprilTag on a reduced image, corners fitted at full size.
+    CoarseToFine,
+    /// C AprilTag at full size.
+    AprilTagC(CornersBy),
+    /// OpenCV's ArUco detector at full size.
+    Aruco(ArucoRefiner, CornersBy),
+    /// locus-core at full size.
+    Locus(CornersBy),
+}
+
+/// How OpenCV moves the corners of the polygon it found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ArucoRefiner {
+    /// Not at all.
+    None,
+    /// `cornerSubPix`.
+    Subpix,
+    /// Lines through the contour's points.
+    Contour,
+    /// The quads of the AprilTag 2 detector.
+    AprilTag,
+}
+
+/// Who says where the corners of a found tag are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum CornersBy {
+    /// The fit that all choices share, so that they differ in what they find only.
+    Fit,
+    /// The library that found the tag. For comparison: the yaw of one tag then differs by up to 1.5° between libraries.
+    Library,
+}
+
+/// Why a tag detector could not start.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum StartError {
+    #[error(
+        "the tag detector '{name}' is not known; use one of {}{}",
+        names(TagDetectorChoice::ALL.iter()),
+        spelling::hint(name, TagDetectorChoice::ALL.iter().map(|choice| choice.name()))
+    )]
+    Unknown { name: String },
+    #[error(
+        "the tag detector {detector} cannot read tags of the family {}: use one of {}",
+        family_name(*family),
+        names(TagDetectorChoice::ALL.iter().filter(|d| d.reads(*family)))
+    )]
+    Family {
+        detector: TagDetectorChoice,
+        family: TagFamily,
+    },
+    #[error("this build of scaleproof has no tag detector {detector}: it was built without the feature `full`")]
+    NotBuilt { detector: TagDetectorChoice },
+    #[error("the tag detector {detector} could not start: {reason}")]
+    Library {
+        detector: TagDetectorChoice,
+        reason: String,
+    },
+}
+
+impl TagDetectorChoice {
+    /// Every detector; the default first, those with a library's own corners last.
+    pub const ALL: [TagDetectorChoice; 14] = [
+        TagDetectorChoice::Cascade,
+        TagDetectorChoice::CoarseToFine,
+        TagDetectorChoice::AprilTagC(CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::Subpix, CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::Contour, CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, CornersBy::Fit),
+        TagDetectorChoice::Locus(CornersBy::Fit),
+        TagDetectorChoice::AprilTagC(CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::Subpix, CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::Contour, CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, CornersBy::Library),
+        TagDetectorChoice::Locus(CornersBy::Library),
+    ];
+
+    /// The name it is chosen by.
+    pub fn name(self) -> &'static str {
+        use ArucoRefiner::{AprilTag, Contour, None, Subpix};
+        use CornersBy::{Fit, Library};
+        match self {
+            TagDetectorChoice::Cascade => "cascade",
+            TagDetectorChoice::CoarseToFine => "coarse-to-fine",
+            TagDetectorChoice::AprilTagC(Fit) => "apriltag",
+            TagDetectorChoice::AprilTagC(Library) => "apriltag-raw",
+            TagDetectorChoice::Aruco(None, Fit) => "aruco",
+            TagDetectorChoice::Aruco(None, Library) => "aruco-raw",
+            TagDetectorChoice::Aruco(Subpix, Fit) => "aruco-subpix",
+            TagDetectorChoice::Aruco(Subpix, Library) => "aruco-subpix-raw",
+            TagDetectorChoice::Aruco(Contour, Fit) => "aruco-contour",
+            TagDetectorChoice::Aruco(Contour, Library) => "aruco-contour-raw",
+            TagDetectorChoice::Aruco(AprilTag, Fit) => "aruco-apriltag",
+            TagDetectorChoice::Aruco(AprilTag, Library) => "aruco-apriltag-raw",
+            TagDetectorChoice::Locus(Fit) => "locus",
+            TagDetectorChoice::Locus(Library) => "locus-raw",
+        }
+    }
+
+    /// Who says where its corners are.
+    pub fn corners_by(self) -> CornersBy {
+        match self {
+            TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine => CornersBy::Fit,
+            TagDetectorChoice::AprilTagC(by) | TagDetectorChoice::Aruco(_, by) | TagDetectorChoice::Locus(by) => by,
+        }
+    }
+
+    /// Whether it knows a family's codes.
+    pub fn reads(self, family: TagFamily) -> bool {
+        match self {
+            TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
+            TagDetectorChoice::Aruco(..) => {
+                matches!(family, TagFamily::Tag16h5 | TagFamily::Tag25h9 | TagFamily::Tag36h11)
+            }
+            TagDetectorChoice::Locus(_) => matches!(family, TagFamily::Tag16h5 | TagFamily::Tag36h11),
+        }
+    }
+
+    /// The error for the first family a detector cannot read.
+    pub(super) fn check_families(self, families: &[TagFamily]) -> Result<(), StartError> {
+        match families.iter().find(|family| !self.reads(**family)) {
+            None => Ok(()),
+            Some(family) => Err(StartError::Family {
+                detector: self,
+                family: *family,
+            }),
+        }
+    }
+
+    /// A library's own error.
+    pub(super) fn failed(self, reason: impl fmt::Display) -> StartError {
+        StartError::Library {
+            detector: self,
+            reason: reason.to_string(),
+        }
+    }
+}
+
+impl CornersBy {
+    pub(super) fn open<S: Search + TagDetector + 'static>(self, search: S) -> Box<dyn TagDetector> {
+        match self {
+            CornersBy::Fit => Box::new(WithFittedCorners(search)),
+            CornersBy::Library => Box::new(search),
+        }
+    }
+}
+
+impl fmt::Display for TagDetectorChoice {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for TagDetectorChoice {
+    type Err = StartError;
+
+    fn from_str(name: &str) -> Result<Self, StartError> {
+        let known = TagDetectorChoice::ALL.into_iter().find(|choice| choice.name() == name);
+        known.ok_or_else(|| StartError::Unknown { name: name.to_owned() })
+    }
+}
+
+fn names<'a>(choices: impl Iterator<Item = &'a TagDetectorChoice>) -> String {
+    choices.map(|choice| choice.name()).collect::<Vec<_>>().join(", ")
+}
+
+fn family_name(family: TagFamily) -> &'static str {
+    let named = TagFamily::ALL.iter().find(|(known, _)| *known == family);
+    named.map_or("of this scene", |(_, name)| name)
+}

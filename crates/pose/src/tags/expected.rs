@@ -1,0 +1,119 @@
+//! Tags looked for where they should be: a search that knows the id and the place sees smaller and more blurred ones than one that knows
+//! neither.
+
+use image::GrayImage;
+
+use super::border;
+use super::fit::TagFit;
+use super::likeness::{CellPattern, Likeness};
+use super::part::Part;
+use super::refine::{self, TagSides};
+use super::search::Found;
+use super::{TagImage, cells_across};
+use crate::scene::TagFamily;
+use scaleproof_photo::photo::Luma;
+
+/// Where a tag should be, by a pose that may be right.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExpectedTag {
+    /// Which code it is of.
+    pub family: TagFamily,
+    /// Its number in the family.
+    pub id: u32,
+    /// Pixel corners as in [`super::SeenTag`].
+    pub corners_px: [[f64; 2]; 4],
+    /// It faces the camera, unhidden, large and well inside the image: a search that misses it is not done.
+    pub is_in_plain_view: bool,
+}
+
+/// What the tags found so far leave to be found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StillMissing {
+    /// They make a pose that is beyond doubt.
+    pub has_pose: bool,
+    /// The tags that the pose, or else each pose they allow, expects where none was found.
+    pub expected: Vec<ExpectedTag>,
+}
+
+/// How far from its place a tag is looked for, and in which steps: in bit cells.
+const REACH_CELLS: f64 = 2.5;
+const STEP_CELLS: f64 = 0.5;
+
+/// A tag is believed where its code correlates at least so much with the pixels. Another tag of 36h11 has 11 of 36 bits otherwise, which is
+/// 0.39 at most.
+const LEAST_CODE: f64 = 0.7;
+const LEAST_ALL: f64 = 0.6;
+
+/// Smaller cells show no code.
+const LEAST_CELL_PX: f64 = 1.5;
+
+/// The tag at its place, or nearby, if its code is there and its sides are seen.
+pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
+    let tag = TagImage::new(expected.family, expected.id)?;
+    let cells = cells_across(expected.family);
+    let pattern = CellPattern::of(&tag);
+    // Far corners of a tag seen at a slant have smaller cells than near ones: reach is counted in the larger.
+    let part = Part::around(
+        luma,
+        &expected.corners_px,
+        cells,
+        (REACH_CELLS + refine::REACH.0, refine::REACH.1),
+    );
+    let (grey, place) = (&part.pixels, part.inside(&expected.corners_px));
+    let (outline, corners_px) = confirmed(grey, &place, &pattern, cells).or_else(|| {
+        let near = most_alike(grey, &place, &pattern, cells)?;
+        confirmed(grey, &near, &pattern, cells)
+    })?;
+    let found = Found {
+        family: expected.family,
+        id: expected.id,
+        corners_px: part.in_image(&corners_px),
+    };
+    Some(TagFit::with(found, part, Some(outline)))
+}
+
+/// The corners fitted to the sides that are seen near a place, if the code is between them.
+fn confirmed(
+    grey: &GrayImage,
+    corners_px: &[[f64; 2]; 4],
+    pattern: &CellPattern,
+    cells: f64,
+) -> Option<(TagSides, [[f64; 2]; 4])> {
+    let outline = refine::outline(grey, corners_px, cells)?;
+    let fitted = outline.corners(0.0)?;
+    let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted)?;
+    let is_tag = of_all >= LEAST_ALL && of_code >= LEAST_CODE;
+    (is_tag && border::is_whole(grey, &fitted, cells)).then_some((outline, fitted))
+}
+
+/// The place within reach that looks most like the tag.
+fn most_alike(
+    grey: &GrayImage,
+    corners_px: &[[f64; 2]; 4],
+    pattern: &CellPattern,
+    cells: f64,
+) -> Option<[[f64; 2]; 4]> {
+    let [a, b, c, d] = corners_px;
+    let along = |from: &[f64; 2], to: &[f64; 2]| [0, 1].map(|k| (to[k] - from[k]) / cells);
+    let (right, down) = (along(a, b), along(a, d));
+    let least_px = [right, down, along(d, c), along(b, c)].map(|[x, y]| x.hypot(y));
+    if least_px.iter().any(|px| px.is_nan() || *px < LEAST_CELL_PX) {
+        return None;
+    }
+    let steps = (REACH_CELLS / STEP_CELLS) as i32;
+    let mut best: Option<([[f64; 2]; 4], f64)> = None;
+    for i in -steps..=steps {
+        for j in -steps..=steps {
+            let (u, v) = (f64::from(i) * STEP_CELLS, f64::from(j) * STEP_CELLS);
+            let moved = corners_px.map(|p| [0, 1].map(|k| p[k] + u * right[k] + v * down[k]));
+            let Some(likeness) = pattern.rough_likeness(grey, &moved) else {
+                continue;
+            };
+            if best.is_none_or(|(_, best)| likeness.of_all > best) {
+                best = Some((moved, likeness.of_all));
+            }
+        }
+    }
+    best.filter(|(_, of_all)| *of_all >= LEAST_ALL / 2.0)
+        .map(|(place, _)| place)
+}

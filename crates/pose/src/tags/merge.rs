@@ -1,0 +1,81 @@
+//! The tags of several searches of one photo as one list: each is fitted once.
+
+use super::SeenTag;
+use super::fit::{self, TagFit};
+use super::search::Found;
+use scaleproof_core::geometry::distance;
+use scaleproof_photo::photo::Luma;
+
+/// What several searches found.
+#[derive(Default)]
+pub(super) struct MergedTags {
+    fits: Vec<TagFit>,
+    /// Where two searches read different ids.
+    contradicted: Vec<[f64; 2]>,
+}
+
+impl MergedTags {
+    /// Adds what one more search found.
+    ///
+    /// An id seen twice in one place is one tag, and the first search's stays unless its sides were not seen. An id seen in two places is two
+    /// tags, of which no pose uses either. Different ids in one place contradict each other, and no search is believed there.
+    pub(super) fn add(&mut self, found: Vec<Found>, luma: &dyn Luma) {
+        for new in found {
+            let is_fitted = self
+                .here(&new)
+                .is_some_and(|i| is_same(&self.fits[i].found, &new) && self.fits[i].is_fitted());
+            if !is_fitted {
+                self.add_fit(TagFit::new(new, luma));
+            }
+        }
+    }
+
+    /// Adds a tag that is fitted already, by the rules of [`Self::add`].
+    pub(super) fn add_fit(&mut self, new: TagFit) {
+        let (place, reach) = (middle(&new.found), half_side(&new.found));
+        if self.contradicted.iter().any(|known| distance(*known, place) < reach) {
+            return;
+        }
+        match self.here(&new.found) {
+            None => self.fits.push(new),
+            Some(i) if !is_same(&self.fits[i].found, &new.found) => {
+                self.contradicted.push(place);
+                self.fits.remove(i);
+            }
+            Some(i) if !self.fits[i].is_fitted() => self.fits[i] = new,
+            Some(_) => {}
+        }
+    }
+
+    /// Which of the known tags is in a tag's place.
+    fn here(&self, tag: &Found) -> Option<usize> {
+        let (place, reach) = (middle(tag), half_side(tag));
+        self.fits
+            .iter()
+            .position(|known| distance(middle(&known.found), place) < reach)
+    }
+
+    /// The tags with the corners of their fits.
+    pub(super) fn seen(&self) -> Vec<SeenTag> {
+        fit::seen(self.fits.iter())
+    }
+
+    /// Only those whose sides were all seen. The corners of the others may be off by more than any pose allows for.
+    pub(super) fn fitted(&self) -> Vec<SeenTag> {
+        fit::seen(self.fits.iter().filter(|fit| fit.is_fitted()))
+    }
+}
+
+fn is_same(a: &Found, b: &Found) -> bool {
+    (a.family, a.id) == (b.family, b.id)
+}
+
+fn middle(found: &Found) -> [f64; 2] {
+    [0, 1].map(|k| found.corners_px.iter().map(|c| c[k]).sum::<f64>() / 4.0)
+}
+
+fn half_side(found: &Found) -> f64 {
+    let c = &found.corners_px;
+    let sides = (0..4).map(|i| distance(c[i], c[(i + 1) % 4]));
+    sides.fold(f64::INFINITY, f64::min) / 2.0
+}

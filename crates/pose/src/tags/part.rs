@@ -1,0 +1,58 @@
+//! The part of an image in which a tag lies.
+
+use image::GrayImage;
+
+use scaleproof_core::geometry::distance;
+use scaleproof_photo::photo::Luma;
+
+/// Pixels about a tag. Where its own pixel (0, 0) lies in the image is added to all that leaves this room.
+pub(super) struct Part {
+    pub pixels: GrayImage,
+    origin: [f64; 2],
+}
+
+/// Beyond what is reached, px: the pixels next to a place between pixels.
+const MARGIN_PX: f64 = 2.0;
+
+impl Part {
+    /// The image up to `reach` bit cells and `reach_px` pixels from the corners of a tag that is `cells` of them across; it may be empty.
+    pub(super) fn around(
+        luma: &dyn Luma,
+        corners_px: &[[f64; 2]; 4],
+        cells: f64,
+        (reach, reach_px): (f64, f64),
+    ) -> Part {
+        let sides = (0..4).map(|i| distance(corners_px[i], corners_px[(i + 1) % 4]));
+        let margin = sides.fold(0.0, f64::max) / cells * reach + reach_px + MARGIN_PX;
+        let most = luma.size();
+        let ends = [0, 1].map(|k| {
+            let along = corners_px.map(|corner| corner[k]);
+            let low = along.into_iter().fold(f64::INFINITY, f64::min) - margin;
+            let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max) + margin;
+            // Numbers that are too large or none become the nearest end or 0.
+            let start = (low.floor() as u32).min(most[k]);
+            let end = (high.ceil() as u32).saturating_add(1).min(most[k]);
+            (start, end.saturating_sub(start))
+        });
+        let (start, size) = (ends.map(|(start, _)| start), ends.map(|(_, size)| size));
+        let is_empty = size.contains(&0);
+        Part {
+            pixels: if is_empty {
+                GrayImage::default()
+            } else {
+                luma.part(start, size)
+            },
+            origin: start.map(f64::from),
+        }
+    }
+
+    /// Places of the image in the part.
+    pub(super) fn inside(&self, places_px: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
+        places_px.map(|place| [0, 1].map(|k| place[k] - self.origin[k]))
+    }
+
+    /// Places of the part in the image.
+    pub(super) fn in_image(&self, places_px: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
+        places_px.map(|place| [0, 1].map(|k| place[k] + self.origin[k]))
+    }
+}

@@ -1,0 +1,277 @@
+//! Corners to a few hundredths of a pixel: each side's blurred edge is fitted to the full-size image, neighbours are
+//! intersected.
+//!
+//! Blur mixes *light*, not grey levels. In the sRGB encoding of a JPEG the half-way grey level of a blurred edge is 21 % of
+//! the light, so that a detector that looks for it sees the dark square too small, all round. The fit is therefore made in
+//! linear light.
+
+use image::GrayImage;
+
+use super::TagHomography;
+use super::edge::{self, Edge, EdgePixel, EdgeProfile};
+use scaleproof_core::geometry::distance;
+
+/// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
+const REACH_PX: f64 = 64.0;
+
+/// Half width of the band of pixels about an edge.
+const MAX_BAND_PX: f64 = 6.0;
+const MIN_BAND_PX: f64 = 1.0;
+
+/// The clean space on either side of an edge is one bit cell; the band keeps this share of it, away from the next cell's blur.
+const BAND_CELLS: f64 = 0.6;
+
+/// Share of a cell left out at the ends of a side, where the neighbouring side's blur mixes in.
+const END_CELLS: f64 = 0.5;
+
+/// How far from the corners it was given a fit looks, in bit cells and px: they are within half a cell, move by one at most, and the ring
+/// outside them is half a cell wide.
+pub(super) const REACH: (f64, f64) = (2.0, MAX_BAND_PX);
+
+/// A fit that moved a corner by more than this is repeated with the band where the edge is.
+const CENTRED_PX: f64 = 0.25;
+const MAX_ROUNDS: usize = 3;
+
+/// The first fit, which only says where to look, takes one row of pixels in so many; sides of fewer pixels are looked at whole.
+const ROUGH_ROWS: usize = 4;
+const ROUGH_PX: f64 = 24.0;
+
+/// A tag's four sides as lines: for each, near its first and near its second corner.
+pub(super) struct TagSides([(EdgeLine, EdgeLine); 4]);
+
+impl TagSides {
+    /// Where the sides meet once each is moved outwards, px; `None` when two are almost parallel.
+    pub(super) fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
+        let mut corners = [[0.0; 2]; 4];
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let (before, after) = (self.0[(i + 3) % 4].1, self.0[i].0);
+            *corner = before.moved(-outwards_px).meets(&after.moved(-outwards_px))?;
+        }
+        Some(corners)
+    }
+}
+
+/// The sides fitted to the image; `None` when one of them cannot be seen well enough.
+///
+/// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
+pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
+    let most_px = shortest_side(corners_px) / cells;
+    let reached = |outline: &TagSides| {
+        let corners = outline.corners(0.0)?;
+        (furthest(corners_px, &corners) <= most_px).then_some(corners)
+    };
+    let rough = Fit {
+        grey,
+        cells,
+        rows: ROUGH_ROWS,
+        guess: None,
+    };
+    let rough = rough
+        .once(corners_px)
+        .and_then(|outline| Some((reached(&outline)?, outline)));
+    let (mut corners, mut guess) = rough.map_or((*corners_px, None), |(corners, outline)| (corners, Some(outline)));
+    let mut round = 1;
+    loop {
+        let fit = Fit {
+            grey,
+            cells,
+            rows: 1,
+            guess: guess.as_ref(),
+        };
+        let outline = fit.once(&corners)?;
+        let refined = reached(&outline)?;
+        if furthest(&corners, &refined) < CENTRED_PX || round == MAX_ROUNDS {
+            return Some(outline);
+        }
+        (corners, guess, round) = (refined, Some(outline), round + 1);
+    }
+}
+
+/// The largest distance between two corners of the same number.
+fn furthest(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
+    (0..4).map(|i| distance(a[i], b[i])).fold(0.0, f64::max)
+}
+
+/// How the sides of one tag are fitted.
+struct Fit<'a> {
+    grey: &'a GrayImage,
+    /// Width of the outline in bit cells.
+    cells: f64,
+    /// One row of pixels in so many is looked at.
+    rows: usize,
+    /// An earlier fit.
+    guess: Option<&'a TagSides>,
+}
+
+impl Fit<'_> {
+    fn once(&self, corners: &[[f64; 2]; 4]) -> Option<TagSides> {
+        let homography = TagHomography::to(corners);
+        let side = |side| self.lines_of_side(corners, side, &homography);
+        Some(TagSides([side(0)?, side(1)?, side(2)?, side(3)?]))
+    }
+
+    /// A side's line near its first and near its second corner; the same one when the side is short.
+    fn lines_of_side(
+        &self,
+        corners: &[[f64; 2]; 4],
+        side: usize,
+        homography: &TagHomography,
+    ) -> Option<(EdgeLine, EdgeLine)> {
+        let (from, to) = (corners[side], corners[(side + 1) % 4]);
+        let length = distance(from, to);
+        let band = (BAND_CELLS * cell_px(homography, side, self.cells)).min(MAX_BAND_PX);
+        let skip = END_CELLS * length / self.cells;
+        if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
+            return None;
+        }
+        let (first, second) = self
+            .guess
+            .map(|sides| (sides.0[side].0.profile, sides.0[side].1.profile))
+            .unzip();
+        let segment = |start: f64, end: f64, guess: Option<EdgeProfile>| {
+            let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
+            EdgeSegment::between(at(start), at(end)).fit(self.grey, band, self.rows, guess)
+        };
+        if length <= 2.0 * REACH_PX {
+            let line = segment(skip, length - skip, first)?;
+            return Some((line, line));
+        }
+        Some((
+            segment(skip, skip + REACH_PX, first)?,
+            segment(length - skip - REACH_PX, length - skip, second)?,
+        ))
+    }
+}
+
+/// How wide the bit cells along a side are across it, px: the smaller of its two ends.
+pub(super) fn cell_px(homography: &TagHomography, side: usize, cells: f64) -> f64 {
+    let [a, b] = [0.0, 1.0].map(|along| homography.pixel_at(side, along, 0.0));
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let across = |on: [f64; 2], along: f64| {
+        let inside = homography.pixel_at(side, along, 1.0 / cells);
+        ((inside[0] - on[0]) * dy - (inside[1] - on[1]) * dx).abs() / dx.hypot(dy)
+    };
+    across(a, 0.0).min(across(b, 1.0))
+}
+
+/// How far inwards an edge lies from the line between two points near it, px; `None` when none is seen in the band about it.
+pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
+    let segment = EdgeSegment::between(from, to);
+    Some(edge::fit(&segment.samples(grey, band, 1)?, band, None)?.offset)
+}
+
+/// How blurred the edge is from one point near it to the other: the standard deviation in px, or infinity where none is seen in the band about
+/// the way between them. `None` when the band leaves the image.
+pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
+    let samples = EdgeSegment::between(from, to).samples(grey, band, 1)?;
+    Some(edge::fit(&samples, band, None).map_or(f64::INFINITY, |edge| edge.profile.blur))
+}
+
+/// A line through a point, px.
+#[derive(Debug, Clone, Copy)]
+struct EdgeLine {
+    point: [f64; 2],
+    direction: [f64; 2],
+    profile: EdgeProfile,
+}
+
+impl EdgeLine {
+    /// The line moved inwards, px.
+    fn moved(&self, inwards: f64) -> EdgeLine {
+        let normal = inward_normal(self.direction);
+        EdgeLine {
+            point: [0, 1].map(|k| self.point[k] + inwards * normal[k]),
+            ..*self
+        }
+    }
+
+    /// Where two lines cross; `None` when they are almost parallel.
+    fn meets(&self, other: &EdgeLine) -> Option<[f64; 2]> {
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let sine = cross(self.direction, other.direction);
+        let between = [other.point[0] - self.point[0], other.point[1] - self.point[1]];
+        let along = cross(between, other.direction) / sine;
+        let at = [0, 1].map(|k| self.point[k] + along * self.direction[k]);
+        (sine.abs() > 0.05 && at.iter().all(|v| v.is_finite())).then_some(at)
+    }
+}
+
+/// The inside of the tag lies to the right of the way from corner to corner: y points down.
+fn inward_normal(direction: [f64; 2]) -> [f64; 2] {
+    [-direction[1], direction[0]]
+}
+
+/// Part of a side, the first guess of an edge.
+struct EdgeSegment {
+    middle: [f64; 2],
+    direction: [f64; 2],
+    half: f64,
+}
+
+impl EdgeSegment {
+    fn between(from: [f64; 2], to: [f64; 2]) -> EdgeSegment {
+        let length = distance(from, to);
+        EdgeSegment {
+            middle: [0, 1].map(|k| (to[k] + from[k]) / 2.0),
+            direction: [0, 1].map(|k| (to[k] - from[k]) / length),
+            half: length / 2.0,
+        }
+    }
+
+    fn fit(&self, grey: &GrayImage, band: f64, rows: usize, guess: Option<EdgeProfile>) -> Option<EdgeLine> {
+        let rows = if 2.0 * self.half < ROUGH_PX { 1 } else { rows };
+        let Edge { offset, slope, profile } = edge::fit(&self.samples(grey, band, rows)?, band, guess)?;
+        let normal = inward_normal(self.direction);
+        let turn = slope / self.half;
+        let norm = turn.hypot(1.0);
+        Some(EdgeLine {
+            point: [0, 1].map(|k| self.middle[k] + offset * normal[k]),
+            direction: [0, 1].map(|k| (self.direction[k] + turn * normal[k]) / norm),
+            profile,
+        })
+    }
+
+    /// The pixels of a band about the segment, of one row across it in `rows`; `None` when the band leaves the image.
+    fn samples(&self, grey: &GrayImage, band: f64, rows: usize) -> Option<Vec<EdgePixel>> {
+        let EdgeSegment {
+            middle,
+            direction,
+            half,
+        } = self;
+        // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
+        let (main, other) = if direction[0].abs() >= direction[1].abs() {
+            (0, 1)
+        } else {
+            (1, 0)
+        };
+        let steep = direction[other] / direction[main];
+        let spread = band / direction[main].abs();
+        let reach = half * direction[main].abs();
+        let size = [f64::from(grey.width()), f64::from(grey.height())];
+        let inside = |axis: usize, extent: f64| middle[axis] >= extent && middle[axis] + extent <= size[axis] - 1.0;
+        if !inside(main, reach) || !inside(other, reach * steep.abs() + spread) {
+            return None; // also when a number is not finite
+        }
+        let mut samples = Vec::new();
+        let along = (middle[main] - reach).ceil() as u32..=(middle[main] + reach).floor() as u32;
+        for m in along.step_by(rows) {
+            let centre = middle[other] + (f64::from(m) - middle[main]) * steep;
+            for o in (centre - spread).ceil() as u32..=(centre + spread).floor() as u32 {
+                let (x, y) = if main == 0 { (m, o) } else { (o, m) };
+                let (dx, dy) = (f64::from(x) - middle[0], f64::from(y) - middle[1]);
+                samples.push(EdgePixel {
+                    along: (dx * direction[0] + dy * direction[1]) / half,
+                    across: dy * direction[0] - dx * direction[1],
+                    level: grey.get_pixel(x, y).0[0],
+                });
+            }
+        }
+        Some(samples)
+    }
+}
+
+fn shortest_side(corners: &[[f64; 2]; 4]) -> f64 {
+    (0..4)
+        .map(|i| distance(corners[i], corners[(i + 1) % 4]))
+        .fold(f64::INFINITY, f64::min)
+}

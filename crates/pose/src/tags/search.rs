@@ -1,0 +1,122 @@
+//! What a library makes of an image: tags with corners of its own.
+
+use image::GrayImage;
+
+use super::SeenTag;
+use crate::scene::TagFamily;
+use scaleproof_photo::photo::Luma;
+
+/// A tag as a library found it, before its sides were fitted and its border was looked at.
+pub(super) struct Found {
+    pub family: TagFamily,
+    pub id: u32,
+    /// In this project's order and pixel convention.
+    pub corners_px: [[f64; 2]; 4],
+}
+
+impl Found {
+    /// The tag with the corners that were found.
+    pub(super) fn seen(&self, grey: &GrayImage) -> SeenTag {
+        SeenTag::new(self.family, self.id, self.corners_px, grey)
+    }
+}
+
+/// A library that finds tags.
+pub(super) trait Search {
+    /// Every tag of the library's families in an image that the library can search.
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found>;
+
+    /// Every tag of the library's families, in any order.
+    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
+        within_bounds(grey, |grey| self.search_all(grey))
+    }
+}
+
+/// No tag of any family fits a smaller image: the least has 6 modules across, its white ring 8, and libraries need some 2 px for each. Their
+/// code is not made for such images either: C AprilTag reads beyond an image with a side below 4 px (`fuzz/sanitize.sh raw`).
+const LEAST_SIDE_PX: u32 = 16;
+
+/// Larger images are searched reduced. A library takes some 0.3 µs and 26 bytes for each pixel of fine texture, and the camera of 200
+/// megapixels shows no smaller tags than one of 33.
+const MOST_SEARCHED_PX: u64 = 34_000_000;
+
+/// Searches what a library can search: nothing in a tiny image, a huge one reduced.
+fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
+    let factor = least_reduction(grey, MOST_SEARCHED_PX);
+    if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
+        Vec::new()
+    } else {
+        reduced_by(grey, factor, search)
+    }
+}
+
+/// A library that is shown the image twice as large.
+#[cfg(feature = "full")]
+pub(super) struct Enlarged<S>(pub S);
+
+#[cfg(feature = "full")]
+impl<S: Search> Search for Enlarged<S> {
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
+        let (width, height) = grey.dimensions();
+        let large = image::imageops::resize(grey, 2 * width, 2 * height, image::imageops::FilterType::CatmullRom);
+        let mut found = self.0.search(&large);
+        for tag in &mut found {
+            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5)); // as in `enlarged`
+        }
+        found
+    }
+}
+
+/// The least whole factor by which an image has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
+/// AprilTag ends the program at longer ones, and OpenCV refuses them.
+pub fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
+    let pixels = u64::from(grey.width()) * u64::from(grey.height());
+    let longest = grey.width().max(grey.height());
+    let fits = |f: &u32| pixels / (u64::from(*f) * u64::from(*f)) <= most_px && longest / f < i16::MAX as u32;
+    (1u32..).find(fits).unwrap_or(1)
+}
+
+/// Searches an image reduced by a whole factor; corners are in pixels of the whole image.
+pub(super) fn reduced_by(luma: &dyn Luma, factor: u32, mut search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
+    if factor == 1 {
+        return search(luma.whole());
+    }
+    let mut found = search(&luma.reduced(factor));
+    for tag in &mut found {
+        tag.corners_px = tag.corners_px.map(|corner| enlarged(corner, factor));
+    }
+    found
+}
+
+/// A place of a reduced image in the whole one: pixel 0 of the reduced image covers pixels 0 to `factor` − 1.
+pub fn enlarged(place_px: [f64; 2], factor: u32) -> [f64; 2] {
+    place_px.map(|v| (v + 0.5) * f64::from(factor) - 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_library_sees_nothing_tiny_and_nothing_huge() {
+        let seen_by_library = |width: u32, height: u32| {
+            let mut seen = None;
+            within_bounds(&GrayImage::new(width, height), |grey| {
+                seen = Some(grey.dimensions());
+                Vec::new()
+            });
+            seen
+        };
+        assert_eq!(seen_by_library(1, 1), None);
+        assert_eq!(seen_by_library(4000, LEAST_SIDE_PX - 1), None);
+        assert_eq!(seen_by_library(LEAST_SIDE_PX, LEAST_SIDE_PX), Some((16, 16)));
+        assert_eq!(seen_by_library(6000, 4000), Some((6000, 4000)));
+        assert_eq!(seen_by_library(12_000, 9_000), Some((6000, 4500)));
+        assert_eq!(seen_by_library(3_000_000, 20), None, "nothing is left of it");
+        assert_eq!(
+            seen_by_library(65_535, 64),
+            Some((21_845, 21)),
+            "longer sides end the C library"
+        );
+    }
+}

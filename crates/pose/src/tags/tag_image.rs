@@ -1,0 +1,154 @@
+//! What an AprilTag looks like, drawn by the C AprilTag library, so that no table of codes is kept twice.
+
+use std::ptr::NonNull;
+
+use apriltag_sys as sys;
+
+use super::Modules;
+use crate::scene::TagFamily;
+
+/// The image of one tag, with the white around it that a detector needs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TagImage {
+    modules: Modules,
+    border: usize,
+}
+
+impl TagImage {
+    /// The image of a tag; `None` for an id its family does not have, or when the C library has no memory.
+    pub fn new(family: TagFamily, id: u32) -> Option<TagImage> {
+        let c = CFamily::new(family)?;
+        let drawn = c.modules(id)?;
+        // The Standard families have bits outside their border, up to the image's edge; the white ring is ours to add.
+        let modules = if c.raw().reversed_border {
+            drawn.framed(1, false)
+        } else {
+            drawn
+        };
+        Some(TagImage {
+            modules,
+            border: c.width_at_border(),
+        })
+    }
+
+    /// The tag inside a ring of white modules.
+    pub fn modules(&self) -> &Modules {
+        &self.modules
+    }
+
+    /// Width in modules of the square whose corners a detector gives: a scene's `size_mm`.
+    pub fn border_modules(&self) -> usize {
+        self.border
+    }
+
+    /// Width of the whole image, white ring included, of a tag of `size_mm`.
+    pub fn width_mm(&self, size_mm: f64) -> f64 {
+        size_mm * self.modules.side() as f64 / self.border as f64
+    }
+}
+
+type Destroy = unsafe extern "C" fn(*mut sys::apriltag_family_t);
+
+/// A family of the C library; the only place of this program that calls the library without the `apriltag` crate.
+struct CFamily {
+    family: NonNull<sys::apriltag_family_t>,
+    destroy: Destroy,
+}
+
+impl CFamily {
+    fn new(family: TagFamily) -> Option<Self> {
+        // SAFETY: the `create` functions take nothing and return a family that their own `destroy` frees, or null.
+        let (family, destroy) = unsafe {
+            match family {
+                TagFamily::Tag16h5 => (sys::tag16h5_create(), sys::tag16h5_destroy as Destroy),
+                TagFamily::Tag25h9 => (sys::tag25h9_create(), sys::tag25h9_destroy as Destroy),
+                TagFamily::Tag36h11 => (sys::tag36h11_create(), sys::tag36h11_destroy as Destroy),
+                TagFamily::TagStandard41h12 => {
+                    (sys::tagStandard41h12_create(), sys::tagStandard41h12_destroy as Destroy)
+                }
+                TagFamily::TagStandard52h13 => {
+                    (sys::tagStandard52h13_create(), sys::tagStandard52h13_destroy as Destroy)
+                }
+            }
+        };
+        NonNull::new(family).map(|family| Self { family, destroy })
+    }
+
+    fn raw(&self) -> &sys::apriltag_family_t {
+        // SAFETY: not null, made by `create`, and alive until `drop`.
+        unsafe { self.family.as_ref() }
+    }
+
+    fn width_at_border(&self) -> usize {
+        usize::try_from(self.raw().width_at_border).unwrap_or_default()
+    }
+
+    /// The library's image of a tag.
+    fn modules(&self, id: u32) -> Option<Modules> {
+        if id >= self.raw().ncodes {
+            return None; // the C function would end the program
+        }
+        let id = i32::try_from(id).ok()?;
+        // SAFETY: the family is alive and has this id; the image returned, unless null, is ours to destroy.
+        let image = NonNull::new(unsafe { sys::apriltag_to_image(self.family.as_ptr(), id) })?;
+        let modules = copied(image);
+        // SAFETY: made by the library just now and not used afterwards.
+        unsafe { sys::image_u8_destroy(image.as_ptr()) };
+        modules
+    }
+}
+
+impl Drop for CFamily {
+    fn drop(&mut self) {
+        // SAFETY: made by the matching `create`, destroyed once.
+        unsafe { (self.destroy)(self.family.as_ptr()) };
+    }
+}
+
+fn copied(image: NonNull<sys::image_u8_t>) -> Option<Modules> {
+    // SAFETY: the library has just made this image: `height` lines of `stride` bytes, `width` of which are image.
+    let (width, height, stride, bytes) = unsafe {
+        let image = image.as_ref();
+        let [width, height, stride] =
+            [image.width, image.height, image.stride].map(|n| usize::try_from(n).unwrap_or(0));
+        (
+            width,
+            height,
+            stride,
+            std::slice::from_raw_parts(image.buf, height * stride),
+        )
+    };
+    (width == height && width <= stride).then(|| Modules::new(width, |row, column| bytes[row * stride + column] == 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_image_is_the_published_one() {
+        // Tag 0 of tag36h11: code 0xd5d628584, first bit top left, 1 is white (Olson 2011; April Robotics' tag36_11_00000.png).
+        let image = TagImage::new(TagFamily::Tag36h11, 0).unwrap();
+        assert_eq!((image.modules().side(), image.border_modules()), (10, 8));
+        let bits = image.modules().cropped(2);
+        for i in 0..36 {
+            let white = 0xd_5d62_8584_u64 >> (35 - i) & 1 == 1;
+            assert_eq!(bits.is_black(i / 6, i % 6), !white, "bit {i}");
+        }
+    }
+
+    #[test]
+    fn every_family_has_white_around_it_and_refuses_an_id_too_many() {
+        for (family, name) in TagFamily::ALL {
+            let image = TagImage::new(family, family.count() - 1).unwrap();
+            let side = image.modules().side();
+            assert_eq!(image.width_mm(1.0), family.width_with_white(), "{name}");
+            for i in 0..side {
+                for (row, column) in [(0, i), (side - 1, i), (i, 0), (i, side - 1)] {
+                    assert!(!image.modules().is_black(row, column), "{name}");
+                }
+            }
+            assert_eq!(TagImage::new(family, family.count()), None, "{name}");
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Where everything is on a colour chart: one pure function that both the printing and the reading side use.
+//!
+//! Chart frame: origin at the chart's upper left corner, x right, y **down**, millimetres. The chart is a grid of cells; five
+//! tags of two by two cells stand in its corners and its middle. A layout never changes: a new one takes new tag ids.
+
+use scaleproof_pose::scene::TagFamily;
+
+/// Side of a grid cell.
+pub const CELL_MM: f64 = 11.0;
+/// Side of the printed patch in the middle of its cell; the rest is bare paper.
+pub const PATCH_MM: f64 = 10.0;
+/// The tags' family.
+pub const FAMILY: TagFamily = TagFamily::Tag36h11;
+/// Outer edge of a tag's black border: its white ring ends with its two by two cells.
+pub const TAG_MM: f64 = TAG_CELLS as f64 * CELL_MM * 0.8;
+
+const TAG_CELLS: usize = 2;
+/// One cell in so many is bare paper, the reference for white.
+const WHITE_EVERY: usize = 8;
+/// So many blacks beside the one among the colours; they must agree.
+const MORE_BLACKS: usize = 3;
+
+/// The charts there are, by their levels per channel of sRGB.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChartKind {
+    Rgb6,
+    Rgb5,
+    Rgb4,
+}
+
+impl ChartKind {
+    /// All, the largest first.
+    pub const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
+
+    /// The chart's name in captions and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rgb6 => "rgb6",
+            Self::Rgb5 => "rgb5",
+            Self::Rgb4 => "rgb4",
+        }
+    }
+
+    /// The levels of each channel, evenly from 0 to 255; every combination is a patch.
+    pub fn levels(self) -> &'static [u8] {
+        match self {
+            Self::Rgb6 => &[0, 51, 102, 153, 204, 255],
+            Self::Rgb5 => &[0, 64, 128, 191, 255],
+            Self::Rgb4 => &[0, 85, 170, 255],
+        }
+    }
+
+    /// Ids of its tags: upper left, upper right, lower right, lower left, middle. They are the family's last, which a scene
+    /// hardly uses.
+    pub fn tag_ids(self) -> [u32; 5] {
+        let first = match self {
+            Self::Rgb6 => 582,
+            Self::Rgb5 => 577,
+            Self::Rgb4 => 572,
+        };
+        [0, 1, 2, 3, 4].map(|i| first + i)
+    }
+
+    /// Columns and rows of cells.
+    fn grid(self) -> (usize, usize) {
+        match self {
+            Self::Rgb6 => (16, 18),
+            Self::Rgb5 => (12, 14),
+            Self::Rgb4 => (10, 10),
+        }
+    }
+}
+
+/// One cell of the grid, counted from 0 at the upper left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ChartCell {
+    pub row: usize,
+    pub column: usize,
+}
+
+impl ChartCell {
+    /// Its middle (chart frame).
+    pub fn centre_mm(self) -> [f64; 2] {
+        [self.column, self.row].map(|i| (i as f64 + 0.5) * CELL_MM)
+    }
+}
+
+/// A square of one colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ColourPatch {
+    pub cell: ChartCell,
+    /// 8-bit sRGB sent to the printer.
+    pub asked_rgb: [u8; 3],
+}
+
+/// A tag of the chart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChartTag {
+    pub id: u32,
+    pub centre_mm: [f64; 2],
+}
+
+impl ChartTag {
+    /// Top-left, top-right, bottom-right, bottom-left of the upright tag (chart frame).
+    pub fn corners_mm(&self) -> [[f64; 2]; 4] {
+        let ([x, y], h) = (self.centre_mm, TAG_MM / 2.0);
+        [[x - h, y - h], [x + h, y - h], [x + h, y + h], [x - h, y + h]]
+    }
+}
+
+/// A chart laid out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartLayout {
+    pub kind: ChartKind,
+    /// Width and height.
+    pub size_mm: (f64, f64),
+    pub tags: Vec<ChartTag>,
+    /// Cells of bare paper, spread evenly.
+    pub whites: Vec<ChartCell>,
+    /// The cube of colours, a few blacks, and greys between its levels; neighbours are unrelated colours.
+    pub patches: Vec<ColourPatch>,
+}
+
+impl ChartLayout {
+    /// The layout of a chart.
+    pub fn new(kind: ChartKind) -> Self {
+        let (columns, rows) = kind.grid();
+        let (right, bottom) = (columns - TAG_CELLS, rows - TAG_CELLS);
+        let blocks = [
+            (0, 0),
+            (right, 0),
+            (right, bottom),
+            (0, bottom),
+            (right / 2, bottom / 2),
+        ];
+        let in_block = |at: usize, first: usize| (first..first + TAG_CELLS).contains(&at);
+        let is_tag = |cell: &ChartCell| {
+            let mut blocks = blocks.iter();
+            blocks.any(|(column, row)| in_block(cell.column, *column) && in_block(cell.row, *row))
+        };
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| ChartCell { row, column }));
+        // Shifted by three from row to row: no row, column or diagonal goes without.
+        let is_white = |cell: &ChartCell| (cell.column + 3 * cell.row).is_multiple_of(WHITE_EVERY);
+        let (whites, inked): (Vec<_>, Vec<_>) = cells.filter(|cell| !is_tag(cell)).partition(is_white);
+        let tag = |(id, (column, row)): (u32, (usize, usize))| ChartTag {
+            id,
+            centre_mm: [column, row].map(|i| (i as f64 + TAG_CELLS as f64 / 2.0) * CELL_MM),
+        };
+        let colours = scattered(colours(kind, inked.len()));
+        let patches = inked.into_iter().zip(colours);
+        Self {
+            kind,
+            size_mm: (columns as f64 * CELL_MM, rows as f64 * CELL_MM),
+            tags: kind.tag_ids().into_iter().zip(blocks).map(tag).collect(),
+            whites,
+            patches: patches
+                .map(|(cell, asked_rgb)| ColourPatch { cell, asked_rgb })
+                .collect(),
+        }
+    }
+}
+
+/// The cube, then blacks, then greys between the cube's that divide the grey axis nearly evenly, `count` in all.
+fn colours(kind: ChartKind, count: usize) -> Vec<[u8; 3]> {
+    let levels = kind.levels();
+    let cube = levels
+        .iter()
+        .flat_map(|r| levels.iter().flat_map(|g| levels.iter().map(|b| [*r, *g, *b])));
+    let mut all: Vec<_> = cube.collect();
+    all.extend([[0; 3]; MORE_BLACKS]);
+    let greys = count.saturating_sub(all.len());
+    let grey = |i: usize| {
+        let level = (255.0 * (i as f64 + 1.0) / (greys as f64 + 1.0)).round() as u8;
+        // A level of the cube is there already.
+        if levels.contains(&level) { level - 20 } else { level }
+    };
+    all.extend((0..greys).map(|i| [grey(i); 3]));
+    all
+}
+
+/// Colours in an order that puts unlike ones side by side, so that light which falls off is no trend in colour.
+fn scattered(colours: Vec<[u8; 3]>) -> Vec<[u8; 3]> {
+    let n = colours.len();
+    // The golden section visits a row of any length evenly; without a common divisor it visits all.
+    let start = (0.618 * n as f64) as usize;
+    let step = (start..).find(|step| divisor(*step, n) == 1).unwrap_or(1);
+    (0..n).map(|i| colours[i * step % n]).collect()
+}
+
+/// Greatest common divisor (Euclid).
+fn divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { divisor(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_colour_of_the_cube_has_one_patch_and_whites_are_everywhere() {
+        for kind in ChartKind::ALL {
+            let chart = ChartLayout::new(kind);
+            let cube = kind.levels().len().pow(3);
+            let colours: BTreeSet<_> = chart.patches.iter().map(|p| p.asked_rgb).collect();
+            let blacks = chart.patches.iter().filter(|p| p.asked_rgb == [0; 3]).count();
+            let greys = chart.patches.len() - cube - MORE_BLACKS;
+            assert_eq!((colours.len(), blacks), (cube + greys, 1 + MORE_BLACKS), "{kind:?}");
+            let cells: BTreeSet<_> = chart
+                .whites
+                .iter()
+                .chain(chart.patches.iter().map(|p| &p.cell))
+                .collect();
+            let (columns, rows) = kind.grid();
+            assert_eq!(cells.len(), columns * rows - 5 * 4, "each cell once, tags apart");
+            // From every patch a white is near.
+            for patch in &chart.patches {
+                let [x, y] = patch.cell.centre_mm();
+                let far = |c: &ChartCell| (c.centre_mm()[0] - x).hypot(c.centre_mm()[1] - y);
+                let nearest = chart.whites.iter().map(far).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 3.2 * CELL_MM, "{kind:?} {patch:?}: {nearest}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_two_charts_share_a_tag() {
+        let ids: BTreeSet<_> = ChartKind::ALL.iter().flat_map(|kind| kind.tag_ids()).collect();
+        assert_eq!(ids.len(), 15);
+        assert!(ids.iter().all(|id| *id < FAMILY.count()));
+    }
+}

@@ -1,0 +1,261 @@
+//! A photo of a chart → the colours that the printer made, or why not.
+
+use image::RgbImage;
+use palette::{LinSrgb, Srgb};
+
+use super::find::{FoundChart, find};
+use super::layout::{ChartCell, ChartKind, FAMILY};
+use super::light::{ChartLight, Surface};
+use super::sample::{PatchSample, sample};
+use super::{ColourChartError, place};
+use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_pose::scene::TagFamily;
+use scaleproof_pose::tags::TagDetector;
+use scaleproof_surface::pattern::colour::Lab;
+use scaleproof_surface::pattern::light::luminance;
+use scaleproof_surface::pattern::printed::{ChartSource, PrintedColours};
+
+/// The families that a detector for [`read`] must look for.
+pub const FAMILIES: [TagFamily; 1] = [FAMILY];
+
+/// More clipped pixels than this, and a cell's light is unknown; less is noise.
+const MOST_CLIPPED: f64 = 0.02;
+/// The weakest channel of the paper's white, as 8-bit level. Below, blacks are two or three levels of noise.
+const LEAST_WHITE: f64 = 90.0;
+/// A white further than this from the light's surface lies in a shadow or a reflection.
+const MOST_OFF_LIGHT: f64 = 0.08;
+/// No ink is brighter than the paper; some room for noise and for inks that glow.
+const MOST_BRIGHT: f64 = 1.06;
+/// Patches that were all asked to be black may differ by this in L*.
+const MOST_BLACK_SPREAD: f64 = 6.0;
+/// ΔE2000 between a part of a patch and the whole of it.
+const MOST_PATCHY: f64 = 5.0;
+/// Mean ΔE2000 of a photo's patches from the mean of all photos.
+const MOST_DISAGREEMENT: f64 = 3.0;
+/// A printer with coloured inks makes more than this share of the colours of sRGB; noise on grey makes less.
+const LEAST_GAMUT: f64 = 0.01;
+
+/// What one photo says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartReading {
+    pub kind: ChartKind,
+    /// SHA-256 of the photo's file.
+    pub sha256: String,
+    /// Asked 8-bit sRGB, and light relative to the paper's, in the order of the layout.
+    pub patches: Vec<([u8; 3], [f64; 3])>,
+    pub quality: Quality,
+}
+
+/// How good a photo is for reading.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Quality {
+    /// Pixels a side of the smallest patch.
+    pub patch_px: f64,
+    /// Root mean square of the tag corners from a flat sheet, mm.
+    pub off_mm: f64,
+    /// The surface that takes the light out.
+    pub light: Surface,
+    /// Root mean square of the bare paper from it, as a share of the light.
+    pub light_error: f64,
+    /// Patches with a channel at 0 in a tenth of their pixels or more: the camera could not show how saturated or dark they are.
+    pub at_zero: usize,
+    /// Half of the patches are more even than this (ΔE2000 between a part and the whole), …
+    pub patchiness_median: f64,
+    /// … and all are more even than this.
+    pub patchiness_worst: f64,
+}
+
+/// Reads the chart in a photo.
+///
+/// # Errors
+/// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ColourChartError`].
+pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartReading, ColourChartError>, PhotoError> {
+    let (luma, rgb) = (photo.luma()?, photo.rgb(1)?);
+    Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))
+}
+
+fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<ChartReading, ColourChartError> {
+    let sampled = |cell: ChartCell| Some((cell, sample(rgb, chart, cell)?));
+    let take = |cell| sampled(cell).ok_or(ColourChartError::NoChart);
+    let whites = chart
+        .layout
+        .whites
+        .iter()
+        .map(|cell| take(*cell))
+        .collect::<Result<Vec<_>, _>>()?;
+    let inked = chart
+        .layout
+        .patches
+        .iter()
+        .map(|patch| take(patch.cell))
+        .collect::<Result<Vec<_>, _>>()?;
+    refuse_clipped(&whites)?;
+    refuse_dark(&whites)?;
+    let light = light_on(&whites, chart)?;
+    // A reflection is clipped as well, and exposing less would not help.
+    refuse_reflections(&inked, &light)?;
+    refuse_clipped(&inked)?;
+    let (patchiness_median, patchiness_worst) = evenness(&inked, &light)?;
+    let relative = |(cell, sample): &(ChartCell, PatchSample)| over(sample.light, light.at(cell.centre_mm()));
+    let asked = chart.layout.patches.iter().map(|patch| patch.asked_rgb);
+    let patches: Vec<_> = asked.zip(inked.iter().map(relative)).collect();
+    refuse_uneven_black(&patches)?;
+    Ok(ChartReading {
+        kind: chart.layout.kind,
+        sha256: sha256.to_owned(),
+        patches,
+        quality: Quality {
+            patch_px: chart.patch_px,
+            off_mm: chart.off_mm,
+            light: light.surface,
+            light_error: light.error,
+            at_zero: inked.iter().filter(|(_, sample)| sample.at_zero >= 0.1).count(),
+            patchiness_median,
+            patchiness_worst,
+        },
+    })
+}
+
+/// The mean over photos of one print, and each photo's mean ΔE2000 from it.
+///
+/// # Errors
+/// Photos of different charts, that disagree, or without colours.
+pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColours, Vec<f64>), ColourChartError> {
+    let Some(first) = readings.first() else {
+        return Err(ColourChartError::NoChart);
+    };
+    if let Some(other) = readings.iter().find(|r| r.kind != first.kind) {
+        return Err(ColourChartError::MixedCharts {
+            first: first.kind.name(),
+            other: other.kind.name(),
+        });
+    }
+    let mean = |i: usize| {
+        let sum = readings.iter().fold([0.0; 3], |sum, r| sum_of(sum, r.patches[i].1));
+        sum.map(|v| v / readings.len() as f64)
+    };
+    let means: Vec<[f64; 3]> = (0..first.patches.len()).map(mean).collect();
+    let disagreement = |reading: &ChartReading| {
+        let pairs = reading.patches.iter().zip(&means);
+        let sum: f64 = pairs
+            .map(|((_, own), mean)| Lab::of_linear(*own).delta_e(Lab::of_linear(*mean)))
+            .sum();
+        sum / means.len() as f64
+    };
+    let disagreements: Vec<f64> = readings.iter().map(disagreement).collect();
+    let worst = disagreements.iter().copied().fold(0.0, f64::max);
+    if worst > MOST_DISAGREEMENT {
+        return Err(ColourChartError::PhotosDisagree { delta_e: worst });
+    }
+    let asked = first.patches.iter().map(|(asked, _)| *asked);
+    let source = ChartSource {
+        chart: first.kind.name().to_owned(),
+        program: program.to_owned(),
+        photos_sha256: readings.iter().map(|r| r.sha256.clone()).collect(),
+        levels: first.kind.levels().to_vec(),
+    };
+    let colours = PrintedColours::of_light(source, asked.zip(means));
+    if colours.gamut_share_of_srgb < LEAST_GAMUT {
+        return Err(ColourChartError::Colourless);
+    }
+    Ok((colours, disagreements))
+}
+
+fn refuse_clipped(cells: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartError> {
+    match cells.iter().find(|(_, sample)| sample.clipped > MOST_CLIPPED) {
+        Some((cell, sample)) => Err(ColourChartError::Overexposed {
+            place: place(*cell),
+            share_percent: 100.0 * sample.clipped,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn refuse_dark(whites: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartError> {
+    let weakest = whites
+        .iter()
+        .flat_map(|(_, sample)| sample.light)
+        .fold(f64::INFINITY, f64::min);
+    let level = 255.0 * Srgb::<f64>::from_linear(LinSrgb::new(weakest, weakest, weakest)).red;
+    if level < LEAST_WHITE {
+        return Err(ColourChartError::TooDark { level });
+    }
+    Ok(())
+}
+
+fn light_on(whites: &[(ChartCell, PatchSample)], chart: &FoundChart) -> Result<ChartLight, ColourChartError> {
+    let places: Vec<_> = whites
+        .iter()
+        .map(|(cell, sample)| (cell.centre_mm(), sample.light))
+        .collect();
+    let Some(light) = ChartLight::fit(&places, chart.layout.size_mm) else {
+        return Err(ColourChartError::TooDark { level: 0.0 });
+    };
+    let worst = whites.iter().zip(&light.off).max_by(|(_, a), (_, b)| a.total_cmp(b));
+    match worst {
+        Some(((cell, _), off)) if *off > MOST_OFF_LIGHT => Err(ColourChartError::UnevenLight {
+            off_percent: 100.0 * off,
+            place: place(*cell),
+        }),
+        _ => Ok(light),
+    }
+}
+
+fn refuse_reflections(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(), ColourChartError> {
+    for (cell, sample) in inked {
+        let luminance = luminance(over(sample.light, light.at(cell.centre_mm())));
+        if luminance > MOST_BRIGHT {
+            return Err(ColourChartError::Reflection {
+                place: place(*cell),
+                percent: 100.0 * luminance,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Median and worst patchiness.
+fn evenness(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
+    let patchiness = |(cell, sample): &(ChartCell, PatchSample)| {
+        let white = light.at(cell.centre_mm());
+        let whole = Lab::of_linear(over(sample.light, white));
+        let parts = sample
+            .parts
+            .iter()
+            .map(|part| Lab::of_linear(over(*part, white)).delta_e(whole));
+        parts.fold(0.0, f64::max)
+    };
+    let mut all: Vec<(f64, ChartCell)> = inked.iter().map(|patch| (patchiness(patch), patch.0)).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let patchy = all.iter().filter(|(own, _)| *own > MOST_PATCHY).count();
+    match all.first() {
+        Some((_, cell)) if patchy > 0 => Err(ColourChartError::Patchy {
+            patches: patchy,
+            place: place(*cell),
+        }),
+        Some((worst, _)) => Ok((all[all.len() / 2].0, *worst)),
+        None => Ok((0.0, 0.0)),
+    }
+}
+
+fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChartError> {
+    let blacks = patches
+        .iter()
+        .filter(|(asked, _)| *asked == [0; 3])
+        .map(|(_, light)| Lab::of_linear(*light).l);
+    let (low, high) = blacks.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), l| {
+        (low.min(l), high.max(l))
+    });
+    if high - low > MOST_BLACK_SPREAD {
+        return Err(ColourChartError::UnevenBlack { low, high });
+    }
+    Ok(())
+}
+
+fn over(light: [f64; 3], white: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| light[i] / white[i])
+}
+
+fn sum_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i] + b[i])
+}

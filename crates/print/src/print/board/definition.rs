@@ -1,0 +1,139 @@
+//! A request for a board becomes its definition, or a sentence why it cannot be printed.
+
+use super::{BoardError, BoardKind, BoardRequest, Definition, MIN_MODULE_MM};
+use scaleproof_core::geometry::length;
+use scaleproof_pose::tags::MarkerDictionary;
+
+/// The definition of a board that can be printed.
+pub(super) fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
+    let (columns, rows) = request.squares;
+    let least = if request.kind == BoardKind::Aprilgrid { 1 } else { 3 };
+    if !(least..=Definition::MOST_SQUARES).contains(&columns) || !(least..=Definition::MOST_SQUARES).contains(&rows) {
+        return Err(BoardError::Squares { columns, rows, least });
+    }
+    length::size_mm("square", request.square_mm)?;
+    match request.kind {
+        BoardKind::Charuco => charuco(request),
+        BoardKind::Chessboard => chessboard(request),
+        BoardKind::Aprilgrid => aprilgrid(request),
+    }
+}
+
+fn charuco(request: &BoardRequest) -> Result<Definition, BoardError> {
+    let dictionary = MarkerDictionary::named(request.dictionary.as_deref().unwrap_or(Definition::DICTIONARY))?;
+    let marker_mm = marker_mm(request, Definition::MARKER_SHARE)?;
+    let (columns, rows) = request.squares;
+    let needed = (columns * rows / 2) as usize;
+    if needed > dictionary.count() {
+        return Err(BoardError::NotEnoughMarkers {
+            needed,
+            dictionary: dictionary.name(),
+            count: dictionary.count(),
+        });
+    }
+    let modules = dictionary.marker(0).map_or(1, scaleproof_pose::tags::Modules::side);
+    printable(marker_mm / modules as f64)?;
+    Ok(Definition::Charuco {
+        squares: [columns, rows],
+        square_mm: request.square_mm,
+        marker_mm,
+        dictionary: dictionary.name().to_owned(),
+        legacy_layout: false,
+    })
+}
+
+fn chessboard(request: &BoardRequest) -> Result<Definition, BoardError> {
+    let board = "a chessboard";
+    if request.marker_mm.is_some() {
+        return Err(BoardError::MarkerSizeUnused { board });
+    }
+    if request.dictionary.is_some() {
+        return Err(BoardError::DictionaryUnused { board });
+    }
+    printable(request.square_mm)?;
+    let (columns, rows) = request.squares;
+    Ok(Definition::Chessboard {
+        squares: [columns, rows],
+        inner_corners: [columns - 1, rows - 1],
+        square_mm: request.square_mm,
+    })
+}
+
+fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
+    if request.dictionary.is_some() {
+        return Err(BoardError::DictionaryUnused {
+            board: "an AprilGrid, which is made of tag36h11",
+        });
+    }
+    let tag_mm = marker_mm(request, 1.0 / (1.0 + Definition::TAG_SPACING))?;
+    let (columns, rows) = request.squares;
+    let (needed, count) = (
+        (columns * rows) as usize,
+        scaleproof_pose::scene::TagFamily::Tag36h11.count() as usize,
+    );
+    if needed > count {
+        return Err(BoardError::NotEnoughMarkers {
+            needed,
+            dictionary: "tag36h11",
+            count,
+        });
+    }
+    printable(tag_mm / f64::from(Definition::GRID_TAG_MODULES))?;
+    Ok(Definition::Aprilgrid {
+        tags: [columns, rows],
+        tag_mm,
+        // Rounded to what the file shows, so that the board and its file agree: a millionth of a tag.
+        tag_spacing: ((request.square_mm / tag_mm - 1.0) * 1e6).round() / 1e6,
+        family: "tag36h11".to_owned(),
+        border_modules: 2,
+    })
+}
+
+/// The marker's size, requested or usual, in thousandths of a millimetre.
+fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError> {
+    let usual = (request.square_mm * usual_share * 1000.0).round() / 1000.0;
+    let marker_mm = length::size_mm("marker", request.marker_mm.unwrap_or(usual))?;
+    if marker_mm >= 0.95 * request.square_mm {
+        return Err(BoardError::MarkerTooLarge {
+            marker_mm,
+            square_mm: request.square_mm,
+        });
+    }
+    Ok(marker_mm)
+}
+
+fn printable(module_mm: f64) -> Result<(), BoardError> {
+    if module_mm < MIN_MODULE_MM {
+        return Err(BoardError::ModuleTooSmall { module_mm });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_file_comes_back_as_it_was() {
+        let request = BoardRequest {
+            kind: BoardKind::Aprilgrid,
+            squares: (6, 5),
+            square_mm: 26.0,
+            marker_mm: None,
+            dictionary: None,
+            media: crate::print::page::Media {
+                paper: crate::print::paper::Paper::A4.into(),
+                printer: crate::print::printer::Printer::EXACT,
+            },
+        };
+        for kind in [BoardKind::Aprilgrid, BoardKind::Charuco, BoardKind::Chessboard] {
+            let definition = definition(&BoardRequest {
+                kind,
+                ..request.clone()
+            })
+            .unwrap();
+            let text = definition.to_toml().unwrap();
+            assert_eq!(toml::from_str::<Definition>(&text).unwrap(), definition, "{text}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Things of a plane, found by place.
+
+use super::wrap::Point;
+
+/// The corners of the box around places, grown: lowest, highest.
+pub fn bounds(points: &[Point], grown_mm: f64) -> (Point, Point) {
+    let end = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p[axis]).fold(start, pick);
+    let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+    (
+        [0, 1].map(|axis| end(axis, f64::min, low) - grown_mm),
+        [0, 1].map(|axis| end(axis, f64::max, high) + grown_mm),
+    )
+}
+
+/// Things found by place: rows and columns of buckets.
+pub struct Buckets {
+    low: Point,
+    step: Point,
+    columns: usize,
+    rows: usize,
+    lists: Vec<Vec<u32>>,
+}
+
+impl Buckets {
+    pub fn new(low: Point, high: Point, boxes: impl ExactSizeIterator<Item = (Point, Point)>) -> Self {
+        const MOST: f64 = 400.0;
+        let size = [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-6));
+        // About one thing a bucket, as if they were squares.
+        let step = (size[0] * size[1] / boxes.len().max(1) as f64)
+            .sqrt()
+            .max(size[0].max(size[1]) / MOST);
+        let count = |axis: usize| ((size[axis] / step).ceil() as usize).max(1);
+        let mut buckets = Self {
+            low,
+            step: [step; 2],
+            columns: count(0),
+            rows: count(1),
+            lists: Vec::new(),
+        };
+        buckets.lists = vec![Vec::new(); buckets.columns * buckets.rows];
+        for (i, (from, to)) in boxes.enumerate() {
+            for row in buckets.index(from, 1)..=buckets.index(to, 1) {
+                for column in buckets.index(from, 0)..=buckets.index(to, 0) {
+                    buckets.lists[row * buckets.columns + column].push(i as u32);
+                }
+            }
+        }
+        buckets
+    }
+
+    fn index(&self, p: Point, axis: usize) -> usize {
+        let count = if axis == 0 { self.columns } else { self.rows };
+        (((p[axis] - self.low[axis]) / self.step[axis]).max(0.0) as usize).min(count - 1)
+    }
+
+    /// All that may touch a box, rising.
+    pub fn over(&self, (from, to): (Point, Point)) -> Vec<usize> {
+        let rows = self.index(from, 1)..=self.index(to, 1);
+        let columns = || self.index(from, 0)..=self.index(to, 0);
+        let cells = rows.flat_map(|row| columns().map(move |column| row * self.columns + column));
+        let mut found: Vec<usize> = cells.flat_map(|i| &self.lists[i]).map(|i| *i as usize).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// What is near a place; `None` outside of all.
+    pub fn at(&self, p: Point) -> Option<&[u32]> {
+        let reach = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;
+        let counts = [self.columns, self.rows];
+        let outside = |axis: usize| p[axis] < self.low[axis] || p[axis] > reach(axis, counts[axis]);
+        if outside(0) || outside(1) {
+            return None;
+        }
+        self.lists
+            .get(self.index(p, 1) * self.columns + self.index(p, 0))
+            .map(Vec::as_slice)
+    }
+}

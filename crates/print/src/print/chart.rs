@@ -1,0 +1,121 @@
+//! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
+
+use super::SheetError;
+use super::lettering::{number, size};
+use super::page::{FreePage, Media};
+use super::printer::Printer;
+use super::shapes::{TagPlacement, black_modules};
+use super::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet};
+use crate::colour_chart::layout::{ChartKind, ChartLayout, ChartTag, FAMILY, PATCH_MM, TAG_MM};
+use scaleproof_pose::tags::TagImage;
+
+/// Why no chart was printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChartPrintError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error("the smallest colour chart is {chart_mm} mm and the paper has {free_mm} mm for it; use larger paper")]
+    NoRoom { chart_mm: String, free_mm: String },
+    #[error("tag {id} of the colour chart could not be drawn by the AprilTag library")]
+    NoTagImage { id: u32 },
+}
+
+/// A chart ready to be written.
+#[derive(Debug, Clone)]
+pub struct PrintedChart {
+    pub layout: ChartLayout,
+    /// Where it lies (page frame).
+    pub area: RectMm,
+    pub sheet: Sheet,
+}
+
+/// Draws the chart with the most colours that the paper has room for.
+///
+/// # Errors
+/// A roll; paper without room for the smallest chart, upright and across.
+pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
+    let (layout, page, area) = placed(media)?;
+    let corner = PointMm::new(area.left_mm, area.top_mm);
+    let mut marks: Vec<Mark> = layout
+        .patches
+        .iter()
+        .map(|p| patch(p.cell.centre_mm(), p.asked_rgb, corner))
+        .collect();
+    for tag in &layout.tags {
+        marks.push(drawn(tag, corner)?);
+    }
+    let label = format!("chart {}", layout.kind.name());
+    let sheet = page.sheet(marks, &captions(&layout, &media.printer), &label);
+    Ok(PrintedChart { layout, area, sheet })
+}
+
+fn placed(media: Media) -> Result<(ChartLayout, FreePage, RectMm), ChartPrintError> {
+    media.check_is_cut()?;
+    let pages = FreePage::both_ways(media)?;
+    for kind in ChartKind::ALL {
+        let layout = ChartLayout::new(kind);
+        let (width, height) = layout.size_mm;
+        let fits = |page: &&FreePage| width <= page.0.usable.width_mm() && height <= page.0.usable.height_mm();
+        if let Some(page) = pages.iter().find(fits) {
+            let area = page.0.centred(layout.size_mm);
+            return Ok((layout, *page, area));
+        }
+    }
+    let [.., smallest] = ChartKind::ALL;
+    let free = pages
+        .first()
+        .map(|page| (page.0.usable.width_mm(), page.0.usable.height_mm()));
+    Err(ChartPrintError::NoRoom {
+        chart_mm: size(ChartLayout::new(smallest).size_mm),
+        free_mm: size(free.unwrap_or_default()),
+    })
+}
+
+/// `corner`: the chart's upper left (page frame). The chart's y runs down, the page's up.
+fn on_page([x, y]: [f64; 2], corner: PointMm) -> PointMm {
+    PointMm::new(corner.x_mm + x, corner.y_mm - y)
+}
+
+fn patch(centre_mm: [f64; 2], colour: [u8; 3], corner: PointMm) -> Mark {
+    let (centre, h) = (on_page(centre_mm, corner), PATCH_MM / 2.0);
+    let area = RectMm::new(centre.x_mm - h, centre.y_mm - h, centre.x_mm + h, centre.y_mm + h);
+    Mark::Fill(Fill { area, colour })
+}
+
+fn drawn(tag: &ChartTag, corner: PointMm) -> Result<Mark, ChartPrintError> {
+    let image = TagImage::new(FAMILY, tag.id).ok_or(ChartPrintError::NoTagImage { id: tag.id })?;
+    let place = TagPlacement {
+        centre: on_page(tag.centre_mm, corner),
+        right: [1.0, 0.0],
+        module_mm: TAG_MM / image.border_modules() as f64,
+    };
+    Ok(Mark::Area {
+        outlines: black_modules(image.modules(), &place),
+        colour: BLACK,
+    })
+}
+
+fn captions(layout: &ChartLayout, printer: &Printer) -> Vec<String> {
+    let ids = layout.kind.tag_ids();
+    vec![
+        "Print at 100 %, on the paper and with the settings of the later sheets; let the ink dry. Lay it flat, in even light from the side."
+            .to_owned(),
+        "Photograph all of it sharply, from above, without flash and a little dark: white paper must not be at the end of the scale."
+            .to_owned(),
+        format!(
+            "Colour chart {}: {} patches, {} cells of bare paper, tag36h11 {} to {} of {} mm",
+            layout.kind.name(),
+            layout.patches.len(),
+            layout.whites.len(),
+            ids[0],
+            ids[4],
+            number(TAG_MM)
+        ),
+        format!(
+            "Then: scaleproof colour read PHOTO -o printer.toml · {} · scaleproof {}",
+            printer.caption(),
+            env!("CARGO_PKG_VERSION")
+        ),
+    ]
+}

@@ -1,0 +1,145 @@
+//! The page that carries something measured: what a printer can reach, where the rulers stand, how it must be drawn.
+//!
+//! Everything is planned in the millimetres that come out on paper. A printer that stretches is answered last, by
+//! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
+
+use super::lettering::size;
+use super::paper::Paper;
+use super::printer::Printer;
+use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::{SheetError, ruler};
+use scaleproof_core::geometry::length;
+
+/// Free strip around the content in which crop marks stand.
+pub const CROP_STRIP_MM: f64 = 5.5;
+/// Height of the captions at the foot of the page.
+pub const FOOTER_MM: f64 = 13.0;
+/// Width of the block at the foot's right end that holds arrows, the sheet's id and the mini-map.
+pub const KEY_WIDTH_MM: f64 = 18.0;
+/// From the end of the horizontal ruler to the key block: half a label and some air.
+const RULER_END_MM: f64 = 3.0;
+
+/// What a page needs beside its usable area: (across, down).
+const TAKEN_MM: (f64, f64) = (
+    ruler::DEPTH_MM + 2.0 * CROP_STRIP_MM,
+    FOOTER_MM + ruler::DEPTH_MM + 2.0 * CROP_STRIP_MM,
+);
+/// The least that a printer must reach, for rulers and captions: (across, down).
+const LEAST_MM: (f64, f64) = (
+    ruler::DEPTH_MM + CROP_STRIP_MM + ruler::LENGTH_MM + RULER_END_MM + KEY_WIDTH_MM,
+    TAKEN_MM.1 + ruler::LENGTH_MM,
+);
+
+/// How a page is turned and drawn, whatever its size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PageSetup {
+    /// Border of the paper that the printer cannot reach.
+    pub margin_mm: f64,
+    pub printer: Printer,
+    /// Whether the paper's short side, or the roll's width, runs along the page's y.
+    pub turned: bool,
+}
+
+impl PageSetup {
+    /// Drawn over true length along the page's x and y.
+    pub fn stretch(&self) -> (f64, f64) {
+        let (x, y) = self.printer.factors();
+        if self.turned { (y, x) } else { (x, y) }
+    }
+
+    /// How much of a page's reachable sides can be used, so that neither the drawn nor the printed page goes beyond them.
+    fn share(&self) -> (f64, f64) {
+        let (x, y) = self.stretch();
+        (x.recip().min(1.0), y.recip().min(1.0))
+    }
+
+    /// How long a roll's page must be for a usable area of this length: (along x, along y).
+    pub fn length_for(&self, usable_mm: f64) -> (f64, f64) {
+        let length = |taken: f64, least: f64, share: f64| (usable_mm + taken).max(least) / share + 2.0 * self.margin_mm;
+        let (x, y) = self.share();
+        (length(TAKEN_MM.0, LEAST_MM.0, x), length(TAKEN_MM.1, LEAST_MM.1, y))
+    }
+}
+
+/// One page and its areas (page frame).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PageFrame {
+    /// The paper as it is used: portrait or landscape.
+    pub page: Paper,
+    pub setup: PageSetup,
+    /// The part of the page a printer can reach.
+    pub printable: RectMm,
+    /// The part of the page that may carry content; rulers, marks and captions stay outside it.
+    pub usable: RectMm,
+    /// Zero of the ruler along x; its ticks and labels hang below.
+    pub horizontal_ruler: PointMm,
+    /// Zero of the ruler along y; its ticks and labels stand to the left.
+    pub vertical_ruler: PointMm,
+}
+
+impl PageFrame {
+    /// # Errors
+    /// A margin that is no length, paper too small for the rulers and the captions.
+    pub fn new(page: Paper, setup: PageSetup) -> Result<Self, SheetError> {
+        let margin_mm = length::strip_mm("margin", setup.margin_mm)?;
+        let share = setup.share();
+        let needed = (
+            LEAST_MM.0 / share.0 + 2.0 * margin_mm,
+            LEAST_MM.1 / share.1 + 2.0 * margin_mm,
+        );
+        if page.width_mm < needed.0 || page.height_mm < needed.1 {
+            return Err(SheetError::PaperTooSmall {
+                paper_mm: size((page.width_mm, page.height_mm)),
+                margin_mm,
+                needed_mm: size(needed),
+            });
+        }
+        let border = |side: f64, share: f64| 0.5 * (side - (side - 2.0 * margin_mm) * share);
+        let (x, y) = (border(page.width_mm, share.0), border(page.height_mm, share.1));
+        Ok(Self::within(
+            page,
+            setup,
+            RectMm::new(x, y, page.width_mm - x, page.height_mm - y),
+        ))
+    }
+
+    /// All of the page.
+    pub fn whole(&self) -> RectMm {
+        RectMm::new(0.0, 0.0, self.page.width_mm, self.page.height_mm)
+    }
+
+    /// The middle of the usable area.
+    pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
+        let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
+        let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;
+        RectMm::new(left, bottom, left + width_mm, bottom + height_mm)
+    }
+
+    /// This page with marks.
+    pub fn sheet(&self, trim: RectMm, bleed: RectMm, marks: Vec<Mark>) -> Sheet {
+        Sheet {
+            width_mm: self.page.width_mm,
+            height_mm: self.page.height_mm,
+            trim,
+            bleed,
+            marks,
+        }
+    }
+
+    fn within(page: Paper, setup: PageSetup, printable: RectMm) -> Self {
+        let usable = RectMm::new(
+            printable.left_mm + ruler::DEPTH_MM + CROP_STRIP_MM,
+            printable.bottom_mm + FOOTER_MM + ruler::DEPTH_MM + CROP_STRIP_MM,
+            printable.right_mm - CROP_STRIP_MM,
+            printable.top_mm - CROP_STRIP_MM,
+        );
+        Self {
+            page,
+            setup,
+            printable,
+            usable,
+            horizontal_ruler: PointMm::new(usable.left_mm, usable.bottom_mm - CROP_STRIP_MM),
+            vertical_ruler: PointMm::new(usable.left_mm - CROP_STRIP_MM, usable.bottom_mm),
+        }
+    }
+}

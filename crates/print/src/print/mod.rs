@@ -1,0 +1,76 @@
+//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] makes files of them by [`pdf`] or [`svg`].
+//!
+//! One file or folder per kind of print, each with its request and its error: [`template`], [`paint`], [`wrap`], [`patch`], [`tags`], `board`,
+//! [`chart`], [`check`]; [`figure`] makes PDFs of charts. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
+
+#[cfg(feature = "full")]
+pub mod board;
+pub mod buckets;
+pub mod chart;
+pub mod check;
+pub mod date;
+pub mod figure;
+pub mod frame;
+pub mod lettering;
+pub mod output;
+mod pack;
+pub mod page;
+pub mod paint;
+pub mod paper;
+pub mod patch;
+pub mod pdf;
+mod polygon;
+pub mod printer;
+pub mod raster;
+pub mod ruler;
+pub mod shapes;
+pub mod sheet;
+pub mod svg;
+pub mod tags;
+pub mod template;
+pub mod wrap;
+
+use scaleproof_core::geometry::length::BadLength;
+use scaleproof_core::spelling;
+
+/// Why there is no sheet, whatever would be printed on it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum SheetError {
+    #[error(
+        "paper '{text}' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610{}",
+        spelling::hint(text, ["a4", "a3", "letter", "tabloid"])
+    )]
+    UnknownPaper { text: String },
+    #[error("boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm")]
+    Roll,
+    #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
+    UnknownSize { text: String },
+    #[error("'{text}' is no date; write YYYY-MM-DD, as in 2026-11-21")]
+    BadDate { text: String },
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    #[error(
+        "the paper ({paper_mm} mm) is too small: with a margin of {margin_mm} mm the 100 mm rulers and the captions need at least \
+         {needed_mm} mm"
+    )]
+    PaperTooSmall {
+        paper_mm: String,
+        margin_mm: f64,
+        needed_mm: String,
+    },
+    #[error(
+        "an overlap of {overlap_mm} mm and a bleed of {bleed_mm} mm leave nothing of the {usable_mm} mm a sheet can carry; use less \
+         of both or larger paper"
+    )]
+    OverlapTooLarge {
+        overlap_mm: f64,
+        bleed_mm: f64,
+        usable_mm: String,
+    },
+    #[error("this needs more than {most} sheets; use larger paper, less overlap or a smaller size")]
+    TooManySheets { most: usize },
+    #[error("the PDF could not be put together: {reason}")]
+    Pdf { reason: String },
+}

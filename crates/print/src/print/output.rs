@@ -1,0 +1,107 @@
+//! The files that sheets become: one PDF, or an SVG a sheet.
+
+use std::path::{Path, PathBuf};
+
+use super::sheet::Sheet;
+use super::{SheetError, pdf, svg};
+use scaleproof_core::files::{self, FileError};
+
+/// What sheets are written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SheetFormat {
+    /// One file with all sheets.
+    Pdf,
+    /// One file a sheet, named OUTPUT-SHEET.svg.
+    Svg,
+}
+
+/// Why an output cannot take sheets.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    #[error("{path} does not say whether PDF or SVG is meant: let it end in .pdf or .svg", path = path.display())]
+    UnknownEnding { path: PathBuf },
+    #[error("SVG makes one file per page, so it cannot go to standard output: name a file")]
+    SvgToStandardOutput,
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Where sheets go, and as what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetOutput {
+    path: PathBuf,
+    format: SheetFormat,
+}
+
+impl SheetOutput {
+    /// An output in the requested format, else in that of its ending. Standard output, pipes and devices take a PDF.
+    ///
+    /// # Errors
+    /// Another ending, or none; SVG on standard output; what cannot be written to.
+    pub fn named(path: &Path, format: Option<SheetFormat>) -> Result<Self, OutputError> {
+        let format = format.map_or_else(|| format_of(path), Ok)?;
+        if format == SheetFormat::Svg && files::is_standard_output(path) {
+            return Err(OutputError::SvgToStandardOutput);
+        }
+        let path = path.to_owned();
+        Ok(Self { path, format })
+    }
+
+    /// The files, whole but not written: of a PDF one, of SVG one for each of the names.
+    ///
+    /// # Errors
+    /// Only if the PDF cannot be put together.
+    pub fn files(
+        &self,
+        title: &str,
+        names: &[String],
+        sheets: &[Sheet],
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>, SheetError> {
+        let svg = |(name, sheet): (&String, &Sheet)| {
+            let text = svg::write(&format!("{title}: {name}"), sheet);
+            (svg_path(&self.path, name), text.into_bytes())
+        };
+        Ok(match self.format {
+            SheetFormat::Pdf => vec![(self.path.clone(), pdf::write(title, sheets)?)],
+            SheetFormat::Svg => names.iter().zip(sheets).map(svg).collect(),
+        })
+    }
+}
+
+fn format_of(path: &Path) -> Result<SheetFormat, OutputError> {
+    let ends_in = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    match (ends_in("pdf"), ends_in("svg")) {
+        (true, _) => Ok(SheetFormat::Pdf),
+        (_, true) => Ok(SheetFormat::Svg),
+        _ if files::is_stream(path)? => Ok(SheetFormat::Pdf),
+        _ => Err(OutputError::UnknownEnding { path: path.to_owned() }),
+    }
+}
+
+/// `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
+fn svg_path(output: &Path, name: &str) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    // A sheet that the map calls `cards 1` is `cards-1` in a file's name.
+    output.with_file_name(format!("{stem}-{}.svg", name.replace(' ', "-")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ending_chooses_the_format_and_no_other_is_taken() {
+        let format = |name: &str| {
+            SheetOutput::named(Path::new(name), None)
+                .map(|output| output.format)
+                .ok()
+        };
+        let (pdf, svg) = (Some(SheetFormat::Pdf), Some(SheetFormat::Svg));
+        assert_eq!(["a.pdf", "out/A.PDF", "-"].map(format), [pdf; 3]);
+        assert_eq!(["a.svg", "out/A.Svg"].map(format), [svg; 2]);
+        assert_eq!(["a.png", "a", "a.pdf.", "pdf", ".svg"].map(format), [None; 5]);
+        assert!(SheetOutput::named(Path::new("a.png"), pdf).is_ok());
+        assert!(SheetOutput::named(Path::new("-"), svg).is_err());
+    }
+}

@@ -1,0 +1,120 @@
+//! Rectangles on pages: in rows from the top left.
+
+use crate::print::sheet::{PointMm, RectMm};
+
+/// Free paper between two things, for scissors.
+const GAP_MM: f64 = 4.0;
+
+/// Where a thing lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// From 0.
+    pub page: usize,
+    /// Its lower left corner (page frame).
+    pub at: PointMm,
+}
+
+/// Puts things of some (width, height) into an area: the highest first, each into the first row of any page that has room for it. The
+/// spots come in the order of the things.
+///
+/// # Errors
+/// The index of the first thing that is larger than the area.
+pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
+    if let Some(i) = sizes
+        .iter()
+        .position(|(w, h)| *w > area.width_mm() || *h > area.height_mm())
+    {
+        return Err(i);
+    }
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    // What differs by rounding only keeps its order.
+    let high = |i: &usize| (sizes[*i].1 * 100.0).round();
+    order.sort_by(|a, b| high(b).total_cmp(&high(a)));
+    let mut rows: Vec<PackedRow> = Vec::new();
+    let mut spots = vec![None; sizes.len()];
+    for i in order {
+        let (width, height) = sizes[i];
+        let room = rows.iter().position(|row| row.x_mm + width <= area.right_mm);
+        let at = room.unwrap_or_else(|| {
+            rows.push(PackedRow::below(&rows, area, height));
+            rows.len() - 1
+        });
+        let row = &mut rows[at];
+        spots[i] = Some(Spot {
+            page: row.page,
+            at: PointMm::new(row.x_mm, row.top_mm - height),
+        });
+        row.x_mm += width + GAP_MM;
+        row.bottom_mm = row.bottom_mm.min(row.top_mm - height);
+    }
+    Ok(spots.into_iter().flatten().collect())
+}
+
+/// Things side by side under one line.
+struct PackedRow {
+    page: usize,
+    /// Where the next thing begins.
+    x_mm: f64,
+    top_mm: f64,
+    bottom_mm: f64,
+}
+
+impl PackedRow {
+    /// A new row of some height on the first page that has room below its last row.
+    fn below(rows: &[PackedRow], area: RectMm, height: f64) -> PackedRow {
+        let pages = rows.iter().map(|row| row.page + 1).max().unwrap_or(0);
+        let top_of = |page: usize| {
+            let on_page = rows.iter().filter(|row| row.page == page);
+            on_page.map(|row| row.bottom_mm - GAP_MM).fold(area.top_mm, f64::min)
+        };
+        let page = (0..pages)
+            .find(|page| top_of(*page) - height >= area.bottom_mm)
+            .unwrap_or(pages);
+        let top_mm = top_of(page);
+        PackedRow {
+            page,
+            x_mm: area.left_mm,
+            top_mm,
+            bottom_mm: top_mm - height,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn things_lie_inside_and_apart(sizes in prop::collection::vec((1.0..80.0_f64, 1.0..90.0_f64), 1..40)) {
+            let area = RectMm::new(10.0, 20.0, 90.0, 110.0);
+            let spots = tight(&sizes, area).unwrap();
+            for (i, (spot, size)) in spots.iter().zip(&sizes).enumerate() {
+                prop_assert!(spot.at.x_mm >= 10.0 && spot.at.x_mm + size.0 <= 90.0 + 1e-9);
+                prop_assert!(spot.at.y_mm >= 20.0 - 1e-9 && spot.at.y_mm + size.1 <= 110.0 + 1e-9);
+                for (other, other_size) in spots.iter().zip(&sizes).take(i).filter(|(o, _)| o.page == spot.page) {
+                    let apart = |a: f64, a_size: f64, b: f64, b_size: f64| a + a_size <= b + 1e-9 || b + b_size <= a + 1e-9;
+                    prop_assert!(apart(spot.at.x_mm, size.0, other.at.x_mm, other_size.0)
+                        || apart(spot.at.y_mm, size.1, other.at.y_mm, other_size.1));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_flat_goes_into_the_space_that_high_things_leave() {
+        let area = RectMm::new(0.0, 0.0, 180.0, 254.0);
+        let sizes: Vec<_> = [(86.5, 211.5); 8].into_iter().chain([(170.0, 36.0); 4]).collect();
+        let pages = |spots: Vec<Spot>| spots.iter().map(|spot| spot.page + 1).max();
+        assert_eq!(pages(tight(&sizes, area).unwrap()), Some(4));
+    }
+
+    #[test]
+    fn a_thing_too_large_is_named() {
+        assert_eq!(
+            tight(&[(5.0, 5.0), (11.0, 5.0)], RectMm::new(0.0, 0.0, 10.0, 10.0)),
+            Err(1)
+        );
+    }
+}

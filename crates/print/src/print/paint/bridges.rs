@@ -1,0 +1,205 @@
+//! Where a stencil's material has to be joined. All of it works on the *core*: the places for the centre of the square that
+//! measures widths. What is joined in the core is joined by the square's full width.
+
+use std::collections::BTreeSet;
+
+use super::plane::{Area, PlanePoint, edges};
+use crate::print::buckets::{Buckets, bounds};
+
+/// A bridge: the square is swept along it.
+pub type Link = (PlanePoint, PlanePoint);
+
+/// Slanted cuts are rounded to the unit: places this close are looked at as well.
+const ROUNDING: i64 = 3;
+
+/// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
+/// the material between them is narrower than the square. Where ways along an outline up to some length `around` are none, outlines have many
+/// short edges, and only the nearest place to each corner counts.
+pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
+    let reach = i64::from(side) + ROUNDING;
+    let along = Along::of(core);
+    let ways: Vec<Link> = along.iter().map(|edge| edge.way).collect();
+    let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
+    let (low, high) = ways.iter().map(places).fold(
+        ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]),
+        |(low, high), (from, to)| ([0, 1].map(|i| low[i].min(from[i])), [0, 1].map(|i| high[i].max(to[i]))),
+    );
+    if ways.is_empty() {
+        return Vec::new();
+    }
+    let buckets = Buckets::new(low, high, ways.iter().map(places));
+    let mut found = BTreeSet::new();
+    let mut links = Vec::new();
+    for edge in &along {
+        let corner = edge.way.0;
+        let mut nearest: Option<(i64, PlanePoint)> = None;
+        for other in buckets.at(at(corner)).unwrap_or_default() {
+            let Some(other) = along.get(*other as usize) else {
+                continue;
+            };
+            let way = other.way;
+            if out_of_reach(corner, way, reach) || corner == way.0 || corner == way.1 {
+                continue;
+            }
+            let end = nearest_on(way, corner);
+            let away = apart(end, corner);
+            if around > 0 && (nearest.is_some_and(|(known, _)| known <= away) || edge.reaches(other, end, around)) {
+                continue;
+            }
+            let is_neck = (ROUNDING..=reach).contains(&away) && !holds_middle(&ways, corner, end);
+            if is_neck && around > 0 {
+                nearest = Some((away, end));
+            } else if is_neck && !found.contains(&(key(end), key(corner))) {
+                found.insert((key(corner), key(end)));
+                links.push((corner, end));
+            }
+        }
+        links.extend(nearest.map(|(_, end)| (corner, end)));
+    }
+    links
+}
+
+/// An edge, and where it is along its outline.
+struct Along {
+    way: Link,
+    outline: usize,
+    start: f64,
+    /// Of the outline.
+    length: f64,
+}
+
+impl Along {
+    /// The edges of all outlines in their order.
+    fn of(core: &Area) -> Vec<Self> {
+        let mut all = Vec::new();
+        for (outline, corners) in core.outlines().enumerate() {
+            let length = edges(corners).map(|(a, b)| between(a, b)).sum();
+            let mut start = 0.0;
+            for way in edges(corners) {
+                all.push(Self {
+                    way,
+                    outline,
+                    start,
+                    length,
+                });
+                start += between(way.0, way.1);
+            }
+        }
+        all
+    }
+
+    /// Whether the way along the outline from this edge's start to a place on another is no longer than `around`.
+    fn reaches(&self, other: &Self, place: PlanePoint, around: i32) -> bool {
+        let way = (other.start + between(other.way.0, place) - self.start).abs();
+        self.outline == other.outline && way.min(self.length - way) <= f64::from(around)
+    }
+}
+
+fn between(a: PlanePoint, b: PlanePoint) -> f64 {
+    (f64::from(b.x) - f64::from(a.x)).hypot(f64::from(b.y) - f64::from(a.y))
+}
+
+fn key(p: PlanePoint) -> (i32, i32) {
+    (p.x, p.y)
+}
+
+fn at(p: PlanePoint) -> [f64; 2] {
+    [f64::from(p.x), f64::from(p.y)]
+}
+
+/// The larger of the ways along x and y.
+fn apart(a: PlanePoint, b: PlanePoint) -> i64 {
+    let along = |a: i32, b: i32| (i64::from(a) - i64::from(b)).abs();
+    along(a.x, b.x).max(along(a.y, b.y))
+}
+
+/// Half-way along a link.
+pub fn middle((p, q): Link) -> PlanePoint {
+    PlanePoint::new(i32::midpoint(p.x, q.x), i32::midpoint(p.y, q.y))
+}
+
+/// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close
+/// a circle are left out; pieces that this does not join yet are joined in the next round (Borůvka 1926).
+pub fn nearest(core: &Area) -> Vec<Link> {
+    let count = core.pieces.len();
+    if count < 2 {
+        return Vec::new();
+    }
+    let mut best: Vec<Option<(f64, usize, Link)>> = vec![None; count];
+    let piece_ways: Vec<Vec<Link>> = core
+        .pieces
+        .iter()
+        .map(|piece| piece.iter().flat_map(edges).collect())
+        .collect();
+    for (a, ways_a) in piece_ways.iter().enumerate() {
+        for (corner, _) in ways_a {
+            for (b, ways_b) in piece_ways.iter().enumerate().filter(|(b, _)| *b != a) {
+                for way in ways_b {
+                    let known = |i: usize| best[i].map_or(f64::INFINITY, |(far, _, _)| far);
+                    let worth = known(a).max(known(b));
+                    if worth.is_finite() && out_of_reach(*corner, *way, worth as i64 + 1) {
+                        continue;
+                    }
+                    let at = nearest_on(*way, *corner);
+                    let far = f64::from(at.x - corner.x).hypot(f64::from(at.y - corner.y));
+                    for (from, to) in [(a, b), (b, a)] {
+                        if best[from].is_none_or(|(known, _, _)| far < known) {
+                            best[from] = Some((far, to, (*corner, at)));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    without_circles(&best)
+}
+
+fn without_circles(best: &[Option<(f64, usize, Link)>]) -> Vec<Link> {
+    let mut group: Vec<usize> = (0..best.len()).collect();
+    let mut links = Vec::new();
+    for (from, held) in best.iter().enumerate() {
+        let Some((_, to, link)) = held else { continue };
+        let (mine, other) = (group[from], group[*to]);
+        if mine != other {
+            links.push(*link);
+            group.iter_mut().filter(|g| **g == other).for_each(|g| *g = mine);
+        }
+    }
+    links
+}
+
+/// Whether a way is certainly farther from a place than `reach`, along x or y.
+fn out_of_reach(place: PlanePoint, (a, b): Link, reach: i64) -> bool {
+    let beyond = |p: i32, a: i32, b: i32| {
+        let (low, high) = (i64::from(a.min(b)), i64::from(a.max(b)));
+        i64::from(p) < low - reach || i64::from(p) > high + reach
+    };
+    beyond(place.x, a.x, b.x) || beyond(place.y, a.y, b.y)
+}
+
+fn nearest_on((a, b): Link, to: PlanePoint) -> PlanePoint {
+    let (dx, dy) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
+    let along = (f64::from(to.x - a.x) * dx + f64::from(to.y - a.y) * dy) / (dx * dx + dy * dy).max(1.0);
+    let along = along.clamp(0.0, 1.0);
+    PlanePoint::new(a.x + (along * dx).round() as i32, a.y + (along * dy).round() as i32)
+}
+
+/// Whether the middle between two places is inside the edges or on them, by the crossings of a ray to the right (in doubled
+/// coordinates, so that the middle is whole).
+fn holds_middle(ways: &[Link], p: PlanePoint, q: PlanePoint) -> bool {
+    let (x, y) = (i64::from(p.x) + i64::from(q.x), i64::from(p.y) + i64::from(q.y));
+    let mut inside = false;
+    for (a, b) in ways {
+        let doubled = |p: &PlanePoint| (2 * i64::from(p.x), 2 * i64::from(p.y));
+        let ((ax, ay), (bx, by)) = (doubled(a), doubled(b));
+        let side = i128::from(bx - ax) * i128::from(y - ay) - i128::from(by - ay) * i128::from(x - ax);
+        let between = x >= ax.min(bx) && x <= ax.max(bx) && y >= ay.min(by) && y <= ay.max(by);
+        if side == 0 && between {
+            return true;
+        }
+        if (ay > y) != (by > y) && (side > 0) == (by > ay) {
+            inside = !inside;
+        }
+    }
+    inside
+}

@@ -1,0 +1,273 @@
+//! Paint instead of paper: a pattern in a few paints, as sheets to paint by number and as stencils.
+//!
+//! [`stencil`] is geometry alone and takes any outlines; the rest draws it for a rectangle of a repeated pattern.
+
+mod bridges;
+mod legend;
+mod numbers;
+mod pieces;
+pub mod plane;
+mod regions;
+mod stencil;
+mod stencil_sheet;
+
+pub use legend::{Legend, sheets as legend_sheets, swatch};
+pub use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stencil};
+pub use stencil_sheet::{OPENING, cross, disc, hole_mm, mirrored};
+
+use super::lettering::number;
+use super::sheet::Sheet;
+use super::template::cover::cover;
+use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
+use super::{SheetError, printer};
+use regions::CellGrid;
+use scaleproof_core::geometry::length::shown;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::palette::Painted;
+
+/// Thinner bridges than this do not last in any stencil.
+pub const MIN_FEATURE_MM: f64 = 0.2;
+/// Wider ones, with the rim that holds them, leave an office printer no room.
+pub const MAX_FEATURE_MM: f64 = 10.0;
+/// A bridge, and an opening on either side of it.
+const FEATURES_PER_CELL: f64 = 3.0;
+pub const RIM_MM: f64 = 10.0;
+/// Nobody paints more cells by number, and stencils of more take hours.
+pub const MOST_CELLS: usize = 250_000;
+
+/// Why there are no paint sheets.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PaintError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Template(#[from] TemplateError),
+    #[error(transparent)]
+    NoStencil(#[from] NoStencil),
+    #[error("minimum feature width cannot be {}; give 0.2 to 10 mm", shown(*feature_mm))]
+    FeatureWidth { feature_mm: f64 },
+    #[error(
+        "cells of {cell} mm are too small for stencils with features of {feature} mm (a bridge and an opening on either side of it \
+         take three times that)"
+    )]
+    CellTooSmall {
+        cell: String,
+        feature: String,
+        /// The widest features that these cells have room for.
+        most: String,
+        /// The smallest tile that has room for these features.
+        least_tile: String,
+    },
+    #[error(
+        "{paints} paints on {sheets} sheets would be {pages} pages, more than {MAX_SHEETS}; use fewer paints, larger paper or a smaller size"
+    )]
+    TooManyPages { paints: usize, sheets: usize, pages: usize },
+    #[error("the panel would have {cells} cells, more than {MOST_CELLS}; use a larger tile or a smaller size")]
+    TooManyCells { cells: usize },
+}
+
+/// What to print.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaintRequest {
+    /// As for a template. Overlap and bleed have no meaning: the sheets have rims and are laid edge to edge.
+    pub template: TemplateRequest,
+    /// The least width of bridges and openings.
+    pub min_feature_mm: f64,
+    /// Stencils as seen from their back, to be cut from the back side of a film.
+    pub mirror: bool,
+}
+
+impl PaintRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        let TemplateRequest {
+            pattern_name, tile_mm, ..
+        } = &self.template;
+        format!("Paint sheets of {pattern_name}, tile {} mm", number(*tile_mm))
+    }
+}
+
+/// The rim of a stencil with features of this width: it holds registration holes.
+pub fn rim_mm(min_feature_mm: f64) -> f64 {
+    RIM_MM.max(hole_mm(min_feature_mm) + 2.0 * min_feature_mm)
+}
+
+/// What becomes of a paint's area. `openings_mm2` and `bridges_mm2` make up `cells_mm2`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PaintArea {
+    pub cells_mm2: f64,
+    pub openings_mm2: f64,
+    /// Left to be touched up with a brush.
+    pub bridges_mm2: f64,
+}
+
+impl PaintArea {
+    /// What becomes of the area of all of some paints.
+    pub fn sum(areas: &[Self]) -> Self {
+        areas.iter().fold(Self::default(), |sum, area| Self {
+            cells_mm2: sum.cells_mm2 + area.cells_mm2,
+            openings_mm2: sum.openings_mm2 + area.openings_mm2,
+            bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
+        })
+    }
+}
+
+/// The pages, and what is on them.
+#[derive(Debug, Clone)]
+pub struct PaintSheets {
+    pub layout: SheetLayout,
+    pub cell_mm: f64,
+    /// For each of the paints.
+    pub areas: Vec<PaintArea>,
+    /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
+    pub pages: Vec<Sheet>,
+    /// A name for each page, where it becomes a file of its own.
+    pub names: Vec<String>,
+}
+
+impl PaintSheets {
+    /// What becomes of the area of all paints.
+    pub fn whole(&self) -> PaintArea {
+        PaintArea::sum(&self.areas)
+    }
+
+    /// How many of the pages are stencils: those of one paint on one sheet.
+    pub fn stencils(&self) -> usize {
+        let is_stencil = |name: &&String| name.starts_with("paint") && name.contains('-');
+        self.names.iter().filter(is_stencil).count()
+    }
+
+    fn add(&mut self, name: String, sheet: Sheet, stretch: (f64, f64)) {
+        self.pages.push(printer::corrected_one(sheet, stretch));
+        self.names.push(name);
+    }
+}
+
+/// Draws the sheets. A sheet on which a paint does not occur, or cannot be sprayed, gets no stencil of it.
+///
+/// # Errors
+/// Whatever [`super::template::template`] refuses; a least width outside [`MIN_FEATURE_MM`] to [`MAX_FEATURE_MM`]; cells below three
+/// times that; too many pages; too many cells.
+pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest) -> Result<PaintSheets, PaintError> {
+    let cell_mm = cell_mm(pattern, &request.template)?;
+    check_features(cell_mm, pattern.columns(), request.min_feature_mm)?;
+    let rules = Rules {
+        min_feature_mm: request.min_feature_mm,
+        rim_mm: rim_mm(request.min_feature_mm),
+    };
+    let layout = pieces::pieces(&request.template.layout, cell_mm, rules.rim_mm)?;
+    check_pages(painted.paints.len(), layout.sheets.len())?;
+    check_cells(cell_mm, request.template.layout.size_mm)?;
+    let grid = CellGrid { painted, cell_mm };
+    let (stencils, areas) = cut(&grid, &layout, rules)?;
+    let captions = Captions::new(pattern, &request.template, cell_mm);
+    let mut made = PaintSheets {
+        layout,
+        cell_mm,
+        areas,
+        pages: Vec::new(),
+        names: Vec::new(),
+    };
+    add_front_matter(&mut made, painted, request, &captions);
+    let layout = made.layout.clone();
+    let stretch = layout.frame.setup.stretch();
+    for plan in &layout.sheets {
+        let sheet = numbers::sheet(&layout, plan, &grid, &captions);
+        made.add(format!("numbers-{}", plan.id()), sheet, stretch);
+    }
+    let pen = stencil_sheet::StencilPen::new(&layout, pattern, request, cell_mm);
+    for Cut { paint, plan, stencil } in &stencils {
+        let sheet = pen.sheet(plan, *paint + 1, &painted.paints[*paint].paint, stencil);
+        made.add(format!("paint{}-{}", paint + 1, plan.id()), sheet, stretch);
+    }
+    Ok(made)
+}
+
+fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRequest, captions: &Captions) {
+    let stretch = made.layout.cover.setup.stretch();
+    let steps = legend::steps(request);
+    let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
+    made.add(
+        "paint".to_owned(),
+        cover(&made.layout, captions, "How to paint", &steps),
+        stretch,
+    );
+    let table = Legend {
+        painted,
+        areas: &made.areas,
+        whole: "panel",
+        notes: &["dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area."],
+    };
+    for (i, sheet) in legend::sheets(&made.layout.cover, &table, captions)
+        .into_iter()
+        .enumerate()
+    {
+        made.add(format!("legend{}", i + 1), sheet, stretch);
+    }
+}
+
+pub fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), PaintError> {
+    if !(MIN_FEATURE_MM..=MAX_FEATURE_MM).contains(&feature_mm) {
+        return Err(PaintError::FeatureWidth { feature_mm });
+    }
+    if cell_mm < FEATURES_PER_CELL * feature_mm {
+        return Err(PaintError::CellTooSmall {
+            cell: number(cell_mm),
+            feature: number(feature_mm),
+            // Rounded to the side on which the advice works.
+            most: number((cell_mm / FEATURES_PER_CELL * 1e3).floor() / 1e3),
+            least_tile: number((FEATURES_PER_CELL * feature_mm * f64::from(columns) * 1e3).ceil() / 1e3),
+        });
+    }
+    Ok(())
+}
+
+pub fn check_pages(paints: usize, sheets: usize) -> Result<(), PaintError> {
+    let pages = (paints + 1) * sheets;
+    if pages > MAX_SHEETS {
+        return Err(PaintError::TooManyPages { paints, sheets, pages });
+    }
+    Ok(())
+}
+
+fn check_cells(cell_mm: f64, (width_mm, height_mm): (f64, f64)) -> Result<(), PaintError> {
+    let [columns, rows] = [width_mm, height_mm].map(|mm| (mm / cell_mm).ceil() as usize);
+    let cells = columns * rows;
+    if cells > MOST_CELLS {
+        return Err(PaintError::TooManyCells { cells });
+    }
+    Ok(())
+}
+
+/// A stencil of a paint on a sheet.
+struct Cut {
+    paint: usize,
+    plan: SheetPlan,
+    stencil: Stencil,
+}
+
+/// All stencils with an opening, paint by paint, and what becomes of each paint's area.
+fn cut(grid: &CellGrid, layout: &SheetLayout, rules: Rules) -> Result<(Vec<Cut>, Vec<PaintArea>), PaintError> {
+    let mut stencils = Vec::new();
+    let mut areas = Vec::new();
+    for paint in 0..grid.painted.paints.len() {
+        let mut area = PaintArea::default();
+        for plan in &layout.sheets {
+            let runs = grid.runs(paint, plan.own);
+            let made = stencil(&runs, &[regions::bounds(plan.own).outline()], rules)?;
+            area.cells_mm2 += runs.iter().map(regions::rectangle_mm2).sum::<f64>();
+            area.openings_mm2 += made.openings.mm2();
+            area.bridges_mm2 += made.bridges.mm2();
+            if !made.openings.is_empty() {
+                stencils.push(Cut {
+                    paint,
+                    plan: plan.clone(),
+                    stencil: made,
+                });
+            }
+        }
+        areas.push(area);
+    }
+    Ok((stencils, areas))
+}

@@ -1,0 +1,248 @@
+//! Areas of the plane in whole ten-thousandths of a millimetre, so that shared edges are shared exactly and areas add up exactly.
+//!
+//! The boolean operations are those of `i_overlay`; growing and shrinking by a square is the union of what the square sweeps.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::{IntOverlayOptions, Overlay};
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+
+/// Units in a millimetre.
+pub const PER_MM: f64 = 10_000.0;
+
+/// A corner, in units.
+pub type PlanePoint = IntPoint<i32>;
+/// A closed outline.
+pub type PlaneOutline = Vec<PlanePoint>;
+
+/// Millimetres to the nearest unit. Beyond 100 m, where nothing is printed, the value is held.
+pub fn units(mm: f64) -> i32 {
+    (mm * PER_MM).round().clamp(-1e9, 1e9) as i32
+}
+
+pub fn mm(units: i32) -> f64 {
+    f64::from(units) / PER_MM
+}
+
+/// Any number of pieces, with or without holes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Area {
+    /// Each a connected piece: its outline counter-clockwise, then its holes clockwise.
+    pub pieces: Vec<Vec<PlaneOutline>>,
+}
+
+/// An upright rectangle by its edges, y up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bounds {
+    pub left: i32,
+    pub bottom: i32,
+    pub right: i32,
+    pub top: i32,
+}
+
+impl Bounds {
+    pub fn grown(self, by: i32) -> Self {
+        Self {
+            left: self.left - by,
+            bottom: self.bottom - by,
+            right: self.right + by,
+            top: self.top + by,
+        }
+    }
+
+    pub fn outline(self) -> PlaneOutline {
+        let Self {
+            left,
+            bottom,
+            right,
+            top,
+        } = self;
+        [(left, bottom), (right, bottom), (right, top), (left, top)]
+            .map(|(x, y)| PlanePoint::new(x, y))
+            .to_vec()
+    }
+}
+
+impl Area {
+    /// What any of the outlines encloses; they may overlap, and all run counter-clockwise.
+    pub fn of(outlines: &[PlaneOutline]) -> Self {
+        operation(outlines, &[], OverlayRule::Subject)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    pub fn outlines(&self) -> impl Iterator<Item = &PlaneOutline> {
+        self.pieces.iter().flatten()
+    }
+
+    /// The corners of every piece, each with the one that follows.
+    pub fn edges(&self) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
+        self.outlines().flat_map(edges)
+    }
+
+    pub fn bounds(&self) -> Option<Bounds> {
+        let mut corners = self.outlines().flatten();
+        let first = corners.next()?;
+        let start = Bounds {
+            left: first.x,
+            bottom: first.y,
+            right: first.x,
+            top: first.y,
+        };
+        Some(corners.fold(start, |b, p| Bounds {
+            left: b.left.min(p.x),
+            bottom: b.bottom.min(p.y),
+            right: b.right.max(p.x),
+            top: b.top.max(p.y),
+        }))
+    }
+
+    pub fn and(&self, other: &Self) -> Self {
+        operation(&self.flat(), &other.flat(), OverlayRule::Intersect)
+    }
+
+    pub fn without(&self, other: &Self) -> Self {
+        operation(&self.flat(), &other.flat(), OverlayRule::Difference)
+    }
+
+    /// With more outlines, which run counter-clockwise.
+    pub fn with(&self, more: &[PlaneOutline]) -> Self {
+        operation(&self.flat(), more, OverlayRule::Union)
+    }
+
+    /// Everything a square of half side `half` covers while its centre is in this area: the Minkowski sum.
+    pub fn grown(&self, half: i32) -> Self {
+        if half == 0 {
+            return self.clone();
+        }
+        let sweeps: Vec<PlaneOutline> = self.edges().map(|(a, b)| swept(a, b, half)).collect();
+        self.with(&sweeps)
+    }
+
+    /// Where the centre of a square of half side `half` can be while all of the square is in this area.
+    pub fn shrunk(&self, half: i32) -> Self {
+        let Some(bounds) = self.bounds() else {
+            return Self::default();
+        };
+        let outside = Self::of(&[bounds.grown(2 * half + 1).outline()]).without(self);
+        self.without(&outside.grown(half))
+    }
+
+    /// All that squares of half side `half` inside this area cover: the morphological opening.
+    pub fn opened(&self, half: i32) -> Self {
+        self.shrunk(half).grown(half)
+    }
+
+    /// Whether a place is inside, by the winding of the outlines around it.
+    pub fn contains(&self, p: PlanePoint) -> bool {
+        let crossing = |(a, b): (PlanePoint, PlanePoint)| {
+            let side = i128::from(b.x - a.x) * i128::from(p.y - a.y) - i128::from(b.y - a.y) * i128::from(p.x - a.x);
+            match (a.y <= p.y, b.y <= p.y) {
+                (true, false) if side > 0 => 1,
+                (false, true) if side < 0 => -1,
+                _ => 0,
+            }
+        };
+        self.edges().map(crossing).sum::<i32>() != 0
+    }
+
+    /// In square units; exact.
+    pub fn doubled_area(&self) -> i128 {
+        let cross =
+            |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
+        self.edges().map(cross).sum()
+    }
+
+    pub fn mm2(&self) -> f64 {
+        self.doubled_area() as f64 / (2.0 * PER_MM * PER_MM)
+    }
+
+    fn flat(&self) -> Vec<PlaneOutline> {
+        self.outlines().cloned().collect()
+    }
+}
+
+/// Each corner of an outline and the next.
+pub fn edges(outline: &PlaneOutline) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
+    outline.iter().copied().zip(outline.iter().copied().cycle().skip(1))
+}
+
+/// What a square of half side `half` covers while its centre goes straight from `a` to `b`: a hexagon, or a rectangle.
+pub fn swept(a: PlanePoint, b: PlanePoint, half: i32) -> PlaneOutline {
+    let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
+    let corners = if a.y <= b.y {
+        [(a, -1, -1), (a, 1, -1), (b, 1, -1), (b, 1, 1), (b, -1, 1), (a, -1, 1)]
+    } else {
+        [(a, -1, -1), (b, -1, -1), (b, 1, -1), (b, 1, 1), (a, 1, 1), (a, -1, 1)]
+    };
+    corners
+        .map(|(p, x, y)| PlanePoint::new(p.x + x * half, p.y + y * half))
+        .to_vec()
+}
+
+fn operation(subject: &[PlaneOutline], clip: &[PlaneOutline], rule: OverlayRule) -> Area {
+    // Pieces that touch in a point are pieces of their own.
+    let options = IntOverlayOptions {
+        ogc: true,
+        ..IntOverlayOptions::default()
+    };
+    let mut overlay = Overlay::<i32>::from_subj_and_clip_custom(subject, clip, options, Default::default());
+    Area {
+        pieces: overlay.overlay(rule, FillRule::NonZero),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(left: i32, bottom: i32, side: i32) -> PlaneOutline {
+        Bounds {
+            left,
+            bottom,
+            right: left + side,
+            top: bottom + side,
+        }
+        .outline()
+    }
+
+    #[test]
+    fn growing_and_shrinking_are_exact() {
+        let ring = Area::of(&[square(0, 0, 100)]).without(&Area::of(&[square(40, 40, 20)]));
+        assert_eq!(ring.doubled_area(), 2 * (10_000 - 400));
+        assert_eq!(ring.grown(5).doubled_area(), 2 * (110 * 110 - 100));
+        assert_eq!(ring.shrunk(5).doubled_area(), 2 * (90 * 90 - 900));
+        assert_eq!(ring.shrunk(20), Area::default());
+        assert_eq!(ring.opened(5).doubled_area(), ring.doubled_area());
+        // A spike of 4 goes, the rest stays.
+        let spiked = ring.with(&[Bounds {
+            left: 100,
+            bottom: 10,
+            right: 130,
+            top: 14,
+        }
+        .outline()]);
+        assert_eq!(spiked.opened(5).doubled_area(), ring.doubled_area());
+    }
+
+    #[test]
+    fn squares_that_touch_in_a_corner_are_two_pieces() {
+        assert_eq!(Area::of(&[square(0, 0, 10), square(10, 10, 10)]).pieces.len(), 2);
+        assert_eq!(Area::of(&[square(0, 0, 10), square(10, 0, 10)]).pieces.len(), 1);
+    }
+
+    #[test]
+    fn a_slanted_sweep_has_the_area_of_its_hexagon() {
+        for (b, _) in [
+            (PlanePoint::new(30, 40), 0),
+            (PlanePoint::new(30, -40), 0),
+            (PlanePoint::new(-30, 40), 0),
+        ] {
+            let made = Area::of(&[swept(PlanePoint::new(0, 0), b, 5)]);
+            // The square, and its width and height times the way.
+            assert_eq!(made.doubled_area(), 2 * (100 + 10 * 30 + 10 * 40));
+        }
+    }
+}

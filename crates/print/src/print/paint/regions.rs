@@ -1,0 +1,219 @@
+//! The cells of a panel as rectangles, runs and connected regions. Areas are in the template's frame with y turned up:
+//! (x, -y) of [`TemplateRect`], in [`plane`](super::plane) units.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
+use crate::print::template::TemplateRect;
+use scaleproof_surface::pattern::palette::Painted;
+
+/// A pattern in paints, repeated over a panel from its top-left corner.
+#[derive(Debug, Clone, Copy)]
+pub struct CellGrid<'a> {
+    pub painted: &'a Painted,
+    pub cell_mm: f64,
+}
+
+/// Neighbouring cells of one paint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaintPatch {
+    pub paint: usize,
+    /// The middle and the size of the part of a cell that is farthest from the patch's border.
+    pub at_mm: (f64, f64),
+    pub room_mm: (f64, f64),
+}
+
+pub fn bounds(region: TemplateRect) -> Bounds {
+    Bounds {
+        left: units(region.left_mm),
+        bottom: units(-region.bottom_mm),
+        right: units(region.right_mm),
+        top: units(-region.top_mm),
+    }
+}
+
+pub fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
+    match corners[..] {
+        [a, _, b, _] => mm(b.x - a.x) * mm(b.y - a.y),
+        _ => 0.0,
+    }
+}
+
+impl CellGrid<'_> {
+    /// The columns, and the rows, that reach into a region.
+    pub fn cells(&self, region: TemplateRect) -> (Range<usize>, Range<usize>) {
+        // What is left of a cell must be a unit at least: seams on borders of cells are rounded.
+        let range = |from: f64, to: f64| {
+            let first = (from.max(0.0) / self.cell_mm).floor() as usize;
+            let ends = |i: &usize| units(*i as f64 * self.cell_mm);
+            let first = if ends(&(first + 1)) <= units(from) {
+                first + 1
+            } else {
+                first
+            };
+            first..(first..).find(|i| ends(i) >= units(to)).unwrap_or(first)
+        };
+        (
+            range(region.left_mm, region.right_mm),
+            range(region.top_mm, region.bottom_mm),
+        )
+    }
+
+    /// What a region has of some columns and rows.
+    fn part(&self, region: Bounds, columns: Range<usize>, rows: Range<usize>) -> Bounds {
+        let edge = |i: usize| units(i as f64 * self.cell_mm);
+        Bounds {
+            left: edge(columns.start).max(region.left),
+            bottom: (-edge(rows.end)).max(region.bottom),
+            right: edge(columns.end).min(region.right),
+            top: (-edge(rows.start)).min(region.top),
+        }
+    }
+
+    /// What a paint takes of a region: a rectangle for each run of its cells in a row. They share borders and nothing else.
+    pub fn runs(&self, paint: usize, region: TemplateRect) -> Vec<PlaneOutline> {
+        let (columns, rows) = self.cells(region);
+        let whole = bounds(region);
+        let mut runs = Vec::new();
+        for row in rows {
+            let mut column = columns.start;
+            while column < columns.end {
+                let start = column;
+                while column < columns.end && self.painted.paint_at(column, row) == paint {
+                    column += 1;
+                }
+                if column > start {
+                    runs.push(self.part(whole, start..column, row..row + 1).outline());
+                }
+                column += 1;
+            }
+        }
+        runs
+    }
+
+    /// The lines between cells of different paints, and around the region.
+    pub fn borders(&self, region: TemplateRect) -> Vec<(PlanePoint, PlanePoint)> {
+        let (columns, rows) = self.cells(region);
+        let whole = bounds(region);
+        let paint = |column: usize, row: usize| self.painted.paint_at(column, row);
+        let mut lines = super::plane::edges(&whole.outline()).collect::<Vec<_>>();
+        for row in rows.clone().skip(1) {
+            let differ = |column: &usize| paint(*column, row) != paint(*column, row - 1);
+            for run in stretches(columns.clone(), differ) {
+                let part = self.part(whole, run, row..row + 1);
+                lines.push((
+                    PlanePoint::new(part.left, part.top),
+                    PlanePoint::new(part.right, part.top),
+                ));
+            }
+        }
+        for column in columns.skip(1) {
+            let differ = |row: &usize| paint(column, *row) != paint(column - 1, *row);
+            for run in stretches(rows.clone(), differ) {
+                let part = self.part(whole, column..column + 1, run);
+                lines.push((
+                    PlanePoint::new(part.left, part.top),
+                    PlanePoint::new(part.left, part.bottom),
+                ));
+            }
+        }
+        lines
+    }
+
+    /// The patches of a region, cells that share a side taken together, row by row of their first cells.
+    pub fn patches(&self, region: TemplateRect) -> Vec<PaintPatch> {
+        let (columns, rows) = self.cells(region);
+        let (wide, high) = (columns.len(), rows.len());
+        let paint = |i: usize| self.painted.paint_at(columns.start + i % wide, rows.start + i / wide);
+        let inside = depths(wide, high, paint);
+        let whole = bounds(region);
+        let mut seen = vec![false; wide * high];
+        let mut patches = Vec::new();
+        for first in 0..wide * high {
+            if seen[first] {
+                continue;
+            }
+            let part = |i: usize| {
+                let (column, row) = (columns.start + i % wide, rows.start + i / wide);
+                self.part(whole, column..column + 1, row..row + 1)
+            };
+            let size = |i: usize| mm((part(i).right - part(i).left).min(part(i).top - part(i).bottom));
+            let mut best = first;
+            for i in flooded(first, wide, high, &mut seen, |i| paint(i) == paint(first)) {
+                // The deepest cell, and of those the one with the most room at the panel's edge.
+                if (inside[i], size(i)) > (inside[best], size(best)) {
+                    best = i;
+                }
+            }
+            let room = part(best);
+            patches.push(PaintPatch {
+                paint: paint(first),
+                at_mm: (mm(room.left + room.right) / 2.0, mm(room.bottom + room.top) / 2.0),
+                room_mm: (mm(room.right - room.left), mm(room.top - room.bottom)),
+            });
+        }
+        patches
+    }
+}
+
+/// The stretches of a range on which something holds.
+fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    for i in range.filter(holds) {
+        match found.last_mut() {
+            Some(last) if last.end == i => last.end += 1,
+            _ => found.push(i..i + 1),
+        }
+    }
+    found
+}
+
+/// The cells that can be reached from one through cells that are alike; marks them as seen.
+fn flooded(first: usize, wide: usize, high: usize, seen: &mut [bool], alike: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut found = vec![first];
+    seen[first] = true;
+    let mut next = 0;
+    while next < found.len() {
+        for i in neighbours(found[next], wide, high).into_iter().flatten() {
+            if !seen[i] && alike(i) {
+                seen[i] = true;
+                found.push(i);
+            }
+        }
+        next += 1;
+    }
+    found
+}
+
+/// How many steps each cell is from the nearest cell of another paint, or from the outside.
+fn depths(wide: usize, high: usize, paint: impl Fn(usize) -> usize) -> Vec<u32> {
+    let mut depth = vec![u32::MAX; wide * high];
+    let at_border = |i: &usize| {
+        neighbours(*i, wide, high)
+            .iter()
+            .any(|n| n.is_none_or(|n| paint(n) != paint(*i)))
+    };
+    let mut queue: VecDeque<usize> = (0..wide * high).filter(at_border).collect();
+    queue.iter().for_each(|i| depth[*i] = 0);
+    while let Some(i) = queue.pop_front() {
+        for n in neighbours(i, wide, high).into_iter().flatten() {
+            if depth[n] == u32::MAX {
+                depth[n] = depth[i] + 1;
+                queue.push_back(n);
+            }
+        }
+    }
+    depth
+}
+
+/// Left, right, above, below.
+fn neighbours(i: usize, wide: usize, high: usize) -> [Option<usize>; 4] {
+    let (column, row) = (i % wide, i / wide);
+    [
+        (column > 0).then(|| i - 1),
+        (column + 1 < wide).then(|| i + 1),
+        (row > 0).then(|| i - wide),
+        (row + 1 < high).then(|| i + wide),
+    ]
+}

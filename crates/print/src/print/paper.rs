@@ -1,0 +1,174 @@
+//! Paper sizes.
+
+use std::str::FromStr;
+
+use super::SheetError;
+
+/// The longest side a PDF page may have without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
+pub const MAX_SIDE_MM: f64 = 5000.0;
+
+/// A sheet of paper as it is named; which way round it is used is an [`Orientation`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Paper {
+    /// Width of a sheet.
+    pub width_mm: f64,
+    /// Height of a sheet.
+    pub height_mm: f64,
+}
+
+impl Paper {
+    /// 210 × 297 mm.
+    pub const A4: Self = Self {
+        width_mm: 210.0,
+        height_mm: 297.0,
+    };
+    /// 297 × 420 mm.
+    pub const A3: Self = Self {
+        width_mm: 297.0,
+        height_mm: 420.0,
+    };
+    /// 215.9 × 279.4 mm.
+    pub const LETTER: Self = Self {
+        width_mm: 215.9,
+        height_mm: 279.4,
+    };
+    /// 279.4 × 431.8 mm.
+    pub const TABLOID: Self = Self {
+        width_mm: 279.4,
+        height_mm: 431.8,
+    };
+
+    /// The paper turned so that its short side is across.
+    pub fn portrait(self) -> Self {
+        let (short, long) = (self.width_mm.min(self.height_mm), self.width_mm.max(self.height_mm));
+        Self {
+            width_mm: short,
+            height_mm: long,
+        }
+    }
+
+    /// The paper turned so that its long side is across.
+    pub fn landscape(self) -> Self {
+        let Self { width_mm, height_mm } = self.portrait();
+        Self {
+            width_mm: height_mm,
+            height_mm: width_mm,
+        }
+    }
+}
+
+impl FromStr for Paper {
+    type Err = SheetError;
+
+    /// A name (`a4`, `a3`, `letter`, `tabloid`) or `WIDTHxHEIGHT` in millimetres.
+    fn from_str(text: &str) -> Result<Self, SheetError> {
+        let unknown = || SheetError::UnknownPaper { text: text.to_owned() };
+        match text.to_ascii_lowercase().as_str() {
+            "a4" => Ok(Self::A4),
+            "a3" => Ok(Self::A3),
+            "letter" => Ok(Self::LETTER),
+            "tabloid" => Ok(Self::TABLOID),
+            size => {
+                let (width_mm, height_mm) = two_lengths(size).ok_or_else(unknown)?;
+                let fits = |side: f64| side > 0.0 && side <= MAX_SIDE_MM;
+                if fits(width_mm) && fits(height_mm) {
+                    Ok(Self { width_mm, height_mm })
+                } else {
+                    Err(unknown())
+                }
+            }
+        }
+    }
+}
+
+/// What lies in the printer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stock {
+    /// Cut sheets.
+    Cut(Paper),
+    /// A roll: its width is fixed, a page is as long as needed.
+    #[allow(missing_docs)]
+    Roll { width_mm: f64 },
+}
+
+impl From<Paper> for Stock {
+    fn from(paper: Paper) -> Self {
+        Self::Cut(paper)
+    }
+}
+
+impl FromStr for Stock {
+    type Err = SheetError;
+
+    /// A [`Paper`], or `roll` and a width in millimetres, as in `roll610`.
+    fn from_str(text: &str) -> Result<Self, SheetError> {
+        let Some(width) = text.to_ascii_lowercase().strip_prefix("roll").map(str::to_owned) else {
+            return Ok(Self::Cut(text.parse()?));
+        };
+        match width.trim().parse() {
+            Ok(width_mm) if width_mm > 0.0 && width_mm <= MAX_SIDE_MM => Ok(Self::Roll { width_mm }),
+            _ => Err(SheetError::UnknownPaper { text: text.to_owned() }),
+        }
+    }
+}
+
+/// Which way round the paper is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Orientation {
+    /// Whichever needs fewer sheets; portrait if both need the same.
+    #[default]
+    Auto,
+    /// The short side across.
+    Portrait,
+    /// The long side across.
+    Landscape,
+}
+
+/// Reads `WIDTHxHEIGHT` in millimetres.
+///
+/// # Errors
+/// Anything but two numbers with an `x` between them. Whether the numbers make sense is for the caller to say.
+pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
+    two_lengths(&text.to_ascii_lowercase()).ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })
+}
+
+fn two_lengths(text: &str) -> Option<(f64, f64)> {
+    let (width, height) = text.split_once(['x', '×'])?;
+    Some((width.trim().parse().ok()?, height.trim().parse().ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rolls_have_a_width() {
+        assert_eq!("Roll610".parse(), Ok(Stock::Roll { width_mm: 610.0 }));
+        assert_eq!("a4".parse(), Ok(Stock::Cut(Paper::A4)));
+        for nonsense in ["roll", "roll0", "roll-3", "rollnan", "roll9000", "rolled"] {
+            assert!(nonsense.parse::<Stock>().is_err(), "{nonsense}");
+        }
+    }
+
+    #[test]
+    fn papers_have_names_or_sizes() {
+        assert_eq!("A3".parse(), Ok(Paper::A3));
+        assert_eq!(
+            "610 x 914.5".parse(),
+            Ok(Paper {
+                width_mm: 610.0,
+                height_mm: 914.5
+            })
+        );
+        assert_eq!(
+            Paper::A4.landscape(),
+            Paper {
+                width_mm: 297.0,
+                height_mm: 210.0
+            }
+        );
+        for nonsense in ["a9", "", "210", "0x10", "nanx10", "-1x5", "9000x20"] {
+            assert!(nonsense.parse::<Paper>().is_err(), "{nonsense}");
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use image::RgbImage;
+
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::template::{TemplateError, check_scale, furniture, layout};
+use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
+use super::{SheetError, printer};
+use scaleproof_core::geometry::length::{self, BadLength, shown};
+use scaleproof_surface::pattern::picture::{Picture, PictureError};
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger images are embedded whole.
+const MAX_RECTANGLES: u32 = 128;
+/// Around a piece on its sheets, for the line it is cut along.
+const ROOM_MM: f64 = 3.0;
+/// Less than this of a patch off its panel is rounding.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// Why no patches were printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PatchError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Scale(#[from] TemplateError),
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    #[error("the patch {path} cannot be used ({reason})", path = .0.path.display(), reason = .0.reason)]
+    BadImage(#[from] PictureError),
+    #[error("patch {what} cannot be {}; give a width and height of 1 to 10000 mm", shown(*value))]
+    Size { what: &'static str, value: f64 },
+    #[error("the paint has no {side} panel; choose another panel or other materials")]
+    NoPanel { side: &'static str },
+    #[error(
+        "the patch lies wholly beside the {side} panel, which reaches from {low_mm} to {high_mm} mm (right, up); give a place on it"
+    )]
+    OffPanel {
+        side: &'static str,
+        low_mm: String,
+        high_mm: String,
+    },
+}
+
+/// An image to be printed as it is.
+#[derive(Debug, Clone)]
+pub struct PatchImage(Picture);
+
+impl PatchImage {
+    /// Reads a PNG or JPEG.
+    ///
+    /// # Errors
+    /// Whatever [`Picture::load`] refuses.
+    pub fn load(path: &Path) -> Result<Self, PatchError> {
+        Ok(Self(Picture::load(path)?))
+    }
+
+    pub fn pixels(&self) -> &RgbImage {
+        &self.0.pixels
+    }
+
+    /// What was done to it, as a clause.
+    pub fn note(&self) -> Option<&str> {
+        self.0.note.as_deref()
+    }
+
+    /// The pixels without a copy.
+    pub fn shared(&self) -> Arc<RgbImage> {
+        Arc::clone(&self.0.pixels)
+    }
+
+    /// Height for a width that keeps the image's proportions.
+    pub fn height_for(&self, width: f64) -> f64 {
+        self.0.height_for(width)
+    }
+
+    /// The image over an area of a page.
+    fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
+        match stamp {
+            Some(stamp) => Mark::Stamped {
+                stamp: Arc::clone(stamp),
+                at: vec![PointMm::new(area.left_mm, area.top_mm)],
+                clip: area,
+            },
+            None => Mark::Image {
+                image: Arc::clone(&self.0.pixels),
+                area,
+            },
+        }
+    }
+
+    /// Every pixel as a rectangle, if they are few. Frame: origin at the top-left corner, y up.
+    fn stamp(&self, (width_mm, height_mm): (f64, f64)) -> Option<Arc<Stamp>> {
+        let (columns, rows) = self.pixels().dimensions();
+        if columns > MAX_RECTANGLES || rows > MAX_RECTANGLES {
+            return None;
+        }
+        let (wide, high) = (width_mm / f64::from(columns), height_mm / f64::from(rows));
+        // Each runs on under its right and its lower neighbour, which cover it: no white hairlines.
+        let fill = |(column, row, pixel): (u32, u32, &image::Rgb<u8>)| {
+            let (left, top) = (f64::from(column) * wide, -f64::from(row) * high);
+            Fill {
+                area: RectMm::new(left, top - 1.25 * high, left + 1.25 * wide, top),
+                colour: pixel.0,
+            }
+        };
+        Some(Arc::new(Stamp {
+            bounds: RectMm::new(0.0, -height_mm - 0.25 * high, width_mm + 0.25 * wide, 0.0),
+            fills: self.pixels().enumerate_pixels().map(fill).collect(),
+        }))
+    }
+}
+
+/// An image on a panel.
+#[derive(Debug, Clone)]
+pub struct PanelPatch {
+    /// How the captions call it: its file name.
+    pub name: String,
+    pub image: PatchImage,
+    pub side: Side,
+    /// Its middle in the panel's plane: (u, v), see [`Side`].
+    pub at_mm: Point,
+    /// Width and height on the panel.
+    pub size_mm: (f64, f64),
+}
+
+impl PanelPatch {
+    fn area(&self) -> RectMm {
+        let ([u, v], (width, height)) = (self.at_mm, self.size_mm);
+        RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
+    }
+
+    fn region(&self) -> Region {
+        let corners = self.area().outline();
+        Region::union(vec![corners.iter().map(|p| [p.x_mm, p.y_mm]).collect()])
+    }
+}
+
+/// The pages of some patches.
+#[derive(Debug, Clone)]
+pub struct Patches {
+    /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
+    /// patch as a piece. As the printer needs them.
+    pub pages: Vec<Sheet>,
+    pub page_names: Vec<String>,
+    /// What each patch lost beyond its panel's outline: a share of its area.
+    pub off_panel: Vec<f64>,
+}
+
+/// Draws patches on the panels of a model.
+///
+/// # Errors
+/// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
+/// layout refuses.
+pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
+    check_scale(request.scale)?;
+    // All before the first is drawn: a panel's sheets show every patch on it.
+    patches.iter().try_for_each(check)?;
+    let mut made = Patches {
+        pages: Vec::new(),
+        page_names: Vec::new(),
+        off_panel: Vec::new(),
+    };
+    let mut shown = Vec::new();
+    for (i, patch) in patches.iter().enumerate() {
+        let side = patch.side.name();
+        let panel = panels.iter().find(|panel| panel.side == patch.side);
+        let panel = panel.ok_or(PatchError::NoPanel { side })?;
+        let whole = patch.region();
+        let cut = whole.and(&panel.region);
+        let off = 1.0 - cut.area_mm2() / whole.area_mm2();
+        if cut.is_empty() || off > 1.0 - LEAST_SHARE {
+            let (low, high) = panel.region.bounds().unwrap_or_default();
+            return Err(PatchError::OffPanel {
+                side,
+                low_mm: format!("{:.0},{:.0}", low[0], low[1]),
+                high_mm: format!("{:.0},{:.0}", high[0], high[1]),
+            });
+        }
+        made.off_panel.push(if off < LEAST_SHARE { 0.0 } else { off });
+        if !shown.contains(&patch.side) {
+            shown.push(patch.side);
+            let here: Vec<&PanelPatch> = patches.iter().filter(|p| p.side == patch.side).collect();
+            made.draw(side, &panel.region, &panel.edges, &here, request)?;
+        }
+        made.draw(&format!("patch{}", i + 1), &cut, &[], &[patch], request)?;
+    }
+    Ok(made)
+}
+
+/// # Errors
+/// A place or size that no patch has.
+pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
+    for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
+        if !(1.0..=10_000.0).contains(&value) {
+            return Err(PatchError::Size { what, value });
+        }
+    }
+    for at in patch.at_mm {
+        length::place_mm("patch place", at)?;
+    }
+    Ok(())
+}
+
+impl Patches {
+    /// A region with the patches that lie on it, over as many sheets as it takes.
+    fn draw(
+        &mut self,
+        name: &str,
+        region: &Region,
+        edges: &[[Point; 2]],
+        on_it: &[&PanelPatch],
+        request: &WrapRequest,
+    ) -> Result<(), SheetError> {
+        let (low, high) = region.bounds().unwrap_or_default();
+        let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
+        let side = on_it[0].side;
+        let named = WrapRequest {
+            name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+            ..request.clone()
+        };
+        let template = named.template(side, (size[0], size[1]));
+        let layout = layout(&template.layout)?;
+        let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
+        let captions = furniture::Captions::of_image(&template, &facts).of_piece(name);
+        let stamps: Vec<_> = on_it.iter().map(|p| p.image.stamp(p.size_mm)).collect();
+        let corner = [low[0] - ROOM_MM, high[1] + ROOM_MM];
+        let mut sheets = Vec::new();
+        for plan in &layout.sheets {
+            let by = moved_by_mm(plan, corner);
+            let images = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
+                let area = patch.area();
+                let area = RectMm::new(
+                    area.left_mm + by[0],
+                    area.bottom_mm + by[1],
+                    area.right_mm + by[0],
+                    area.top_mm + by[1],
+                );
+                patch.image.mark(stamp.as_ref(), area)
+            });
+            let on_sheet = Mark::Clipped {
+                to: moved(region.contours(), by),
+                marks: images.collect(),
+            };
+            let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
+            let mut content = vec![on_sheet];
+            content.extend(edges.iter().map(|[a, b]| Mark::line(at(a), at(b), EDGE_LINE_MM)));
+            content.extend(cut_line(region, by));
+            let mut marks = vec![Mark::Clipped {
+                to: vec![plan.printed.outline()],
+                marks: content,
+            }];
+            marks.push(cutter_path(region, by, plan));
+            marks.extend(furniture::all(&layout, plan, &captions));
+            sheets.push(layout.frame.sheet(plan.trim, plan.printed, marks));
+            self.page_names.push(format!("{name}-{}", plan.id()));
+        }
+        self.pages
+            .extend(printer::corrected(sheets, layout.frame.setup.stretch()));
+        Ok(())
+    }
+}
+
+const EDGE_LINE_MM: f64 = 0.1;
+
+impl PanelPatch {
+    /// Size, place and hash, for the caption.
+    fn fact(&self) -> String {
+        let number = super::lettering::number;
+        format!(
+            "{} × {} mm on the {} panel at {}, {} mm, sha256 {}",
+            number(self.size_mm.0),
+            number(self.size_mm.1),
+            self.side.name(),
+            number(self.at_mm[0]),
+            number(self.at_mm[1]),
+            self.image.0.sha256.get(..12).unwrap_or_default()
+        )
+    }
+}

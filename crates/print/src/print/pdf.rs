@@ -1,0 +1,395 @@
+//! Sheets → PDF, by `printpdf`, in true size. The same sheets give the same bytes: no date, no random ids.
+
+pub(super) mod font;
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::sync::Arc;
+
+use image::RgbImage;
+use lopdf::{Dictionary, Document, Object, StringFormat};
+use printpdf::{
+    Color, CurTransMat, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode,
+    PdfDocument, PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem, TextMatrix,
+    WindingOrder, XObject, XObjectId, XObjectTransform,
+};
+
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
+use super::{SheetError, lettering};
+use scaleproof_core::files;
+
+/// Writes the sheets as the pages of one PDF.
+///
+/// # Errors
+/// Only if the PDF library fails; no sheet is refused.
+pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, SheetError> {
+    let mut pdf = PdfDocument::new(title);
+    let mut stamps = Stamps::default();
+    for sheet in sheets {
+        let ops = sheet
+            .marks
+            .iter()
+            .flat_map(|mark| mark_ops(mark, &mut stamps))
+            .collect();
+        pdf.pages.push(PdfPage {
+            ops,
+            ..blank_page(sheet)
+        });
+    }
+    pdf.resources.xobjects.map = stamps.into_objects();
+    // Nothing to optimise: there are no rasters, and compressing comes last.
+    let options = PdfSaveOptions {
+        image_optimization: None,
+        ..PdfSaveOptions::default()
+    };
+    let mut document = pdf.to_lopdf_document(&options, &mut Vec::new());
+    finish(&mut document, title, sheets).map_err(|e| SheetError::Pdf { reason: e.to_string() })?;
+    bytes_of(document)
+}
+
+fn blank_page(sheet: &Sheet) -> PdfPage {
+    let mut page = PdfPage::new(printpdf::Mm(0.0), printpdf::Mm(0.0), Vec::new());
+    let whole = Rect::from_wh(pt(sheet.width_mm), pt(sheet.height_mm));
+    (page.media_box, page.crop_box, page.trim_box) = (whole.clone(), whole.clone(), whole);
+    page
+}
+
+/// What printpdf does not write, or writes differently on every run.
+fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), lopdf::Error> {
+    // ViewerPreferences /PickTrayByPDFSize came with PDF 1.7 (ISO 32000-1, table 150).
+    document.version = "1.7".to_owned();
+    let preferences = Dictionary::from_iter([
+        ("PrintScaling", name("None")),
+        ("PickTrayByPDFSize", Object::Boolean(true)),
+        ("DisplayDocTitle", Object::Boolean(true)),
+    ]);
+    document.catalog_mut()?.set("ViewerPreferences", preferences);
+    font::embed(document);
+    let pages: Vec<_> = document.page_iter().collect();
+    for (page, sheet) in pages.into_iter().zip(sheets) {
+        // printpdf writes a box as x, y, width, height; a PDF wants two corners.
+        let page = document.get_object_mut(page)?.as_dict_mut()?;
+        page.set("TrimBox", corners(sheet.trim));
+        page.set("BleedBox", corners(sheet.bleed));
+    }
+    let info = Dictionary::from_iter([
+        ("Title", lopdf::text_string(title)),
+        (
+            "Creator",
+            lopdf::text_string(concat!("scaleproof ", env!("CARGO_PKG_VERSION"))),
+        ),
+        ("Producer", lopdf::text_string("printpdf")),
+    ]);
+    if let Ok(old) = document.trailer.get(b"Info").and_then(Object::as_reference) {
+        document.set_object(old, info);
+    }
+    Ok(())
+}
+
+/// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
+pub(super) fn bytes_of(mut document: Document) -> Result<Vec<u8>, SheetError> {
+    let failed = |e: std::io::Error| SheetError::Pdf { reason: e.to_string() };
+    document.compress();
+    document.trailer.remove(b"ID");
+    let mut bytes = Vec::new();
+    document.save_to(&mut bytes).map_err(failed)?;
+    let hash = files::sha256_hex(&bytes).into_bytes()[..32].to_vec();
+    let id = Object::String(hash, StringFormat::Literal);
+    document.trailer.set("ID", vec![id.clone(), id]);
+    bytes.clear();
+    document.save_to(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}
+
+pub(super) fn name(text: &str) -> Object {
+    Object::Name(text.as_bytes().to_vec())
+}
+
+fn corners(area: RectMm) -> Vec<Object> {
+    [area.left_mm, area.bottom_mm, area.right_mm, area.top_mm]
+        .map(|mm| Object::Real(points(mm) as f32))
+        .to_vec()
+}
+
+/// The stamps and images met so far; each becomes one XObject however often it is placed.
+#[derive(Default)]
+struct Stamps {
+    stamps: Vec<Arc<Stamp>>,
+    images: Vec<Arc<RgbImage>>,
+}
+
+impl Stamps {
+    fn id_of(&mut self, stamp: &Arc<Stamp>) -> XObjectId {
+        XObjectId(format!("Stamp{}", index_of(&mut self.stamps, stamp)))
+    }
+
+    fn id_of_image(&mut self, image: &Arc<RgbImage>) -> XObjectId {
+        XObjectId(format!("Picture{}", index_of(&mut self.images, image)))
+    }
+
+    fn into_objects(self) -> BTreeMap<XObjectId, XObject> {
+        let stamps = self.stamps.iter().enumerate();
+        let forms = stamps.map(|(i, stamp)| (XObjectId(format!("Stamp{i}")), form(stamp)));
+        let images = self.images.iter().enumerate();
+        let images = images.map(|(i, image)| (XObjectId(format!("Picture{i}")), image_object(image)));
+        forms.chain(images).collect()
+    }
+}
+
+/// The place of a shared thing in a list, which it joins if it is new.
+fn index_of<T>(known: &mut Vec<Arc<T>>, thing: &Arc<T>) -> usize {
+    known.iter().position(|k| Arc::ptr_eq(k, thing)).unwrap_or_else(|| {
+        known.push(Arc::clone(thing));
+        known.len() - 1
+    })
+}
+
+/// A lossless image XObject with every pixel as it is: printpdf's own image type goes through its optimiser.
+fn image_object(image: &RgbImage) -> XObject {
+    let number = |n: u32| DictItem::Int(i64::from(n));
+    let dict = BTreeMap::from([
+        ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
+        ("Subtype".to_owned(), DictItem::Name(b"Image".to_vec())),
+        ("Width".to_owned(), number(image.width())),
+        ("Height".to_owned(), number(image.height())),
+        ("ColorSpace".to_owned(), DictItem::Name(b"DeviceRGB".to_vec())),
+        ("BitsPerComponent".to_owned(), number(8)),
+        ("Interpolate".to_owned(), DictItem::Bool(false)),
+    ]);
+    external(dict, image.as_raw().clone())
+}
+
+fn external(dict: BTreeMap<String, DictItem>, content: Vec<u8>) -> XObject {
+    let stream = ExternalStream {
+        dict,
+        content,
+        compress: true,
+    };
+    XObject::External(ExternalXObject {
+        stream,
+        width: None,
+        height: None,
+        dpi: None,
+    })
+}
+
+/// A form XObject. printpdf's own form type cannot carry the required BBox, so this is an "external" stream.
+fn form(stamp: &Stamp) -> XObject {
+    let b = stamp.bounds;
+    let bounds = [b.left_mm, b.bottom_mm, b.right_mm, b.top_mm]
+        .map(|mm| DictItem::Real(points(mm) as f32))
+        .to_vec();
+    let dict = BTreeMap::from([
+        ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
+        ("Subtype".to_owned(), DictItem::Name(b"Form".to_vec())),
+        ("BBox".to_owned(), DictItem::Array(bounds)),
+        ("Resources".to_owned(), DictItem::Dict { map: BTreeMap::new() }),
+    ]);
+    let mut content = String::new();
+    for fill in &stamp.fills {
+        let [r, g, b] = fill.colour.map(unit);
+        let area = fill.area;
+        let [x, y, w, h] = [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(points);
+        // Writing to a String cannot fail.
+        let _ = writeln!(content, "{r} {g} {b} rg {x} {y} {w} {h} re f");
+    }
+    external(dict, content.into_bytes())
+}
+
+fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
+    match mark {
+        Mark::Fill(Fill { area, colour }) => {
+            vec![
+                Op::SetFillColor { col: color(*colour) },
+                rectangle(*area, PaintMode::Fill),
+            ]
+        }
+        Mark::Line {
+            from,
+            to,
+            width_mm,
+            dash_mm,
+            colour,
+        } => line_ops([*from, *to], *width_mm, *dash_mm, *colour),
+        Mark::Text {
+            at,
+            size_mm,
+            anchor,
+            text,
+            colour,
+        } => text_ops(*at, *size_mm, *anchor, text, *colour),
+        Mark::Area { outlines, colour } => vec![
+            Op::SetFillColor { col: color(*colour) },
+            polygon(outlines, PaintMode::Fill),
+        ],
+        Mark::Cut { .. } => Vec::new(),
+        // A path of nothing would cut nothing off.
+        Mark::Clipped { to, .. } if to.is_empty() => Vec::new(),
+        Mark::Clipped { to, marks } => {
+            let mut ops = vec![Op::SaveGraphicsState, polygon(to, PaintMode::Clip)];
+            ops.extend(marks.iter().flat_map(|mark| mark_ops(mark, stamps)));
+            ops.push(Op::RestoreGraphicsState);
+            ops
+        }
+        Mark::Image { image, area } => {
+            let [x, y, width, height] =
+                [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(|mm| pt(mm).0);
+            // An image fills the unit square of its frame.
+            let matrix = CurTransMat::Raw([width, 0.0, 0.0, height, x, y]);
+            let transform = XObjectTransform {
+                no_auto_scale: true,
+                ..XObjectTransform::default()
+            };
+            let id = stamps.id_of_image(image);
+            vec![
+                Op::SaveGraphicsState,
+                Op::SetTransformationMatrix { matrix },
+                Op::UseXobject { id, transform },
+                Op::RestoreGraphicsState,
+            ]
+        }
+        Mark::Stamped { stamp, at, clip } => {
+            let id = stamps.id_of(stamp);
+            let mut ops = vec![Op::SaveGraphicsState, rectangle(*clip, PaintMode::Clip)];
+            ops.extend(at.iter().map(|place| Op::UseXobject {
+                id: id.clone(),
+                transform: moved_to(*place),
+            }));
+            ops.push(Op::RestoreGraphicsState);
+            ops
+        }
+    }
+}
+
+fn rectangle(area: RectMm, mode: PaintMode) -> Op {
+    let [x, y, width, height] = [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(pt);
+    let winding_order = Some(WindingOrder::NonZero);
+    Op::DrawRectangle {
+        rectangle: Rect {
+            x,
+            y,
+            width,
+            height,
+            mode: Some(mode),
+            winding_order,
+        },
+    }
+}
+
+fn moved_to(place: PointMm) -> XObjectTransform {
+    XObjectTransform {
+        translate_x: Some(pt(place.x_mm)),
+        translate_y: Some(pt(place.y_mm)),
+        no_auto_scale: true,
+        ..XObjectTransform::default()
+    }
+}
+
+fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Vec<Op> {
+    let dash = match dash_mm {
+        Some((dash, gap)) => LineDashPattern::new(0.0, &[pt(dash).0, pt(gap).0]),
+        None => LineDashPattern::solid(),
+    };
+    let points = ends
+        .map(|p| LinePoint {
+            p: Point {
+                x: pt(p.x_mm),
+                y: pt(p.y_mm),
+            },
+            bezier: false,
+        })
+        .to_vec();
+    vec![
+        Op::SetOutlineColor { col: color(colour) },
+        Op::SetOutlineThickness { pt: pt(width_mm) },
+        Op::SetLineDashPattern { dash },
+        Op::DrawLine {
+            line: Line {
+                points,
+                is_closed: false,
+            },
+        },
+    ]
+}
+
+fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
+    let corner = |p: &PointMm| LinePoint {
+        p: Point {
+            x: pt(p.x_mm),
+            y: pt(p.y_mm),
+        },
+        bezier: false,
+    };
+    let ring = |outline: &Vec<PointMm>| PolygonRing {
+        points: outline.iter().map(corner).collect(),
+    };
+    let polygon = Polygon {
+        rings: outlines.iter().map(ring).collect(),
+        mode,
+        winding_order: WindingOrder::NonZero,
+    };
+    Op::DrawPolygon { polygon }
+}
+
+fn text_ops(at: PointMm, size_mm: f64, anchor: TextAnchor, text: &str, colour: Srgb8) -> Vec<Op> {
+    let width_mm = lettering::width_mm(text, size_mm);
+    let left_mm = match anchor {
+        TextAnchor::Left => at.x_mm,
+        TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
+        TextAnchor::Right => at.x_mm - width_mm,
+    };
+    vec![
+        Op::StartTextSection,
+        Op::SetFillColor { col: color(colour) },
+        Op::SetFont {
+            font: PdfFontHandle::Builtin(font::STAND_IN),
+            size: pt(size_mm),
+        },
+        Op::SetTextMatrix {
+            matrix: TextMatrix::Translate(pt(left_mm), pt(at.y_mm)),
+        },
+        Op::ShowText {
+            items: vec![TextItem::Text(text.to_owned())],
+        },
+        Op::EndTextSection,
+    ]
+}
+
+/// Millimetres to points, in double precision and to a thousandth of a point (0.35 µm). printpdf's own `Mm` works in single
+/// precision with a factor of seven digits, and shorter numbers make a shorter file.
+fn points(mm: f64) -> f64 {
+    (mm * 72.0 / 25.4 * 1000.0).round() / 1000.0
+}
+
+fn pt(mm: f64) -> Pt {
+    Pt(points(mm) as f32)
+}
+
+/// An 8-bit channel as a share of full, with the digits it takes to come back as the same 8 bits.
+fn unit(channel: u8) -> f64 {
+    (f64::from(channel) / 255.0 * 10_000.0).round() / 10_000.0
+}
+
+fn color(colour: Srgb8) -> Color {
+    let [r, g, b] = colour.map(|channel| unit(channel) as f32);
+    Color::Rgb(printpdf::Rgb {
+        r,
+        g,
+        b,
+        icc_profile: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_hold_over_the_largest_page() {
+        for tenths in 0..50_000 {
+            let mm = f64::from(tenths) / 10.0;
+            let back = f64::from(pt(mm).0) * 25.4 / 72.0;
+            assert!((back - mm).abs() < 0.001, "{mm} came back as {back}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Convex polygons of the plane: cut by lines, and measured.
+
+use std::ops::RangeInclusive;
+
+use super::wrap::Point;
+
+/// A number at each place of the plane that grows evenly, as a column of an image on a flat triangle does.
+#[derive(Debug, Clone, Copy)]
+pub struct Affine {
+    origin: Point,
+    value: f64,
+    slope: [f64; 2],
+    /// Lowest and highest value on the triangle.
+    range: [f64; 2],
+}
+
+impl Affine {
+    /// By the values at a triangle's corners; `None` of a triangle without area, and of values beyond all use.
+    pub fn through([a, b, c]: &[Point; 3], values: [f64; 3]) -> Option<Self> {
+        let doubled = cross(a, b, c);
+        let [along_b, along_c] = [values[1] - values[0], values[2] - values[0]];
+        let slope = [
+            (along_b * (c[1] - a[1]) - along_c * (b[1] - a[1])) / doubled,
+            (along_c * (b[0] - a[0]) - along_b * (c[0] - a[0])) / doubled,
+        ];
+        let range = [
+            values.into_iter().fold(f64::INFINITY, f64::min),
+            values.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let is_good = slope.iter().chain(&range).all(|number| number.abs() < 1e12);
+        is_good.then_some(Self {
+            origin: *a,
+            value: values[0],
+            slope,
+            range,
+        })
+    }
+
+    fn at(&self, p: &Point) -> f64 {
+        self.value + self.slope[0] * (p[0] - self.origin[0]) + self.slope[1] * (p[1] - self.origin[1])
+    }
+
+    /// The whole numbers below the values that a polygon on the triangle has.
+    pub fn cells(&self, polygon: &[Point]) -> RangeInclusive<i64> {
+        let [low, high] = self.range;
+        let cell = |value: f64| value.clamp(low, high).floor() as i64;
+        let values = || polygon.iter().map(|p| self.at(p));
+        cell(values().fold(f64::INFINITY, f64::min))..=cell(values().fold(f64::NEG_INFINITY, f64::max))
+    }
+}
+
+/// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.
+pub fn slices(
+    polygon: &[Point],
+    value: &Affine,
+    cells: RangeInclusive<i64>,
+) -> impl Iterator<Item = (i64, Vec<Point>)> {
+    let last = *cells.end();
+    let mut rest = polygon.to_vec();
+    cells.map(move |cell| {
+        let beyond = if cell == last {
+            Vec::new()
+        } else {
+            cut(&rest, |p| value.at(p) - (cell + 1) as f64)
+        };
+        let part = if beyond.is_empty() {
+            std::mem::take(&mut rest)
+        } else {
+            let part = cut(&rest, |p| (cell + 1) as f64 - value.at(p));
+            rest = beyond;
+            part
+        };
+        (cell, part)
+    })
+}
+
+/// The part of a polygon within a triangle.
+pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
+    let turn = cross(a, b, c).signum();
+    let mut part = polygon.to_vec();
+    for (from, to) in [(a, b), (b, c), (c, a)] {
+        part = cut(&part, |p| turn * cross(from, to, p));
+    }
+    part
+}
+
+/// The part where a function that grows evenly is not negative (Sutherland & Hodgman 1974).
+fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Vec<Point> {
+    let mut part = Vec::with_capacity(polygon.len() + 1);
+    let Some(mut before) = polygon.last() else {
+        return part;
+    };
+    let mut value_before = value(before);
+    for p in polygon {
+        let here = value(p);
+        if (here < 0.0) != (value_before < 0.0) {
+            let share = value_before / (value_before - here);
+            part.push([0, 1].map(|axis| before[axis] + share * (p[axis] - before[axis])));
+        }
+        if here >= 0.0 {
+            part.push(*p);
+        }
+        (before, value_before) = (p, here);
+    }
+    part
+}
+
+pub fn area(polygon: &[Point]) -> f64 {
+    let Some((first, rest)) = polygon.split_first() else {
+        return 0.0;
+    };
+    let fan = rest.windows(2).map(|pair| cross(first, &pair[0], &pair[1]));
+    0.5 * fan.sum::<f64>().abs()
+}
+
+/// Twice the signed area of a triangle.
+fn cross(a: &Point, b: &Point, c: &Point) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_is_shared_between_cells_by_area() {
+        let triangle = [[-10.0, -10.0], [30.0, -10.0], [-10.0, 30.0]];
+        // Columns of a width of 2, turned by the diagonal.
+        let column = Affine::through(&triangle, triangle.map(|[x, y]| 0.5 * (x + y))).unwrap();
+        let square = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]];
+        let found: Vec<(i64, f64)> = slices(&square, &column, column.cells(&square))
+            .map(|(cell, part)| (cell, area(&part)))
+            // The far corner may be a part by itself, without area.
+            .filter(|(_, mm2)| *mm2 > 1e-12)
+            .collect();
+        // x + y from 0 to 2, 4 and 6.
+        assert_eq!(found.len(), 3, "{found:?}");
+        for ((cell, mm2), wanted) in found.iter().zip([(0, 2.0), (1, 5.0), (2, 2.0)]) {
+            assert!(*cell == wanted.0 && (mm2 - wanted.1).abs() < 1e-12, "{found:?}");
+        }
+        let half = within(&square, &[[0.0, 0.0], [0.0, 3.0], [3.0, 3.0]]);
+        assert!((area(&half) - 4.5).abs() < 1e-12, "{half:?}");
+        assert!(Affine::through(&[[0.0; 2], [1.0; 2], [2.0; 2]], [0.0, 1.0, 2.0]).is_none());
+    }
+}

@@ -1,0 +1,343 @@
+//! A printer's own scale: measured once on paper, kept in `printer.toml`, and taken back from every later sheet. The file may
+//! also carry the printer's colours, which no sheet is changed by.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::lettering::number;
+use super::ruler;
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use scaleproof_core::files;
+use scaleproof_core::geometry::length::shown;
+use scaleproof_surface::pattern::printed::PrintedColours;
+
+/// What the rulers of every sheet measure on a perfect printer.
+pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
+/// A printer that is further off than this share scales on purpose, which its settings must undo.
+pub const MOST_OFF: f64 = 0.05;
+
+/// Why nothing is known of a printer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PrinterError {
+    #[error(
+        "100 mm that measure {measured_mm} mm along {axis} are more than 5 % off: the print was scaled; print the check page again \
+         at 100 % (no fit to page) and measure both rulers in mm",
+        measured_mm = shown(*measured_mm)
+    )]
+    Implausible { axis: &'static str, measured_mm: f64 },
+    #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`, its colours with `scaleproof colour read`", path = path.display())]
+    BadFile { path: PathBuf, reason: String },
+    #[error("the printer file could not be put together: {reason}")]
+    Encoding { reason: String },
+}
+
+/// What 100 mm measure on paper. x runs along the short side of cut paper and across a roll, y along the other side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Printer {
+    x_mm: f64,
+    y_mm: f64,
+}
+
+/// The lengths in the file `printer.toml`. The factors repeat what the lengths say, for people and other programs.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Lengths {
+    nominal_mm: f64,
+    measured_x_mm: f64,
+    measured_y_mm: f64,
+    correction_x: f64,
+    correction_y: f64,
+}
+
+/// What a printer file says. One that only `colour read` has written has no lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrinterFile {
+    pub printer: Printer,
+    pub colours: Option<PrintedColours>,
+}
+
+impl Printer {
+    /// A printer that nobody has measured, taken at its word.
+    pub const EXACT: Self = Self {
+        x_mm: NOMINAL_MM,
+        y_mm: NOMINAL_MM,
+    };
+
+    /// From the measured lengths of the two 100 mm rulers.
+    ///
+    /// # Errors
+    /// A length more than `MOST_OFF` from 100 mm.
+    pub fn measured(x_mm: f64, y_mm: f64) -> Result<Self, PrinterError> {
+        for (axis, measured_mm) in [("x", x_mm), ("y", y_mm)] {
+            // False for NaN too.
+            let plausible = (measured_mm / NOMINAL_MM - 1.0).abs() <= MOST_OFF;
+            if !plausible {
+                return Err(PrinterError::Implausible { axis, measured_mm });
+            }
+        }
+        Ok(Self { x_mm, y_mm })
+    }
+
+    /// The printer behind a page that was already printed with the correction `self` and then measured as `again`.
+    ///
+    /// # Errors
+    /// As for [`Printer::measured`].
+    pub fn remeasured(&self, again: &Self) -> Result<Self, PrinterError> {
+        Self::measured(self.x_mm * again.x_mm / NOMINAL_MM, self.y_mm * again.y_mm / NOMINAL_MM)
+    }
+
+    /// Drawn over true length, along x and y.
+    pub fn factors(&self) -> (f64, f64) {
+        (NOMINAL_MM / self.x_mm, NOMINAL_MM / self.y_mm)
+    }
+
+    /// The command that belongs on a page whose rulers are to be measured. A corrected page is measured on top of its
+    /// correction, which would otherwise be lost.
+    pub fn verify_command(&self) -> String {
+        let known = if *self == Self::EXACT {
+            ""
+        } else {
+            " --printer printer.toml"
+        };
+        format!("scaleproof print verify --x-mm … --y-mm …{known} -o printer.toml")
+    }
+
+    /// For the caption of a sheet.
+    pub fn caption(&self) -> String {
+        if *self == Self::EXACT {
+            return "no printer correction".into();
+        }
+        let (x, y) = self.factors();
+        let measured = format!("{} / {} mm", number(self.x_mm), number(self.y_mm));
+        format!("printer correction x ×{x:.4} y ×{y:.4} (100 mm measured {measured})")
+    }
+
+    /// Reads a `printer.toml`.
+    ///
+    /// # Errors
+    /// A file that is missing, no printer file, contradicts itself or describes an implausible printer.
+    pub fn load(path: &Path) -> Result<Self, PrinterError> {
+        Ok(PrinterFile::load(path)?.printer)
+    }
+
+    fn of_lengths(lengths: &Lengths) -> Result<Self, String> {
+        if lengths.nominal_mm != NOMINAL_MM {
+            return Err(format!("nominal_mm must be {NOMINAL_MM}"));
+        }
+        let printer = Self::measured(lengths.measured_x_mm, lengths.measured_y_mm).map_err(|e| e.to_string())?;
+        let (x, y) = printer.factors();
+        // The file has six decimals.
+        let agrees = (x - lengths.correction_x).abs() < 1e-5 && (y - lengths.correction_y).abs() < 1e-5;
+        if !agrees {
+            return Err("its correction factors are not 100 over its measured lengths".into());
+        }
+        Ok(printer)
+    }
+
+    fn lengths(&self) -> Lengths {
+        let rounded = |value: f64| (value * 1e6).round() / 1e6;
+        let (x, y) = self.factors();
+        Lengths {
+            nominal_mm: NOMINAL_MM,
+            measured_x_mm: rounded(self.x_mm),
+            measured_y_mm: rounded(self.y_mm),
+            correction_x: rounded(x),
+            correction_y: rounded(y),
+        }
+    }
+}
+
+impl PrinterFile {
+    /// Reads a `printer.toml`.
+    ///
+    /// # Errors
+    /// As for [`Printer::load`], and colours that contradict themselves.
+    pub fn load(path: &Path) -> Result<Self, PrinterError> {
+        let text = files::read_text(path).map_err(|e| e.to_string());
+        text.and_then(|text| Self::parse(&text))
+            .map_err(|reason| PrinterError::BadFile {
+                path: path.to_owned(),
+                reason,
+            })
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        // The message of the parser may have several lines; the sentence has one.
+        let plain = |e: toml::de::Error| e.message().replace('\n', " ");
+        let mut table: toml::Table = toml::from_str(text).map_err(plain)?;
+        let colours: Option<PrintedColours> = table
+            .remove("colour")
+            .map(toml::Value::try_into)
+            .transpose()
+            .map_err(plain)?;
+        if let Some(colours) = &colours {
+            colours.check().map_err(|e| e.to_string())?;
+        }
+        // A file of colours alone says nothing of lengths; then the printer is taken at its word.
+        let printer = if table.is_empty() && colours.is_some() {
+            Printer::EXACT
+        } else {
+            Printer::of_lengths(&table.try_into().map_err(plain)?)?
+        };
+        Ok(Self { printer, colours })
+    }
+
+    /// The content of a `printer.toml`.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_toml(&self) -> Result<String, PrinterError> {
+        let failed = |e: toml::ser::Error| PrinterError::Encoding { reason: e.to_string() };
+        let mut parts = Vec::new();
+        if self.printer != Printer::EXACT || self.colours.is_none() {
+            let lengths = toml::to_string(&self.printer.lengths()).map_err(failed)?;
+            parts.push(format!(
+                "# What this printer makes of 100 mm: x along the short side of the paper (across a roll), y along the other.\n{lengths}"
+            ));
+        }
+        if let Some(colours) = &self.colours {
+            let colours = colours.to_toml().map_err(failed)?;
+            parts.push(format!(
+                "# What this printer makes of colours, relative to the paper's white, by `scaleproof colour read`.\n{colours}"
+            ));
+        }
+        Ok(parts.join("\n"))
+    }
+}
+
+/// The sheets as they must be drawn, so that a printer which divides lengths by `stretch` puts them on paper as they are. The
+/// page keeps its size and its centre. Lines keep their width.
+pub fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
+    if stretch == (1.0, 1.0) {
+        return sheets;
+    }
+    let mut stamps = Vec::new();
+    sheets
+        .into_iter()
+        .map(|sheet| stretched(sheet, stretch, &mut stamps))
+        .collect()
+}
+
+/// [`corrected`] for one sheet that shares no stamps with others.
+pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
+    if stretch == (1.0, 1.0) {
+        sheet
+    } else {
+        stretched(sheet, stretch, &mut Vec::new())
+    }
+}
+
+/// `stamps`: the stamps stretched so far, before and after.
+fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Sheet {
+    let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
+    let page = PageStretch { factors, centre };
+    sheet.trim = page.area(sheet.trim);
+    sheet.bleed = page.area(sheet.bleed);
+    for mark in &mut sheet.marks {
+        page.apply(mark, stamps);
+    }
+    sheet
+}
+
+struct PageStretch {
+    factors: (f64, f64),
+    centre: PointMm,
+}
+
+impl PageStretch {
+    fn point(&self, p: PointMm) -> PointMm {
+        let c = self.centre;
+        PointMm::new(
+            c.x_mm + (p.x_mm - c.x_mm) * self.factors.0,
+            c.y_mm + (p.y_mm - c.y_mm) * self.factors.1,
+        )
+    }
+
+    fn area(&self, r: RectMm) -> RectMm {
+        let low = self.point(PointMm::new(r.left_mm, r.bottom_mm));
+        let high = self.point(PointMm::new(r.right_mm, r.top_mm));
+        RectMm::new(low.x_mm, low.y_mm, high.x_mm, high.y_mm)
+    }
+
+    fn apply(&self, mark: &mut Mark, stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) {
+        match mark {
+            Mark::Fill(fill) => fill.area = self.area(fill.area),
+            Mark::Line { from, to, .. } => (*from, *to) = (self.point(*from), self.point(*to)),
+            Mark::Text { at, size_mm, .. } => {
+                *at = self.point(*at);
+                *size_mm *= self.factors.0;
+            }
+            Mark::Area { outlines, .. } | Mark::Cut { outlines, .. } => {
+                outlines
+                    .iter_mut()
+                    .flatten()
+                    .for_each(|corner| *corner = self.point(*corner));
+            }
+            Mark::Stamped { stamp, at, clip } => {
+                *stamp = self.stamp(stamp, stamps);
+                at.iter_mut().for_each(|place| *place = self.point(*place));
+                *clip = self.area(*clip);
+            }
+            Mark::Clipped { to, marks } => {
+                to.iter_mut().flatten().for_each(|corner| *corner = self.point(*corner));
+                marks.iter_mut().for_each(|mark| self.apply(mark, stamps));
+            }
+            Mark::Image { area, .. } => *area = self.area(*area),
+        }
+    }
+
+    /// Each stamp is stretched once, so that the sheets go on sharing it.
+    fn stamp(&self, stamp: &Arc<Stamp>, known: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Arc<Stamp> {
+        if let Some((_, done)) = known.iter().find(|(old, _)| Arc::ptr_eq(old, stamp)) {
+            return Arc::clone(done);
+        }
+        // A stamp's frame has its own origin, which `at` has moved already.
+        let own = Self {
+            factors: self.factors,
+            centre: PointMm::new(0.0, 0.0),
+        };
+        let fill = |fill: &Fill| Fill {
+            area: own.area(fill.area),
+            colour: fill.colour,
+        };
+        let done = Arc::new(Stamp {
+            bounds: own.area(stamp.bounds),
+            fills: stamp.fills.iter().map(fill).collect(),
+        });
+        known.push((Arc::clone(stamp), Arc::clone(&done)));
+        done
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_printer_file_reads_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("printer.toml");
+        let printer = Printer::measured(99.3, 99.8).unwrap();
+        let file = PrinterFile { printer, colours: None };
+        std::fs::write(&path, file.to_toml().unwrap()).unwrap();
+        assert_eq!(PrinterFile::load(&path), Ok(file));
+    }
+
+    #[test]
+    fn a_corrected_page_measured_again_is_corrected_further() {
+        let first = Printer::measured(98.0, 100.0).unwrap();
+        let again = Printer::measured(100.5, 100.0).unwrap();
+        let both = first.remeasured(&again).unwrap();
+        assert!((both.x_mm - 98.49).abs() < 1e-9 && both.y_mm == 100.0);
+    }
+
+    #[test]
+    fn a_scaled_print_is_no_printer() {
+        for (x, y) in [(94.9, 100.0), (100.0, 105.1), (f64::NAN, 100.0), (0.0, 100.0)] {
+            assert!(Printer::measured(x, y).is_err(), "{x} {y}");
+        }
+    }
+}

@@ -1,0 +1,397 @@
+//! A painted surface as pixels of a page: each pixel is the mean of the colours on its area as light adds them, and the colours of the nearest
+//! place run on over the cut. Where colours lie in cells, each counts by the area it has in the pixel; elsewhere samples are taken.
+
+use image::{Rgb, RgbImage};
+
+use super::buckets::{Buckets, bounds};
+use super::polygon::{Affine, area, slices, within};
+use super::sheet::RectMm;
+use super::wrap::{Point, Region};
+use scaleproof_core::geometry::length::shown;
+use scaleproof_surface::mesh::Mesh;
+use scaleproof_surface::pattern::light;
+use scaleproof_surface::texture::{SurfacePoint, Texture};
+
+/// Samples of a pixel, as squares: first few, then many where these differ; of fine textures more, up to the most.
+const SAMPLES: [usize; 2] = [2, 6];
+const MOST_SAMPLES: usize = 12;
+/// Of more cells in a pixel, samples are as good.
+const MOST_CELLS: i64 = 4096;
+/// From a border into the surface beside it, to see its colour.
+const INTO_MM: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
+/// Share of a pixel: a PDF's numbers are good to 0.35 µm.
+const INSET: f64 = 0.01;
+const MM_PER_INCH: f64 = 25.4;
+/// More pixels than this are gigabytes.
+const MOST_PIXELS: f64 = 3e8;
+/// Pixels per inch that are worth printing.
+const DPI: std::ops::RangeInclusive<f64> = 36.0..=2400.0;
+
+/// A triangle of the surface, flat.
+#[derive(Debug, Clone)]
+pub struct FlatTriangle {
+    pub flat_mm: [Point; 3],
+    /// How far out each corner is: of several triangles over a place, the outermost is seen.
+    pub height_mm: [f64; 3],
+    /// Of the mesh.
+    pub triangle: usize,
+    /// The barycentric place of each corner in that triangle.
+    pub weights: [[f64; 3]; 3],
+}
+
+impl FlatTriangle {
+    /// Whether nothing lies over or under it.
+    fn is_alone(&self) -> bool {
+        self.height_mm == [0.0; 3]
+    }
+}
+
+/// A turn about the origin, then a move: from a plane to a page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Cosine and sine.
+    pub turn: [f64; 2],
+    pub by: Point,
+}
+
+impl Pose {
+    /// A move without a turn.
+    pub fn moved(by: Point) -> Self {
+        let turn = [1.0, 0.0];
+        Self { turn, by }
+    }
+
+    pub fn at(&self, [x, y]: Point) -> Point {
+        let [c, s] = self.turn;
+        [c * x - s * y + self.by[0], s * x + c * y + self.by[1]]
+    }
+
+    fn back(&self, [x, y]: Point) -> Point {
+        let [c, s] = self.turn;
+        let (x, y) = (x - self.by[0], y - self.by[1]);
+        [c * x + s * y, c * y - s * x]
+    }
+}
+
+/// The pixels of a page: squares of one size from its top-left corner on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelGrid {
+    page_height_mm: f64,
+    pixel_mm: f64,
+}
+
+impl PixelGrid {
+    pub fn new(page_height_mm: f64, dpi: f64) -> Self {
+        Self {
+            page_height_mm,
+            pixel_mm: MM_PER_INCH / dpi,
+        }
+    }
+
+    /// The pixels that touch an area: left, top, right, bottom.
+    fn around(&self, area: RectMm) -> [i64; 4] {
+        let column = |mm: f64| mm / self.pixel_mm;
+        let row = |mm: f64| (self.page_height_mm - mm) / self.pixel_mm;
+        [
+            column(area.left_mm).floor() as i64,
+            row(area.top_mm).floor() as i64,
+            column(area.right_mm).ceil() as i64,
+            row(area.bottom_mm).ceil() as i64,
+        ]
+    }
+
+    /// The place of a (fractional) pixel corner.
+    fn place(&self, column: f64, row: f64) -> Point {
+        [column * self.pixel_mm, self.page_height_mm - row * self.pixel_mm]
+    }
+}
+
+/// Why nothing is drawn as pixels.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RasterError {
+    #[error("a resolution of {} dpi cannot be printed; use 36 to 2400 dpi, as in 300", shown(*dpi))]
+    Dpi { dpi: f64 },
+    #[error("this would take {millions:.0} million pixels, more than {:.0}; use a lower resolution", MOST_PIXELS / 1e6)]
+    TooMany { millions: f64 },
+}
+
+/// Refuses a resolution that no printer has, and areas that take too many pixels at it.
+///
+/// # Errors
+/// Less than 36 dpi or more than 2400; more than 300 million pixels.
+pub fn check(dpi: f64, area_mm2: f64) -> Result<(), RasterError> {
+    if !DPI.contains(&dpi) {
+        return Err(RasterError::Dpi { dpi });
+    }
+    let pixels = area_mm2 * (dpi / MM_PER_INCH).powi(2);
+    if pixels <= MOST_PIXELS {
+        Ok(())
+    } else {
+        Err(RasterError::TooMany { millions: pixels / 1e6 })
+    }
+}
+
+/// A flat painted surface that can be asked for its colours.
+pub struct FlatPaint<'a> {
+    mesh: &'a Mesh,
+    texture: &'a Texture,
+    triangles: &'a [FlatTriangle],
+    /// Column and row of each triangle's cells; `None` where colours lie in no cells, or layers over each other.
+    cells: Vec<Option<[Affine; 2]>>,
+    outline: &'a Region,
+    faces: Buckets,
+    borders: Buckets,
+    ends: Vec<[Point; 2]>,
+}
+
+impl<'a> FlatPaint<'a> {
+    /// `outline` is that of all the triangles, and colours run on beyond it by `bleed_mm`.
+    pub fn new(
+        mesh: &'a Mesh,
+        texture: &'a Texture,
+        triangles: &'a [FlatTriangle],
+        outline: &'a Region,
+        bleed_mm: f64,
+    ) -> Self {
+        let (low, high) = outline.bounds().unwrap_or_default();
+        let ends: Vec<[Point; 2]> = outline.edges().map(|(a, b)| [*a, *b]).collect();
+        let beside = 1.5 * bleed_mm + 0.1;
+        let low_out = low.map(|mm| mm - beside);
+        let high_out = high.map(|mm| mm + beside);
+        let cells = |flat: &FlatTriangle| {
+            let corners = texture.in_cells(mesh, flat.triangle)?;
+            let at = |axis: usize| flat.weights.map(|w| (0..3).map(|k| w[k] * corners[k][axis]).sum());
+            let [across, up] = [0, 1].map(|axis| Affine::through(&flat.flat_mm, at(axis)));
+            Some([across?, up?]).filter(|_| flat.is_alone())
+        };
+        Self {
+            mesh,
+            texture,
+            triangles,
+            cells: triangles.iter().map(cells).collect(),
+            outline,
+            faces: Buckets::new(low, high, triangles.iter().map(|t| bounds(&t.flat_mm, 0.0))),
+            borders: Buckets::new(low_out, high_out, ends.iter().map(|e| bounds(e, beside))),
+            ends,
+        }
+    }
+
+    /// The part of the surface, grown by the bleed, that lies within an area of a page; `None` of nothing.
+    pub fn image(&self, pose: &Pose, grid: PixelGrid, bleed_mm: f64, within: RectMm) -> Option<(RgbImage, RectMm)> {
+        let on_page = self.outline.moved(|p| pose.at(p));
+        let (low, high) = on_page.bounds()?;
+        let area = RectMm::new(
+            (low[0] - bleed_mm).max(within.left_mm),
+            (low[1] - bleed_mm).max(within.bottom_mm),
+            (high[0] + bleed_mm).min(within.right_mm),
+            (high[1] + bleed_mm).min(within.top_mm),
+        );
+        if area.width_mm() <= 0.0 || area.height_mm() <= 0.0 {
+            return None;
+        }
+        let [left, top, right, bottom] = grid.around(area);
+        let (wide, high) = (u32::try_from(right - left).ok()?, u32::try_from(bottom - top).ok()?);
+        let mut image = RgbImage::from_pixel(wide, high, Rgb([255; 3]));
+        let mut last = 0;
+        for (x, y, pixel) in image.enumerate_pixels_mut() {
+            let corner = [(left + i64::from(x)) as f64, (top + i64::from(y)) as f64];
+            if let Some(rgb) = self.pixel(pose, grid, corner, &mut last) {
+                pixel.0 = rgb;
+            }
+        }
+        // A little inside, so that no rounding of a renderer at this resolution adds a row.
+        let ([left, top], [right, bottom]) = (
+            grid.place(left as f64 + INSET, top as f64 + INSET),
+            grid.place(right as f64 - INSET, bottom as f64 - INSET),
+        );
+        Some((image, RectMm::new(left, bottom, right, top)))
+    }
+
+    /// The mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
+    fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
+        let place = |[across, down]: Point| pose.back(grid.place(corner[0] + across, corner[1] + down));
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
+        let found = self.by_area(&square, last).unwrap_or_else(|| {
+            let [few, many] = SAMPLES;
+            let found = self.sampled(place, few, last);
+            if found.alike || found.first.is_none() {
+                return found;
+            }
+            let texel_mm = self.texture.texel_mm(self.mesh, self.triangles[*last].triangle);
+            let texels = texel_mm.map_or(0.0, |mm| grid.pixel_mm / mm);
+            let count = ((2.0 * texels).ceil() as usize).clamp(many, MOST_SAMPLES);
+            self.sampled(place, count, last)
+        });
+        found.mean().or_else(|| {
+            let point = self.nearest(place([0.5; 2]), last)?;
+            Some(self.texture.colour(self.mesh, &point))
+        })
+    }
+
+    fn sampled(&self, place: impl Fn(Point) -> Point, count: usize, last: &mut usize) -> Found {
+        let mut found = Found::default();
+        for at in spread(count * count) {
+            if let Some(point) = self.locate(place(at), last) {
+                found.add(self.texture.colour(self.mesh, &point), 1.0);
+            }
+        }
+        found
+    }
+
+    /// The colours of all cells in a convex polygon by their areas; `None` where some of it is not in cells.
+    fn by_area(&self, polygon: &[Point], last: &mut usize) -> Option<Found> {
+        let mut found = Found::default();
+        let is_in = |t: &FlatTriangle| polygon.iter().all(|p| inside(&t.flat_mm, *p).is_some());
+        if self.triangles.get(*last).is_some_and(is_in) {
+            self.add_cells(*last, polygon, &mut found)?;
+            return Some(found);
+        }
+        for i in self.faces.over(bounds(polygon, 0.0)) {
+            let part = within(polygon, &self.triangles[i].flat_mm);
+            if part.len() > 2 {
+                self.add_cells(i, &part, &mut found)?;
+                *last = i;
+            }
+        }
+        Some(found)
+    }
+
+    /// Adds the cells of a triangle in a convex polygon on it.
+    fn add_cells(&self, i: usize, polygon: &[Point], found: &mut Found) -> Option<()> {
+        let [across, up] = self.cells[i]?;
+        let (columns, rows) = (across.cells(polygon), up.cells(polygon));
+        let count = |cells: &std::ops::RangeInclusive<i64>| cells.end() - cells.start() + 1;
+        if count(&columns).saturating_mul(count(&rows)) > MOST_CELLS {
+            return None;
+        }
+        for (column, strip) in slices(polygon, &across, columns) {
+            for (row, cell) in slices(&strip, &up, rows.clone()) {
+                let colour = self.texture.cell(self.triangles[i].triangle, [column, row]);
+                found.add(colour, area(&cell));
+            }
+        }
+        Some(())
+    }
+
+    /// The outermost surface over a place of the plane.
+    pub fn locate(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
+        let bucket = self.faces.at(p)?;
+        // Most neighbours lie in the same triangle; where layers lie over each other, the outermost counts.
+        if let Some(weights) = self.triangles.get(*last).and_then(|t| inside(&t.flat_mm, p))
+            && self.triangles[*last].is_alone()
+        {
+            return Some(self.surface_point(*last, weights));
+        }
+        let mut best: Option<(f64, usize, [f64; 3])> = None;
+        for i in bucket.iter().map(|i| *i as usize) {
+            let Some(weights) = inside(&self.triangles[i].flat_mm, p) else {
+                continue;
+            };
+            let height: f64 = (0..3).map(|c| weights[c] * self.triangles[i].height_mm[c]).sum();
+            if best.is_none_or(|(highest, ..)| height > highest) {
+                best = Some((height, i, weights));
+            }
+        }
+        let (_, i, weights) = best?;
+        *last = i;
+        Some(self.surface_point(i, weights))
+    }
+
+    fn surface_point(&self, i: usize, shares: [f64; 3]) -> SurfacePoint {
+        let flat = &self.triangles[i];
+        let weight = |k: usize| (0..3).map(|c| shares[c] * flat.weights[c][k]).sum();
+        SurfacePoint {
+            triangle: flat.triangle,
+            weights: [weight(0), weight(1), weight(2)],
+        }
+    }
+
+    /// The surface at the border nearest to a place beside it.
+    fn nearest(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
+        let near = self.borders.at(p)?.iter().map(|i| &self.ends[*i as usize]);
+        let foot = |[a, b]: &[Point; 2]| {
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+            let along = along.clamp(0.0, 1.0);
+            let foot = [a[0] + along * dx, a[1] + along * dy];
+            // Outlines run counter-clockwise, so the surface is to their left.
+            let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+            (foot, [-dy / length, dx / length])
+        };
+        let off = |q: Point| (q[0] - p[0]).hypot(q[1] - p[1]);
+        let (foot, left) = near.map(foot).min_by(|a, b| off(a.0).total_cmp(&off(b.0)))?;
+        let away = off(foot);
+        let on = if away > 1e-6 {
+            [(foot[0] - p[0]) / away, (foot[1] - p[1]) / away]
+        } else {
+            left
+        };
+        // At a corner, straight on may run along the border; the edge's own inner side is tried, too.
+        INTO_MM
+            .iter()
+            .flat_map(|mm| [on, left].map(|d| [foot[0] + mm * d[0], foot[1] + mm * d[1]]))
+            .find_map(|q| self.locate(q, last))
+    }
+}
+
+/// Places of the unit square of which no two share a row or a column (Hammersley 1960), so that the share on one side of an edge is met
+/// closely.
+fn spread(count: usize) -> impl Iterator<Item = Point> {
+    (0..count as u32).map(move |i| {
+        let half = 0.5 / count as f64;
+        let reversed = f64::from(i.reverse_bits()) / 4_294_967_296.0;
+        [f64::from(i) / count as f64 + half, (reversed + half).min(1.0 - half)]
+    })
+}
+
+/// Colours of a pixel, each with its weight.
+#[derive(Default)]
+struct Found {
+    first: Option<[u8; 3]>,
+    alike: bool,
+    linear: [f64; 3],
+    weight: f64,
+}
+
+impl Found {
+    fn add(&mut self, rgb: [u8; 3], weight: f64) {
+        if weight <= 0.0 {
+            return;
+        }
+        self.alike = match self.first {
+            Some(first) => self.alike && first == rgb,
+            None => true,
+        };
+        self.first.get_or_insert(rgb);
+        let linear = LINEAR.with(|table| rgb.map(|v| table[usize::from(v)]));
+        (0..3).for_each(|c| self.linear[c] += weight * linear[c]);
+        self.weight += weight;
+    }
+
+    /// `None` of nothing.
+    fn mean(&self) -> Option<[u8; 3]> {
+        if self.alike {
+            self.first
+        } else {
+            self.first
+                .map(|_| light::rgb_of(self.linear.map(|sum| sum / self.weight)))
+        }
+    }
+}
+
+thread_local! {
+    /// Linear light of each 8-bit value.
+    static LINEAR: [f64; 256] = std::array::from_fn(|v| light::decode(v as f64 / 255.0));
+}
+
+/// The shares of a triangle's corners at a place inside it.
+fn inside([a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
+    let cross = |o: &Point, s: &Point, t: &Point| (s[0] - o[0]) * (t[1] - o[1]) - (s[1] - o[1]) * (t[0] - o[0]);
+    let whole = cross(a, b, c);
+    let shares = [
+        cross(b, c, &p) / whole,
+        cross(c, a, &p) / whole,
+        cross(a, b, &p) / whole,
+    ];
+    shares.iter().all(|share| *share >= -1e-9).then_some(shares)
+}

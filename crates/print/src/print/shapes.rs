@@ -1,0 +1,194 @@
+//! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and cutting them off at an edge.
+
+use super::sheet::{PointMm, RectMm};
+use scaleproof_pose::tags::Modules;
+
+/// A closed convex outline, counter-clockwise.
+pub type OutlineMm = Vec<PointMm>;
+
+/// Where a square of modules lies on the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TagPlacement {
+    pub centre: PointMm,
+    /// Unit vector along the square's rows, to its right.
+    pub right: [f64; 2],
+    pub module_mm: f64,
+}
+
+impl TagPlacement {
+    /// The page's place of a point (x right, y up, mm) from the centre of the square.
+    pub fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
+        let [c, s] = self.right;
+        PointMm::new(
+            self.centre.x_mm + c * x_mm - s * y_mm,
+            self.centre.y_mm + s * x_mm + c * y_mm,
+        )
+    }
+
+    /// A rectangle of the square's frame (x right, y up, from its centre).
+    pub fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> OutlineMm {
+        [(left, bottom), (right, bottom), (right, top), (left, top)]
+            .map(|(x, y)| self.at(x, y))
+            .to_vec()
+    }
+
+    /// A triangle on the square's vertical axis that points up, its base `y_mm` above the centre.
+    pub fn up_mark(&self, x_mm: f64, y_mm: f64, size_mm: f64) -> OutlineMm {
+        let half = 0.5 * size_mm;
+        vec![
+            self.at(x_mm - half, y_mm),
+            self.at(x_mm + half, y_mm),
+            self.at(x_mm, y_mm + size_mm),
+        ]
+    }
+}
+
+/// The black of a square of modules: one outline for each run of black modules in a row.
+pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> {
+    let side = modules.side();
+    let edge = |module: usize| (module as f64 - 0.5 * side as f64) * place.module_mm;
+    let mut outlines = Vec::new();
+    for row in 0..side {
+        let mut column = 0;
+        while column < side {
+            let start = column;
+            while modules.is_black(row, column) {
+                column += 1;
+            }
+            if column > start {
+                outlines.push(place.rectangle(edge(start), -edge(row + 1), edge(column), -edge(row)));
+            }
+            column += 1;
+        }
+    }
+    outlines
+}
+
+/// A straight stroke with butt ends.
+pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
+    let (dx, dy) = (to.x_mm - from.x_mm, to.y_mm - from.y_mm);
+    let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+    let (x, y) = (-dy / length * width_mm / 2.0, dx / length * width_mm / 2.0);
+    let beside = |p: PointMm, side: f64| PointMm::new(p.x_mm + side * x, p.y_mm + side * y);
+    vec![beside(from, -1.0), beside(to, -1.0), beside(to, 1.0), beside(from, 1.0)]
+}
+
+/// Strokes along a closed outline.
+pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
+    let next = outline.iter().cycle().skip(1);
+    outline
+        .iter()
+        .zip(next)
+        .map(|(a, b)| stroke(*a, *b, width_mm))
+        .collect()
+}
+
+/// The part of a convex outline inside a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if there is none.
+pub fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
+    let edges: [(bool, f64, f64); 4] = [
+        (true, to.left_mm, 1.0),
+        (true, to.right_mm, -1.0),
+        (false, to.bottom_mm, 1.0),
+        (false, to.top_mm, -1.0),
+    ];
+    edges.iter().fold(outline.to_vec(), |rest, (along_x, limit, sign)| {
+        let inside_by = |p: &PointMm| sign * (if *along_x { p.x_mm } else { p.y_mm } - limit);
+        cut(&rest, inside_by)
+    })
+}
+
+fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> OutlineMm {
+    let mut kept = Vec::new();
+    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+        let (at_a, at_b) = (inside_by(a), inside_by(b));
+        if at_a >= 0.0 {
+            kept.push(*a);
+        }
+        if (at_a < 0.0) != (at_b < 0.0) {
+            let share = at_a / (at_a - at_b);
+            kept.push(PointMm::new(
+                a.x_mm + share * (b.x_mm - a.x_mm),
+                a.y_mm + share * (b.y_mm - a.y_mm),
+            ));
+        }
+    }
+    kept
+}
+
+/// Whether two convex outlines share more than a border, by the separating axis theorem.
+pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
+    /// Shared borders are no overlap, and rounding is no border.
+    const TOUCH_MM: f64 = 0.01;
+    let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {
+        let ends = outline.iter().zip(outline.iter().cycle().skip(1));
+        ends.map(|(p, q)| (q.x_mm - p.x_mm, q.y_mm - p.y_mm)).collect()
+    };
+    let mut axes = edges(a).into_iter().chain(edges(b)).filter(|(x, y)| x.hypot(*y) > 0.0);
+    axes.all(|(x, y)| {
+        let (nx, ny) = (-y / x.hypot(y), x / x.hypot(y));
+        let span = |outline: &[PointMm]| {
+            let along = outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny);
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            })
+        };
+        let ((low_a, high_a), (low_b, high_b)) = (span(a), span(b));
+        low_a < high_b - TOUCH_MM && low_b < high_a - TOUCH_MM
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn area(outline: &[PointMm]) -> f64 {
+        let next = outline.iter().cycle().skip(1);
+        let doubled: f64 = outline
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a.x_mm * b.y_mm - b.x_mm * a.y_mm)
+            .sum();
+        doubled / 2.0
+    }
+
+    proptest! {
+        /// A square cut into the four quarters of a page keeps its area.
+        #[test]
+        fn cutting_loses_nothing(x in -5.0..5.0_f64, y in -5.0..5.0_f64, turn in 0.0..6.3_f64, at_x in -9.0..9.0_f64, at_y in -9.0..9.0_f64) {
+            let place = TagPlacement { centre: PointMm::new(x, y), right: [turn.cos(), turn.sin()], module_mm: 1.0 };
+            let square = place.rectangle(-3.0, -2.0, 3.0, 2.0);
+            let quarters = [(-50.0, at_x, -50.0, at_y), (at_x, 50.0, -50.0, at_y), (-50.0, at_x, at_y, 50.0), (at_x, 50.0, at_y, 50.0)];
+            let sum: f64 = quarters.iter().map(|(l, r, b, t)| area(&clipped(&square, RectMm::new(*l, *b, *r, *t)))).sum();
+            prop_assert!((sum - 24.0).abs() < 1e-9, "{sum}");
+        }
+    }
+
+    #[test]
+    fn black_runs_cover_the_black_modules() {
+        let modules = Modules::new(5, |row, column| (row * 5 + column) % 3 == 0);
+        let place = TagPlacement {
+            centre: PointMm::new(7.0, 8.0),
+            right: [0.6, 0.8],
+            module_mm: 2.0,
+        };
+        let black: f64 = black_modules(&modules, &place).iter().map(|o| area(o)).sum();
+        assert!((black - 9.0 * 4.0).abs() < 1e-9, "{black}");
+    }
+
+    #[test]
+    fn only_outlines_that_share_ground_overlap() {
+        let square = |x: f64, y: f64| {
+            [(x, y), (x + 10.0, y), (x + 10.0, y + 10.0), (x, y + 10.0)].map(|(x, y)| PointMm::new(x, y))
+        };
+        let diamond =
+            |x: f64, y: f64| [(x, y - 5.0), (x + 5.0, y), (x, y + 5.0), (x - 5.0, y)].map(|(x, y)| PointMm::new(x, y));
+        assert!(overlap(&square(0.0, 0.0), &square(9.0, 9.0)));
+        assert!(!overlap(&square(0.0, 0.0), &square(10.0, 0.0)), "side by side");
+        assert!(
+            !overlap(&square(0.0, 0.0), &diamond(13.0, 13.0)),
+            "their boxes overlap, they do not"
+        );
+        assert!(overlap(&square(0.0, 0.0), &diamond(5.0, 5.0)), "one inside the other");
+    }
+}

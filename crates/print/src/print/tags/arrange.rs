@@ -1,0 +1,75 @@
+//! What each tag of a scene is printed on, by where it stands.
+
+use super::tent::Tent;
+use scaleproof_pose::scene::{Scene, Tag};
+
+/// A tag that looks up and is no higher than this lies on the mat.
+pub const FLAT_MM: f64 = 2.0;
+/// How far from straight up a tag on the mat may look.
+const FLAT_DEG: f64 = 0.5;
+/// A flat tag higher than this is not quite where the mat puts it.
+const LIFT_MM: f64 = 0.2;
+
+/// The tags of a scene, by what they are printed on; each tag is in one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arrangement<'a> {
+    /// On the ground mat: they look straight up and lie on the ground (within [`FLAT_MM`]).
+    pub flat: Vec<&'a Tag>,
+    /// Pairs that lean back to back, as [`Tent::of`] says.
+    pub tents: Vec<Tent>,
+    /// Everything else: a plain card, to be fixed where the scene says.
+    pub cards: Vec<&'a Tag>,
+}
+
+/// Sorts the tags of a scene. Of all pairs that could share a card the closest is made first, whatever the scene's order.
+pub fn arrange(scene: &Scene) -> Arrangement<'_> {
+    let (flat, mut rest): (Vec<&Tag>, Vec<&Tag>) = scene.tags.iter().partition(|tag| lies_flat(tag));
+    let mut pairs: Vec<(f64, usize, usize, Tent)> = Vec::new();
+    for (i, a) in rest.iter().enumerate() {
+        for (j, b) in rest.iter().enumerate().skip(i + 1) {
+            let apart_mm = (a.centre_mm - b.centre_mm).norm();
+            pairs.extend(Tent::of(a, b).map(|tent| (apart_mm, i, j, tent)));
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut taken = vec![false; rest.len()];
+    let mut tents: Vec<(usize, Tent)> = Vec::new();
+    for (_, i, j, tent) in pairs {
+        if !taken[i] && !taken[j] {
+            (taken[i], taken[j]) = (true, true);
+            tents.push((i, tent));
+        }
+    }
+    tents.sort_by_key(|(first, _)| *first);
+    let mut taken = taken.into_iter();
+    rest.retain(|_| !taken.next().unwrap_or(false));
+    Arrangement {
+        flat,
+        tents: tents.into_iter().map(|(_, tent)| tent).collect(),
+        cards: rest,
+    }
+}
+
+fn lies_flat(tag: &Tag) -> bool {
+    let up = tag.right.cross(&tag.up).z;
+    up > FLAT_DEG.to_radians().cos() && tag.centre_mm.z.abs() <= FLAT_MM
+}
+
+impl<'a> Arrangement<'a> {
+    /// Every tag on a plain card.
+    pub fn plain(scene: &'a Scene) -> Self {
+        Self {
+            flat: Vec::new(),
+            tents: Vec::new(),
+            cards: scene.tags.iter().collect(),
+        }
+    }
+
+    /// How far above the mat the scene puts the flat tag that is farthest from it, if that is worth a word.
+    pub fn lifted_mm(&self) -> Option<f64> {
+        let heights = self.flat.iter().map(|tag| tag.centre_mm.z);
+        heights
+            .filter(|z| z.abs() > LIFT_MM)
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+}

@@ -1,0 +1,276 @@
+//! How the ground is spread over paper: which sheets the mat has, where their seams are, and which tent cards get a place strip.
+//!
+//! Of all ways the one with the least paper is taken; of those the one that cuts the fewest tags; of those the one with the fewest strips.
+
+use super::arrange::Arrangement;
+use super::mat::Mat;
+use super::seams::SeamAxis;
+use super::strip::{PlaceStrip, Standing};
+use super::window::{bounds, union, within};
+use super::{TagPrintError, TagRequest, piece};
+use crate::print::SheetError;
+use crate::print::page::{FreePage, Media};
+use crate::print::paper::Stock;
+use crate::print::shapes::{clipped, stroked};
+use crate::print::sheet::RectMm;
+use crate::print::template::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect};
+
+/// What neighbouring sheets share for gluing.
+const OVERLAP_MM: f64 = 8.0;
+/// Shorter strips find room beside tent cards.
+const SHORT_MM: f64 = 178.0;
+
+/// The mat on its sheets, and the strips beyond it.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    pub mat: Mat,
+    pub layout: SheetLayout,
+    /// All sheets together, left out ones too (ground frame).
+    pub paper: RectMm,
+    pub strips: Vec<PlaceStrip>,
+    /// Ids of the flat tags that a seam runs through.
+    pub cut_tags: Vec<u32>,
+}
+
+impl Ground {
+    /// The best way to print the ground of a scene; `others` are the sizes of what else is cut out of cards.
+    ///
+    /// # Errors
+    /// Paper too small for the rulers, too many sheets.
+    pub fn new(
+        mat: Mat,
+        arrangement: &Arrangement,
+        request: &TagRequest,
+        others: &[(f64, f64)],
+    ) -> Result<Self, TagPrintError> {
+        let media = request.media;
+        let mut best: Option<(Cost, Ground)> = None;
+        let mut refused = None;
+        for page in FreePage::both_ways(media)? {
+            for with_strips in [false, true] {
+                if with_strips && (request.whole_mat || matches!(media.paper, Stock::Roll { .. })) {
+                    continue;
+                }
+                match Self::on(page, &mat, arrangement, media, with_strips) {
+                    Ok(ground) => {
+                        let cost = Cost::of(&ground, media, others)?;
+                        if best.as_ref().is_none_or(|(held, _)| cost.is_below(held)) {
+                            best = Some((cost, ground));
+                        }
+                    }
+                    Err(e) => refused = Some(e),
+                }
+            }
+        }
+        let none = SheetError::TooManySheets { most: MAX_SHEETS };
+        best.map(|(_, ground)| ground.finished())
+            .ok_or_else(|| refused.unwrap_or_else(|| none.into()))
+    }
+
+    /// On one paper, used one way round. Tent cards that no strip reaches stand on the mat, which grows for them.
+    fn on(
+        page: FreePage,
+        mat: &Mat,
+        arrangement: &Arrangement,
+        media: Media,
+        with_strips: bool,
+    ) -> Result<Self, TagPrintError> {
+        let usable = page.0.usable;
+        let longest = SHORT_MM.min(usable.width_mm().max(usable.height_mm()));
+        let mut content = if with_strips { mat.core } else { mat.whole() };
+        loop {
+            let (layout, paper) = tiled(page, media, mat, content)?;
+            let mut strips = Vec::new();
+            let mut beyond = None;
+            for (i, tent) in arrangement.tents.iter().enumerate() {
+                match Standing::of(i, tent, mat, paper, longest) {
+                    Standing::OnMat => {}
+                    Standing::OnStrip(strip) => strips.push(strip),
+                    Standing::OutOfReach => beyond = beyond.or(Some(mat.tents[i])),
+                }
+            }
+            match beyond.filter(|tent| !within(*tent, content)) {
+                Some(tent) => content = union(content, tent),
+                None => {
+                    let cut_tags = cut_tags(mat, &layout, paper);
+                    let mat = mat.clone();
+                    return Ok(Self {
+                        mat,
+                        layout,
+                        paper,
+                        strips,
+                        cut_tags,
+                    }
+                    .without_empty_sheets());
+                }
+            }
+        }
+    }
+
+    /// Leaves out every sheet that carries nothing, as long as the others hang together.
+    fn without_empty_sheets(mut self) -> Self {
+        let roots: Vec<_> = self
+            .strips
+            .iter()
+            .flat_map(|strip| stroked(&strip.root(), 0.1))
+            .collect();
+        let shapes: Vec<_> = self
+            .mat
+            .shapes
+            .iter()
+            .flat_map(|shape| shape.outlines.iter())
+            .chain(&roots)
+            .collect();
+        let carries = |own: RectMm| shapes.iter().any(|outline| clipped(outline, own).len() > 2);
+        let sheets = self.layout.sheets.iter().cloned();
+        let empty: Vec<_> = sheets.filter(|plan| !carries(self.ground(plan.own))).collect();
+        for plan in empty {
+            let rest: Vec<_> = self
+                .layout
+                .sheets
+                .iter()
+                .filter(|other| **other != plan)
+                .cloned()
+                .collect();
+            if hang_together(&rest) {
+                self.layout.sheets = rest;
+            }
+        }
+        self
+    }
+
+    /// Draws the outline of each strip's root on the mat.
+    fn finished(mut self) -> Self {
+        for strip in &self.strips {
+            let at = strip.name_at();
+            self.mat
+                .add_outline(&strip.outline(), at, format!("strip T{}", strip.tent + 1));
+        }
+        self
+    }
+
+    /// What the sheets are called, in their order.
+    pub fn names(&self) -> Vec<String> {
+        self.layout.sheets.iter().map(SheetPlan::id).collect()
+    }
+
+    /// A region of the layout on the ground.
+    pub fn ground(&self, region: TemplateRect) -> RectMm {
+        on_ground(self.paper, region)
+    }
+}
+
+fn on_ground(paper: RectMm, region: TemplateRect) -> RectMm {
+    RectMm::new(
+        paper.left_mm + region.left_mm,
+        paper.top_mm - region.bottom_mm,
+        paper.left_mm + region.right_mm,
+        paper.top_mm - region.top_mm,
+    )
+}
+
+/// The sheets for some content of the mat, and where all of them together lie on the ground.
+fn tiled(page: FreePage, media: Media, mat: &Mat, content: RectMm) -> Result<(SheetLayout, RectMm), TagPrintError> {
+    let tags: Vec<RectMm> = mat.tags.iter().map(|(_, tag)| bounds(tag)).collect();
+    let usable = page.0.usable;
+    let across = SeamAxis {
+        low_mm: content.left_mm,
+        high_mm: content.right_mm,
+        usable_mm: usable.width_mm(),
+        overlap_mm: OVERLAP_MM,
+        keep: tags.iter().map(|tag| (tag.left_mm, tag.right_mm)).collect(),
+    };
+    // Rows count from the top.
+    let down = SeamAxis {
+        low_mm: -content.top_mm,
+        high_mm: -content.bottom_mm,
+        usable_mm: usable.height_mm(),
+        overlap_mm: OVERLAP_MM,
+        keep: tags.iter().map(|tag| (-tag.top_mm, -tag.bottom_mm)).collect(),
+    };
+    if across.sheets().saturating_mul(down.sheets()) > MAX_SHEETS {
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS }.into());
+    }
+    let (mut x, mut y) = (across.edges(), down.edges());
+    // A roll is cut off where the mat ends.
+    let along = if page.0.setup.turned {
+        (&mut x, &across)
+    } else {
+        (&mut y, &down)
+    };
+    if let (Stock::Roll { .. }, (edges, axis)) = (media.paper, along)
+        && edges.len() == 2
+    {
+        *edges = vec![axis.low_mm, axis.high_mm];
+    }
+    let longest = |edges: &[f64]| {
+        let carried = edges.windows(2).enumerate().map(|(i, pair)| {
+            let overlap = if i + 2 == edges.len() { 0.0 } else { OVERLAP_MM };
+            pair[1] - pair[0] + overlap
+        });
+        carried.fold(0.0, f64::max)
+    };
+    let page = page.shortened(media, longest(if page.0.setup.turned { &x } else { &y }))?;
+    let ends = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
+    let ((left, right), (top, bottom)) = (ends(&x), ends(&y));
+    let from = |edges: &[f64], zero: f64| edges.iter().map(|edge| edge - zero).collect::<Vec<_>>();
+    let layout = SheetLayout::cut_at(page.0, &from(&x, left), &from(&y, top), OVERLAP_MM);
+    Ok((layout, RectMm::new(left, -bottom, right, -top)))
+}
+
+/// The flat tags that lie on no sheet wholly.
+fn cut_tags(mat: &Mat, layout: &SheetLayout, paper: RectMm) -> Vec<u32> {
+    let is_whole = |tag: RectMm| layout.sheets.iter().any(|plan| within(tag, on_ground(paper, plan.own)));
+    let cut = mat.tags.iter().filter(|(_, tag)| !is_whole(bounds(tag)));
+    cut.map(|(id, _)| *id).collect()
+}
+
+/// Whether one can step from every sheet to every other across seams.
+fn hang_together(sheets: &[SheetPlan]) -> bool {
+    let mut reached: Vec<usize> = sheets.first().map(|_| 0).into_iter().collect();
+    let mut next = 0;
+    while let Some(here) = reached.get(next).map(|i| &sheets[*i]) {
+        let beside = |plan: &SheetPlan| plan.row.abs_diff(here.row) + plan.column.abs_diff(here.column) == 1;
+        let more: Vec<_> = (0..sheets.len())
+            .filter(|i| beside(&sheets[*i]) && !reached.contains(i))
+            .collect();
+        reached.extend(more);
+        next += 1;
+    }
+    !sheets.is_empty() && reached.len() == sheets.len()
+}
+
+/// What a way to print the ground costs.
+struct Cost {
+    /// Sheets; of a roll, mm².
+    paper: f64,
+    cut_tags: usize,
+    strips: usize,
+}
+
+impl Cost {
+    fn of(ground: &Ground, media: Media, others: &[(f64, f64)]) -> Result<Self, TagPrintError> {
+        let sheets = ground.layout.sheets.len() as f64;
+        let page = ground.layout.frame.page;
+        let paper = match media.paper {
+            Stock::Roll { .. } => sheets * page.width_mm * page.height_mm,
+            Stock::Cut(_) => {
+                let strips = ground
+                    .strips
+                    .iter()
+                    .map(|strip| (strip.length_mm, super::strip::WIDTH_MM));
+                let sizes: Vec<_> = others.iter().copied().chain(strips).collect();
+                sheets + piece::pages(&sizes, media)? as f64
+            }
+        };
+        Ok(Self {
+            paper,
+            cut_tags: ground.cut_tags.len(),
+            strips: ground.strips.len(),
+        })
+    }
+
+    fn is_below(&self, other: &Self) -> bool {
+        (self.paper, self.cut_tags, self.strips) < (other.paper, other.cut_tags, other.strips)
+    }
+}

@@ -1,0 +1,294 @@
+//! The first page: what to do in which order, where every sheet belongs, and the scale check that is filled in by hand.
+
+use super::ground::Ground;
+use super::mat::GREY;
+use super::piece::PiecePage;
+use super::window::{GroundWindow, bounds, union};
+use super::{Arrangement, TagPrintError, captions};
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
+use crate::print::page::{FreePage, Media};
+use crate::print::paper::Orientation;
+use crate::print::shapes::{OutlineMm, stroked};
+use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::template::cover::{CHECK_MM, scale_check, steps};
+use crate::print::template::layout::ROLL_COVER_MM;
+use scaleproof_core::spelling::count;
+use scaleproof_pose::scene::Scene;
+
+const TITLE_MM: f64 = 5.0;
+const GAP_MM: f64 = 4.0;
+/// The map is no larger than it takes to be read.
+const MAP_MOST_MM: f64 = 150.0;
+const SHEET_ID_MM: f64 = 5.0;
+const NAME_MM: f64 = 2.6;
+const LINE_MM: f64 = 0.25;
+const THIN_MM: f64 = 0.12;
+const PAPER: Srgb8 = [238, 238, 238];
+/// Small images of the pages with cards: their height, at most and at least.
+const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
+/// What of the page's height they may take.
+const THUMBNAIL_SHARE: f64 = 0.45;
+/// Wider text than this is hard to read, whatever the roll.
+const BODY_MOST_MM: f64 = 320.0;
+
+/// What the map shows.
+pub struct TagMap<'a> {
+    pub scene: &'a Scene,
+    pub media: Media,
+    pub arrangement: &'a Arrangement<'a>,
+    pub ground: Option<&'a Ground>,
+    pub cards: &'a [PiecePage],
+    /// Names of all sheets but this one, in their order: floor plan, cards, mat.
+    pub plan_names: &'a [String],
+    pub card_names: &'a [String],
+}
+
+impl TagMap<'_> {
+    /// Draws the page.
+    ///
+    /// # Errors
+    /// Paper too small for the rulers.
+    pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
+        let upright = FreePage::new(self.media, Orientation::Portrait);
+        let page = match upright {
+            Ok(page) => page.shortened(self.media, ROLL_COVER_MM)?,
+            Err(_) => FreePage::new(self.media, Orientation::Landscape)?,
+        };
+        let area = page.0.usable;
+        let title = format!("Tags of {}: how to set them up", printable(&self.scene.model.name));
+        let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
+        let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
+        let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
+        let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
+        let body = RectMm::new(area.left_mm, area.bottom_mm + CHECK_MM, right, title_y - GAP_MM);
+        marks.extend(self.body(body));
+        marks.extend(scale_check(&page.0));
+        let how_to = [
+            "Keep this page beside you while you cut: it names every sheet.",
+            "Seen from above, the model's front to the right.",
+        ];
+        Ok(page.sheet(marks, &captions(self.scene, self.media, how_to), "map"))
+    }
+
+    /// Steps above the images, or beside them where the page is wide.
+    fn body(&self, body: RectMm) -> Vec<Mark> {
+        let wide = body.width_mm() > 1.2 * body.height_mm();
+        let steps_mm = if wide {
+            0.5 * body.width_mm() - GAP_MM
+        } else {
+            body.width_mm()
+        };
+        let (mut marks, end) = steps(&self.steps(), body, steps_mm);
+        let room = if wide {
+            RectMm::new(
+                body.left_mm + steps_mm + 2.0 * GAP_MM,
+                body.bottom_mm,
+                body.right_mm,
+                body.top_mm,
+            )
+        } else {
+            RectMm::new(body.left_mm, body.bottom_mm, body.right_mm, end - GAP_MM)
+        };
+        let (thumbnails, top) = self.thumbnails(room);
+        marks.extend(thumbnails);
+        if let Some(ground) = self.ground {
+            marks.extend(self.ground_map(
+                ground,
+                RectMm {
+                    bottom_mm: top + GAP_MM,
+                    ..room
+                },
+            ));
+        }
+        marks
+    }
+
+    /// What to do, in plain words.
+    fn steps(&self) -> Vec<String> {
+        let mat = self.mat_names();
+        let all = 1 + self.plan_names.len() + self.card_names.len() + mat.len();
+        let kinds = [self.plan_names, self.card_names, &mat];
+        let named: Vec<String> = kinds.iter().filter_map(|names| span(names)).collect();
+        let mut steps = vec![
+            format!(
+                "Print all {} at 100 %, without fit to page: this map, {}.",
+                count(all, "sheet"),
+                named.join(", ")
+            ),
+            "Measure both rulers below with a steel ruler before you cut anything.".to_owned(),
+        ];
+        if mat.len() > 1 {
+            steps.push(
+                "Ground mat: lay its sheets out as on the map. Cut each at the crop marks, but leave the strip beyond a dashed line: it \
+                 goes under the next sheet, whose edge is glued on the dashed line. Seams that meet have the same letter. Go row by \
+                 row from the top left."
+                    .to_owned(),
+            );
+        } else if mat.len() == 1 {
+            steps.push("Ground mat: cut it out at the crop marks.".to_owned());
+        }
+        if self.ground.is_some_and(|ground| !ground.strips.is_empty()) {
+            steps.push(
+                "Place strips: cut them out, and glue the marked end of each onto its outline on the mat, so that the lines of both run on."
+                    .to_owned(),
+            );
+        }
+        if !self.arrangement.tents.is_empty() {
+            steps.push(
+                "Tent cards: cut along the solid lines, crease the dashed ones, fold away from the print, glue the tab inside the base. Stand \
+                 each on its outline, its foot on the line and the marks in the middle together, each tag on the side with its number."
+                    .to_owned(),
+            );
+        }
+        if !self.arrangement.cards.is_empty() {
+            steps.push("Plain cards: cut them out and fix each where the floor plan says.".to_owned());
+        }
+        if self.ground.is_some() {
+            steps.push("Stand the model on its outline, its front at the arrow. Fix the mat, so that nothing moves between photos.".to_owned());
+        } else {
+            steps.push(
+                "Nothing may move between photos. A card that is not quite in its place spoils poses: `scaleproof survey` finds from \
+                 photos where cards really stand."
+                    .to_owned(),
+            );
+        }
+        steps
+    }
+
+    fn mat_names(&self) -> Vec<String> {
+        self.ground.map(Ground::names).unwrap_or_default()
+    }
+
+    /// The ground with the sheets of the mat behind it.
+    fn ground_map(&self, ground: &Ground, room: RectMm) -> Vec<Mark> {
+        let strips: Vec<OutlineMm> = ground.strips.iter().map(super::strip::PlaceStrip::outline).collect();
+        let shown = strips
+            .iter()
+            .fold(union(ground.paper, ground.mat.whole()), |all, strip| {
+                union(all, bounds(strip))
+            });
+        let (wide, high) = (room.width_mm().min(MAP_MOST_MM), room.height_mm().min(MAP_MOST_MM));
+        let scale = (wide / shown.width_mm()).min(high / shown.height_mm());
+        if scale <= 0.0 {
+            return Vec::new();
+        }
+        let left = room.left_mm + (room.width_mm() - scale * shown.width_mm()) / 2.0;
+        let window = GroundWindow {
+            centre: PointMm::new(shown.left_mm, shown.top_mm),
+            at: PointMm::new(left, room.top_mm),
+            right: [1.0, 0.0],
+            scale,
+        };
+        let mut marks = Vec::new();
+        for plan in &ground.layout.sheets {
+            let cell = bounds(&window.outline(&ground.ground(plan.own).outline()));
+            marks.push(Mark::Fill(Fill {
+                area: cell,
+                colour: PAPER,
+            }));
+            marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
+            let size_mm = SHEET_ID_MM.min(0.3 * cell.height_mm()).min(0.3 * cell.width_mm());
+            let at = (cell.left_mm + 1.0, cell.top_mm - 1.0 - CAP_HEIGHT * size_mm);
+            marks.push(Mark::text(at, size_mm, TextAnchor::Left, plan.id()));
+        }
+        marks.extend(self.things(ground, &window, &strips));
+        marks
+    }
+
+    /// Model, tags, tent cards and strips.
+    fn things(&self, ground: &Ground, window: &GroundWindow, strips: &[OutlineMm]) -> Vec<Mark> {
+        let model = ground.mat.model.iter().map(|outline| window.outline(outline));
+        let mut marks = vec![area(model.collect(), GREY)];
+        let mut named = |outline: &OutlineMm, colour: Srgb8, name: String| {
+            let outline = window.outline(outline);
+            let around = bounds(&outline);
+            marks.push(area(stroked(&outline, LINE_MM), colour));
+            let size_mm = fitting_size_mm(&name, NAME_MM, 0.9 * around.width_mm().max(around.height_mm()));
+            let at = (
+                (around.left_mm + around.right_mm) / 2.0,
+                (around.bottom_mm + around.top_mm - CAP_HEIGHT * size_mm) / 2.0,
+            );
+            marks.push(Mark::text(at, size_mm, TextAnchor::Centre, name));
+        };
+        for strip in strips {
+            named(strip, GREY, String::new());
+        }
+        for (id, tag) in &ground.mat.tags {
+            named(tag, BLACK, format!("id {id}"));
+        }
+        for (i, tent) in self.arrangement.tents.iter().enumerate() {
+            let foot = tent.foot_mm().each_ref().map(super::mat::on_mat).to_vec();
+            named(&foot, BLACK, format!("T{}", i + 1));
+        }
+        marks
+    }
+
+    /// Every page of the floor plan and of cards, small; and where they end at the top.
+    fn thumbnails(&self, room: RectMm) -> (Vec<Mark>, f64) {
+        let names: Vec<&String> = self.plan_names.iter().chain(self.card_names).collect();
+        let Some(shape) = self.cards.first().map(|page| page.page.0.page) else {
+            return (Vec::new(), room.bottom_mm);
+        };
+        let share = if self.ground.is_some() { THUMBNAIL_SHARE } else { 1.0 };
+        let ratio = shape.width_mm / shape.height_mm;
+        let fit = |high: f64| {
+            let (wide, high) = (high * ratio + GAP_MM, high + NAME_MM + GAP_MM);
+            let a_row = ((room.width_mm() + GAP_MM) / wide).floor().max(1.0) as usize;
+            (a_row, names.len().div_ceil(a_row) as f64 * high)
+        };
+        let mut high = *THUMBNAIL_MM.end();
+        while high > *THUMBNAIL_MM.start() && (fit(high).1 > share * room.height_mm() || high * ratio > room.width_mm())
+        {
+            high -= 1.0;
+        }
+        let (a_row, all_high) = fit(high);
+        let top = (room.bottom_mm + all_high).min(room.top_mm);
+        let mut marks = Vec::new();
+        for (i, name) in names.iter().enumerate() {
+            let x = room.left_mm + (i % a_row) as f64 * (high * ratio + GAP_MM);
+            let y = top - (i / a_row) as f64 * (high + NAME_MM + GAP_MM);
+            let size_mm = fitting_size_mm(name, NAME_MM, high * ratio + GAP_MM - 1.0);
+            marks.push(Mark::text((x, y - NAME_MM), size_mm, TextAnchor::Left, (*name).clone()));
+            let cell = RectMm::new(x, y - NAME_MM - 1.0 - high, x + high * ratio, y - NAME_MM - 1.0);
+            marks.push(Mark::Fill(Fill {
+                area: cell,
+                colour: PAPER,
+            }));
+            marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
+            if let Some(page) = i.checked_sub(self.plan_names.len()).and_then(|i| self.cards.get(i)) {
+                marks.extend(small(page, cell));
+            }
+        }
+        (marks, top)
+    }
+}
+
+/// A page with cards, drawn small.
+fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
+    let paper = page.page.0.page;
+    let scale = (cell.width_mm() / paper.width_mm).min(cell.height_mm() / paper.height_mm);
+    let mut marks = Vec::new();
+    for (name, piece) in &page.names {
+        let at = |x: f64, y: f64| (cell.left_mm + scale * x, cell.top_mm - scale * (paper.height_mm - y));
+        let ((left, bottom), (right, top)) = (at(piece.left_mm, piece.bottom_mm), at(piece.right_mm, piece.top_mm));
+        let card = RectMm::new(left, bottom, right, top);
+        marks.push(area(stroked(&card.outline(), THIN_MM), BLACK));
+        let size_mm = fitting_size_mm(name, NAME_MM, 0.9 * card.width_mm()).min(0.8 * card.height_mm());
+        let middle = ((left + right) / 2.0, (bottom + top - CAP_HEIGHT * size_mm) / 2.0);
+        marks.push(Mark::text(middle, size_mm, TextAnchor::Centre, name.clone()));
+    }
+    marks
+}
+
+fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {
+    Mark::Area { outlines, colour }
+}
+
+/// `mat A1 to C2`, or the only name.
+fn span(names: &[String]) -> Option<String> {
+    match names {
+        [] => None,
+        [one] => Some(one.clone()),
+        [first, .., last] => Some(format!("{first} to {last}")),
+    }
+}

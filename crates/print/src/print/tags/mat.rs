@@ -1,0 +1,202 @@
+//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame of [`super::window`];
+//! [`super::ground`] spreads it over paper.
+
+use nalgebra::Point3;
+
+use super::arrange::Arrangement;
+use super::tent::Tent;
+use super::window::{GroundWindow, bounds, grown, union};
+use super::{TagPrintError, image_of};
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
+use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, overlap, stroke, stroked};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
+use scaleproof_pose::scene::{ScaleModel, Scene, Tag};
+
+pub const GREY: Srgb8 = [110, 110, 110];
+/// Free paper around everything.
+const BORDER_MM: f64 = 8.0;
+pub const LINE_MM: f64 = 0.4;
+const TEXT_MM: f64 = 4.0;
+const TITLE_MM: f64 = 8.0;
+const UP_MM: f64 = 4.0;
+/// Length and width of the arrow at the model's front.
+const ARROW_MM: f64 = 18.0;
+
+/// Everything on the mat, in painting order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mat {
+    pub shapes: Vec<GroundShape>,
+    pub labels: Vec<Label>,
+    /// What each thing is called and the ground it needs: tags with their white ring.
+    footprints: Vec<(String, OutlineMm)>,
+    /// The model's outline, cross and arrow.
+    pub model: Vec<OutlineMm>,
+    /// The model and the flat tags, with a border.
+    pub core: RectMm,
+    /// The ground of each tent card.
+    pub tents: Vec<RectMm>,
+    /// The flat tags with their white rings, by id.
+    pub tags: Vec<(u32, OutlineMm)>,
+}
+
+/// Convex outlines of one colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroundShape {
+    pub outlines: Vec<OutlineMm>,
+    pub colour: Srgb8,
+}
+
+/// Centred text; `at` is the middle of its capitals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    pub at: PointMm,
+    pub size_mm: f64,
+    pub text: String,
+}
+
+impl Mat {
+    /// The mat of a scene: the model's outline, the flat tags, and an outline for each tent card.
+    ///
+    /// # Errors
+    /// A tag that cannot be drawn.
+    pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
+        let mut mat = Mat {
+            shapes: Vec::new(),
+            labels: Vec::new(),
+            footprints: Vec::new(),
+            model: Vec::new(),
+            core: RectMm::new(0.0, 0.0, 0.0, 0.0),
+            tents: Vec::new(),
+            tags: Vec::new(),
+        };
+        mat.add_model(&scene.model);
+        for tag in &arrangement.flat {
+            mat.add_flat_tag(tag)?;
+        }
+        let drawn_on = bounds(mat.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten()));
+        mat.core = grown(drawn_on, BORDER_MM);
+        for (i, tent) in arrangement.tents.iter().enumerate() {
+            mat.add_tent(i + 1, tent);
+        }
+        Ok(mat)
+    }
+
+    /// Things that stand on each other, or closer than a tag's white ring, by their names.
+    pub fn overlaps(&self) -> impl Iterator<Item = [String; 2]> {
+        let pairs = (0..self.footprints.len()).flat_map(|i| (i + 1..self.footprints.len()).map(move |j| (i, j)));
+        pairs
+            .map(|(i, j)| (&self.footprints[i], &self.footprints[j]))
+            .filter(|((_, a), (_, b))| overlap(a, b))
+            .map(|((a, _), (b, _))| [a.clone(), b.clone()])
+    }
+
+    fn add_model(&mut self, model: &ScaleModel) {
+        let [length, width, _] = model.size_mm;
+        let level = TagPlacement {
+            centre: PointMm::new(0.0, 0.0),
+            right: [1.0, 0.0],
+            module_mm: 1.0,
+        };
+        let (front, side) = (length / 2.0, width / 2.0);
+        let ground = level.rectangle(-front, -side, front, side);
+        let mut outlines = stroked(&ground, LINE_MM);
+        self.footprints.push(("the model".to_owned(), ground));
+        let cross = |x: f64, y: f64| stroke(PointMm::new(-x, -y), PointMm::new(x, y), LINE_MM);
+        outlines.extend([cross(8.0, 0.0), cross(0.0, 8.0)]);
+        let arrow = [
+            (front + 2.0, -ARROW_MM / 3.0),
+            (front + 2.0 + ARROW_MM, 0.0),
+            (front + 2.0, ARROW_MM / 3.0),
+        ];
+        outlines.push(arrow.map(|(x, y)| PointMm::new(x, y)).to_vec());
+        self.model.clone_from(&outlines);
+        self.shapes.push(GroundShape { outlines, colour: GREY });
+        let size = format!("{} × {} mm", number(length), number(width));
+        let text_mm = TITLE_MM.min(width / 8.0);
+        let name = printable(&model.name);
+        let name_mm = fitting_size_mm(&name, text_mm, 0.9 * length);
+        self.label((0.0, side / 2.0), name_mm, name);
+        self.label((0.0, -side / 2.0), text_mm, size);
+        self.label((front - 3.0 * text_mm, 0.0), text_mm, "FRONT".to_owned());
+    }
+
+    fn add_flat_tag(&mut self, tag: &Tag) -> Result<(), TagPrintError> {
+        let image = image_of(tag)?;
+        let half = image.width_mm(tag.size_mm) / 2.0;
+        let place = TagPlacement {
+            centre: on_mat(&tag.centre_mm),
+            right: level_unit(tag.right.x, tag.right.y),
+            module_mm: tag.size_mm / image.border_modules() as f64,
+        };
+        let ground = place.rectangle(-half, -half, half, half);
+        self.tags.push((tag.id, ground.clone()));
+        self.footprints.push((format!("tag {}", tag.id), ground));
+        let mut outlines = black_modules(image.modules(), &place);
+        outlines.push(place.up_mark(0.0, half, UP_MM));
+        self.shapes.push(GroundShape {
+            outlines,
+            colour: BLACK,
+        });
+        let below = place.at(0.0, -half - TEXT_MM);
+        self.label((below.x_mm, below.y_mm), TEXT_MM, format!("id {}", tag.id));
+        Ok(())
+    }
+
+    fn add_tent(&mut self, number: usize, tent: &Tent) {
+        let feet = tent.foot_mm();
+        let outline = feet.each_ref().map(on_mat);
+        self.footprints.push((format!("tent card T{number}"), outline.to_vec()));
+        let mut outlines = stroked(&outline, LINE_MM);
+        outlines.extend(tent.middle_marks());
+        self.shapes.push(GroundShape { outlines, colour: GREY });
+        self.tents.push(grown(bounds(&outline), BORDER_MM));
+        let [a_left, a_right, b_right, b_left] = feet;
+        let middle = nalgebra::center(&a_left, &b_right);
+        let size_mm = TITLE_MM.min(tent.base_mm / 4.0);
+        self.label((middle.x, middle.y), size_mm, format!("T{number}"));
+        for (tag, ends) in tent.tags.iter().zip([[a_left, a_right], [b_right, b_left]]) {
+            // Just inside the foot of the face that carries the tag.
+            let at = nalgebra::center(&ends[0], &ends[1]);
+            let at = at + (middle - at).normalize() * (1.2 * size_mm);
+            self.label((at.x, at.y), (0.5 * size_mm).max(2.0), format!("id {}", tag.id));
+        }
+    }
+
+    fn label(&mut self, (x, y): (f64, f64), size_mm: f64, text: String) {
+        let at = PointMm::new(x, y - 0.5 * CAP_HEIGHT * size_mm);
+        self.labels.push(Label { at, size_mm, text });
+    }
+
+    /// The ground with all tent cards.
+    pub fn whole(&self) -> RectMm {
+        self.tents.iter().fold(self.core, |all, tent| union(all, *tent))
+    }
+
+    /// What is seen of the shapes through a window, inside a rectangle of the page.
+    pub fn marks(&self, window: &GroundWindow, to: RectMm) -> Vec<Mark> {
+        let seen = self.shapes.iter().map(|shape| Mark::Area {
+            outlines: window.clipped(&shape.outlines, to),
+            colour: shape.colour,
+        });
+        seen.filter(|mark| !matches!(mark, Mark::Area { outlines, .. } if outlines.is_empty()))
+            .collect()
+    }
+
+    /// Adds grey lines around an outline, and its name in the middle.
+    pub fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
+        self.shapes.push(GroundShape {
+            outlines: stroked(outline, LINE_MM),
+            colour: GREY,
+        });
+        self.label((at.x_mm, at.y_mm), TEXT_MM, name);
+    }
+}
+
+pub fn on_mat(point: &Point3<f64>) -> PointMm {
+    PointMm::new(point.x, point.y)
+}
+
+fn level_unit(x: f64, y: f64) -> [f64; 2] {
+    let length = x.hypot(y);
+    [x / length, y / length]
+}

@@ -1,0 +1,336 @@
+//! The tags of a scene on paper: tent cards to cut and fold, a ground mat with the flat tags, and plain cards.
+//!
+//! What a tag is printed on follows from where it stands ([`arrange`]).
+
+mod arrange;
+mod card;
+mod floor_plan;
+mod ground;
+mod map;
+mod mat;
+mod mat_sheet;
+mod piece;
+mod seams;
+mod strip;
+mod strip_sheet;
+mod tent;
+mod tent_sheet;
+mod window;
+
+pub use arrange::{Arrangement, arrange};
+pub use ground::Ground;
+
+use std::fmt;
+
+use super::SheetError;
+use super::lettering::number;
+use super::page::Media;
+use super::sheet::{RectMm, Sheet};
+use scaleproof_core::spelling::count;
+use scaleproof_pose::scene::{Scene, Tag, TagFamily};
+use scaleproof_pose::tags::TagImage;
+
+/// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
+const MIN_MODULE_MM: f64 = 0.2;
+/// The thickness of cut and fold lines.
+const LINE_MM: f64 = 0.2;
+
+/// Why no tags were printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TagPrintError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error("the scene has no tags; add [[tag]] tables to it, or make one with `scaleproof scene new`")]
+    NoTags,
+    #[error("tag {id} of {family} could not be drawn: the AprilTag library does not have it")]
+    NoImage { family: &'static str, id: u32 },
+    #[error(
+        "tag {id} would have modules of {module_mm:.3} mm, smaller than the {MIN_MODULE_MM} mm a printer can show; use larger tags"
+    )]
+    ModuleTooSmall { id: u32, module_mm: f64 },
+    #[error("{what} takes {needed_mm} mm and the paper has {free_mm} mm for it; use larger paper{instead}")]
+    TooLarge {
+        what: String,
+        needed_mm: String,
+        free_mm: String,
+        instead: Instead,
+    },
+}
+
+/// What could be printed instead of something too large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instead {
+    Nothing,
+    WholeMat,
+    PlainCards,
+}
+
+impl fmt::Display for Instead {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nothing => "",
+            Self::WholeMat => ", or print the whole mat",
+            Self::PlainCards => ", or print plain cards",
+        })
+    }
+}
+
+/// What the user should know of the tags on paper.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum TagNote {
+    /// The mat puts tags at 0 that the scene has at this height.
+    Lowered {
+        height_mm: f64,
+    },
+    /// What overlaps on the mat.
+    Overlap([String; 2]),
+    /// Seams of the mat run through these tags.
+    CutTags(Vec<u32>),
+    PlaceStrips,
+}
+
+impl fmt::Display for TagNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lowered { height_mm } => write!(
+                f,
+                "the scene has flat tags at a height of {} mm; the mat puts them at 0",
+                number(*height_mm)
+            ),
+            Self::Overlap([a, b]) => write!(f, "{a} and {b} overlap on the mat: move one of them in the scene"),
+            Self::CutTags(ids) if ids.len() == 1 => write!(
+                f,
+                "a seam of the mat runs through tag {} however the sheets are laid; glue it exactly, or lay a plain card over it",
+                ids[0]
+            ),
+            Self::CutTags(ids) => write!(
+                f,
+                "seams of the mat run through tags {} however the sheets are laid; glue them exactly, or lay plain cards over them",
+                ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+            ),
+            Self::PlaceStrips => write!(f, "place strips save sheets and put cards within about 1 mm"),
+        }
+    }
+}
+
+/// What to print.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TagRequest {
+    pub media: Media,
+    /// Every tag as a plain card, whatever the scene does with it.
+    pub plain: bool,
+    /// The place of every tent card on the mat itself, however many sheets it takes.
+    pub whole_mat: bool,
+}
+
+/// The pages, and what is on them.
+#[derive(Debug, Clone)]
+pub struct TagSheets {
+    /// The map, the floor plan of plain cards, cards and strips, then the mat.
+    pub sheets: Vec<Sheet>,
+    /// What each sheet is called on the map, and in the name of its file.
+    pub names: Vec<String>,
+    /// One line for each kind of thing printed.
+    pub contents: Vec<String>,
+    /// Everything that is cut out of cards.
+    pub cut_out: Vec<CutOut>,
+    pub ground: Option<Ground>,
+    pub notes: Vec<TagNote>,
+}
+
+/// A card or a strip on its sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutOut {
+    pub name: String,
+    /// Index of its sheet.
+    pub sheet: usize,
+    /// Where it lies in true millimetres (page frame).
+    pub area: RectMm,
+}
+
+/// Draws the tags of a scene.
+///
+/// # Errors
+/// A scene without tags, tags too small to print, cards too large for the paper.
+pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagPrintError> {
+    if scene.tags.is_empty() {
+        return Err(TagPrintError::NoTags);
+    }
+    let arrangement = if request.plain {
+        Arrangement::plain(scene)
+    } else {
+        arrange(scene)
+    };
+    let media = request.media;
+    piece::check(&pieces(&arrangement, None)?, media)?;
+    let ground = ground(scene, &arrangement, request)?;
+    let cards = piece::spread(&pieces(&arrangement, ground.as_ref())?, media)?;
+    let plans = floor_plan::sheets(&arrangement.cards, scene, media)?;
+    let plan_names: Vec<String> = (0..plans.len()).map(floor_plan::name).collect();
+    let card_names: Vec<String> = (1..=cards.len()).map(|n| format!("cards {n}")).collect();
+    let map = map::TagMap {
+        scene,
+        media,
+        arrangement: &arrangement,
+        ground: ground.as_ref(),
+        cards: &cards,
+        plan_names: &plan_names,
+        card_names: &card_names,
+    };
+    let mut sheets = vec![map.sheet()?];
+    sheets.extend(plans);
+    let first_card = sheets.len();
+    let captions = captions(scene, media, cards_how_to(&arrangement));
+    sheets.extend(
+        cards
+            .iter()
+            .zip(&card_names)
+            .map(|(page, name)| page.page.sheet(page.marks.clone(), &captions, name)),
+    );
+    sheets.extend(ground.iter().flat_map(|ground| mat_sheet::sheets(ground, scene, media)));
+    let mat_names = ground.as_ref().map(Ground::names).unwrap_or_default();
+    let names = ["map".to_owned()]
+        .into_iter()
+        .chain(plan_names.clone())
+        .chain(card_names.clone())
+        .chain(mat_names);
+    Ok(TagSheets {
+        names: names.collect(),
+        contents: contents(&arrangement, ground.as_ref(), plan_names.len(), cards.len()),
+        cut_out: cut_out(&cards, first_card),
+        notes: notes(&arrangement, ground.as_ref()),
+        ground,
+        sheets,
+    })
+}
+
+/// Everything that is cut out of shared pages.
+fn pieces<'a>(
+    arrangement: &'a Arrangement,
+    ground: Option<&'a Ground>,
+) -> Result<Vec<piece::CutPiece<'a>>, TagPrintError> {
+    let mut pieces = tent_sheet::pieces(&arrangement.tents);
+    pieces.extend(card::pieces(&arrangement.cards)?);
+    pieces.extend(ground.into_iter().flat_map(strip_sheet::pieces));
+    Ok(pieces)
+}
+
+/// The ground mat, if the scene needs one.
+fn ground(scene: &Scene, arrangement: &Arrangement, request: &TagRequest) -> Result<Option<Ground>, TagPrintError> {
+    if arrangement.flat.is_empty() && arrangement.tents.is_empty() {
+        return Ok(None);
+    }
+    let sizes: Vec<_> = pieces(arrangement, None)?.iter().map(|piece| piece.size_mm).collect();
+    let mat = mat::Mat::new(scene, arrangement)?;
+    Ground::new(mat, arrangement, request, &sizes).map(Some)
+}
+
+fn cut_out(cards: &[piece::PiecePage], first: usize) -> Vec<CutOut> {
+    let on = |(i, page): (usize, &piece::PiecePage)| {
+        let named = page.names.clone().into_iter();
+        named
+            .map(move |(name, area)| CutOut {
+                name,
+                sheet: first + i,
+                area,
+            })
+            .collect::<Vec<_>>()
+    };
+    cards.iter().enumerate().flat_map(on).collect()
+}
+
+fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, cards: usize) -> Vec<String> {
+    let strips = ground.map_or(0, |ground| ground.strips.len());
+    let kinds = [
+        (arrangement.tents.len(), "tent card"),
+        (arrangement.cards.len(), "plain card"),
+        (strips, "place strip"),
+    ];
+    let kinds: Vec<_> = kinds
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| count(n, what))
+        .collect();
+    let mut contents = vec!["a map".to_owned()];
+    if plans > 0 {
+        contents.push(format!("a floor plan on {}", count(plans, "sheet")));
+    }
+    if cards > 0 {
+        contents.push(format!("{} on {}", kinds.join(" and "), count(cards, "sheet")));
+    }
+    if let Some(ground) = ground {
+        let (wide, high) = (ground.paper.width_mm(), ground.paper.height_mm());
+        let sheets = count(ground.layout.sheets.len(), "sheet");
+        contents.push(format!("a ground mat of {wide:.0} × {high:.0} mm on {sheets}"));
+    }
+    contents
+}
+
+fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<TagNote> {
+    let lowered = arrangement.lifted_mm().map(|height_mm| TagNote::Lowered { height_mm });
+    let mut notes: Vec<TagNote> = lowered.into_iter().collect();
+    let Some(ground) = ground else { return notes };
+    notes.extend(ground.mat.overlaps().map(TagNote::Overlap));
+    if !ground.cut_tags.is_empty() {
+        notes.push(TagNote::CutTags(ground.cut_tags.clone()));
+    }
+    if !ground.strips.is_empty() {
+        notes.push(TagNote::PlaceStrips);
+    }
+    notes
+}
+
+/// How to cut what is on the pages with cards.
+fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
+    let tents = [
+        "Cut along the solid lines, crease along the dashed ones, fold away from the print, glue the tab inside the base.",
+        "Stand each card on its outline on the ground mat or its place strip, each tag on the side that carries its number.",
+    ];
+    let cards = [
+        "Cut along the solid lines; the white around a tag belongs to it.",
+        "Fix each card where the floor plan says, with its triangle towards the tag's up direction.",
+    ];
+    match (arrangement.tents.is_empty(), arrangement.cards.is_empty()) {
+        (true, _) => cards,
+        (false, true) => tents,
+        (false, false) => [tents[0], cards[1]],
+    }
+}
+
+/// The image of a tag, checked to be printable.
+fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
+    let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
+        family: family_name(tag.family),
+        id: tag.id,
+    })?;
+    let module_mm = tag.size_mm / image.border_modules() as f64;
+    if module_mm < MIN_MODULE_MM {
+        return Err(TagPrintError::ModuleTooSmall { id: tag.id, module_mm });
+    }
+    Ok(image)
+}
+
+fn family_name(family: TagFamily) -> &'static str {
+    TagFamily::ALL
+        .iter()
+        .find(|(known, _)| *known == family)
+        .map_or("an unknown family", |(_, name)| name)
+}
+
+/// The lines at the foot of every page.
+fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
+    vec![
+        "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
+        how_to[0].to_owned(),
+        how_to[1].to_owned(),
+        format!(
+            "scene {} · scale 1:{} · {} · scaleproof {}",
+            scene.model.name,
+            number(scene.model.scale),
+            media.printer.caption(),
+            env!("CARGO_PKG_VERSION")
+        ),
+    ]
+}

@@ -1,0 +1,145 @@
+//! Place strips: where a tent card stands that is beyond the mat's paper. One end is glued onto its outline on the mat, the card
+//! stands on the other. A strip is a window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::window`].
+
+use super::mat::{Mat, on_mat};
+use super::tent::Tent;
+use super::window::{GroundWindow, bounds, grown, within};
+use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
+use crate::print::sheet::{PointMm, RectMm};
+
+/// Across a strip.
+pub const WIDTH_MM: f64 = 36.0;
+/// What of a strip lies beneath its card.
+const UNDER_MM: f64 = 18.0;
+/// What lies on the mat: a shorter root would let the strip turn.
+const ROOT_MM: std::ops::RangeInclusive<f64> = 30.0..=60.0;
+/// Between a strip and a flat tag.
+const CLEAR_MM: f64 = 1.0;
+const STEP_MM: f64 = 0.5;
+/// Paper around the foot of a card that stands on the mat.
+const FOOT_MM: f64 = 2.0;
+
+/// The way from the mat to a tent card.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaceStrip {
+    /// Of the tent card, from 0.
+    pub tent: usize,
+    pub length_mm: f64,
+    /// What is glued onto the mat.
+    pub root_mm: f64,
+    /// What lies beneath the card.
+    pub under_mm: f64,
+    /// Its middle, and the direction from its root to the card.
+    pub place: TagPlacement,
+}
+
+/// How a tent card finds its place.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Standing {
+    /// A whole foot of it is drawn on the mat.
+    OnMat,
+    OnStrip(PlaceStrip),
+    /// No strip reaches it.
+    OutOfReach,
+}
+
+impl Standing {
+    /// Of a tent card around a mat on some paper; a strip is no longer than `most_mm`.
+    pub fn of(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
+        let [a_left, a_right, b_right, b_left] = tent.foot_mm().each_ref().map(on_mat);
+        let feet = [[a_left, a_right], [b_right, b_left]];
+        if feet.iter().any(|foot| within(grown(bounds(foot), FOOT_MM), paper)) {
+            return Standing::OnMat;
+        }
+        let middles = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
+        let [a, b] = middles;
+        let strips = [(a, b), (b, a)]
+            .map(|(foot, other)| PlaceStrip::from_foot(number, tent, (foot, other), mat, paper, most_mm));
+        let shortest = strips
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
+        shortest.map_or(Standing::OutOfReach, Standing::OnStrip)
+    }
+}
+
+impl PlaceStrip {
+    /// From the middle of a foot, away from the other one, until its root lies on the paper and on no tag.
+    fn from_foot(
+        number: usize,
+        tent: &Tent,
+        (foot, other): (PointMm, PointMm),
+        mat: &Mat,
+        paper: RectMm,
+        most_mm: f64,
+    ) -> Option<PlaceStrip> {
+        let (x, y) = (other.x_mm - foot.x_mm, other.y_mm - foot.y_mm);
+        let right = [x / tent.base_mm, y / tent.base_mm];
+        let under = UNDER_MM.min(tent.base_mm / 2.0);
+        let strip = |reach_mm: f64, root_mm: f64| {
+            let middle = (under - reach_mm) / 2.0;
+            PlaceStrip {
+                tent: number,
+                length_mm: reach_mm + under,
+                root_mm,
+                under_mm: under,
+                place: TagPlacement {
+                    centre: PointMm::new(foot.x_mm + middle * right[0], foot.y_mm + middle * right[1]),
+                    right,
+                    module_mm: 1.0,
+                },
+            }
+        };
+        let steps = |from: f64, to: f64| {
+            (0..)
+                .map(move |k| from + f64::from(k) * STEP_MM)
+                .take_while(move |s| *s <= to)
+        };
+        let most = most_mm - under;
+        let first = |root: f64| steps(root, most).find(|reach| within(bounds(&strip(*reach, root).root()), paper));
+        let least = first(*ROOT_MM.start())?;
+        let fits = |reach: &f64| strip(*reach, 0.0).is_clear(mat);
+        let longest = steps(least, most.min(least + ROOT_MM.end() - ROOT_MM.start()))
+            .take_while(fits)
+            .last()?;
+        Some(strip(longest, ROOT_MM.start() + longest - least))
+    }
+
+    /// The strip's outline on the ground.
+    pub fn outline(&self) -> OutlineMm {
+        let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
+        self.place.rectangle(-x, -y, x, y)
+    }
+
+    /// The part that is glued onto the mat.
+    pub fn root(&self) -> OutlineMm {
+        let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
+        self.place.rectangle(-x, -y, -x + self.root_mm, y)
+    }
+
+    /// Where the strip's name stands on the mat: in its root, beside its middle line, on which the model's arrow may lie.
+    pub fn name_at(&self) -> PointMm {
+        self.place.at((self.root_mm - self.length_mm) / 2.0, WIDTH_MM / 3.0)
+    }
+
+    fn is_clear(&self, mat: &Mat) -> bool {
+        let (x, y) = (self.length_mm / 2.0 + CLEAR_MM, WIDTH_MM / 2.0 + CLEAR_MM);
+        let room = self.place.rectangle(-x, -y, x, y);
+        mat.tags.iter().all(|(_, tag)| !overlap(&room, tag))
+    }
+
+    /// The window onto the ground of a strip that lies level on a page, its lower left corner at a place.
+    pub fn window(&self, at: PointMm) -> GroundWindow {
+        GroundWindow {
+            centre: self.place.centre,
+            at: PointMm::new(at.x_mm + self.length_mm / 2.0, at.y_mm + WIDTH_MM / 2.0),
+            right: self.place.right,
+            scale: 1.0,
+        }
+    }
+
+    /// The strip on such a page.
+    pub fn area(&self, at: PointMm) -> RectMm {
+        RectMm::new(at.x_mm, at.y_mm, at.x_mm + self.length_mm, at.y_mm + WIDTH_MM)
+    }
+}

@@ -1,0 +1,276 @@
+//! Tent cards: which tags of a scene stand back to back on one, and how it is cut and folded. Geometry only.
+//!
+//! *Tent frame*: origin on the ground under the middle of the ridge; x along the ridge, z up; face A looks towards −y.
+//! *Flat frame*: the card before folding, printed side up: x along the ridge, y from the tab over face A, the ridge, face B to
+//! the end of the base; origin at the corner where the tab begins. Millimetres in both.
+use nalgebra::Isometry3;
+use nalgebra::{Matrix3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
+
+use crate::print::shapes::{OutlineMm, stroke};
+use crate::print::sheet::PointMm;
+use scaleproof_core::geometry::{Rigid, rigid};
+use scaleproof_pose::scene::Tag;
+
+/// How far two tags may be from each other's mirror image and still stand on one card: half of what a scene is held to.
+const MIRROR_MM: f64 = 0.1;
+const MIRROR_DEG: f64 = 0.1;
+/// Faces flatter or steeper than this do not make a card that stands.
+pub const TILT_DEG: std::ops::RangeInclusive<f64> = 20.0..=80.0;
+/// What a rounded scene file may take from the room a tag needs.
+const FIT_MM: f64 = 0.05;
+/// Beside the tag: its id and up mark.
+pub const SIDE_MM: f64 = 12.0;
+const TAB_MM: f64 = 12.0;
+/// The tab's ends are cut back, so that it slides in.
+const TAB_SLANT_MM: f64 = 5.0;
+
+/// The mark on the ground at the middle of a foot.
+const MIDDLE_MM: f64 = 5.0;
+const MIDDLE_LINE_MM: f64 = 0.4;
+
+/// Two tags that lean back to back on one folded card.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tent {
+    /// On face A and face B.
+    pub tags: [Tag; 2],
+    /// `T_model_tent`: where the card stands.
+    pub place: Rigid,
+    /// Between each face and the ground.
+    pub tilt_deg: f64,
+    /// Along the ridge.
+    pub width_mm: f64,
+    /// Length of a face from its foot to the ridge.
+    pub face_mm: f64,
+    /// From foot to foot.
+    pub base_mm: f64,
+}
+
+impl Tent {
+    /// The card for two tags, if they make one: their planes are each other's mirror image in an upright plane, they face away
+    /// from it and up, they are at the same height and at the same place along the ridge, and each fits with its white ring between
+    /// the ground and the ridge, where the planes meet.
+    pub fn of(a: &Tag, b: &Tag) -> Option<Tent> {
+        let shape = TentShape::of(a, b)?;
+        let mut width_mm = 0.0_f64;
+        for (tag, out) in [(a, shape.out), (b, -shape.out)] {
+            let slope = Vector3::z() * shape.sin - out * shape.cos;
+            if half_along(tag, &slope) > shape.below_mm.min(shape.above_mm) + FIT_MM {
+                return None;
+            }
+            width_mm = width_mm.max(2.0 * half_along(tag, &shape.ridge()));
+        }
+        let face_mm = shape.below_mm + shape.above_mm;
+        Some(Tent {
+            tags: [a.clone(), b.clone()],
+            place: rigid::from_matrix(
+                Matrix3::from_columns(&[shape.ridge(), -shape.out, Vector3::z()]),
+                shape.middle,
+            ),
+            tilt_deg: shape.sin.atan2(shape.cos).to_degrees(),
+            width_mm: width_mm + 2.0 * SIDE_MM,
+            face_mm,
+            base_mm: 2.0 * face_mm * shape.cos,
+        })
+    }
+
+    /// The card before folding.
+    pub fn net(&self) -> Net {
+        let tab_mm = TAB_MM.min(0.8 * self.base_mm);
+        let ends = [0.0, tab_mm, tab_mm + self.face_mm, tab_mm + 2.0 * self.face_mm];
+        let top = ends[3] + self.base_mm;
+        let full = |from: f64, to: f64| {
+            let w = self.width_mm;
+            vec![[0.0, from], [w, from], [w, to], [0.0, to]]
+        };
+        let slant = TAB_SLANT_MM.min(0.25 * self.width_mm);
+        let tab = vec![
+            [slant, 0.0],
+            [self.width_mm - slant, 0.0],
+            [self.width_mm, tab_mm],
+            [0.0, tab_mm],
+        ];
+        let mut net = Net {
+            width_mm: self.width_mm,
+            height_mm: top,
+            outlines: [tab, full(ends[1], ends[2]), full(ends[2], ends[3]), full(ends[3], top)],
+            folds: [
+                (ends[1], 180.0 - self.tilt_deg),
+                (ends[2], 2.0 * self.tilt_deg),
+                (ends[3], 180.0 - self.tilt_deg),
+            ]
+            .map(|(y_mm, turn_deg)| Fold { y_mm, turn_deg }),
+            tags: Vec::new(),
+        };
+        let panels = net.folded_panels(self);
+        for (tag, panel) in self.tags.iter().zip([TentPanel::FaceA, TentPanel::FaceB]) {
+            net.tags
+                .push(FlatTag::on(panel, tag, &(self.place * panels[panel as usize])));
+        }
+        net
+    }
+
+    /// The four corners of the base on the ground, model frame: the left and the right foot of face A, then of face B.
+    pub fn foot_mm(&self) -> [Point3<f64>; 4] {
+        let (x, y) = (self.width_mm / 2.0, self.base_mm / 2.0);
+        [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| self.place * Point3::new(x, y, 0.0))
+    }
+}
+
+impl Tent {
+    /// On the ground, at the middle of each foot: a short line away from the card, which the mark at the foot of its face meets.
+    pub fn middle_marks(&self) -> [OutlineMm; 2] {
+        let at = |y: f64| {
+            let place = self.place * Point3::new(0.0, y, 0.0);
+            PointMm::new(place.x, place.y)
+        };
+        let (foot, end) = (self.base_mm / 2.0, self.base_mm / 2.0 + MIDDLE_MM);
+        [-1.0, 1.0].map(|side| stroke(at(side * foot), at(side * end), MIDDLE_LINE_MM))
+    }
+}
+
+/// How far a tag with its white ring reaches from its centre along a direction in its plane.
+fn half_along(tag: &Tag, axis: &Vector3<f64>) -> f64 {
+    let half = tag.size_mm * tag.family.width_with_white() / 2.0;
+    half * (tag.right.dot(axis).abs() + tag.up.dot(axis).abs())
+}
+
+/// What two mirrored tags say about their card.
+struct TentShape {
+    /// Level unit vector out of face A.
+    out: Vector3<f64>,
+    /// Of the tilt.
+    sin: f64,
+    cos: f64,
+    /// On the ground, under the middle of the ridge.
+    middle: Vector3<f64>,
+    /// Along a face, from the tags' centres down to the ground and up to the ridge.
+    below_mm: f64,
+    above_mm: f64,
+}
+
+impl TentShape {
+    fn of(a: &Tag, b: &Tag) -> Option<TentShape> {
+        let [normal_a, normal_b] = [a, b].map(|tag| tag.right.cross(&tag.up));
+        let level = Vector3::new(normal_a.x - normal_b.x, normal_a.y - normal_b.y, 0.0);
+        let out = level.try_normalize(1e-6)?;
+        let mirrored = normal_a - out * (2.0 * normal_a.dot(&out));
+        if mirrored.angle(&normal_b) > MIRROR_DEG.to_radians() {
+            return None;
+        }
+        let (sin, cos) = (level.norm() / 2.0, (normal_a.z + normal_b.z) / 2.0);
+        if !TILT_DEG.contains(&sin.atan2(cos).to_degrees()) {
+            return None;
+        }
+        let apart = a.centre_mm - b.centre_mm;
+        let across_mm = apart.dot(&out);
+        if across_mm <= 0.0 || (apart - out * across_mm).amax() > MIRROR_MM {
+            return None;
+        }
+        let middle = (a.centre_mm.coords + b.centre_mm.coords) / 2.0;
+        Some(TentShape {
+            out,
+            sin,
+            cos,
+            middle: Vector3::new(middle.x, middle.y, 0.0),
+            below_mm: middle.z / sin,
+            above_mm: across_mm / 2.0 / cos,
+        })
+    }
+
+    /// To the right of somebody who looks at face A.
+    fn ridge(&self) -> Vector3<f64> {
+        Vector3::z().cross(&self.out)
+    }
+}
+
+/// The parts of a card, in the order of [`Net::outlines`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // no tag lies on the tab or the base
+pub enum TentPanel {
+    Tab = 0,
+    FaceA = 1,
+    FaceB = 2,
+    Base = 3,
+}
+
+/// A card before folding, in the flat frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Net {
+    pub width_mm: f64,
+    pub height_mm: f64,
+    /// Tab, face A, face B, base: corners (x, y).
+    pub outlines: [Vec<[f64; 2]>; 4],
+    /// Between the panels, in their order.
+    pub folds: [Fold; 3],
+    /// On face A and face B.
+    pub tags: Vec<FlatTag>,
+}
+
+/// A fold across the whole card, parallel to x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fold {
+    pub y_mm: f64,
+    /// How far the rest of the card is turned away from somebody who looks at the printed side; 0 leaves it flat.
+    pub turn_deg: f64,
+}
+
+/// A tag on the flat card.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatTag {
+    pub panel: TentPanel,
+    pub tag: Tag,
+    pub centre_mm: Point2<f64>,
+    /// Unit vector to the upright tag's right.
+    pub right: Vector2<f64>,
+}
+
+impl FlatTag {
+    /// Where a tag of the scene lies on a panel, of which `placed` says where it stands once folded (model ← flat).
+    fn on(panel: TentPanel, tag: &Tag, placed: &Rigid) -> Self {
+        let centre = placed.inverse() * tag.centre_mm;
+        let right = (placed.rotation.inverse() * tag.right).xy();
+        Self {
+            panel,
+            tag: tag.clone(),
+            centre_mm: Point2::new(centre.x, centre.y),
+            right: right.normalize(),
+        }
+    }
+
+    /// `T_flat_tag`.
+    fn pose(&self) -> Rigid {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.right.y.atan2(self.right.x));
+        Isometry3::from_parts(self.centre_mm.coords.push(0.0).into(), turn)
+    }
+}
+
+impl Net {
+    /// Folds the card and says where each tag comes to stand: `T_tent_tag`, in the order of [`Net::tags`].
+    pub fn folded(&self, tent: &Tent) -> Vec<Rigid> {
+        let panels = self.folded_panels(tent);
+        self.tags
+            .iter()
+            .map(|flat| panels[flat.panel as usize] * flat.pose())
+            .collect()
+    }
+
+    /// `T_tent_flat` of each panel: the base lies on the ground, and every fold turns what is beyond it.
+    pub fn folded_panels(&self, tent: &Tent) -> [Rigid; 4] {
+        // The base's printed side is down, and its fold lies at the foot of face B.
+        let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let fold = Vector3::new(-self.width_mm / 2.0, tent.base_mm / 2.0 + self.folds[2].y_mm, 0.0);
+        let base = Rigid::from_parts(fold.into(), down);
+        let face_b = base * self.folds[2].before();
+        let face_a = face_b * self.folds[1].before();
+        [face_a * self.folds[0].before(), face_a, face_b, base]
+    }
+}
+
+impl Fold {
+    /// Moves what lies before the fold (smaller y), with what lies beyond it held still.
+    fn before(&self) -> Rigid {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), self.turn_deg.to_radians());
+        let line = Vector3::new(0.0, self.y_mm, 0.0);
+        Rigid::from_parts((line - turn * line).into(), turn)
+    }
+}

@@ -1,0 +1,143 @@
+//! Draws tent cards: cut lines solid, fold lines dashed, a tag on each face.
+
+use super::piece::CutPiece;
+use super::tent::{FlatTag, Net, SIDE_MM, Tent};
+use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
+use crate::print::lettering::{fitting_size_mm, number};
+use crate::print::shapes::{TagPlacement, black_modules};
+use crate::print::sheet::{BLACK, Mark, PointMm, TextAnchor};
+
+const TEXT_MM: f64 = 3.0;
+const TITLE_MM: f64 = 7.0;
+const LEADING_MM: f64 = 4.2;
+const UP_MM: f64 = 4.0;
+/// The mark at the middle of a face's foot; the tag's white ring begins above it.
+const MIDDLE_MM: f64 = 1.5;
+const DASH_MM: (f64, f64) = (3.0, 2.0);
+
+/// The cards of some tents; tent `i` is called T`i + 1`.
+pub fn pieces(tents: &[Tent]) -> Vec<CutPiece<'_>> {
+    let piece = |(i, tent): (usize, &'_ Tent)| {
+        let (net, tent) = (tent.net(), tent.clone());
+        let [a, b] = [tent.tags[0].id, tent.tags[1].id];
+        CutPiece {
+            size_mm: (net.width_mm, net.height_mm),
+            name: format!("T{}", i + 1),
+            what: format!("tent card T{} (tags {a} and {b})", i + 1),
+            instead: Instead::PlainCards,
+            draw: Box::new(move |at| marks(i + 1, &tent, &net, at)),
+        }
+    };
+    tents.iter().enumerate().map(piece).collect()
+}
+
+/// All marks of one card whose flat frame begins at `at` on the page.
+fn marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>, TagPrintError> {
+    let mut marks = Vec::new();
+    for flat in &net.tags {
+        marks.push(tag_marks(flat, net, at)?);
+        marks.extend(face_text(number, flat, at));
+    }
+    marks.extend(base_text(number, tent, net, at));
+    let tab = "glue to the inside of the base";
+    // The tab narrows towards its edge; its text keeps clear of the slants.
+    let tab_mm = fitting_size_mm(tab, TEXT_MM, 0.7 * net.width_mm);
+    let tab_at = (at.x_mm + net.width_mm / 2.0, at.y_mm + 0.5 * net.folds[0].y_mm - 1.0);
+    marks.push(Mark::text(tab_at, tab_mm, TextAnchor::Centre, tab));
+    marks.extend(lines(net, at));
+    Ok(marks)
+}
+
+fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintError> {
+    let image = image_of(&flat.tag)?;
+    let place = TagPlacement {
+        centre: PointMm::new(at.x_mm + flat.centre_mm.x, at.y_mm + flat.centre_mm.y),
+        right: flat.right.into(),
+        module_mm: flat.tag.size_mm / image.border_modules() as f64,
+    };
+    let mut outlines = black_modules(image.modules(), &place);
+    // The up mark stands beside the tag, half way into the free strip of the card.
+    let mark = TagPlacement {
+        centre: PointMm::new(at.x_mm + net.width_mm - SIDE_MM / 2.0, place.centre.y_mm),
+        ..place
+    };
+    outlines.push(mark.up_mark(0.0, -UP_MM / 2.0, UP_MM));
+    Ok(Mark::Area {
+        outlines,
+        colour: BLACK,
+    })
+}
+
+/// The card's name and the tag's id, in the strip to the left of the tag.
+fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
+    let lines = [format!("T{number}"), "id".to_owned(), flat.tag.id.to_string()];
+    let x = at.x_mm + SIDE_MM / 2.0;
+    let middle = at.y_mm + flat.centre_mm.y + 0.5 * LEADING_MM;
+    let place = |(i, line): (usize, &String)| {
+        let size_mm = fitting_size_mm(line, TEXT_MM, SIDE_MM - 2.0);
+        Mark::text(
+            (x, middle - i as f64 * LEADING_MM),
+            size_mm,
+            TextAnchor::Centre,
+            line.clone(),
+        )
+    };
+    lines.iter().enumerate().map(place).collect()
+}
+
+/// What the card is, on the side it stands on.
+fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
+    let [a, b] = &tent.tags;
+    let family = |tag: &scaleproof_pose::scene::Tag| format!("{} · {} mm", family_name(tag.family), mm(tag.size_mm));
+    let [family_a, family_b] = [a, b].map(family);
+    let families = if family_a == family_b {
+        family_a
+    } else {
+        format!("{family_a}; {family_b}")
+    };
+    let lines = [
+        (TITLE_MM, format!("T{number}")),
+        (TEXT_MM, format!("tags {} and {}", a.id, b.id)),
+        (TEXT_MM, families),
+        (TEXT_MM, format!("faces at {}° to the ground", mm(tent.tilt_deg))),
+    ];
+    let middle = (
+        at.x_mm + net.width_mm / 2.0,
+        at.y_mm + net.folds[2].y_mm + tent.base_mm / 2.0,
+    );
+    let place = |(i, (size_mm, line)): (usize, (f64, String))| {
+        let size_mm = fitting_size_mm(&line, size_mm, net.width_mm - 4.0).min(0.15 * tent.base_mm.max(7.0));
+        let baseline = middle.1 + (1.0 - i as f64) * LEADING_MM.min(tent.base_mm / 5.0);
+        Mark::text((middle.0, baseline), size_mm, TextAnchor::Centre, line)
+    };
+    lines.into_iter().enumerate().map(place).collect()
+}
+
+fn mm(value: f64) -> String {
+    number((value * 100.0).round() / 100.0)
+}
+
+/// Cut lines around the card, fold lines across it.
+fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
+    let page = |[x, y]: [f64; 2]| PointMm::new(at.x_mm + x, at.y_mm + y);
+    let line = |from, to, dash_mm| Mark::Line {
+        from: page(from),
+        to: page(to),
+        width_mm: LINE_MM,
+        dash_mm,
+        colour: BLACK,
+    };
+    let folds = net
+        .folds
+        .iter()
+        .map(|fold| line([0.0, fold.y_mm], [net.width_mm, fold.y_mm], Some(DASH_MM)));
+    let [tab, ..] = &net.outlines;
+    let (w, h) = (net.width_mm, net.height_mm);
+    let around = [tab[0], tab[1], tab[2], [w, h], [0.0, h], tab[3]];
+    let next = around.iter().cycle().skip(1);
+    let cuts = around.iter().zip(next).map(|(from, to)| line(*from, *to, None));
+    // Where a face meets the ground: its middle, which belongs to the mark on the ground.
+    let feet = [(net.folds[0].y_mm, MIDDLE_MM), (net.folds[2].y_mm, -MIDDLE_MM)];
+    let middles = feet.map(|(y, up)| line([w / 2.0, y], [w / 2.0, y + up], None));
+    cuts.chain(folds).chain(middles).collect()
+}

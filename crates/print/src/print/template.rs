@@ -1,0 +1,379 @@
+//! The tiled template: a repeated pattern at true size, spread over sheets that are cut, overlapped and glued.
+
+pub mod cover;
+pub(super) mod furniture;
+pub mod layout;
+mod seams;
+mod texture;
+
+use std::sync::Arc;
+
+use image::RgbImage;
+
+pub use furniture::{Captions, around, guides, rulers};
+pub use layout::LayoutRequest;
+pub use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
+
+use super::date::Date;
+use super::lettering::number;
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::{SheetError, printer};
+use scaleproof_core::geometry::length::{SCALES, shown};
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::picture::Picture;
+
+/// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
+pub const MIN_CELL_MM: f64 = 0.2;
+/// Smaller repeats of a texture are a colour.
+const LEAST_REPEAT_MM: f64 = 1.0;
+/// The widest repeat: a full-size car twice over. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
+pub const MAX_TILE_MM: f64 = 10_000.0;
+
+/// A stamp is made of as many repeats as reach this length, so that tiny patterns do not fill the file with placements.
+const STAMP_MM: f64 = 50.0;
+/// More placements than this fill hundreds of megabytes: 2400 m² of pattern on the largest sheets.
+const MOST_PLACEMENTS: f64 = 1e6;
+
+/// Why no template was printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum TemplateError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(
+        "tile width cannot be {}; give the printed width of one repeat of the pattern, above 0 and up to 10000 mm",
+        shown(*tile_mm)
+    )]
+    TileWidth { tile_mm: f64 },
+    #[error("scale cannot be {}; give 10 for a 1:10 model, from 0.01 to 10000", shown(*scale))]
+    Scale { scale: f64 },
+    #[error(
+        "a cell would be {cell_mm:.3} mm, smaller than the {least_mm} mm a printer can show; use a larger tile or fewer cells"
+    )]
+    CellTooSmall { cell_mm: f64, least_mm: f64 },
+    #[error(
+        "the pattern would be placed {count:.0} times, more than {most:.0}; use a larger tile, a smaller size, or less overlap and bleed"
+    )]
+    TooManyPlacements { count: f64, most: f64 },
+    #[error("one repeat of the texture would be {width} × {height} mm; make it wider, so that both are 1 mm or more")]
+    TextureTooSmall { width: String, height: String },
+    #[error("a texture cannot be printed at {} dots per inch; give 36 to 2400", shown(*dpi))]
+    Resolution { dpi: f64 },
+}
+
+/// What to print. All lengths in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemplateRequest {
+    /// Printed width of one repeat of the pattern; its height follows, cells are square.
+    pub tile_mm: f64,
+    /// The model is 1:`scale`; only the captions use it.
+    pub scale: f64,
+    /// How the captions call the pattern: its file name.
+    pub pattern_name: String,
+    /// Which way the model looks on the sheets.
+    pub front: Front,
+    /// Named in the caption when given; there is no clock, so that the same input gives the same bytes.
+    pub date: Option<Date>,
+    /// Size, paper and edges.
+    pub layout: LayoutRequest,
+}
+
+impl TemplateRequest {
+    /// The request for a pattern whose repeats are this wide, mm.
+    pub fn tiled(self, tile_mm: f64) -> Self {
+        Self { tile_mm, ..self }
+    }
+
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+    }
+}
+
+/// Which edge of the template points to the model's front.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Front {
+    /// As on the model's left side.
+    #[default]
+    Left,
+    /// As on the model's right side.
+    Right,
+    /// As on roof and hood.
+    Up,
+    /// To the bottom of the sheets.
+    Down,
+    /// On the front and the rear, which have none.
+    None,
+}
+
+impl Front {
+    fn direction(self) -> Option<(f64, f64)> {
+        match self {
+            Self::Left => Some((-1.0, 0.0)),
+            Self::Right => Some((1.0, 0.0)),
+            Self::Up => Some((0.0, 1.0)),
+            Self::Down => Some((0.0, -1.0)),
+            Self::None => None,
+        }
+    }
+}
+
+/// A template ready to be written, and how it was spread over the paper.
+#[derive(Debug, Clone)]
+pub struct Template {
+    /// Which part of the template is on which sheet.
+    pub layout: SheetLayout,
+    /// Width and height of a cell, or of a texture's pixel.
+    pub cell_mm: f64,
+    /// How to assemble, with the scale check; then one page per `SheetLayout::sheets`, in the same order. Drawn as the printer
+    /// needs it.
+    pub pages: Vec<Sheet>,
+}
+
+impl Template {
+    /// A name for each page, where it becomes a file of its own.
+    pub fn page_names(&self) -> Vec<String> {
+        let ids = self.layout.sheets.iter().map(SheetPlan::id);
+        ["assembly".to_owned()].into_iter().chain(ids).collect()
+    }
+}
+
+/// Draws the sheets of a template. The pattern's top-left cell starts at the template's top-left corner.
+///
+/// # Errors
+/// Numbers that are not positive, cells below `MIN_CELL_MM`, more placements of the pattern than a file can hold, and whatever
+/// `layout` refuses.
+pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, TemplateError> {
+    let cell_mm = cell_mm(pattern, request)?;
+    let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
+    drawn(&stamp, &Captions::new(pattern, request, cell_mm), cell_mm, request)
+}
+
+/// Draws the sheets of a texture without cells: an image, repeated, of no more than `dpi` pixels per inch.
+///
+/// # Errors
+/// As of [`template`], and a repeat that is less than a millimetre wide or high.
+pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) -> Result<Template, TemplateError> {
+    let tile_mm = check_tile(request)?;
+    if !(36.0..=2400.0).contains(&dpi) {
+        return Err(TemplateError::Resolution { dpi });
+    }
+    let repeat_mm = (tile_mm, texture.height_for(tile_mm));
+    if repeat_mm.0 < LEAST_REPEAT_MM || repeat_mm.1 < LEAST_REPEAT_MM {
+        return Err(TemplateError::TextureTooSmall {
+            width: number(repeat_mm.0),
+            height: number(repeat_mm.1),
+        });
+    }
+    let repeat = texture::resampled(texture, repeat_mm, dpi);
+    let pixel_mm = tile_mm / f64::from(repeat.width());
+    let stamp = PatternStamp::of_image(&repeat, repeat_mm, request.layout.size_mm);
+    drawn(
+        &stamp,
+        &Captions::of_texture(texture, request, pixel_mm),
+        pixel_mm,
+        request,
+    )
+}
+
+fn drawn(
+    stamp: &PatternStamp,
+    captions: &Captions,
+    cell_mm: f64,
+    request: &TemplateRequest,
+) -> Result<Template, TemplateError> {
+    let layout = layout(&request.layout)?;
+    stamp.check_placements(&layout.sheets)?;
+    let sheet = |plan: &SheetPlan| {
+        let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
+        marks.extend(furniture::all(&layout, plan, captions));
+        layout.frame.sheet(plan.trim, plan.printed, marks)
+    };
+    let sheets = layout.sheets.iter().map(sheet).collect();
+    let mut pages = printer::corrected(
+        vec![cover::cover(
+            &layout,
+            captions,
+            "How to assemble",
+            &cover::assembly(&layout),
+        )],
+        layout.cover.setup.stretch(),
+    );
+    pages.extend(printer::corrected(sheets, layout.frame.setup.stretch()));
+    Ok(Template { layout, cell_mm, pages })
+}
+
+/// Width and height of a cell.
+///
+/// # Errors
+/// Numbers that are not positive, cells below [`MIN_CELL_MM`].
+pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
+    let cell_mm = check_tile(request)? / f64::from(pattern.columns());
+    if cell_mm < MIN_CELL_MM {
+        return Err(TemplateError::CellTooSmall {
+            cell_mm,
+            least_mm: MIN_CELL_MM,
+        });
+    }
+    Ok(cell_mm)
+}
+
+fn check_tile(request: &TemplateRequest) -> Result<f64, TemplateError> {
+    let tile_mm = request.tile_mm;
+    if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
+        return Err(TemplateError::TileWidth { tile_mm });
+    }
+    check_scale(request.scale)?;
+    Ok(tile_mm)
+}
+
+/// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
+pub fn check_scale(scale: f64) -> Result<(), TemplateError> {
+    // False for NaN too.
+    if SCALES.contains(&scale) {
+        return Ok(());
+    }
+    Err(TemplateError::Scale { scale })
+}
+
+/// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
+pub(super) struct PatternStamp {
+    block: Block,
+    width_mm: f64,
+    height_mm: f64,
+}
+
+/// What a block looks like.
+enum Block {
+    Cells(Arc<Stamp>),
+    /// Its width and height in mm are a little more than the block's: it runs on into the next repeat.
+    Image(Arc<RgbImage>, (f64, f64)),
+}
+
+impl PatternStamp {
+    /// Whole repeats of an image of this size.
+    fn of_image(repeat: &RgbImage, (wide_mm, high_mm): (f64, f64), size_mm: (f64, f64)) -> Self {
+        let (columns, rows) = repeat.dimensions();
+        let pixel_mm = (wide_mm / f64::from(columns), high_mm / f64::from(rows));
+        let (across, down) = (
+            repeats(wide_mm, size_mm.0) * columns,
+            repeats(high_mm, size_mm.1) * rows,
+        );
+        let more = (run_on_pixels(pixel_mm.0), run_on_pixels(pixel_mm.1));
+        let block = RgbImage::from_fn(across + more.0, down + more.1, |x, y| {
+            *repeat.get_pixel(x % columns, y % rows)
+        });
+        let length = |pixels: u32, pixel_mm: f64| f64::from(pixels) * pixel_mm;
+        let drawn = (length(block.width(), pixel_mm.0), length(block.height(), pixel_mm.1));
+        Self {
+            width_mm: length(across, pixel_mm.0),
+            height_mm: length(down, pixel_mm.1),
+            block: Block::Image(Arc::new(block), drawn),
+        }
+    }
+
+    pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
+        let across = repeats(cell_mm * f64::from(pattern.columns()), size_mm.0) * pattern.columns();
+        let down = repeats(cell_mm * f64::from(pattern.rows()), size_mm.1) * pattern.rows();
+        let cells = (0..down).flat_map(|row| (0..across).map(move |column| (row, column)));
+        let fills = cells.map(|(row, column)| {
+            let cell = pattern
+                .cells()
+                .get_pixel(column % pattern.columns(), row % pattern.rows());
+            Fill {
+                area: cell_area(row, column, cell_mm),
+                colour: cell.0,
+            }
+        });
+        let (width_mm, height_mm) = (cell_mm * f64::from(across), cell_mm * f64::from(down));
+        let more = run_on_mm(cell_mm);
+        let bounds = RectMm::new(0.0, -height_mm - more, width_mm + more, 0.0);
+        Self {
+            block: Block::Cells(Arc::new(Stamp {
+                bounds,
+                fills: fills.collect(),
+            })),
+            width_mm,
+            height_mm,
+        }
+    }
+
+    /// Refuses sheets on which the block would be placed more often than a file can hold.
+    pub(super) fn check_placements<'a>(
+        &self,
+        sheets: impl IntoIterator<Item = &'a SheetPlan>,
+    ) -> Result<(), TemplateError> {
+        let along = |sheet_mm: f64, block_mm: f64| (sheet_mm / block_mm).ceil() + 1.0;
+        let on = |plan: &SheetPlan| {
+            let (width, height) = (plan.printed.width_mm(), plan.printed.height_mm());
+            along(width, self.width_mm) * along(height, self.height_mm)
+        };
+        let count: f64 = sheets.into_iter().map(on).sum();
+        if count > MOST_PLACEMENTS {
+            let most = MOST_PLACEMENTS;
+            return Err(TemplateError::TooManyPlacements { count, most });
+        }
+        Ok(())
+    }
+
+    /// The part of the repeated pattern that a sheet carries; a top-left cell begins at `start_mm` of the template frame.
+    pub(super) fn on(&self, plan: &SheetPlan, start_mm: (f64, f64)) -> Mark {
+        let (carried, printed) = (plan.carried, plan.printed);
+        let (start_x, start_y) = start_mm;
+        let columns = blocks(carried.left_mm - start_x, carried.right_mm - start_x, self.width_mm);
+        let rows = blocks(carried.top_mm - start_y, carried.bottom_mm - start_y, self.height_mm);
+        let at = rows
+            .flat_map(|row| columns.clone().map(move |column| (row, column)))
+            .map(|(row, column)| PointMm {
+                x_mm: printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm),
+                y_mm: printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm),
+            });
+        match &self.block {
+            Block::Cells(stamp) => Mark::Stamped {
+                stamp: Arc::clone(stamp),
+                at: at.collect(),
+                clip: printed,
+            },
+            Block::Image(image, (width_mm, height_mm)) => Mark::Clipped {
+                to: vec![printed.outline()],
+                marks: at
+                    .map(|PointMm { x_mm, y_mm }| Mark::Image {
+                        image: Arc::clone(image),
+                        area: RectMm::new(x_mm, y_mm - height_mm, x_mm + width_mm, y_mm),
+                    })
+                    .collect(),
+            },
+        }
+    }
+}
+
+/// As [`run_on_mm`], in whole pixels.
+fn run_on_pixels(pixel_mm: f64) -> u32 {
+    (0.5 / pixel_mm).ceil() as u32
+}
+
+/// How many repeats of length `repeat_mm` a stamp has, but no more than the template needs.
+fn repeats(repeat_mm: f64, size_mm: f64) -> u32 {
+    (STAMP_MM.min(size_mm) / repeat_mm).ceil().max(1.0) as u32
+}
+
+/// The blocks of length `block_mm` that reach into a stretch of the template; those before its edge have negative numbers.
+fn blocks(from_mm: f64, to_mm: f64, block_mm: f64) -> std::ops::Range<i32> {
+    (from_mm / block_mm).floor() as i32..(to_mm / block_mm).ceil() as i32
+}
+
+/// A cell that runs on a little to its right and below. Later cells and blocks cover what is not the cell's own, and the
+/// sheet's clip cuts the rest, so every edge is where it belongs; but where a viewer softens an edge, it is the neighbour's
+/// colour that shines through and not the paper's: no white hairlines.
+fn cell_area(row: u32, column: u32, cell_mm: f64) -> RectMm {
+    let (x, y) = (f64::from(column) * cell_mm, f64::from(row) * -cell_mm);
+    let side = cell_mm + run_on_mm(cell_mm);
+    RectMm::new(x, y - side, x + side, y)
+}
+
+/// At least a pixel of any screen, but no more of the neighbour than that takes: where a sheet's clip cuts through covered
+/// colours, a viewer mixes them all into the pixel of the cut.
+fn run_on_mm(cell_mm: f64) -> f64 {
+    (0.25 * cell_mm).max(cell_mm.min(0.5))
+}

@@ -1,0 +1,386 @@
+//! Which part of a template each sheet carries and where it sits on the paper: geometry only, nothing is drawn here.
+//!
+//! Two frames, both in millimetres. *Template frame*: origin at the template's top-left corner, x right, y **down**, as the
+//! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
+
+use crate::print::SheetError;
+use crate::print::frame::{PageFrame, PageSetup};
+use crate::print::lettering::size;
+use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
+use crate::print::printer::Printer;
+use crate::print::sheet::RectMm;
+use scaleproof_core::geometry::length;
+
+/// More sheets than this are a mistake in the numbers, not a plan.
+pub const MAX_SHEETS: usize = 400;
+
+/// Longer than all sheets of the longest paper in a row.
+const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
+
+/// Usable length of the page with the instructions on a roll.
+pub(in crate::print) const ROLL_COVER_MM: f64 = 160.0;
+
+/// What the pages must carry and what they are printed on. All lengths in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayoutRequest {
+    /// Width and height of the whole template.
+    pub size_mm: (f64, f64),
+    /// What it is printed on.
+    pub paper: Stock,
+    /// How sheets lie.
+    pub orientation: Orientation,
+    /// Width of the strip that a sheet shares with its right and its lower neighbour, for gluing.
+    pub overlap_mm: f64,
+    /// How far the pattern runs on beyond the template's outer edge, so that a cut beside the line shows no paper.
+    pub bleed_mm: f64,
+    /// Border of the paper that the printer cannot reach.
+    pub margin_mm: f64,
+    /// The measured stretch of the printer, which is corrected.
+    pub printer: Printer,
+}
+
+/// A rectangle in the template frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TemplateRect {
+    pub left_mm: f64,
+    pub top_mm: f64,
+    pub right_mm: f64,
+    pub bottom_mm: f64,
+}
+
+/// One sheet of a template.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetPlan {
+    /// From 0, from the top.
+    pub row: usize,
+    /// From 0, from the left.
+    pub column: usize,
+    /// The part of the template that only this sheet shows once all are glued. These tile the template exactly:
+    /// neighbours have bit-equal edges.
+    pub own: TemplateRect,
+    /// `own`, the overlap under the right and the lower neighbour, and the bleed beyond the template's edges.
+    pub carried: TemplateRect,
+    /// Where `own` sits on the paper (page frame): the sheet is cut here.
+    pub trim: RectMm,
+    /// Where `carried` sits on the paper (page frame).
+    pub printed: RectMm,
+}
+
+/// A template spread over sheets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetLayout {
+    /// What all sheets have in common.
+    pub frame: PageFrame,
+    /// The page with the instructions: as the sheets, or a short piece of the roll.
+    pub cover: PageFrame,
+    pub rows: usize,
+    pub columns: usize,
+    /// Row by row from the top left.
+    pub sheets: Vec<SheetPlan>,
+}
+
+/// Spreads a template over the fewest sheets. All sheets carry equally large pieces, so that none is a sliver.
+///
+/// # Errors
+/// Lengths out of bounds, paper too small for the rulers, an overlap as large as the usable area, more than [`MAX_SHEETS`]
+/// sheets.
+pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
+    check(request)?;
+    let plan = match request.orientation {
+        Orientation::Portrait => plan(request, false)?,
+        Orientation::Landscape => plan(request, true)?,
+        Orientation::Auto => better(plan(request, false), plan(request, true))?,
+    };
+    plan.into_layout(request)
+}
+
+fn check(request: &LayoutRequest) -> Result<(), SheetError> {
+    let (width, height) = request.size_mm;
+    // Before the bounds of a length: that it takes too many sheets is the plainer reason.
+    if [width, height].iter().any(|side| side.is_finite() && *side > MOST_MM) {
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS });
+    }
+    length::size_mm("template width", width)?;
+    length::size_mm("template height", height)?;
+    length::strip_mm("overlap", request.overlap_mm)?;
+    length::strip_mm("bleed", request.bleed_mm)?;
+    Ok(())
+}
+
+/// A page and the number of sheets along each axis.
+struct PaperPlan {
+    frame: PageFrame,
+    columns: usize,
+    rows: usize,
+}
+
+impl PaperPlan {
+    /// The fewest sheets, and of those the least paper: on a roll both ways round may do with one.
+    fn cost(&self) -> (usize, f64) {
+        let sheets = self.columns * self.rows;
+        let page = self.frame.page;
+        (sheets, page.width_mm * page.height_mm * sheets as f64)
+    }
+}
+
+fn better(
+    portrait: Result<PaperPlan, SheetError>,
+    landscape: Result<PaperPlan, SheetError>,
+) -> Result<PaperPlan, SheetError> {
+    match (portrait, landscape) {
+        (Ok(p), Ok(l)) => Ok(if l.cost() < p.cost() { l } else { p }),
+        (Ok(plan), Err(_)) | (Err(_), Ok(plan)) => Ok(plan),
+        (Err(e), Err(_)) => Err(e),
+    }
+}
+
+fn plan(request: &LayoutRequest, turned: bool) -> Result<PaperPlan, SheetError> {
+    let setup = PageSetup {
+        margin_mm: request.margin_mm,
+        printer: request.printer,
+        turned,
+    };
+    let largest = match request.paper {
+        Stock::Cut(paper) if turned => paper.landscape(),
+        Stock::Cut(paper) => paper.portrait(),
+        Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
+    };
+    let frame = PageFrame::new(largest, setup)?;
+    let (columns, rows) = sheets(request, &frame)?;
+    let frame = match request.paper {
+        Stock::Cut(_) => frame,
+        Stock::Roll { width_mm } => {
+            let (total, count) = if turned {
+                (request.size_mm.0, columns)
+            } else {
+                (request.size_mm.1, rows)
+            };
+            let carried = carried_mm(total, count, request.overlap_mm, request.bleed_mm);
+            PageFrame::new(cut_from_roll(width_mm, carried, &setup), setup)?
+        }
+    };
+    Ok(PaperPlan { frame, columns, rows })
+}
+
+/// How many sheets the template takes: (across, down).
+fn sheets(request: &LayoutRequest, frame: &PageFrame) -> Result<(usize, usize), SheetError> {
+    let (across, down) = (frame.usable.width_mm(), frame.usable.height_mm());
+    let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
+    // With both bleeds beside the overlap, every sheet is sure to have a piece of its own.
+    if overlap_mm + 2.0 * bleed_mm >= across.min(down) {
+        return Err(SheetError::OverlapTooLarge {
+            overlap_mm,
+            bleed_mm,
+            usable_mm: size((across, down)),
+        });
+    }
+    let columns = sheets_along(request.size_mm.0 + 2.0 * bleed_mm, across, overlap_mm);
+    let rows = sheets_along(request.size_mm.1 + 2.0 * bleed_mm, down, overlap_mm);
+    // Compared before it becomes an integer, which the longest template on almost no usable area would overflow.
+    if columns * rows > MAX_SHEETS as f64 {
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS });
+    }
+    Ok((columns as usize, rows as usize))
+}
+
+pub fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
+    let (width_mm, height_mm) = if turned {
+        (length_mm, width_mm)
+    } else {
+        (width_mm, length_mm)
+    };
+    Paper { width_mm, height_mm }
+}
+
+/// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
+pub fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &PageSetup) -> Paper {
+    let (along_x, along_y) = setup.length_for(usable_mm);
+    let length = if setup.turned { along_x } else { along_y };
+    roll_page(width_mm, length.ceil().min(MAX_SIDE_MM), setup.turned)
+}
+
+/// The fewest sheets `n` with `n · usable − (n − 1) · overlap ≥ size`, both bleeds included in the size.
+fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
+    // A millionth of a millimetre of slack, so that a template made to measure does not cost a sheet to rounding.
+    let exact = (size_mm - overlap_mm) / (usable_mm - overlap_mm);
+    (exact - 1e-6 / usable_mm).ceil().max(1.0)
+}
+
+impl PaperPlan {
+    fn into_layout(self, request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
+        let cover = match request.paper {
+            Stock::Cut(_) => self.frame,
+            Stock::Roll { width_mm } => {
+                let setup = PageSetup {
+                    turned: false,
+                    ..self.frame.setup
+                };
+                PageFrame::new(cut_from_roll(width_mm, ROLL_COVER_MM, &setup), setup)?
+            }
+        };
+        let Self { frame, columns, rows } = self;
+        Ok(SheetLayout {
+            sheets: self.sheets(request),
+            frame,
+            cover,
+            rows,
+            columns,
+        })
+    }
+
+    fn sheets(&self, request: &LayoutRequest) -> Vec<SheetPlan> {
+        let (overlap, bleed) = (request.overlap_mm, request.bleed_mm);
+        let x = cuts(request.size_mm.0, self.columns, overlap, bleed);
+        let y = cuts(request.size_mm.1, self.rows, overlap, bleed);
+        sheet_plans(&self.frame, &x, &y, overlap, bleed)
+    }
+}
+
+/// The sheets between some cuts, the template's own edges among them, row by row.
+fn sheet_plans(frame: &PageFrame, x: &[f64], y: &[f64], overlap: f64, bleed: f64) -> Vec<SheetPlan> {
+    // A stretch of its own becomes what is printed: overlap towards a neighbour, bleed at the outer edge.
+    let before = |i: usize, from: f64| if i == 0 { from - bleed } else { from };
+    let after = |last: bool, to: f64| if last { to + bleed } else { to + overlap };
+    let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+    let sheet = |(row, column): (usize, usize)| {
+        let own = TemplateRect {
+            left_mm: x[column],
+            top_mm: y[row],
+            right_mm: x[column + 1],
+            bottom_mm: y[row + 1],
+        };
+        let carried = TemplateRect {
+            left_mm: before(column, own.left_mm),
+            top_mm: before(row, own.top_mm),
+            right_mm: after(column + 1 == columns, own.right_mm),
+            bottom_mm: after(row + 1 == rows, own.bottom_mm),
+        };
+        SheetPlan {
+            row,
+            column,
+            own,
+            carried,
+            trim: on_page(frame, carried, own),
+            printed: on_page(frame, carried, carried),
+        }
+    };
+    places.map(sheet).collect()
+}
+
+/// Where a region sits on the page of the sheet that carries `carried`: that one's top-left corner is the usable area's.
+fn on_page(frame: &PageFrame, carried: TemplateRect, region: TemplateRect) -> RectMm {
+    let x = |template_mm: f64| frame.usable.left_mm + (template_mm - carried.left_mm);
+    let y = |template_mm: f64| frame.usable.top_mm - (template_mm - carried.top_mm);
+    RectMm::new(
+        x(region.left_mm),
+        y(region.bottom_mm),
+        x(region.right_mm),
+        y(region.top_mm),
+    )
+}
+
+/// What every one of `sheets` sheets carries along one axis, with its overlap and bleed.
+fn carried_mm(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> f64 {
+    (size_mm + 2.0 * bleed_mm + (sheets - 1) as f64 * overlap_mm) / sheets as f64
+}
+
+/// Where the template is cut along one axis, from 0 to its size, so that every sheet carries equally much.
+fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64> {
+    let step = carried_mm(size_mm, sheets, overlap_mm, bleed_mm) - overlap_mm;
+    let inner = (1..sheets).map(|i| i as f64 * step - bleed_mm);
+    [0.0].into_iter().chain(inner).chain([size_mm]).collect()
+}
+
+impl SheetLayout {
+    /// Sheets cut at given edges, from 0 on, each along its axis in rising order; the first and the last are the template's own.
+    /// Every sheet must have room for what it carries.
+    pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], overlap_mm: f64) -> Self {
+        Self {
+            frame,
+            cover: frame,
+            rows: y.len().saturating_sub(1),
+            columns: x.len().saturating_sub(1),
+            sheets: sheet_plans(&frame, x, y, overlap_mm, 0.0),
+        }
+    }
+
+    /// Width and height of the whole template.
+    pub fn size_mm(&self) -> (f64, f64) {
+        let owns = || self.sheets.iter().map(|plan| plan.own);
+        (
+            owns().map(|own| own.right_mm).fold(1e-3, f64::max),
+            owns().map(|own| own.bottom_mm).fold(1e-3, f64::max),
+        )
+    }
+
+    /// Whether a sheet is printed; one that carries nothing may be left out.
+    pub fn has(&self, row: usize, column: usize) -> bool {
+        self.sheets.iter().any(|plan| (plan.row, plan.column) == (row, column))
+    }
+}
+
+impl SheetPlan {
+    /// Row letter and column number, as in `B2`. After row Z comes AA.
+    pub fn id(&self) -> String {
+        format!("{}{}", letters(self.row), self.column + 1)
+    }
+}
+
+/// A to Z, then AA.
+pub fn letters(index: usize) -> String {
+    let last = char::from(b'A' + (index % 26) as u8);
+    if index < 26 {
+        last.to_string()
+    } else {
+        format!("{}{last}", letters(index / 26 - 1))
+    }
+}
+pub mod tests {
+    use super::*;
+
+    pub fn request(size_mm: (f64, f64)) -> LayoutRequest {
+        LayoutRequest {
+            size_mm,
+            paper: Paper::A4.into(),
+            orientation: Orientation::Auto,
+            overlap_mm: 8.0,
+            bleed_mm: 2.0,
+            margin_mm: 5.0,
+            printer: Printer::EXACT,
+        }
+    }
+
+    #[test]
+    fn the_fewest_sheets_win() {
+        let wide = layout(&request((256.0, 156.0))).unwrap();
+        assert_eq!((wide.sheets.len(), wide.frame.page), (1, Paper::A4.landscape()));
+        let tall = layout(&request((156.0, 236.0))).unwrap();
+        assert_eq!((tall.sheets.len(), tall.frame.page), (1, Paper::A4));
+    }
+
+    #[test]
+    fn a_template_made_to_measure_needs_one_sheet() {
+        let usable = layout(&request((10.0, 10.0))).unwrap().frame.usable;
+        let size_mm = (usable.width_mm() - 4.0, usable.height_mm() - 4.0);
+        assert_eq!(layout(&request(size_mm)).unwrap().sheets.len(), 1);
+    }
+
+    #[test]
+    fn a_roll_is_used_the_way_that_wastes_less() {
+        let paper = Stock::Roll { width_mm: 610.0 };
+        let of = |size_mm| {
+            let made = layout(&LayoutRequest {
+                paper,
+                ..request(size_mm)
+            })
+            .unwrap();
+            (made.sheets.len(), made.frame.page.width_mm, made.frame.page.height_mm)
+        };
+        // 1800 + two bleeds + what the page takes (19.5) + two margins.
+        assert_eq!(of((1800.0, 500.0)), (1, 1834.0, 610.0));
+        assert_eq!(of((500.0, 1800.0)), (1, 610.0, 1847.0));
+        assert_eq!(of((30.0, 30.0)), (1, 610.0, 143.0));
+        assert_eq!(of((560.0, 9000.0)).0, 2);
+    }
+}

@@ -1,0 +1,133 @@
+//! The first page: how to put the panels on the model, what each costs, and all of them small with their seam letters.
+
+use super::lines::moved;
+use super::seams::PanelSeams;
+use super::{Panel, Point, Wrap};
+use crate::print::frame::PageFrame;
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
+use crate::print::printer;
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::template::{Captions, cover};
+use scaleproof_surface::pattern::world_aligned::Side;
+
+const LINE_MM: f64 = 0.15;
+const LETTER_MM: f64 = 2.6;
+const GREY: Srgb8 = [215, 215, 215];
+/// The panels are shown no larger than it takes.
+const MOST_SCALE: f64 = 0.5;
+
+const STEPS: [&str; 4] = [
+    "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
+    "Glue the sheets of a panel that takes several: lay them out by their ids, cut at the crop marks of the left and upper edge, \
+     and glue each with its cut edge on the dashed line of its neighbour. Capital letters show which edges meet.",
+    "Cut out each panel along the inner side of its line; the pattern runs on beyond it. Dashes within a panel are edges of the \
+     model.",
+    "Put the panels on the model by their outlines and dashes, with the arrows up and to the front. Small letters are the seams \
+     between panels: edges with the same letter meet.",
+];
+
+pub fn cover(wrap: &Wrap, seams: &PanelSeams, frame: PageFrame, captions: &Captions) -> Sheet {
+    let texts = (&STEPS[..], &*wrap.facts());
+    let sheet = cover::first_page(&frame, captions, "Panels of a model", texts, |room| {
+        overview(wrap, seams, room)
+    });
+    printer::corrected_one(sheet, frame.setup.stretch())
+}
+
+/// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
+fn overview(wrap: &Wrap, seams: &PanelSeams, room: RectMm) -> Vec<Mark> {
+    let size = |side: Side| bounds(wrap, side).map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]]);
+    let [left, right, roof, front, rear] = super::PRINTED.map(size);
+    let wide = left[0].max(right[0]).max(front[0] + rear[0]);
+    let high = (left[1] + right[1] + front[1].max(rear[1])).max(roof[1]);
+    // Gaps for letters and names, in mm of the page.
+    let gap = 3.0 * LETTER_MM;
+    let scale = ((room.width_mm() - 3.0 * gap) / (wide + roof[0])).min((room.height_mm() - 4.0 * gap) / high);
+    let scale = scale.min(MOST_SCALE);
+    if scale <= 0.0 {
+        return Vec::new();
+    }
+    let (x0, y0) = (room.left_mm + 0.5 * gap, room.top_mm - gap);
+    let below = |above: f64, count: f64| y0 - scale * above - count * gap;
+    let third = below(left[1] + right[1], 2.0);
+    let corners = [
+        [x0, y0],
+        [x0, below(left[1], 1.0)],
+        [x0 + scale * wide + gap, y0],
+        [x0, third],
+        [x0 + scale * front[0] + gap, third],
+    ];
+    let mut marks = Vec::new();
+    for (side, corner) in super::PRINTED.into_iter().zip(corners) {
+        let (low, high) = bounds(wrap, side).unwrap_or_default();
+        let by = [corner[0] - scale * low[0], corner[1] - scale * high[1]];
+        if let Some(piece) = wrap.pieces.iter().find(|piece| piece.panel.side == side) {
+            let letters = seams.marks.get(&side).map_or(&[][..], Vec::as_slice);
+            let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
+            marks.extend(small(&piece.panel, by, scale, places));
+        }
+    }
+    marks
+}
+
+/// The box around a panel.
+fn bounds(wrap: &Wrap, side: Side) -> Option<(Point, Point)> {
+    let piece = wrap.pieces.iter().find(|piece| piece.panel.side == side)?;
+    piece.panel.region.bounds()
+}
+
+fn small<'a>(
+    panel: &Panel,
+    by: Point,
+    scale: f64,
+    letters: impl Iterator<Item = (&'a str, Point, Point)>,
+) -> Vec<Mark> {
+    let (low, high) = panel.region.bounds().unwrap_or_default();
+    let to_page = |p: Point| [scale * p[0] + by[0], scale * p[1] + by[1]];
+    let scaled: Vec<Vec<Point>> = panel
+        .region
+        .contours()
+        .map(|outline| outline.iter().map(|p| to_page(*p)).collect())
+        .collect();
+    let outlines = moved(scaled.iter(), [0.0, 0.0]);
+    let mut marks = vec![Mark::Area {
+        outlines: outlines.clone(),
+        colour: GREY,
+    }];
+    let page = |p: PointMm| (p.x_mm, p.y_mm);
+    for outline in &outlines {
+        let next = outline.iter().cycle().skip(1);
+        marks.extend(
+            outline
+                .iter()
+                .zip(next)
+                .map(|(a, b)| Mark::line(page(*a), page(*b), LINE_MM)),
+        );
+    }
+    for [a, b] in &panel.edges {
+        let ([ax, ay], [bx, by]) = (to_page(*a), to_page(*b));
+        marks.push(Mark::line((ax, ay), (bx, by), 0.5 * LINE_MM));
+    }
+    for (letter, seam, at) in letters {
+        let [x, y] = to_page(seam);
+        let (dx, dy) = (at[0] - seam[0], at[1] - seam[1]);
+        let away = 0.8 * LETTER_MM / dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let baseline = y + away * dy - 0.5 * CAP_HEIGHT * LETTER_MM;
+        marks.push(Mark::text(
+            (x + away * dx, baseline),
+            LETTER_MM,
+            TextAnchor::Centre,
+            letter,
+        ));
+    }
+    let [x, y] = to_page(panel.region.innermost());
+    let name = panel.side.name();
+    let size_mm = fitting_size_mm(name, 4.0, 0.8 * scale * (high[0] - low[0]));
+    marks.push(Mark::text(
+        (x, y - 0.5 * CAP_HEIGHT * size_mm),
+        size_mm,
+        TextAnchor::Centre,
+        name,
+    ));
+    marks
+}

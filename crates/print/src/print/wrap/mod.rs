@@ -1,0 +1,234 @@
+//! A pattern or texture as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
+//!
+//! A surface belongs to the side that its normal looks to most and is printed on that panel only; the panel is its projection
+//! along that axis. So each point carries the colour that [`WorldAligned`](scaleproof_surface::pattern::world_aligned::WorldAligned) gives it, and
+//! [`scaleproof_surface::pattern::world_aligned`] says how the pattern lies on each side. What the projection costs is stated: surfaces that slope are
+//! longer than their paper ([`Panel::largest_stretch`]), and layers behind each other share one print ([`Panel::hidden_mm2`]).
+
+mod cover;
+mod draw;
+mod lines;
+mod panel;
+mod region;
+mod seams;
+
+pub use lines::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved};
+pub use panel::Face;
+pub use panel::{PRINTED, PaintedSurface, Panel};
+pub use region::{Contour, Point, Region};
+
+use super::SheetError;
+use super::date::Date;
+use super::lettering::number;
+use super::paper::{Orientation, Stock};
+use super::printer::Printer;
+use super::raster::RasterError;
+use super::sheet::Sheet;
+use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest};
+use scaleproof_core::spelling::count;
+use scaleproof_surface::mesh::Mesh;
+use scaleproof_surface::pattern::world_aligned::Side;
+use scaleproof_surface::texture::Texture;
+
+/// How far the pattern runs on beyond a panel's outline.
+pub const BLEED_MM: f64 = 2.0;
+/// Mesh and scene may differ by this share of a side.
+const SIZE_TOLERANCE: f64 = 0.03;
+
+/// Why no panels were printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WrapError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Template(#[from] TemplateError),
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    #[error("the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm")]
+    OtherSize { mesh_mm: String, scene_mm: String },
+    #[error(
+        "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
+    )]
+    NothingToPrint,
+}
+
+/// What to print. All lengths in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrapRequest {
+    /// The model is 1:`scale`; only the captions use it.
+    pub scale: f64,
+    /// How the captions call the pattern or texture: its file name.
+    pub name: String,
+    /// What the captions say of a texture without cells.
+    pub facts: String,
+    /// Pixels per inch of such a texture.
+    pub dpi: f64,
+    pub date: Option<Date>,
+    pub paper: Stock,
+    /// Width of the strip that neighbouring sheets of a panel share.
+    pub overlap_mm: f64,
+    pub margin_mm: f64,
+    pub printer: Printer,
+}
+
+impl WrapRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Panels of {}", self.name)
+    }
+
+    /// What a panel is as a template.
+    pub(super) fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
+        let front = match side {
+            Side::Left => Front::Left,
+            Side::Right => Front::Right,
+            Side::Roof => Front::Up,
+            Side::Front | Side::Rear | Side::Bottom => Front::None,
+        };
+        TemplateRequest {
+            // Whose cells have a size says so in its captions.
+            tile_mm: 1.0,
+            scale: self.scale,
+            pattern_name: self.name.clone(),
+            front,
+            date: self.date,
+            layout: LayoutRequest {
+                size_mm,
+                paper: self.paper,
+                orientation: Orientation::Auto,
+                overlap_mm: self.overlap_mm,
+                // The pattern runs on beyond the panel's outline, not beyond the sheets'.
+                bleed_mm: 0.0,
+                margin_mm: self.margin_mm,
+                printer: self.printer,
+            },
+        }
+    }
+}
+
+/// A panel and the sheets it is spread over.
+#[derive(Debug, Clone)]
+pub struct SpreadPanel {
+    pub panel: Panel,
+    pub layout: SheetLayout,
+    /// (u, v) of the top-left corner of the layout's template, mm.
+    pub corner: Point,
+}
+
+impl SpreadPanel {
+    /// The page place of (u, v) = (0, 0) on a sheet: the page shows the plane moved by it.
+    pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
+        moved_by_mm(plan, self.corner)
+    }
+}
+
+/// The page place of (u, v) = (0, 0) on a sheet, when its template's top-left corner is at `corner` of the plane.
+pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
+    [
+        plan.printed.left_mm - plan.carried.left_mm - corner[0],
+        plan.printed.top_mm + plan.carried.top_mm - corner[1],
+    ]
+}
+
+/// The panels of a model, drawn.
+#[derive(Debug, Clone)]
+pub struct Wrap {
+    pub pieces: Vec<SpreadPanel>,
+    /// True area of the paint.
+    pub surface_mm2: f64,
+    /// Length of the seams between panels that found no room for a letter.
+    pub unlettered_mm: f64,
+    /// Of a pattern.
+    pub cell_mm: Option<f64>,
+    /// The instructions, then the sheets of each piece, as the printer needs them.
+    pub pages: Vec<Sheet>,
+}
+
+impl Wrap {
+    /// A name for each page, where it becomes a file of its own.
+    pub fn page_names(&self) -> Vec<String> {
+        let name = |piece: &SpreadPanel, plan: &SheetPlan| format!("{}-{}", piece.panel.side.name(), plan.id());
+        let sheets = self
+            .pieces
+            .iter()
+            .flat_map(|piece| piece.layout.sheets.iter().map(move |plan| name(piece, plan)));
+        ["assembly".to_owned()].into_iter().chain(sheets).collect()
+    }
+
+    /// Largest length on the surface for 1 mm on paper.
+    pub fn largest_stretch(&self) -> f64 {
+        self.pieces.iter().map(|p| p.panel.largest_stretch).fold(1.0, f64::max)
+    }
+
+    /// Area of the surface over its area on paper, every layer counted.
+    pub fn mean_stretch(&self) -> f64 {
+        let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>();
+        sum(|p| p.surface_mm2) / sum(|p| p.projected_mm2)
+    }
+
+    /// Area of the paint that looks down and is on no panel.
+    pub fn unprinted_mm2(&self) -> f64 {
+        let printed = self.pieces.iter().map(|p| p.panel.surface_mm2).sum::<f64>();
+        (self.surface_mm2 - printed).max(0.0)
+    }
+
+    /// One sentence a panel, then one on the whole.
+    pub fn facts(&self) -> Vec<String> {
+        let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
+        let mut facts: Vec<String> = Vec::new();
+        for SpreadPanel { panel, layout, .. } in &self.pieces {
+            let sheets = count(layout.sheets.len(), "sheet");
+            let hidden = match panel.hidden_mm2() {
+                mm2 if mm2 < 1.0 => String::new(),
+                mm2 => format!(", {mm2:.0} mm² lie behind it and are printed with it"),
+            };
+            facts.push(format!(
+                "{}: {} on paper for {} of surface, stretch up to {:.2}{hidden}, {sheets}",
+                panel.side.name(),
+                cm2(panel.flat_mm2()),
+                cm2(panel.surface_mm2),
+                panel.largest_stretch,
+            ));
+        }
+        facts.push(format!(
+            "largest stretch {:.2}, mean {:.3} (mm on the surface for 1 mm on paper); {:.1} % of the paint ({}) looks down and is on no \
+             panel",
+            self.largest_stretch(),
+            self.mean_stretch(),
+            100.0 * self.unprinted_mm2() / self.surface_mm2,
+            cm2(self.unprinted_mm2()),
+        ));
+        facts
+    }
+}
+
+/// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
+///
+/// # Errors
+/// No surface on any side, and whatever the layout and the cells of a template refuse.
+pub fn wrap(mesh: &Mesh, materials: &[usize], texture: &Texture, request: &WrapRequest) -> Result<Wrap, WrapError> {
+    let paint = PaintedSurface::of_materials(mesh, materials);
+    let panels = paint.panels();
+    if panels.is_empty() {
+        return Err(WrapError::NothingToPrint);
+    }
+    draw::wrap(mesh, &paint, panels, texture, request)
+}
+
+/// Refuses a mesh that is not as large as the scene says.
+///
+/// # Errors
+/// A side of the mesh's box that differs by more than 3 %.
+pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
+    let mesh_mm = mesh.size_mm();
+    let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;
+    if mesh_mm.into_iter().zip(scene_mm).any(differs) {
+        let text = |size: [f64; 3]| size.map(|mm| number((mm * 10.0).round() / 10.0)).join(" × ");
+        return Err(WrapError::OtherSize {
+            mesh_mm: text(mesh_mm),
+            scene_mm: text(scene_mm),
+        });
+    }
+    Ok(())
+}

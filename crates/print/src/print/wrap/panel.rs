@@ -1,0 +1,255 @@
+//! The surface of a model divided into the sides it looks to: what each panel shows, and what the projection costs.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point3;
+
+use super::region::{Point, Region};
+use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// The sides that are printed.
+pub const PRINTED: [Side; 5] = [Side::Left, Side::Right, Side::Roof, Side::Front, Side::Rear];
+
+/// Edges bent by more than this are drawn.
+const FEATURE_DEG: f64 = 30.0;
+/// A surface this much farther out hides what is behind it, mm.
+const BEFORE_MM: f64 = 0.3;
+
+/// One side of the model, flat.
+#[derive(Debug, Clone)]
+pub struct Panel {
+    pub side: Side,
+    /// All painted triangles of this side in its plane (u, v), mm; see [`Side`].
+    pub region: Region,
+    /// Visible edges inside the region that are bent or where another material begins: (u, v), mm.
+    pub edges: Vec<[Point; 2]>,
+    /// True area of the surface.
+    pub surface_mm2: f64,
+    /// Area of the surface after projection into the side's plane, every layer counted.
+    pub projected_mm2: f64,
+    /// Largest length on the surface for 1 mm on paper.
+    pub largest_stretch: f64,
+}
+
+impl Panel {
+    /// Area on paper.
+    pub fn flat_mm2(&self) -> f64 {
+        self.region.area_mm2()
+    }
+
+    /// Area of the layers that lie behind others in this direction, and are printed with them.
+    pub fn hidden_mm2(&self) -> f64 {
+        (self.projected_mm2 - self.flat_mm2()).max(0.0)
+    }
+}
+
+/// A painted triangle.
+#[derive(Debug, Clone, Copy)]
+pub struct Face {
+    /// Among those of the mesh.
+    pub index: usize,
+    pub triangle: Triangle,
+    pub corners: [Point3<f64>; 3],
+    pub side: Side,
+    pub surface_mm2: f64,
+    /// Area on the surface for an area of 1 on paper; as large is the stretch along the steepest line.
+    pub stretch: f64,
+}
+
+/// The painted surface of a model.
+#[derive(Debug, Clone)]
+pub struct PaintedSurface {
+    pub faces: Vec<Face>,
+    /// Triangles of the mesh that are of other materials.
+    others: Vec<Triangle>,
+}
+
+impl PaintedSurface {
+    /// The triangles of some materials; those without area are left out.
+    fn of(mesh: &Mesh, materials: &[usize]) -> Self {
+        let (mut faces, mut others) = (Vec::new(), Vec::new());
+        for (index, triangle) in mesh.triangles().iter().enumerate() {
+            let corners = mesh.corners_mm(triangle);
+            let normal = doubled_area(&corners);
+            let length = normal.norm();
+            if !materials.contains(&triangle.material) {
+                others.push(*triangle);
+            } else if length > 0.0 {
+                let side = Side::of(&normal);
+                faces.push(Face {
+                    index,
+                    triangle: *triangle,
+                    corners,
+                    side,
+                    surface_mm2: 0.5 * length,
+                    stretch: length / side.outward().dot(&normal),
+                });
+            }
+        }
+        Self { faces, others }
+    }
+
+    /// The triangles of some materials, or of all when none are given; those without area are left out.
+    pub fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
+        let all: Vec<usize> = (0..mesh.materials().len()).collect();
+        Self::of(mesh, if materials.is_empty() { &all } else { materials })
+    }
+
+    pub fn surface_mm2(&self) -> f64 {
+        self.faces.iter().map(|face| face.surface_mm2).sum()
+    }
+
+    /// Which painted faces meet at each edge, by the edge's corners in rising order.
+    pub fn edges(&self) -> BTreeMap<[usize; 2], Vec<usize>> {
+        let mut edges = BTreeMap::<_, Vec<usize>>::new();
+        for (i, face) in self.faces.iter().enumerate() {
+            for edge in face.triangle.edges() {
+                edges.entry(edge).or_default().push(i);
+            }
+        }
+        edges
+    }
+
+    /// The printed panels that have a surface, in the order of [`PRINTED`].
+    pub fn panels(&self) -> Vec<Panel> {
+        let edges = self.edges();
+        let mut other_edges: Vec<_> = self.others.iter().flat_map(Triangle::edges).collect();
+        other_edges.sort_unstable();
+        let panel = |side| self.panel(side, &edges, &other_edges);
+        PRINTED.into_iter().filter_map(panel).collect()
+    }
+
+    fn panel(&self, side: Side, edges: &BTreeMap<[usize; 2], Vec<usize>>, other_edges: &[[usize; 2]]) -> Option<Panel> {
+        let faces: Vec<&Face> = self.faces.iter().filter(|face| face.side == side).collect();
+        let flat = |face: &&Face| face.corners.map(|p| side.project(&p)).to_vec();
+        let region = Region::union(faces.iter().map(flat).collect());
+        if region.is_empty() {
+            return None;
+        }
+        let cover = Cover::new(side, &faces);
+        let seen = |(edge, meeting): (&[usize; 2], &Vec<usize>)| {
+            let ours: Vec<&Face> = meeting
+                .iter()
+                .map(|i| &self.faces[*i])
+                .filter(|f| f.side == side)
+                .collect();
+            let first = ours.first()?;
+            let bent = match ours[..] {
+                [a, b] => bend_deg(a, b) > FEATURE_DEG,
+                _ => true,
+            };
+            let ends = edge.map(|corner| corner_of(first, corner));
+            (bent || other_edges.binary_search(edge).is_ok()).then_some(())?;
+            cover.shows_inside(&ends).then(|| ends.map(|p| side.project(&p)))
+        };
+        Some(Panel {
+            side,
+            edges: edges.iter().filter_map(seen).collect(),
+            surface_mm2: faces.iter().map(|f| f.surface_mm2).sum(),
+            projected_mm2: faces.iter().map(|f| f.surface_mm2 / f.stretch).sum(),
+            largest_stretch: faces.iter().map(|f| f.stretch).fold(1.0, f64::max),
+            region,
+        })
+    }
+}
+
+/// The place of a mesh corner that the face has.
+pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
+    let place = face.triangle.corners.iter().position(|c| *c == corner);
+    face.corners[place.unwrap_or_default()]
+}
+
+/// By how much two faces are bent against each other.
+pub fn bend_deg(a: &Face, b: &Face) -> f64 {
+    doubled_area(&a.corners).angle(&doubled_area(&b.corners)).to_degrees()
+}
+
+/// The faces of a side, found by place: rows and columns of buckets.
+struct Cover<'a> {
+    side: Side,
+    faces: &'a [&'a Face],
+    low: Point,
+    step: Point,
+    buckets: Vec<Vec<usize>>,
+}
+
+/// Buckets along each axis.
+const BUCKETS: usize = 64;
+
+impl<'a> Cover<'a> {
+    fn new(side: Side, faces: &'a [&'a Face]) -> Self {
+        let flat: Vec<[Point; 3]> = faces.iter().map(|f| f.corners.map(|p| side.project(&p))).collect();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for p in flat.iter().flatten() {
+            for axis in 0..2 {
+                (low[axis], high[axis]) = (low[axis].min(p[axis]), high[axis].max(p[axis]));
+            }
+        }
+        let step = [0, 1].map(|axis| ((high[axis] - low[axis]) / BUCKETS as f64).max(1e-9));
+        let mut cover = Self {
+            side,
+            faces,
+            low,
+            step,
+            buckets: vec![Vec::new(); BUCKETS * BUCKETS],
+        };
+        for (i, corners) in flat.iter().enumerate() {
+            let span = |axis: usize| {
+                let along = corners.map(|p| cover.bucket(p[axis], axis));
+                let [a, b, c] = along;
+                a.min(b).min(c)..=a.max(b).max(c)
+            };
+            let (columns, rows) = (span(0), span(1));
+            for row in rows {
+                for column in columns.clone() {
+                    cover.buckets[row * BUCKETS + column].push(i);
+                }
+            }
+        }
+        cover
+    }
+
+    fn bucket(&self, at: f64, axis: usize) -> usize {
+        (((at - self.low[axis]) / self.step[axis]) as usize).min(BUCKETS - 1)
+    }
+
+    /// How far out the outermost face over a place is; `None` beside all faces.
+    fn outermost(&self, p: Point) -> Option<f64> {
+        let faces = &self.buckets[self.bucket(p[1], 1) * BUCKETS + self.bucket(p[0], 0)];
+        let over = faces.iter().filter_map(|i| self.height(self.faces[*i], p));
+        over.reduce(f64::max)
+    }
+
+    fn height(&self, face: &Face, p: Point) -> Option<f64> {
+        let [a, b, c] = face.corners.map(|corner| self.side.project(&corner));
+        let cross = |o: Point, s: Point, t: Point| (s[0] - o[0]) * (t[1] - o[1]) - (s[1] - o[1]) * (t[0] - o[0]);
+        let (whole, at_b, at_c) = (cross(a, b, c), cross(a, p, c), cross(a, b, p));
+        let (second, third) = (at_b / whole, at_c / whole);
+        let first = 1.0 - second - third;
+        let inside = first >= 0.0 && second >= 0.0 && third >= 0.0;
+        let [a, b, c] = face.corners.map(|corner| self.side.outward().dot(&corner.coords));
+        inside.then_some(first * a + second * b + third * c)
+    }
+
+    /// Whether the middle of an edge is not behind other faces, and has faces on both sides.
+    fn shows_inside(&self, ends: &[Point3<f64>; 2]) -> bool {
+        let height = self.side.outward().dot(&nalgebra::center(&ends[0], &ends[1]).coords);
+        let [a, b] = ends.map(|p| self.side.project(&p));
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let length = dx.hypot(dy);
+        if length < 0.1 {
+            return false;
+        }
+        let beside = |mm: f64| {
+            [
+                0.5 * (a[0] + b[0]) - mm * dy / length,
+                0.5 * (a[1] + b[1]) + mm * dx / length,
+            ]
+        };
+        [-0.2, 0.2].iter().all(|mm| {
+            let over = self.outermost(beside(*mm));
+            over.is_some_and(|outermost| outermost < height + BEFORE_MM)
+        })
+    }
+}

@@ -1,0 +1,177 @@
+//! Areas with curved-in outlines and holes in the plane of a panel: union, growth, distance. By `i_overlay`.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use i_overlay::mesh::float::outline::offset::OutlineOffset;
+use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
+
+/// A place in a plane, mm.
+pub type Point = [f64; 2];
+/// A closed outline.
+pub type Contour = Vec<Point>;
+
+/// Length of a segment of a rounded corner, as a share of its radius.
+const ROUNDNESS: f64 = 0.4;
+
+/// An area of the plane. Outer outlines run counter-clockwise, holes clockwise.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Region(Vec<Vec<Contour>>);
+
+impl Region {
+    /// All that lies inside any of the outlines, whichever way round they run.
+    pub fn union(mut outlines: Vec<Contour>) -> Self {
+        for outline in &mut outlines {
+            if doubled_area(outline) < 0.0 {
+                outline.reverse();
+            }
+        }
+        let nothing: Vec<Contour> = Vec::new();
+        Self(outlines.overlay(&nothing, OverlayRule::Union, FillRule::NonZero))
+    }
+
+    /// Parts that do not overlap: of each its outline counter-clockwise, then its holes clockwise.
+    pub fn new(parts: Vec<Vec<Contour>>) -> Self {
+        Self(parts)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn and(&self, other: &Self) -> Self {
+        Self(self.0.overlay(&other.0, OverlayRule::Intersect, FillRule::NonZero))
+    }
+
+    pub fn or(&self, other: &Self) -> Self {
+        Self(self.0.overlay(&other.0, OverlayRule::Union, FillRule::NonZero))
+    }
+
+    pub fn without(&self, other: &Self) -> Self {
+        Self(self.0.overlay(&other.0, OverlayRule::Difference, FillRule::NonZero))
+    }
+
+    /// The region somewhere else in the plane; the move keeps which way round outlines run.
+    pub fn moved(&self, to: impl Fn(Point) -> Point) -> Self {
+        let outline = |outline: &Contour| outline.iter().map(|p| to(*p)).collect();
+        Self(self.0.iter().map(|shape| shape.iter().map(outline).collect()).collect())
+    }
+
+    /// Length of all its outlines.
+    pub fn border_mm(&self) -> f64 {
+        self.edges().map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+    }
+
+    /// The region and all that is nearer to it than `by_mm`.
+    pub fn grown(&self, by_mm: f64) -> Self {
+        if by_mm <= 0.0 {
+            return self.clone();
+        }
+        let style = OutlineStyle::new(by_mm).line_join(LineJoin::Round(ROUNDNESS));
+        Self(self.0.outline(&style))
+    }
+
+    /// Every outline, outer ones and holes.
+    pub fn contours(&self) -> impl Iterator<Item = &Contour> {
+        self.0.iter().flatten()
+    }
+
+    pub fn area_mm2(&self) -> f64 {
+        0.5 * self.contours().map(|c| doubled_area(c)).sum::<f64>()
+    }
+
+    /// The corners of the box around it: lowest, highest; `None` of nothing.
+    pub fn bounds(&self) -> Option<(Point, Point)> {
+        let mut points = self.contours().flatten();
+        let first = *points.next()?;
+        let around = |(low, high): (Point, Point), p: &Point| {
+            (
+                [low[0].min(p[0]), low[1].min(p[1])],
+                [high[0].max(p[0]), high[1].max(p[1])],
+            )
+        };
+        Some(points.fold((first, first), around))
+    }
+
+    pub fn contains(&self, p: Point) -> bool {
+        // Winding number: each edge that crosses the ray to the right counts up or down.
+        let crossing = |(a, b): (&Point, &Point)| {
+            let side = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+            match (a[1] <= p[1], b[1] <= p[1]) {
+                (true, false) if side > 0.0 => 1,
+                (false, true) if side < 0.0 => -1,
+                _ => 0,
+            }
+        };
+        self.edges().map(crossing).sum::<i32>() != 0
+    }
+
+    /// How far a place is from the region's border; negative inside.
+    pub fn distance_mm(&self, p: Point) -> f64 {
+        let nearest = self
+            .edges()
+            .map(|(a, b)| to_segment(p, a, b))
+            .fold(f64::INFINITY, f64::min);
+        if self.contains(p) { -nearest } else { nearest }
+    }
+
+    /// About the place inside that is farthest from the border, for a name: the best of a grid over the box around it.
+    pub fn innermost(&self) -> Point {
+        const STEPS: usize = 12;
+        let (low, high) = self.bounds().unwrap_or_default();
+        let at = |axis: usize, step: usize| low[axis] + (step as f64 + 0.5) / STEPS as f64 * (high[axis] - low[axis]);
+        let places = (0..STEPS * STEPS).map(|i| [at(0, i % STEPS), at(1, i / STEPS)]);
+        let inside = |p: &Point| self.distance_mm(*p);
+        places.min_by(|a, b| inside(a).total_cmp(&inside(b))).unwrap_or(low)
+    }
+
+    pub fn edges(&self) -> impl Iterator<Item = (&Point, &Point)> {
+        self.contours().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)))
+    }
+}
+
+/// Twice the area inside an outline; negative if it runs clockwise.
+pub fn doubled_area(outline: &[Point]) -> f64 {
+    let next = outline.iter().cycle().skip(1);
+    outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+}
+
+fn to_segment(p: Point, a: &Point, b: &Point) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+    let along = along.clamp(0.0, 1.0);
+    (p[0] - a[0] - along * dx).hypot(p[1] - a[1] - along * dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, side: f64) -> Contour {
+        vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]]
+    }
+
+    #[test]
+    fn areas_count_once_and_holes_not() {
+        let mut clockwise = square(5.0, 0.0, 10.0);
+        clockwise.reverse();
+        let both = Region::union(vec![square(0.0, 0.0, 10.0), clockwise]);
+        assert!((both.area_mm2() - 150.0).abs() < 1e-3, "{}", both.area_mm2());
+        assert!(both.contains([12.0, 5.0]) && !both.contains([16.0, 5.0]));
+        assert!((both.distance_mm([18.0, 5.0]) - 3.0).abs() < 1e-3);
+        assert!((both.distance_mm([7.0, 4.0]) + 4.0).abs() < 1e-3);
+        let grown = both.grown(1.0);
+        let expected = 150.0 + 50.0 + std::f64::consts::PI;
+        assert!((grown.area_mm2() - expected).abs() < 0.1, "{}", grown.area_mm2());
+        // Four bars around a window.
+        let bars = [[0.0, 0.0], [0.0, 7.0], [7.0, 0.0], [0.0, 0.0]];
+        let frame = bars.iter().enumerate().map(|(i, [x, y])| {
+            let (w, h) = if i < 2 { (10.0, 3.0) } else { (3.0, 10.0) };
+            vec![[*x, *y], [x + w, *y], [x + w, y + h], [*x, y + h]]
+        });
+        let frame = Region::union(frame.collect());
+        assert!((frame.area_mm2() - 84.0).abs() < 1e-3, "{}", frame.area_mm2());
+        assert!(!frame.contains([5.0, 5.0]) && frame.grown(0.5).area_mm2() > 84.0 + 0.5 * 56.0 - 1.0);
+        assert!((frame.and(&Region::union(vec![square(0.0, 0.0, 3.0)])).area_mm2() - 9.0).abs() < 1e-3);
+    }
+}

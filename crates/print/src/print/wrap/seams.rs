@@ -1,0 +1,174 @@
+//! Where two panels meet on the model: the same small letter beside both.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Point3;
+
+use super::panel::{PaintedSurface, Panel, corner_of};
+use super::region::{Point, Region};
+use scaleproof_core::geometry::distance;
+use scaleproof_surface::pattern::world_aligned::Side;
+
+/// Shorter seams find their place by themselves.
+const SHORTEST_MM: f64 = 15.0;
+/// From a letter's middle to the nearest ink.
+pub const CLEAR_MM: f64 = 2.4;
+/// How much farther from the seam a letter may stand.
+const FARTHEST_MM: f64 = 4.0;
+
+/// A letter beside a panel, in the panel's plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeamMark {
+    pub letter: String,
+    /// On the panel's border.
+    pub seam: Point,
+    /// The middle of the letter.
+    pub at: Point,
+}
+
+/// The letters beside each panel, and how long the seams are that found no room for theirs on both panels.
+pub struct PanelSeams {
+    pub marks: BTreeMap<Side, Vec<SeamMark>>,
+    pub unlettered_mm: f64,
+}
+
+/// A run of mesh edges between two panels.
+struct Seam {
+    sides: [Side; 2],
+    edges: Vec<[Point3<f64>; 2]>,
+    length_mm: f64,
+}
+
+/// Letters all seams of some length. `grown` are the panels' regions with their bleed.
+pub fn seams(paint: &PaintedSurface, panels: &[Panel], grown: &[Region]) -> PanelSeams {
+    let mut found = PanelSeams {
+        marks: BTreeMap::new(),
+        unlettered_mm: 0.0,
+    };
+    let mut all = runs(paint);
+    all.retain(|seam| seam.length_mm >= SHORTEST_MM);
+    // Longest first, so that they get the room and the first letters.
+    all.sort_by(|a, b| b.length_mm.total_cmp(&a.length_mm));
+    let mut taken: BTreeMap<Side, Vec<Point>> = BTreeMap::new();
+    let mut count = 0;
+    for seam in all {
+        let places = seam.sides.map(|side| {
+            let index = panels.iter().position(|panel| panel.side == side)?;
+            let near = taken.get(&side).map_or(&[][..], Vec::as_slice);
+            place(&seam, side, &panels[index].region, &grown[index], near)
+        });
+        let [Some(first), Some(second)] = places else {
+            found.unlettered_mm += seam.length_mm;
+            continue;
+        };
+        let letter = letters(count);
+        count += 1;
+        for (side, (on_seam, at)) in seam.sides.into_iter().zip([first, second]) {
+            taken.entry(side).or_default().push(at);
+            let letter = letter.clone();
+            let mark = SeamMark {
+                letter,
+                seam: on_seam,
+                at,
+            };
+            found.marks.entry(side).or_default().push(mark);
+        }
+    }
+    found
+}
+
+/// a to z, then aa: small, because the capitals are those of the sheets of one panel.
+fn letters(index: usize) -> String {
+    crate::print::template::letters(index).to_lowercase()
+}
+
+/// The connected runs of edges between each two printed panels.
+fn runs(paint: &PaintedSurface) -> Vec<Seam> {
+    let mut between = BTreeMap::<[Side; 2], BTreeMap<[usize; 2], [Point3<f64>; 2]>>::new();
+    for (edge, faces) in paint.edges() {
+        let sides: BTreeSet<Side> = faces.iter().map(|i| paint.faces[*i].side).collect();
+        let sides: Vec<Side> = sides.into_iter().filter(|side| *side != Side::Bottom).collect();
+        if let [a, b] = sides[..] {
+            let ends = edge.map(|corner| corner_of(&paint.faces[faces[0]], corner));
+            between.entry([a, b]).or_default().insert(edge, ends);
+        }
+    }
+    let mut seams = Vec::new();
+    for (sides, edges) in between {
+        seams.extend(connected(&edges).into_iter().map(|edges| Seam {
+            sides,
+            length_mm: edges.iter().map(|[a, b]| (b - a).norm()).sum(),
+            edges,
+        }));
+    }
+    seams
+}
+
+fn connected(edges: &BTreeMap<[usize; 2], [Point3<f64>; 2]>) -> Vec<Vec<[Point3<f64>; 2]>> {
+    let mut at_corner = BTreeMap::<usize, Vec<[usize; 2]>>::new();
+    for edge in edges.keys() {
+        edge.iter()
+            .for_each(|corner| at_corner.entry(*corner).or_default().push(*edge));
+    }
+    let mut seen = BTreeSet::new();
+    let mut all = Vec::new();
+    for start in edges.keys() {
+        let (mut run, mut waiting) = (Vec::new(), vec![*start]);
+        while let Some(edge) = waiting.pop() {
+            if seen.insert(edge) {
+                run.push(edges[&edge]);
+                waiting.extend(edge.iter().flat_map(|corner| &at_corner[corner]));
+            }
+        }
+        if !run.is_empty() {
+            all.push(run);
+        }
+    }
+    all
+}
+
+/// A point of the seam on the panel's border, and beside it a place for the letter that is free of ink: as near as possible
+/// to the middle of the seam.
+fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Point]) -> Option<(Point, Point)> {
+    let middle = {
+        let sum = seam.edges.iter().fold(nalgebra::Vector3::zeros(), |sum, [a, b]| {
+            sum + 0.5 * (a.coords + b.coords) * (b - a).norm()
+        });
+        side.project(&Point3::from(sum / seam.length_mm))
+    };
+    let mut best: Option<(f64, Point, Point)> = None;
+    for ends in &seam.edges {
+        let [a, b] = ends.map(|p| side.project(&p));
+        let length = distance(a, b);
+        if length < 1e-6 {
+            continue;
+        }
+        let outward = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
+        let steps = (length / 3.0).ceil().max(1.0) as usize;
+        for step in 0..steps {
+            let share = (step as f64 + 0.5) / steps as f64;
+            let p = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+            let off_middle = distance(p, middle);
+            if best.as_ref().is_some_and(|(found, ..)| *found <= off_middle) || region.distance_mm(p) < -0.1 {
+                continue;
+            }
+            if let Some(at) = [1.0, -1.0]
+                .iter()
+                .find_map(|sign| free(p, outward.map(|c| sign * c), grown, taken))
+            {
+                best = Some((off_middle, p, at));
+            }
+        }
+    }
+    best.map(|(_, p, at)| (p, at))
+}
+
+fn free(p: Point, direction: Point, grown: &Region, taken: &[Point]) -> Option<Point> {
+    let outwards = (0..=12).map(|step| f64::from(step) / 12.0 * (CLEAR_MM + FARTHEST_MM));
+    let places = outwards.map(|mm| [p[0] + mm * direction[0], p[1] + mm * direction[1]]);
+    let mut clear = places.filter(|at| {
+        let alone = taken.iter().all(|t| distance(*t, *at) > 2.0 * CLEAR_MM);
+        alone && grown.distance_mm(*at) >= CLEAR_MM
+    });
+    clear.next()
+}

@@ -1,0 +1,291 @@
+//! The corners of a calibration board in one photo.
+
+use image::GrayImage;
+use opencv::calib3d;
+use opencv::core::{Mat, Point2d, Point2f, Size, TermCriteria, Vector};
+use opencv::prelude::*;
+
+use super::SeenCorner;
+use super::sharpness::{BLURRED_PX, edge_width_px};
+use scaleproof_core::geometry::distance;
+use scaleproof_photo::photo::Luma;
+use scaleproof_pose::board::{Definition, Marker};
+use scaleproof_pose::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search};
+
+/// Why a photo gave no corners.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoBoard {
+    #[error("no board was found: is this the board of the file, wholly in the photo, sharp and evenly lit?")]
+    NotFound,
+    #[error("{foreign} of the {seen} markers seen are not on this board: is the board file another board's?")]
+    Foreign { foreign: usize, seen: usize },
+    #[error(
+        "it is blurred: its edges are {width_px:.0} px wide, more than {BLURRED_PX} px; hold board and camera still"
+    )]
+    Blurred { width_px: f64 },
+    #[error(
+        "only {found} of the board's {all} corners were found, {least} are needed: bring it nearer, or light it better"
+    )]
+    FewCorners { found: usize, all: usize, least: usize },
+    #[error(
+        "the corners found do not lie on a flat board of these measures: is the board file another board's, or is the board bent?"
+    )]
+    NotFlat,
+    #[error("OpenCV gave up: {0}")]
+    OpenCv(String),
+}
+
+/// Larger photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
+const MOST_SEARCHED_PX: u64 = 27_000_000;
+
+/// No board fits a smaller image.
+const LEAST_SIDE_PX: u32 = 32;
+
+/// A photo of fewer corners says little, and its halves could not be held against each other.
+pub(super) const LEAST_CORNERS: usize = 12;
+
+/// `cornerSubPix` looks at a square of this half side at most; more averages the lens's bending in.
+const WIDEST_WINDOW_PX: f64 = 10.0;
+/// With less room than this around it, a corner cannot be refined without its neighbours pulling at it.
+const NARROWEST_WINDOW_PX: f64 = 2.0;
+
+/// Refuses a board whose markers OpenCV does not know.
+///
+/// # Errors
+/// A ChArUco board of an unknown dictionary.
+pub fn check(board: &Definition) -> Result<(), DictionaryError> {
+    match board {
+        Definition::Charuco { dictionary, .. } => MarkerDictionary::named(dictionary).map(drop),
+        _ => Ok(()),
+    }
+}
+
+/// Finds the board's corners to a fraction of a pixel.
+///
+/// ChArUco: markers, then each inner corner by the homography of the two markers beside it (OpenCV's `interpolateCornersCharuco`
+/// without a camera), refined as a saddle point. AprilGrid: Kalibr's tag corners touch black squares, so they are saddle points too.
+/// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board.
+///
+/// # Errors
+/// The reason why the photo cannot be used.
+pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+    let factor = least_reduction(grey, MOST_SEARCHED_PX);
+    if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
+        return Err(NoBoard::NotFound);
+    }
+    if factor == 1 {
+        return find_in(grey, board);
+    }
+    let mut found = find_in(&grey.reduced(factor), board)?;
+    found
+        .iter_mut()
+        .for_each(|corner| corner.px = enlarged(corner.px, factor));
+    Ok(found)
+}
+
+fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+    let flat = Mat::from_slice(grey.as_raw().as_slice()).map_err(failed)?;
+    let image = flat.reshape(1, grey.height() as i32).map_err(failed)?;
+    let image = image.try_clone().map_err(failed)?;
+    let found = match board {
+        Definition::Chessboard { inner_corners, .. } => chessboard(&image, *inner_corners).map_err(failed)?,
+        Definition::Charuco { dictionary, .. } => {
+            let seen = known(markers(&image, dictionary, 1)?, board, 0)?;
+            charuco(&image, board, &seen).map_err(failed)?
+        }
+        Definition::Aprilgrid { border_modules, .. } => {
+            // OpenCV's image of this family is turned by 180°: its first corner is the upright tag's lower right.
+            let seen = known(markers(&image, "DICT_APRILTAG_36h11", *border_modules)?, board, 2)?;
+            aprilgrid(&image, board, &seen).map_err(failed)?
+        }
+    };
+    match found.len() {
+        0 => Err(NoBoard::NotFound),
+        n if n < LEAST_CORNERS => Err(match edge_width_px(grey, &found) {
+            Some(width_px) if width_px > BLURRED_PX => NoBoard::Blurred { width_px },
+            _ => NoBoard::FewCorners {
+                found: n,
+                all: board.corners_mm().len(),
+                least: LEAST_CORNERS,
+            },
+        }),
+        _ => flat_enough(found, board),
+    }
+}
+
+fn failed(e: opencv::Error) -> NoBoard {
+    NoBoard::OpenCv(e.message.lines().next().unwrap_or_default().to_owned())
+}
+
+/// Every marker of a dictionary, whose black border is so many modules wide.
+fn markers(image: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, NoBoard> {
+    let search = marker_search(dictionary, border_modules).map_err(|e| NoBoard::OpenCv(e.to_string()))?;
+    search.find(image).map_err(failed)
+}
+
+/// A marker of the board, and where the photo shows its corners (upper left first).
+struct PlacedMarker {
+    marker: Marker,
+    corners_px: [[f64; 2]; 4],
+}
+
+impl PlacedMarker {
+    /// The shortest side, in px per mm of the board.
+    fn px_per_mm(&self) -> f64 {
+        let side = |i: usize| distance(self.corners_px[i], self.corners_px[(i + 1) % 4]);
+        let mm = distance(self.marker.corners_mm[0], self.marker.corners_mm[1]);
+        (0..4).map(side).fold(f64::INFINITY, f64::min) / mm
+    }
+}
+
+/// The seen markers that the board has, each seen once; `first` is OpenCV's number for the upper left corner.
+fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<PlacedMarker>, NoBoard> {
+    let all = board.markers();
+    let times = |id: i32| seen.iter().filter(|m| m.id == id).count();
+    let placed: Vec<PlacedMarker> = seen
+        .iter()
+        .filter(|m| times(m.id) == 1)
+        .filter_map(|m| {
+            Some(PlacedMarker {
+                marker: *all.get(usize::try_from(m.id).ok()?)?,
+                corners_px: [0, 1, 2, 3].map(|i| m.corners_px[(first + i) % 4]),
+            })
+        })
+        .collect();
+    let foreign = seen.iter().filter(|m| m.id as usize >= all.len()).count();
+    if foreign > placed.len() {
+        return Err(NoBoard::Foreign {
+            foreign,
+            seen: seen.len(),
+        });
+    }
+    Ok(placed)
+}
+
+fn charuco(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
+    let mut found = Vec::new();
+    for (id, corner) in board.corners_mm().into_iter().enumerate() {
+        // The two white squares that meet in this corner are the two with the nearest markers.
+        let near = |p: &&PlacedMarker| {
+            let [x, y] = centre(&p.marker);
+            let Definition::Charuco { square_mm, .. } = board else {
+                return false;
+            };
+            (x - corner[0]).abs() < *square_mm && (y - corner[1]).abs() < *square_mm
+        };
+        let beside: Vec<&PlacedMarker> = seen.iter().filter(near).collect();
+        let [a, b] = beside[..] else { continue };
+        let from = [a, b].map(|p| p.marker.corners_mm).concat();
+        let to = [a, b].map(|p| p.corners_px).concat();
+        let Some(guess) = carried(&from, &to, corner)? else {
+            continue;
+        };
+        let nearest_mm = from.iter().map(|p| distance(*p, corner)).fold(f64::INFINITY, f64::min);
+        let free_px = nearest_mm * a.px_per_mm().min(b.px_per_mm());
+        found.extend(refined(image, guess, free_px)?.map(|px| SeenCorner { id, px }));
+    }
+    Ok(found)
+}
+
+fn aprilgrid(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
+    let Definition::Aprilgrid {
+        tag_mm,
+        tag_spacing,
+        border_modules,
+        ..
+    } = board
+    else {
+        return Ok(Vec::new());
+    };
+    // The next corners: the far ones of the black square at the crossing, and the inner one of the border.
+    let border_mm = tag_mm * f64::from(*border_modules) / f64::from(Definition::GRID_TAG_MODULES);
+    let nearest_mm = (tag_mm * tag_spacing).min(border_mm * std::f64::consts::SQRT_2);
+    let mut found = Vec::new();
+    for placed in seen {
+        for (i, guess) in placed.corners_px.into_iter().enumerate() {
+            let id = placed.marker.id as usize * 4 + i;
+            let free_px = nearest_mm * placed.px_per_mm();
+            found.extend(refined(image, guess, free_px)?.map(|px| SeenCorner { id, px }));
+        }
+    }
+    found.sort_by_key(|c| c.id);
+    Ok(found)
+}
+
+fn chessboard(image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
+    let size = Size::new(inner_corners[0] as i32, inner_corners[1] as i32);
+    let flags = calib3d::CALIB_CB_NORMALIZE_IMAGE | calib3d::CALIB_CB_EXHAUSTIVE | calib3d::CALIB_CB_ACCURACY;
+    let mut corners = Vector::<Point2f>::new();
+    if !calib3d::find_chessboard_corners_sb(image, size, &mut corners, flags)? {
+        return Ok(Vec::new());
+    }
+    let px = |p: Point2f| [f64::from(p.x), f64::from(p.y)];
+    Ok(corners
+        .iter()
+        .enumerate()
+        .map(|(id, p)| SeenCorner { id, px: px(p) })
+        .collect())
+}
+
+/// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.
+fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<[f64; 2]>> {
+    // The window's corner must not reach the next corner.
+    let half = (free_px / std::f64::consts::SQRT_2 - 1.0).min(WIDEST_WINDOW_PX).floor();
+    let inside = |at: f64, length: i32| at >= half + 1.0 && at <= f64::from(length) - half - 2.0;
+    if half < NARROWEST_WINDOW_PX || !inside(guess[0], image.cols()) || !inside(guess[1], image.rows()) {
+        return Ok(None);
+    }
+    let mut corner = Vector::<Point2f>::from_iter([Point2f::new(guess[0] as f32, guess[1] as f32)]);
+    let stop = TermCriteria::new(3, 60, 1e-4)?;
+    let window = Size::new(half as i32, half as i32);
+    opencv::imgproc::corner_sub_pix(image, &mut corner, window, Size::new(-1, -1), stop)?;
+    let point = corner.get(0)?;
+    let px = [f64::from(point.x), f64::from(point.y)];
+    Ok((distance(px, guess) < half.min(4.0)).then_some(px))
+}
+
+/// A point of the board carried into the image by the homography of known points.
+fn carried(from: &[[f64; 2]], to: &[[f64; 2]], point: [f64; 2]) -> opencv::Result<Option<[f64; 2]>> {
+    let h = calib3d::find_homography_ext_def(&points(from), &points(to))?;
+    Ok(through(&h, point))
+}
+
+fn through(h: &Mat, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let [a, b, c, d, e, f, g, i, j]: [f64; 9] = h.data_typed::<f64>().ok()?.try_into().ok()?;
+    let w = g * x + i * y + j;
+    (w != 0.0).then(|| [(a * x + b * y + c) / w, (d * x + e * y + f) / w])
+}
+
+/// Holds the corners against one homography, which a lens bends by a few per cent at most; what is further off is a corner
+/// found in a wrong place and left out, and when that is every fifth, the board is not the one described.
+fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+    const BENT_SHARE: f64 = 0.04;
+    let places = board.corners_mm();
+    let from: Vec<[f64; 2]> = found.iter().map(|c| places[c.id]).collect();
+    let to: Vec<[f64; 2]> = found.iter().map(|c| c.px).collect();
+    let extent = |axis: usize| {
+        let all = to.iter().map(|p| p[axis]);
+        all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
+    };
+    let limit_px = BENT_SHARE * extent(0).hypot(extent(1));
+    let mut mask = Mat::default();
+    let h = calib3d::find_homography(&points(&from), &points(&to), &mut mask, calib3d::RANSAC, limit_px);
+    let Ok(h) = h else { return Err(NoBoard::NotFlat) };
+    let all = found.len();
+    let fits = |c: &SeenCorner| through(&h, places[c.id]).is_some_and(|px| distance(px, c.px) <= limit_px);
+    let kept: Vec<SeenCorner> = found.into_iter().filter(fits).collect();
+    if kept.len() * 5 < all * 4 || kept.len() < LEAST_CORNERS {
+        return Err(NoBoard::NotFlat);
+    }
+    Ok(kept)
+}
+
+fn points(list: &[[f64; 2]]) -> Vector<Point2d> {
+    list.iter().map(|[x, y]| Point2d::new(*x, *y)).collect()
+}
+
+fn centre(marker: &Marker) -> [f64; 2] {
+    let [a, _, c, _] = marker.corners_mm;
+    [(a[0] + c[0]) / 2.0, (a[1] + c[1]) / 2.0]
+}

@@ -1,0 +1,218 @@
+//! When photos do not make a camera, and what makes one weaker.
+
+use super::fit::CameraFit;
+use super::ladder::{CandidateModel, normal};
+use super::model::LensModel;
+use super::sharpness::BLURRED_PX;
+use super::view::View;
+use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
+use scaleproof_core::statistics::upper_median;
+
+/// Why there is no camera. Each is a sentence a photographer can act on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    #[error("no photo shows the board; {first}")]
+    NoPhotos { first: String },
+    #[error("only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; {first}")]
+    FewPhotos { usable: usize, all: usize, first: String },
+    #[error(
+        "all photos show the board from the same side (within {spread_deg:.0}°), which leaves the focal length open: tilt the board by 30° to 45° to the left, right, front and back"
+    )]
+    SameTilt { spread_deg: f64 },
+    #[error(
+        "these photos leave the focal length open (±{percent} %): tilt the board by 30° to 45° to several sides, and fill the photo with it"
+    )]
+    FocalOpen { percent: String },
+    #[error(
+        "the corners are {rms_px:.1} px off, root mean square (limit {limit_px:.1} px): is this the board of the file, flat and stiff, and one camera at one zoom?"
+    )]
+    HighResidual { rms_px: f64, limit_px: f64 },
+    #[error("no camera explains these photos: are they of one board, by one camera at one zoom?")]
+    NoFit,
+}
+
+/// What weakens a camera that was found. Each is a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[serde(transparent)]
+pub struct CalibrationCaution(pub String);
+
+/// A photo is blurred when its edges are also wider than this many times the usual of the set, so that a soft lens is not held against every photo.
+const BLUR_TIMES: f64 = 2.0;
+/// Normals of the boards must differ by this much somewhere. Parallel planes give the same two constraints over and over (Zhang
+/// 2000, section 3.3), and with the centre unknown that leaves the focal length open, however small the residuals.
+const LEAST_SPREAD_DEG: f64 = 12.0;
+/// With the principal point free, the focal length must be known to this. It goes into every distance as it is.
+const MOST_FOCAL_SIGMA: f64 = 0.01;
+/// Larger residuals than this share of the image's diagonal are another board or another camera: 2.4 px at 1280×960.
+const MOST_RMS_SHARE: f64 = 0.0015;
+/// Photos below which the uncertainties are themselves uncertain.
+const FEW_PHOTOS: usize = 10;
+
+/// Leaves out blurred photos and those of another size than most.
+pub(super) fn alike(
+    board_photos: Vec<BoardPhoto>,
+    mut left_out: Vec<UnusedPhoto>,
+) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
+    let count = |size: (u32, u32)| board_photos.iter().filter(|s| s.size == size).count();
+    // The first of the most frequent sizes.
+    let most = board_photos.iter().map(|s| count(s.size)).max().unwrap_or(0);
+    let usual = board_photos.iter().map(|s| s.size).find(|size| count(*size) == most);
+    let widths: Vec<f64> = board_photos.iter().filter_map(|s| s.edge_width_px).collect();
+    let blurred = BLURRED_PX.max(BLUR_TIMES * upper_median(&widths).unwrap_or(0.0));
+    let mut kept = Vec::new();
+    for board_photo in board_photos {
+        let reason = match (usual, board_photo.edge_width_px) {
+            (Some((w, h)), _) if board_photo.size != (w, h) => Some(format!(
+                "it is {}×{} and most photos are {w}×{h}: a camera file holds for one size; use original photos, whose EXIF data says how they were turned",
+                board_photo.size.0, board_photo.size.1
+            )),
+            (_, Some(width)) if width > blurred => Some(format!(
+                "it is blurred: its edges are {width:.0} px wide, more than {blurred:.0} px; hold board and camera still"
+            )),
+            _ => None,
+        };
+        match reason {
+            Some(reason) => left_out.push(UnusedPhoto {
+                file: board_photo.file,
+                reason,
+            }),
+            None => kept.push(board_photo),
+        }
+    }
+    (kept, left_out)
+}
+
+/// Refuses too few photos.
+pub(super) fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> Result<(), CalibrationError> {
+    if board_photos.len() >= LEAST_PHOTOS {
+        return Ok(());
+    }
+    let first = left_out.first().map_or_else(
+        || "give more photos".to_owned(),
+        |out| format!("{}: {}", out.file, out.reason),
+    );
+    Err(match board_photos.len() {
+        0 => CalibrationError::NoPhotos { first },
+        usable => CalibrationError::FewPhotos {
+            usable,
+            all: usable + left_out.len(),
+            first,
+        },
+    })
+}
+
+/// Refuses photos that all show the board from one side.
+pub(super) fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> {
+    let normals: Vec<_> = fit.poses.iter().map(normal).collect();
+    let angles = normals
+        .iter()
+        .enumerate()
+        .flat_map(|(i, a)| normals[..i].iter().map(|b| a.angle(b).to_degrees()));
+    let spread_deg = angles.fold(0.0, f64::max);
+    if spread_deg < LEAST_SPREAD_DEG {
+        return Err(CalibrationError::SameTilt { spread_deg });
+    }
+    Ok(())
+}
+
+/// Refuses photos whose focal length is known only because the principal point is held, or not even then.
+pub(super) fn determined(models: &[CandidateModel], chosen: usize, views: &[View]) -> Result<(), CalibrationError> {
+    let fit = &models[chosen].fit;
+    let model = fit.model.max(LensModel::FC);
+    let open = |percent: &str| CalibrationError::FocalOpen {
+        percent: percent.to_owned(),
+    };
+    let covariance = fit.covariance(model, views).ok_or_else(|| open("more than 100"))?;
+    let share = covariance[(0, 0)].max(0.0).sqrt() / fit.camera[0];
+    if share > MOST_FOCAL_SIGMA {
+        return Err(open(&format!("{:.1}", 100.0 * share)));
+    }
+    Ok(())
+}
+
+/// Refuses a camera that does not explain its own photos.
+pub(super) fn fits(fit: &CameraFit, views: &[View], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
+    let rms_px = super::rms_px(fit, views);
+    let limit_px = MOST_RMS_SHARE * f64::from(width).hypot(f64::from(height));
+    if rms_px > limit_px {
+        return Err(CalibrationError::HighResidual { rms_px, limit_px });
+    }
+    Ok(())
+}
+
+/// What a user should know about a camera that was found.
+pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
+    let mut cautions = Vec::new();
+    let mut say = |sentence: String| cautions.push(CalibrationCaution(sentence));
+    let photos = found.photos.len();
+    if photos < FEW_PHOTOS {
+        say(format!(
+            "{photos} photos are few, {FEW_PHOTOS} to 20 make the uncertainties believable"
+        ));
+    }
+    let missing = missing_corners(&found.coverage);
+    if !missing.is_empty() {
+        say(format!(
+            "no photo shows the board in the {} of the image{}, so the camera is a guess there: hold the board into the corners",
+            listed(&missing),
+            if found.photos.iter().any(|photo| photo.turned_deg != 0) {
+                " (as the sensor sees it, before EXIF turns it)"
+            } else {
+                ""
+            }
+        ));
+    }
+    let folded = found.map.cells.iter().filter(|c| c.sigma_px.is_none()).count();
+    if folded > 0 {
+        say(format!(
+            "the lens model does not reach {folded} of {} cells of the image, near its edge; do not use points there",
+            found.map.cells.len()
+        ));
+    }
+    let tilted = found.photos.iter().filter(|p| p.tilt_deg > 20.0).count();
+    if tilted < 4 {
+        say(format!(
+            "only {tilted} photos show the board tilted by more than 20°, which is what the focal length comes from"
+        ));
+    }
+    if found.lost_corners > 0 {
+        say(format!(
+            "{} single corners disagreed with the rest and were left out",
+            found.lost_corners
+        ));
+    }
+    if found.chosen + 1 == LensModel::LADDER.len() {
+        say(
+            "the largest model was chosen: a fisheye or very wide lens may need one that this program does not have"
+                .into(),
+        );
+    }
+    cautions
+}
+
+/// Corners of the image, a fifth of each side, where no board corner was seen.
+fn missing_corners(coverage: &[u32]) -> Vec<&'static str> {
+    let names = [
+        ("top left", 0, 0),
+        ("top right", 8, 0),
+        ("bottom left", 0, 8),
+        ("bottom right", 8, 8),
+    ];
+    let empty = |x: usize, y: usize| {
+        (y..y + 2).all(|row| (x..x + 2).all(|column| coverage.get(row * COVERAGE + column).is_none_or(|n| *n == 0)))
+    };
+    names
+        .into_iter()
+        .filter(|(_, x, y)| empty(*x, *y))
+        .map(|(name, ..)| name)
+        .collect()
+}
+
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [only] => (*only).to_owned(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+    }
+}

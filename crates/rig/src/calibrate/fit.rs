@@ -1,0 +1,275 @@
+//! Bundle adjustment of one camera and a pose per photo, by Levenberg–Marquardt.
+//!
+//! Own code, for what OpenCV's `calibrateCamera` does not give: the covariance of all camera numbers together, any model of the
+//! ladder, and refits without some photos. The normal equations are solved by the Schur complement over the poses
+//! (Triggs et al. 2000, "Bundle Adjustment: A Modern Synthesis", section 6.1).
+
+use nalgebra::{DMatrix, DVector, Matrix6, Point3, SMatrix, SVector, Vector2, Vector6};
+
+use super::model::{self, ALL, LensModel};
+use super::view::View;
+use scaleproof_core::geometry::{Rigid, rigid::stepped};
+use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
+use scaleproof_pose::camera::projection::{by_step, project_unchecked};
+
+/// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
+const LIMITS: Limits = Limits {
+    first_damping: 1e-3,
+    most_trials: 600,
+    relative_gain: 1e-9,
+    absolute_gain: 0.0,
+};
+/// So many of the best starting focal lengths are followed.
+const FOLLOWED: usize = 2;
+
+/// A camera and poses that explain the views best, in least squares.
+#[derive(Debug, Clone)]
+pub struct CameraFit {
+    pub model: LensModel,
+    /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6.
+    pub camera: [f64; ALL],
+    /// `T_camera_board`, one per view.
+    pub poses: Vec<Rigid>,
+    /// Sum of squared distances, px².
+    pub cost: f64,
+}
+
+/// Fits a model from a start. `None` when the start has no finite residuals.
+pub(super) fn fit(model: LensModel, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
+    let start = CameraFit {
+        model,
+        camera,
+        poses,
+        cost: f64::INFINITY,
+    };
+    Some(minimise(CameraEquations::at(start, views)?, &LIMITS).fit)
+}
+
+/// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
+pub(super) fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
+    let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
+    Some((found.pose, found.block.cost))
+}
+
+/// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
+pub(super) fn first(size: (u32, u32), views: &[View]) -> Option<CameraFit> {
+    const BY_LONGER_SIDE: [f64; 7] = [0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
+    let longer = f64::from(size.0.max(size.1));
+    let start = |share: &f64| {
+        let camera = model::start(size, share * longer);
+        let poses: Vec<Rigid> = views.iter().map(|v| best_start(v, &camera)).collect::<Option<_>>()?;
+        Some((cost(views, &camera, &poses)?, camera, poses))
+    };
+    let mut starts: Vec<_> = BY_LONGER_SIDE.iter().filter_map(start).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    starts
+        .into_iter()
+        .take(FOLLOWED)
+        .filter_map(|(_, camera, poses)| fit(LensModel::F, views, camera, poses))
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// The better branch of a planar view, refined.
+fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
+    let starts = view.starting_poses(camera).into_iter();
+    let refined = starts.filter_map(|start| pose(view, camera, start));
+    refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
+}
+
+impl CameraFit {
+    /// Seen minus projected, px, of each corner of each view.
+    pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
+        let of = |(view, pose)| residuals(view, &self.camera, pose).collect();
+        views.iter().zip(&self.poses).map(of).collect()
+    }
+
+    /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
+    /// complement times the variance that the residuals show. `None` when the views do not determine the model.
+    pub fn covariance(&self, model: LensModel, views: &[View]) -> Option<DMatrix<f64>> {
+        let seen_as = CameraFit { model, ..self.clone() };
+        let (reduced, _) = CameraEquations::at(seen_as, views)?.reduced(0.0)?;
+        let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
+        let free = numbers
+            .checked_sub(model.parameters() + 6 * views.len())
+            .filter(|n| *n > 0)?;
+        // Scaled to a unit diagonal before it is inverted: focal lengths are thousands, k3 is a hundredth.
+        let scale = DVector::from_iterator(reduced.nrows(), reduced.diagonal().iter().map(|d| d.max(1e-300).sqrt()));
+        let scaled = DMatrix::from_fn(reduced.nrows(), reduced.ncols(), |r, c| {
+            reduced[(r, c)] / (scale[r] * scale[c])
+        });
+        let inverse = scaled.cholesky()?.inverse();
+        let variance = self.cost / free as f64;
+        let covariance = DMatrix::from_fn(reduced.nrows(), reduced.ncols(), |r, c| {
+            variance * inverse[(r, c)] / (scale[r] * scale[c])
+        });
+        covariance.iter().all(|v| v.is_finite()).then_some(covariance)
+    }
+}
+
+/// The normal equations of one view: camera × camera, camera × pose, pose × pose.
+struct Block {
+    camera: SMatrix<f64, ALL, ALL>,
+    by_camera: SVector<f64, ALL>,
+    cross: SMatrix<f64, ALL, 6>,
+    pose: Matrix6<f64>,
+    by_pose: Vector6<f64>,
+    /// px².
+    cost: f64,
+}
+
+impl Block {
+    /// `None` when the residuals are not finite.
+    fn at(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
+        let mut block = Block {
+            camera: SMatrix::zeros(),
+            by_camera: SVector::zeros(),
+            cross: SMatrix::zeros(),
+            pose: Matrix6::zeros(),
+            by_pose: Vector6::zeros(),
+            cost: 0.0,
+        };
+        for (point, [u, v]) in view.points_mm.iter().zip(&view.seen_px) {
+            let p = pose * point;
+            let at = project_unchecked(camera, &p);
+            let residual = Vector2::new(u - at.pixel[0], v - at.pixel[1]);
+            let by_pose = by_step(&at.by_point, &p);
+            block.camera += at.by_camera.transpose() * at.by_camera;
+            block.by_camera += at.by_camera.transpose() * residual;
+            block.cross += at.by_camera.transpose() * by_pose;
+            block.pose += by_pose.transpose() * by_pose;
+            block.by_pose += by_pose.transpose() * residual;
+            block.cost += residual.norm_squared();
+        }
+        block.cost.is_finite().then_some(block)
+    }
+
+    fn damped_pose(&self, damping: f64) -> Matrix6<f64> {
+        let mut h = self.pose;
+        (0..6).for_each(|i| h[(i, i)] *= 1.0 + damping);
+        h
+    }
+}
+
+/// One pose under a camera that is held.
+struct PoseEquations<'a> {
+    pose: Rigid,
+    block: Block,
+    view: &'a View,
+    camera: &'a [f64; ALL],
+}
+
+impl<'a> PoseEquations<'a> {
+    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
+        Some(PoseEquations {
+            pose,
+            block: Block::at(view, camera, &pose)?,
+            view,
+            camera,
+        })
+    }
+}
+
+impl LeastSquares for PoseEquations<'_> {
+    fn cost(&self) -> f64 {
+        self.block.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let step = self.block.damped_pose(damping).cholesky()?.solve(&self.block.by_pose);
+        PoseEquations::at(stepped(&self.pose, &step), self.view, self.camera)
+    }
+}
+
+/// Camera and poses: the camera's part summed over the views, by the parameters of the model.
+struct CameraEquations<'a> {
+    fit: CameraFit,
+    camera: DMatrix<f64>,
+    by_camera: DVector<f64>,
+    blocks: Vec<Block>,
+    /// From the parameters of the model to the numbers they set.
+    parameters: DMatrix<f64>,
+    views: &'a [View],
+}
+
+impl<'a> CameraEquations<'a> {
+    fn at(fit: CameraFit, views: &'a [View]) -> Option<CameraEquations<'a>> {
+        let parameters = fit.model.parameters_to_numbers();
+        let of = |(view, pose)| Block::at(view, &fit.camera, pose);
+        let blocks: Vec<Block> = views.iter().zip(&fit.poses).map(of).collect::<Option<_>>()?;
+        let camera: SMatrix<f64, ALL, ALL> = blocks.iter().map(|b| b.camera).sum();
+        let by_camera: SVector<f64, ALL> = blocks.iter().map(|b| b.by_camera).sum();
+        Some(CameraEquations {
+            camera: parameters.transpose() * camera * &parameters,
+            by_camera: parameters.transpose() * by_camera,
+            fit: CameraFit {
+                cost: blocks.iter().map(|b| b.cost).sum(),
+                ..fit
+            },
+            blocks,
+            parameters,
+            views,
+        })
+    }
+
+    /// The Schur complement over the poses and its right-hand side, the diagonals raised by `damping`.
+    fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let (mut s, mut b) = (self.camera.clone(), self.by_camera.clone());
+        (0..s.nrows()).for_each(|i| s[(i, i)] *= 1.0 + damping);
+        for block in &self.blocks {
+            let cross = self.parameters.transpose() * block.cross;
+            let through = &cross * block.damped_pose(damping).cholesky()?.inverse();
+            s -= &through * cross.transpose();
+            b -= through * block.by_pose;
+        }
+        Some((s, b))
+    }
+}
+
+impl LeastSquares for CameraEquations<'_> {
+    fn cost(&self) -> f64 {
+        self.fit.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let (s, b) = self.reduced(damping)?;
+        let change = &self.parameters * s.cholesky()?.solve(&b);
+        let camera: [f64; ALL] = std::array::from_fn(|i| self.fit.camera[i] + change[i]);
+        if camera[0] <= 0.0 || camera[1] <= 0.0 || camera.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
+        let moved = |(pose, block): (&Rigid, &Block)| {
+            let right = block.by_pose - block.cross.transpose() * &change;
+            let step = block
+                .damped_pose(damping)
+                .cholesky()?
+                .solve(&Vector6::from_column_slice(right.as_slice()));
+            Some(stepped(pose, &step))
+        };
+        let poses = self.fit.poses.iter().zip(&self.blocks).map(moved);
+        let fit = CameraFit {
+            camera,
+            poses: poses.collect::<Option<_>>()?,
+            ..self.fit.clone()
+        };
+        CameraEquations::at(fit, self.views)
+    }
+}
+
+/// Seen minus projected, px, of each corner.
+fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
+    let of = move |(point, seen): (&Point3<f64>, &[f64; 2])| {
+        let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
+        [seen[0] - x, seen[1] - y]
+    };
+    view.points_mm.iter().zip(&view.seen_px).map(of)
+}
+
+/// Sum of squared distances of one view, px².
+pub(super) fn squared(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
+    let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
+    sum.is_finite().then_some(sum)
+}
+
+fn cost(views: &[View], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
+    views.iter().zip(poses).map(|(v, p)| squared(v, camera, p)).sum()
+}

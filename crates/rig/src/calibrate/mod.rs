@@ -1,0 +1,278 @@
+//! Photos of a board become a camera no larger than they bear out, with what it is worth, or a reason why not.
+
+mod choice_text;
+mod detect;
+mod doubt;
+mod fit;
+mod ladder;
+mod model;
+mod outliers;
+mod page;
+mod refit;
+mod sharpness;
+mod summary;
+mod uncertainty;
+mod view;
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{DMatrix, Point3};
+
+use scaleproof_core::workers;
+use scaleproof_photo::photo::Photo;
+use scaleproof_pose::board::Definition;
+use scaleproof_pose::camera::Camera;
+
+pub use choice_text::{choice_lines, numbers};
+pub use detect::check;
+pub use doubt::{CalibrationCaution, CalibrationError};
+pub use ladder::CandidateModel;
+pub use model::LensModel;
+pub use page::page;
+pub use refit::refit;
+pub use summary::json;
+pub use uncertainty::UncertaintyMap;
+pub use view::View;
+
+/// A corner of the board where a photo shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenCorner {
+    /// Which of [`Definition::corners_mm`].
+    pub id: usize,
+    /// Pixel (0, 0) is the centre of the top-left pixel.
+    pub px: [f64; 2],
+}
+
+/// With fewer photos than this there is nothing to hold a camera against.
+pub const LEAST_PHOTOS: usize = 4;
+
+/// A photo in which the board was found. Everything is in the sensor's frame, whichever way the camera was held, so that boards of mixed
+/// orientation share one camera, and `Camera::for_photo` turns that camera with each photo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoardPhoto {
+    /// The photo's name, for people.
+    pub file: String,
+    /// Width and height in the sensor's frame, px.
+    pub size: (u32, u32),
+    /// How far EXIF turns it clockwise to make it upright: 0, 90, 180 or 270.
+    pub turned_deg: u32,
+    pub corners: Vec<SeenCorner>,
+    /// Width of the edges at the corners, px; `None` where it could not be measured.
+    pub edge_width_px: Option<f64>,
+}
+
+impl BoardPhoto {
+    fn view(&self, places: &[[f64; 2]]) -> View {
+        View {
+            points_mm: self
+                .corners
+                .iter()
+                .map(|c| Point3::new(places[c.id][0], places[c.id][1], 0.0))
+                .collect(),
+            seen_px: self.corners.iter().map(|c| c.px).collect(),
+        }
+    }
+}
+
+/// A photo that had no part in the camera, and the sentence why.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct UnusedPhoto {
+    pub file: String,
+    pub reason: String,
+}
+
+/// What one photo has to do with the camera.
+#[derive(Debug, Clone)]
+pub struct PhotoResult {
+    pub file: String,
+    /// As [`BoardPhoto::turned_deg`].
+    pub turned_deg: u32,
+    /// Where the corners were seen, px, and seen minus projected, px.
+    pub corners_px: Vec<[f64; 2]>,
+    pub residuals_px: Vec<[f64; 2]>,
+    pub rms_px: f64,
+    /// Angle between the board's normal and the optical axis.
+    pub tilt_deg: f64,
+    pub distance_mm: f64,
+    pub edge_width_px: Option<f64>,
+}
+
+/// A camera and what it is worth.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    pub board: Definition,
+    pub camera: Camera,
+    /// Every model that could be fitted, from the smallest up.
+    pub models: Vec<CandidateModel>,
+    /// Which of `models` the camera is.
+    pub chosen: usize,
+    /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit.
+    pub sigmas: [f64; model::ALL],
+    /// Over all corners, px.
+    pub rms_px: f64,
+    pub photos: Vec<PhotoResult>,
+    pub left_out: Vec<UnusedPhoto>,
+    /// Corners left out of photos that stay.
+    pub lost_corners: usize,
+    /// Corners seen in each cell of a 10 × 10 grid over the image, row by row.
+    pub coverage: Vec<u32>,
+    pub map: UncertaintyMap,
+    pub cautions: Vec<CalibrationCaution>,
+}
+
+impl Calibration {
+    /// The chosen model.
+    pub fn chosen_model(&self) -> &CandidateModel {
+        &self.models[self.chosen]
+    }
+
+    /// The held-out error of the best model, px.
+    pub fn best_held_out_px(&self) -> f64 {
+        self.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Cells of the coverage grid along each side.
+pub const COVERAGE: usize = 10;
+
+/// Finds the board in every photo; those without are named with the reason. Both lists keep the photos' order.
+pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
+    let found = workers::map(
+        photos,
+        || Ok::<(), std::convert::Infallible>(()),
+        |(), path| Ok(look_at(path, board)),
+        on_done,
+    );
+    let (mut board_photos, mut left_out) = (Vec::new(), Vec::new());
+    for result in found.unwrap_or_else(|never| match never {}) {
+        match result {
+            Ok(board_photo) => board_photos.push(board_photo),
+            Err(out) => left_out.push(out),
+        }
+    }
+    (board_photos, left_out)
+}
+
+fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, UnusedPhoto> {
+    let file = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    let out = |reason: String| UnusedPhoto {
+        file: file.clone(),
+        reason,
+    };
+    let photo = Photo::open(path).map_err(|e| out(e.to_string()))?;
+    let luma = photo.sensor_luma().map_err(|e| out(e.to_string()))?;
+    let corners = detect::find(&luma, board).map_err(|e| out(e.to_string()))?;
+    Ok(BoardPhoto {
+        edge_width_px: sharpness::edge_width_px(&luma, &corners),
+        file,
+        size: luma.dimensions(),
+        turned_deg: photo.turned_deg,
+        corners,
+    })
+}
+
+/// Makes a camera of the corners seen: bad photos are left out, every model of the ladder is fitted, the smallest
+/// whose held-out error is as good as the best is taken.
+///
+/// # Errors
+/// Photos that do not determine a camera; the sentence says what to photograph.
+pub fn calibrate(
+    board_photos: Vec<BoardPhoto>,
+    left_out: Vec<UnusedPhoto>,
+    board: &Definition,
+) -> Result<Calibration, CalibrationError> {
+    let places = board.corners_mm();
+    let (board_photos, mut left_out) = doubt::alike(board_photos, left_out);
+    doubt::enough(&board_photos, &left_out)?;
+    let size = board_photos[0].size;
+    let cleaned = outliers::clean(board_photos, size, &places).ok_or(CalibrationError::NoFit)?;
+    left_out.extend(cleaned.dropped.into_iter().map(|(board_photo, reason)| UnusedPhoto {
+        file: board_photo.file,
+        reason,
+    }));
+    let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
+    doubt::seen_from_several_sides(&cleaned.first)?;
+    let mut models = ladder::fit_ladder(cleaned.first, &views);
+    let chosen = ladder::choose(&models).ok_or(CalibrationError::NoFit)?;
+    let fit = models[chosen].fit.clone();
+    doubt::determined(&models, chosen, &views)?;
+    doubt::fits(&fit, &views, size)?;
+    let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
+    let (w, h) = board.size_mm();
+    let middle_mm = [w / 2.0, h / 2.0];
+    ladder::compare(&mut models, chosen, middle_mm);
+    let photos = photo_results(&cleaned.board_photos, &fit, &views, middle_mm);
+    let coverage = coverage(&photos, size);
+    let map = uncertainty::map(&fit, &covariance, size);
+    let sigmas = sigmas(&fit, &covariance);
+    let mut camera = model::camera(size, &fit.camera);
+    camera.sigma_px = Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]);
+    let mut result = Calibration {
+        board: board.clone(),
+        camera,
+        sigmas,
+        rms_px: rms_px(&fit, &views),
+        models,
+        chosen,
+        photos,
+        left_out,
+        lost_corners: cleaned.lost_corners,
+        coverage,
+        map,
+        cautions: Vec::new(),
+    };
+    result.cautions = doubt::cautions(&result);
+    Ok(result)
+}
+
+fn rms_px(fit: &fit::CameraFit, views: &[View]) -> f64 {
+    let corners: usize = views.iter().map(|v| v.seen_px.len()).sum();
+    (fit.cost / corners as f64).sqrt()
+}
+
+fn sigmas(fit: &fit::CameraFit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
+    let numbers = fit.model.parameters_to_numbers();
+    let variances = (&numbers * covariance * numbers.transpose()).diagonal();
+    std::array::from_fn(|i| variances[i].max(0.0).sqrt())
+}
+
+fn photo_results(
+    board_photos: &[BoardPhoto],
+    fit: &fit::CameraFit,
+    views: &[View],
+    middle_mm: [f64; 2],
+) -> Vec<PhotoResult> {
+    let residuals = fit.residuals(views);
+    let of =
+        |((board_photo, pose), residuals_px): ((&BoardPhoto, &scaleproof_core::geometry::Rigid), Vec<[f64; 2]>)| {
+            let squared: f64 = residuals_px.iter().map(|[x, y]| x * x + y * y).sum();
+            let [x, y] = middle_mm;
+            PhotoResult {
+                file: board_photo.file.clone(),
+                turned_deg: board_photo.turned_deg,
+                corners_px: board_photo.corners.iter().map(|c| c.px).collect(),
+                rms_px: (squared / residuals_px.len().max(1) as f64).sqrt(),
+                residuals_px,
+                tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
+                distance_mm: (pose * nalgebra::Point3::new(x, y, 0.0)).coords.norm(),
+                edge_width_px: board_photo.edge_width_px,
+            }
+        };
+    board_photos.iter().zip(&fit.poses).zip(residuals).map(of).collect()
+}
+
+fn coverage(photos: &[PhotoResult], (width, height): (u32, u32)) -> Vec<u32> {
+    let mut cells = vec![0; COVERAGE * COVERAGE];
+    let cell = |at: f64, length: u32| {
+        let share = ((at + 0.5) / f64::from(length)).clamp(0.0, 1.0);
+        ((share * COVERAGE as f64) as usize).min(COVERAGE - 1)
+    };
+    for [x, y] in photos.iter().flat_map(|p| &p.corners_px) {
+        cells[cell(*y, height) * COVERAGE + cell(*x, width)] += 1;
+    }
+    cells
+}

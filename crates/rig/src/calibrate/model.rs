@@ -1,0 +1,86 @@
+//! The ladder of camera models, from the smallest up.
+
+use nalgebra::DMatrix;
+
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::camera::projection::PARAMETERS;
+
+/// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
+pub(super) const ALL: usize = PARAMETERS;
+
+/// What of a camera is fitted; what is not is 0, and the principal point the image's centre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LensModel {
+    /// One focal length.
+    F,
+    /// And the principal point.
+    FC,
+    K1,
+    K1K2,
+    /// Two focal lengths, and k1, k2, p1, p2, k3.
+    PlumbBob,
+    /// And k4, k5, k6.
+    Rational,
+}
+
+impl LensModel {
+    /// From the smallest up; each contains those before it.
+    pub const LADDER: [LensModel; 6] = [
+        LensModel::F,
+        LensModel::FC,
+        LensModel::K1,
+        LensModel::K1K2,
+        LensModel::PlumbBob,
+        LensModel::Rational,
+    ];
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            LensModel::F => "f",
+            LensModel::FC => "f, c",
+            LensModel::K1 => "f, c, k1",
+            LensModel::K1K2 => "f, c, k1, k2",
+            LensModel::PlumbBob => "plumb_bob",
+            LensModel::Rational => "rational",
+        }
+    }
+
+    /// The matrix that takes the fit's parameters to the numbers of [`ALL`]; one focal length is two of them.
+    pub(super) fn parameters_to_numbers(self) -> DMatrix<f64> {
+        let shared = usize::from(self < LensModel::PlumbBob);
+        DMatrix::from_fn(ALL, self.parameters(), |number, p| {
+            f64::from(u8::from(number.saturating_sub(shared) == p))
+        })
+    }
+
+    /// How many numbers are fitted.
+    pub fn parameters(self) -> usize {
+        match self {
+            LensModel::F => 1,
+            LensModel::FC => 3,
+            LensModel::K1 => 4,
+            LensModel::K1K2 => 5,
+            LensModel::PlumbBob => 9,
+            LensModel::Rational => ALL,
+        }
+    }
+}
+
+/// The numbers of [`ALL`] as a camera for images of a size.
+pub(super) fn camera((width, height): (u32, u32), all: &[f64; ALL]) -> Camera {
+    Camera::pinhole(width, height, all[0], all[1], all[2], all[3]).with_distortion(&all[4..])
+}
+
+/// Where the smallest model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
+pub(super) fn start((width, height): (u32, u32), focal_px: f64) -> [f64; ALL] {
+    let mut all = [0.0; ALL];
+    all[..4].copy_from_slice(&[
+        focal_px,
+        focal_px,
+        (f64::from(width) - 1.0) / 2.0,
+        (f64::from(height) - 1.0) / 2.0,
+    ]);
+    all
+}

@@ -1,0 +1,108 @@
+//! Photos and corners that disagree with all the others.
+
+use super::BoardPhoto;
+use super::fit::{self, CameraFit};
+use super::model::LensModel;
+use super::view::View;
+use scaleproof_core::statistics::upper_median;
+
+/// Judged by a model rich enough that a lens is no outlier.
+const JUDGE: [LensModel; 3] = [LensModel::FC, LensModel::K1K2, LensModel::PlumbBob];
+/// A photo this many times worse than the median photo, and worse than this in px, is left out.
+const PHOTO_TIMES: f64 = 4.0;
+const PHOTO_PX: f64 = 1.0;
+/// A corner this many robust standard deviations off, and this many px, is left out.
+const CORNER_TIMES: f64 = 8.0;
+const CORNER_PX: f64 = 1.0;
+/// A photo that loses every fifth corner is left out whole.
+const LOST_SHARE: f64 = 0.2;
+
+/// What was left out, and the fit of the smallest model over the rest.
+pub(super) struct Cleaned {
+    pub board_photos: Vec<BoardPhoto>,
+    /// The photo, and the sentence why.
+    pub dropped: Vec<(BoardPhoto, String)>,
+    /// Corners left out of photos that stay.
+    pub lost_corners: usize,
+    pub first: CameraFit,
+}
+
+/// Leaves out, one at a time, the photo that disagrees most, then single corners. `None` when nothing can be fitted.
+pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
+    let (mut dropped, mut lost_corners) = (Vec::new(), 0);
+    loop {
+        let views: Vec<View> = board_photos.iter().map(|s| s.view(places)).collect();
+        let first = fit::first(size, &views)?;
+        let Some(judge) = judge(&first, &views) else {
+            return Some(Cleaned {
+                board_photos,
+                dropped,
+                lost_corners,
+                first,
+            });
+        };
+        let lengths: Vec<Vec<f64>> = judge
+            .residuals(&views)
+            .iter()
+            .map(|view| view.iter().map(|[x, y]| x.hypot(*y)).collect())
+            .collect();
+        if let Some((worst, sentence)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
+            dropped.push((board_photos.remove(worst), sentence));
+            continue;
+        }
+        let lost = drop_corners(&mut board_photos, &lengths);
+        if lost == 0 {
+            return Some(Cleaned {
+                board_photos,
+                dropped,
+                lost_corners,
+                first,
+            });
+        }
+        lost_corners += lost;
+    }
+}
+
+fn judge(first: &CameraFit, views: &[View]) -> Option<CameraFit> {
+    JUDGE.into_iter().try_fold(first.clone(), |start, model| {
+        fit::fit(model, views, start.camera, start.poses)
+    })
+}
+
+/// The photo that does not fit the others, and the sentence that says so.
+fn worst_photo(lengths: &[Vec<f64>]) -> Option<(usize, String)> {
+    let mean_square = |l: &Vec<f64>| l.iter().map(|v| v * v).sum::<f64>() / l.len().max(1) as f64;
+    let rms: Vec<f64> = lengths.iter().map(|l| mean_square(l).sqrt()).collect();
+    let usual = upper_median(&rms).unwrap_or(0.0);
+    let limit = corner_limit(lengths);
+    let lost = |l: &[f64]| l.iter().filter(|d| **d > limit).count() as f64 > LOST_SHARE * l.len() as f64;
+    let (worst, rms_px) = rms.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    let disagrees = *rms_px > PHOTO_PX.max(PHOTO_TIMES * usual) && lost(&lengths[worst]);
+    disagrees.then(|| {
+        let sentence = format!(
+            "its corners are {rms_px:.1} px off where the other photos are {usual:.2} px off: did the board bend or move, or the \
+             zoom change?"
+        );
+        (worst, sentence)
+    })
+}
+
+fn drop_corners(board_photos: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize {
+    let limit = corner_limit(lengths);
+    let mut lost = 0;
+    for (board_photo, lengths) in board_photos.iter_mut().zip(lengths) {
+        let mut lengths = lengths.iter();
+        let before = board_photo.corners.len();
+        board_photo
+            .corners
+            .retain(|_| lengths.next().is_none_or(|d| *d <= limit));
+        lost += before - board_photo.corners.len();
+    }
+    lost
+}
+
+/// The median length of a residual is 1.18 σ of one axis (Rayleigh).
+fn corner_limit(lengths: &[Vec<f64>]) -> f64 {
+    let sigma = upper_median(&lengths.concat()).unwrap_or(0.0) / 1.1774;
+    CORNER_PX.max(CORNER_TIMES * sigma)
+}

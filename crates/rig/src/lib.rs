@@ -1,0 +1,16 @@
+//! What is measured once for a set-up: camera calibration from photos of a board, and a survey of tags placed by hand.
+//!
+//! ```
+//! use std::path::Path;
+//! use scaleproof_pose::board::Definition;
+//! use scaleproof_rig::calibrate;
+//!
+//! let board = Definition::open(Path::new("../../calibration/charuco_9x7_22mm.toml"))?;
+//! let photo = Path::new("../../captures/skyline/normal_000.jpg").to_owned();
+//! let (seen, unused) = calibrate::look(&[photo], &board, || ());
+//! assert!(seen.is_empty() && unused.len() == 1, "the photo of the model shows no board");
+//! # Ok::<(), scaleproof_core::files::FileError>(())
+//! ```
+
+pub mod calibrate;
+pub mod survey;

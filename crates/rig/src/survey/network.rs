@@ -1,0 +1,91 @@
+//! Which tag was seen in which photo: the network that is adjusted, and the parts it falls into.
+
+use scaleproof_core::geometry::Rigid;
+use scaleproof_pose::scene::TagFamily;
+
+/// A tag's name: ids are only unique within a family.
+pub(super) type TagKey = (TagFamily, u32);
+
+/// A tag of known size.
+#[derive(Debug, Clone)]
+pub(super) struct SizedTag {
+    pub key: TagKey,
+    pub size_mm: f64,
+    /// `T_model_tag` when the pose is given and kept.
+    pub fixed: Option<Rigid>,
+}
+
+/// One tag in one photo.
+#[derive(Debug, Clone)]
+pub(super) struct Sighting {
+    /// Index into [`TagNetwork::tags`].
+    pub tag: usize,
+    pub photo: usize,
+    pub corners_px: [[f64; 2]; 4],
+    /// The planar branches, `T_camera_tag`: at most two, the better first.
+    pub branches: Vec<Rigid>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct TagNetwork {
+    pub tags: Vec<SizedTag>,
+    pub photos: usize,
+    pub sightings: Vec<Sighting>,
+}
+
+/// Poses as far as they are known: `T_model_tag` of the tags, `T_camera_model` of the photos.
+#[derive(Debug, Clone)]
+pub(super) struct Poses {
+    pub tags: Vec<Option<Rigid>>,
+    pub photos: Vec<Option<Rigid>>,
+}
+
+impl Poses {
+    /// `T_camera_tag` of a sighting, when both ends are known.
+    pub(super) fn camera_tag(&self, s: &Sighting) -> Option<Rigid> {
+        Some(self.photos[s.photo]? * self.tags[s.tag]?)
+    }
+}
+
+impl TagNetwork {
+    pub(super) fn of_tag(&self, tag: usize) -> impl Iterator<Item = &Sighting> {
+        self.sightings.iter().filter(move |s| s.tag == tag)
+    }
+
+    pub(super) fn of_photo(&self, photo: usize) -> impl Iterator<Item = &Sighting> {
+        self.sightings.iter().filter(move |s| s.photo == photo)
+    }
+
+    /// The network with only the sightings that `keep` accepts; all tags and photos stay.
+    pub(super) fn with(&self, keep: impl Fn(&Sighting) -> bool) -> TagNetwork {
+        TagNetwork {
+            sightings: self.sightings.iter().filter(|s| keep(s)).cloned().collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The seen tags in groups that shared photos connect; fixed tags, whose places are known, are one to begin with. The group
+    /// with the fixed tags comes first, the others by their first tag.
+    pub(super) fn groups(&self) -> Vec<Vec<usize>> {
+        let mut group: Vec<usize> = (0..self.tags.len()).collect();
+        let mut join = |a: usize, b: usize| {
+            let (from, to) = (group[a].max(group[b]), group[a].min(group[b]));
+            group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+        };
+        let fixed: Vec<usize> = (0..self.tags.len()).filter(|t| self.tags[*t].fixed.is_some()).collect();
+        fixed.windows(2).for_each(|pair| join(pair[0], pair[1]));
+        for photo in 0..self.photos {
+            let tags: Vec<usize> = self.of_photo(photo).map(|s| s.tag).collect();
+            tags.windows(2).for_each(|pair| join(pair[0], pair[1]));
+        }
+        let seen: Vec<usize> = (0..self.tags.len())
+            .filter(|t| self.of_tag(*t).next().is_some())
+            .collect();
+        let mut groups: Vec<Vec<usize>> = (0..self.tags.len())
+            .map(|g| seen.iter().copied().filter(|t| group[*t] == g).collect())
+            .filter(|g: &Vec<usize>| !g.is_empty())
+            .collect();
+        groups.sort_by_key(|g| !g.iter().any(|t| self.tags[*t].fixed.is_some()));
+        groups
+    }
+}

@@ -1,0 +1,105 @@
+//! Which tag has which size, as in `0-7:50,8-15:40`.
+
+use std::str::FromStr;
+
+/// Tag sizes in mm by id.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes(Vec<(std::ops::RangeInclusive<u32>, f64)>);
+
+impl Sizes {
+    /// The size of a tag, when one is given.
+    pub fn of(&self, id: u32) -> Option<f64> {
+        self.0.iter().find(|(ids, _)| ids.contains(&id)).map(|(_, size)| *size)
+    }
+}
+
+/// Why a text gives no sizes.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SizesError {
+    #[error("`{0}` is not ID:MM or FIRST-LAST:MM, as in 0-7:50,8-15:40")]
+    Unclear(String),
+    #[error("`{0}` runs backwards; write the smaller id first")]
+    Backwards(String),
+    #[error("`{0}` gives a tag a second size; name each id once")]
+    Twice(String),
+    #[error("`{0}` is not a tag size; give mm from 1 to 10000, as in 50")]
+    NoSize(String),
+}
+
+impl FromStr for Sizes {
+    type Err = SizesError;
+
+    /// One size in mm for every tag, or ids and ids from-to, each with a size.
+    fn from_str(text: &str) -> Result<Sizes, SizesError> {
+        if !text.contains(':') {
+            return Ok(Sizes(vec![(0..=u32::MAX, size(text)?)]));
+        }
+        let mut sizes: Vec<(std::ops::RangeInclusive<u32>, f64)> = Vec::new();
+        for part in text.split(',') {
+            let unclear = || SizesError::Unclear(part.to_owned());
+            let (ids, mm) = part.split_once(':').ok_or_else(unclear)?;
+            let (first, last) = ids.split_once('-').unwrap_or((ids, ids));
+            let id = |text: &str| text.trim().parse::<u32>().map_err(|_| unclear());
+            let ids = id(first)?..=id(last)?;
+            if ids.is_empty() {
+                return Err(SizesError::Backwards(part.to_owned()));
+            }
+            if sizes
+                .iter()
+                .any(|(other, _)| other.start() <= ids.end() && ids.start() <= other.end())
+            {
+                return Err(SizesError::Twice(part.to_owned()));
+            }
+            sizes.push((ids, size(mm)?));
+        }
+        Ok(Sizes(sizes))
+    }
+}
+
+fn size(text: &str) -> Result<f64, SizesError> {
+    match text.trim().parse::<f64>() {
+        Ok(mm) if (1.0..=10_000.0).contains(&mm) => Ok(mm),
+        _ => Err(SizesError::NoSize(text.to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn ranges_single_ids_and_one_size_for_all() {
+        let sizes: Sizes = "0-7:50, 8:40.5".parse().unwrap();
+        assert_eq!(
+            [0, 7, 8, 9].map(|id| sizes.of(id)),
+            [Some(50.0), Some(50.0), Some(40.5), None]
+        );
+        assert_eq!("50".parse::<Sizes>().unwrap().of(500), Some(50.0));
+    }
+
+    #[test]
+    fn what_is_unclear_is_refused() {
+        for (text, reason) in [
+            ("0-7", "not a tag size"),
+            ("0-7:50,3:40", "second size"),
+            ("7-0:50", "backwards"),
+            ("a:50", "not ID:MM"),
+            ("0:50,40", "not ID:MM"),
+            ("0:-5", "not a tag size"),
+            ("nan", "not a tag size"),
+        ] {
+            let sentence = text.parse::<Sizes>().unwrap_err().to_string();
+            assert!(sentence.contains(reason), "{text}: {sentence}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_sizes_or_a_sentence(text in "[0-9,:. -]{0,20}|\\PC*") {
+            let _ = text.parse::<Sizes>();
+        }
+    }
+}

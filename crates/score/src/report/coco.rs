@@ -1,0 +1,189 @@
+//! `coco_truth.json`: the truth boxes as a COCO annotation file, to be scored again by pycocotools or others.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::counted;
+use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
+use scaleproof_pose::scene::Viewpoint;
+
+#[derive(Serialize)]
+struct Truth<'a> {
+    info: Info,
+    images: Vec<Image<'a>>,
+    annotations: Vec<Annotation>,
+    categories: Vec<Category>,
+}
+
+#[derive(Serialize)]
+struct Info {
+    description: String,
+    version: &'static str,
+}
+
+#[derive(Serialize)]
+struct Image<'a> {
+    id: u64,
+    file_name: String,
+    width: u32,
+    height: u32,
+    variant: &'a str,
+    session: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    place: Option<&'a str>,
+    /// Azimuth, pitch and distance, where they are known.
+    #[serde(flatten)]
+    viewpoint: Option<Viewpoint>,
+    /// Weather, light and others, which `session import` keeps.
+    #[serde(flatten)]
+    conditions: BTreeMap<&'a str, &'a str>,
+}
+
+/// Conditions of these names would be taken for what COCO and the keys above mean by them.
+const KEYS: [&str; 10] = [
+    "place",
+    "id",
+    "file_name",
+    "width",
+    "height",
+    "variant",
+    "session",
+    "azimuth_deg",
+    "pitch_deg",
+    "distance_mm",
+];
+
+#[derive(Serialize)]
+struct Annotation {
+    /// From 1: pycocotools takes id 0 for "unmatched".
+    id: u64,
+    image_id: u64,
+    category_id: u32,
+    bbox: [f64; 4],
+    area: f64,
+    iscrowd: u8,
+}
+
+#[derive(Serialize)]
+struct Category {
+    id: u32,
+    name: String,
+}
+
+/// The categories that the report's COCO files share, whichever numbers each detector has. Whatever counts as the model is one category,
+/// called as in `car+truck`, so that tools that compare category with category give the figures of the report.
+pub(super) struct Categories {
+    /// Names by id, from the first detector's labels on.
+    names: BTreeMap<u32, String>,
+    /// What counts as the model.
+    model: u32,
+}
+
+impl Categories {
+    pub(super) fn of(scores: &Scores) -> Categories {
+        let mut categories = Categories {
+            names: BTreeMap::new(),
+            model: 1,
+        };
+        let first = scores.detectors.first();
+        let model = first.and_then(|c| c.labels().category_id(*c.counted.first()?));
+        categories.model = model.unwrap_or(1);
+        categories
+            .names
+            .insert(categories.model, counted::classes(scores).joined());
+        for detector in &scores.detectors {
+            for label in others(detector) {
+                categories.add(detector, label);
+            }
+        }
+        categories
+    }
+
+    /// Under its own id where that is free, else behind all others.
+    fn add(&mut self, detector: &EvaluatedDetector, label: usize) {
+        let labels = detector.labels();
+        let (Some(name), Some(own)) = (labels.name(label), labels.category_id(label)) else {
+            return;
+        };
+        if self.other(name).is_none() {
+            let last = self.names.keys().next_back().copied().unwrap_or_default();
+            let id = if self.names.contains_key(&own) { last + 1 } else { own };
+            self.names.insert(id, name.to_owned());
+        }
+    }
+
+    fn other(&self, name: &str) -> Option<u32> {
+        let mut others = self.names.iter().filter(|(id, _)| **id != self.model);
+        others.find(|(_, known)| *known == name).map(|(id, _)| *id)
+    }
+
+    /// The category of a detector's label.
+    pub(super) fn id(&self, detector: &EvaluatedDetector, label: usize) -> Option<u32> {
+        if detector.counted.contains(&label) {
+            Some(self.model)
+        } else {
+            self.other(detector.labels().name(label)?)
+        }
+    }
+}
+
+/// A detector's labels that do not count as the model.
+fn others(detector: &EvaluatedDetector) -> impl Iterator<Item = usize> {
+    (0..detector.labels().count()).filter(|label| !detector.counted.contains(label))
+}
+
+pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
+    let Categories { names, model } = Categories::of(scores);
+    annotations(scores, |photo| photo.file.clone(), names, model)
+}
+
+/// A COCO annotation file whose images have these names, with boxes of the category `model`.
+pub(super) fn annotations(
+    scores: &Scores,
+    file_name: impl Fn(&ScoredPhoto) -> String,
+    categories: impl IntoIterator<Item = (u32, String)>,
+    model: u32,
+) -> serde_json::Result<String> {
+    let categories = categories.into_iter().map(|(id, name)| Category { id, name });
+    let page = Truth {
+        info: Info {
+            description: format!(
+                "truth boxes of scale-model photos: {}; counts as the model: {}",
+                super::truth_boxes(scores),
+                counted::counted(scores)
+            ),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        images: scores.photos.iter().map(|p| image(scores, p, file_name(p))).collect(),
+        annotations: scores.photos.iter().map(|p| annotation(p, model)).collect(),
+        categories: categories.collect(),
+    };
+    Ok(serde_json::to_string_pretty(&page)? + "\n")
+}
+
+fn image<'a>(scores: &Scores, p: &'a ScoredPhoto, file_name: String) -> Image<'a> {
+    let conditions = p.conditions.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    Image {
+        id: p.id,
+        file_name,
+        width: p.width,
+        height: p.height,
+        variant: &p.variant,
+        session: scores.sessions[p.session].name.clone(),
+        place: p.place.as_deref(),
+        viewpoint: p.viewpoint,
+        conditions: conditions.filter(|(name, _)| !KEYS.contains(name)).collect(),
+    }
+}
+
+fn annotation(p: &ScoredPhoto, category_id: u32) -> Annotation {
+    Annotation {
+        id: p.id,
+        image_id: p.id,
+        category_id,
+        bbox: p.truth.to_xywh(),
+        area: p.truth.area(),
+        iscrowd: 0,
+    }
+}

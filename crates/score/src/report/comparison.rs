@@ -1,0 +1,115 @@
+//! A comparison as files, `comparison.html`, `.tex` and `.json`, and as text for the terminal.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::certainty::Corrected;
+use super::html::comparison as page;
+use super::provenance::{self, Provenance};
+use super::{ReportError, certainty, counted, figures, latex, p_value, paired, sequential};
+use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
+use scaleproof_core::files;
+use scaleproof_core::spelling::digits;
+
+#[derive(Serialize)]
+struct Page<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// The p of each hit rate, corrected over the detectors of its texture.
+    hit_rate_over_detectors: Vec<Corrected<'a>>,
+    /// The labels that count as the model.
+    classes: &'a [String],
+    cautions: &'a [String],
+    not_scored: &'a [NotScored],
+    definitions: BTreeMap<&'static str, &'static str>,
+    provenance: Provenance,
+}
+
+/// Writes every file of a comparison into a folder, or none, and returns the path of the page to open.
+pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison) -> Result<PathBuf, ReportError> {
+    let page = folder.join("comparison.html");
+    let mut all = vec![
+        (page.clone(), page::render(scores, comparison).into_bytes()),
+        (
+            folder.join("comparison.tex"),
+            latex::comparison(scores, comparison).into_bytes(),
+        ),
+        (
+            folder.join("comparison.json"),
+            comparison_json(scores, comparison)?.into_bytes(),
+        ),
+    ];
+    let figures = figures::of_comparison(scores, comparison)?;
+    all.extend(figures.into_iter().map(|(name, content)| (folder.join(name), content)));
+    files::replace_all_atomically(&all)?;
+    Ok(page)
+}
+
+/// The whole of `comparison.json`.
+pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
+    let page = Page {
+        comparison,
+        hit_rate_over_detectors: certainty::over_detectors(&certainty::compared(comparison)),
+        classes: counted::classes(scores).labels(),
+        cautions: &scores.cautions,
+        not_scored: &scores.not_scored,
+        definitions: comparison_definitions().collect(),
+        provenance: provenance::of(scores),
+    };
+    Ok(serde_json::to_string_pretty(&page)? + "\n")
+}
+
+/// In what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
+    let mut lines = Vec::new();
+    if let Some(plan) = &comparison.plan {
+        lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
+        lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
+    }
+    if let Some(protocol) = scores.criteria.protocol {
+        lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
+    }
+    for r in &comparison.results {
+        let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
+        lines.push(format!("{head}, {}", paired::basis(r)));
+        let p = format!("McNemar p {}: ", p_value(r.hit_rate.mcnemar_p));
+        lines.push(line("hit rate", r, &r.hit_rate.rate, &p));
+        lines.push(line("mean confidence", r, &r.mean_confidence, ""));
+        lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50, ""));
+        for bin in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
+            let name = format!("hit rate at {}°", bin.0.azimuth_deg);
+            lines.push(bin_line(
+                &name,
+                &bin.0.hits.rate,
+                &format!("Holm p {}: ", p_value(bin.1)),
+            ));
+        }
+    }
+    lines.extend(certainty::tested(scores, &certainty::compared(comparison)));
+    if let Some(own) = &comparison.sequential {
+        lines.extend(sequential::lines(own, &comparison.base));
+    }
+    lines.join("\n")
+}
+
+fn line(name: &str, r: &Compared, d: &Difference, test: &str) -> String {
+    with_asr(name, d, &certainty::asr_text(r, d, two), test)
+}
+
+/// Of the photos of one bin, which have clusters of their own.
+fn bin_line(name: &str, d: &Difference, test: &str) -> String {
+    with_asr(name, d, &paired::asr(d, two), test)
+}
+
+fn with_asr(name: &str, d: &Difference, asr: &str, test: &str) -> String {
+    let interval = paired::interval(d, two).unwrap_or_else(|| "no interval".to_owned());
+    let [base, other, drop] = [d.base, d.other, d.drop].map(|v| digits(v, 3));
+    let finding = paired::in_words(d.finding);
+    format!("  {name:<24} {base} → {other}, drop {drop} {interval}, ASR {asr}  {test}{finding}")
+}
+
+fn two(value: f64) -> String {
+    digits(value, 2)
+}

@@ -1,0 +1,139 @@
+//! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them.
+
+use super::counted;
+use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
+use scaleproof_core::spelling::{self, digits};
+
+/// What the tables of an evaluation are made of.
+pub struct Evaluation<'a> {
+    pub scores: &'a Scores,
+    /// The variants as the tables list them, the base first.
+    pub patterns: Vec<String>,
+    /// Names of the detectors that the patterns were made against; table 1 has them, table 2 the others. All are in table 1 when empty.
+    pub targets: Vec<String>,
+    /// Each variant against those listed after it, the base's first.
+    pub comparisons: Vec<Comparison>,
+}
+
+impl<'a> Evaluation<'a> {
+    pub fn targets(&self) -> Vec<&'a EvaluatedDetector> {
+        self.detectors(|name| self.targets.is_empty() || self.targets.iter().any(|t| t == name))
+    }
+
+    pub fn others(&self) -> Vec<&'a EvaluatedDetector> {
+        let targets = self.targets();
+        self.detectors(|name| targets.iter().all(|t| t.manifest.name != name))
+    }
+
+    fn detectors(&self, keep: impl Fn(&str) -> bool) -> Vec<&'a EvaluatedDetector> {
+        let all = self.scores.detectors.iter();
+        all.filter(|c| keep(&c.manifest.name)).collect()
+    }
+
+    pub(super) fn figures(&self, pattern: &str, detector: &EvaluatedDetector) -> Option<&'a Figures> {
+        let summaries = &self.scores.summaries;
+        let own = summaries
+            .iter()
+            .find(|s| s.variant == pattern && s.detector == detector.manifest.name);
+        own.map(|s| &s.overall)
+    }
+
+    /// AP@0.5 of `base` minus that of `pattern` on pairs; `base` is listed before `pattern`.
+    pub(super) fn drop(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Difference> {
+        let comparison = self.comparisons.iter().find(|c| c.base == base)?;
+        let of = |r: &&crate::score::Compared| r.variant == pattern && r.detector == detector.manifest.name;
+        comparison.results.iter().find(of).map(|r| &r.ap50)
+    }
+}
+
+/// What the intervals do and do not say.
+pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and light, the photos paired by both; they hold for this model, these lights \
+                                and renders, not for others";
+
+/// Widths of the first column and of the others.
+const WIDTHS: (usize, usize) = (16, 16);
+
+/// The paper's tables, and the differences of AP@0.5 with their intervals.
+pub fn evaluation_tables(evaluation: &Evaluation) -> String {
+    let (targets, others) = (evaluation.targets(), evaluation.others());
+    let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
+    let ap = evaluation.scores.criteria.ap.name();
+    let mut lines = vec![format!(
+        "Table 1. AP@0.5 ({ap}) / mean confidence, {} a pattern",
+        spelling::count(photos, "photo")
+    )];
+    lines.extend(table(evaluation, &targets, |f| {
+        format!("{} / {}", digits(f.ap50, 2), digits(f.mean_confidence, 2))
+    }));
+    if !others.is_empty() {
+        lines.push(String::new());
+        lines.push("Table 2. Transfer to other detectors, AP@0.5".to_owned());
+        lines.extend(table(evaluation, &others, |f| digits(f.ap50, 2)));
+    }
+    lines.push(String::new());
+    lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown at 5 %".to_owned());
+    let all = || targets.iter().chain(&others);
+    for pattern in evaluation.patterns.iter().filter(|p| *p != BASE_VARIANT) {
+        for c in all() {
+            lines.extend(
+                evaluation
+                    .drop(BASE_VARIANT, pattern, c)
+                    .map(|d| line(BASE_VARIANT, pattern, c, d)),
+            );
+        }
+    }
+    for comparison in evaluation.comparisons.iter().filter(|c| c.base != BASE_VARIANT) {
+        for (pattern, c) in comparison.results.iter().filter_map(|r| {
+            let c = targets.iter().find(|c| c.manifest.name == r.detector)?;
+            Some((&r.variant, c))
+        }) {
+            lines.extend(
+                evaluation
+                    .drop(&comparison.base, pattern, c)
+                    .map(|d| line(&comparison.base, pattern, c, d)),
+            );
+        }
+    }
+    lines.push(format!("({SCOPE})"));
+    lines.push(format!("counts as the model: {}", counted(evaluation.scores)));
+    lines.join("\n")
+}
+
+fn table(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: fn(&Figures) -> String) -> Vec<String> {
+    let (head, width) = WIDTHS;
+    let row = |first: &str, cells: Vec<String>| {
+        let cells: String = cells.iter().map(|c| format!("  {c:<width$}")).collect();
+        format!("{first:<head$}{cells}").trim_end().to_owned()
+    };
+    let names = detectors.iter().map(|c| c.manifest.name.clone()).collect();
+    let mut lines = vec![row("pattern", names)];
+    for pattern in &evaluation.patterns {
+        let cells = detectors
+            .iter()
+            .map(|c| evaluation.figures(pattern, c).map_or("–".to_owned(), cell));
+        lines.push(row(pattern, cells.collect()));
+    }
+    lines
+}
+
+fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, d: &Difference) -> String {
+    let mark = if is_shown(d) { " *" } else { "" };
+    let pair = format!("{base} − {pattern}");
+    format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
+}
+
+/// The difference with its interval, and whether the photos suffice to show one.
+pub(super) fn interval(d: &Difference) -> String {
+    let range = d.interval_95.map_or(String::new(), |i| {
+        format!(" [{}, {}]", digits(i.low, 2), digits(i.high, 2))
+    });
+    let doubt = match d.finding {
+        Finding::TooFewPhotosToTell => " (too few photos to tell)",
+        _ => "",
+    };
+    format!("{}{range}{doubt}", digits(d.drop, 2))
+}
+
+pub(super) fn is_shown(d: &Difference) -> bool {
+    matches!(d.finding, Finding::Drop | Finding::Rise)
+}

@@ -1,0 +1,197 @@
+//! `comparison.html`: the drops of each texture with their intervals, and what the photos can tell.
+
+use maud::{Markup, html};
+
+use super::{notes, number, round, sequential, shell};
+use crate::report::{certainty, counted, p_value, paired};
+use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
+use scaleproof_core::plot::Drawing;
+
+const PLOT: f64 = 300.0;
+const LEFT: f64 = 200.0;
+const ROW: f64 = 31.0;
+const WIDTH: f64 = 1060.0;
+
+/// The whole page.
+pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
+    let lead = format!(
+        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",
+        comparison.base,
+        comparison.ap_definition,
+        scores.criteria.hit(),
+        scores
+            .criteria
+            .protocol
+            .map_or(String::new(), |p| format!("; protocol {}", p.name())),
+        counted(scores)
+    );
+    let mut sections = vec![
+        ("plan", "Plan", plan(comparison)),
+        ("drops", "Drops", drops(scores, comparison)),
+        (
+            "azimuth",
+            "Drop of the hit rate by azimuth",
+            by_azimuth(scores, comparison),
+        ),
+        ("left-out", "Photos in no difference", left_out(scores, comparison)),
+        ("definitions", "Definitions", definitions()),
+        ("provenance", "Provenance", provenance(scores, comparison)),
+    ];
+    if let Some(section) = sequential::section(scores, comparison) {
+        sections.insert(2, ("looks", "However often one looks", section));
+    }
+    sections.retain(|(id, ..)| *id != "plan" || comparison.plan.is_some());
+    shell(scores, &lead, &sections, html! {})
+}
+
+/// Every deviation from the plan that was fixed before the photos.
+fn plan(comparison: &Comparison) -> Markup {
+    html! {
+        @if let Some(plan) = &comparison.plan {
+            p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
+            @for deviation in &plan.deviations { p.banner { "Deviation: " (deviation) "." } }
+        }
+    }
+}
+
+/// Name of a figure, what its chart is called, and where it is.
+type Figure = (&'static str, &'static str, fn(&Compared) -> &Difference);
+
+const FIGURES: [Figure; 3] = [
+    ("hit rate", "Drop of the hit rate", |r| &r.hit_rate.rate),
+    ("mean confidence", "Drop of the mean confidence", |r| &r.mean_confidence),
+    ("AP@0.5", "Drop of AP@0.5", |r| &r.ap50),
+];
+
+fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
+    html! {
+        (notes::cautions(scores))
+        @for figure in FIGURES {
+            h3 { (figure.1) }
+            div.scroll { (forest(scores, comparison, figure).inline(Some("forest"))) }
+        }
+        @let open: Vec<(&Compared, String)> = comparison.results.iter().filter_map(|r| Some((r, paired::more_photos(r)?))).collect();
+        @if !open.is_empty() {
+            h3 { "How many more photos would tell" }
+            ul { @for (r, sentence) in open { li { (scores.title(&r.detector)) ", " (r.variant) ": hit rate, " (sentence) "." } } }
+        }
+        p.note {
+            "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown at "
+            "5 %. Numbers: base → texture, drop [interval], attack success rate [interval]; of the hit rate also McNemar's exact p, and that corrected over the detectors (Holm). “No difference shown”: one of 0.2 is "
+            "excluded."
+        }
+        @if let Some(sentence) = certainty::tested(scores, &certainty::compared(comparison)) { p.note { (sentence) "." } }
+    }
+}
+
+/// The chart of each figure, by its name.
+pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
+    let all = FIGURES.into_iter();
+    all.map(|figure| (figure.1, forest(scores, comparison, figure)))
+        .collect()
+}
+
+/// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
+fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -> Drawing {
+    let height = ROW * comparison.results.len() as f64;
+    let corrected = certainty::over_detectors(&certainty::compared(comparison));
+    let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
+    let marks = html! {
+        @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
+            text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+        }
+        @for (i, (r, c)) in comparison.results.iter().zip(&corrected).enumerate() {
+            @let d = of(r);
+            @let y = ROW * (i as f64 + 0.5);
+            @let is_shown = paired::is_shown(d);
+            text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
+            g.drop {
+                title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (number(d.drop, 3)) }
+                @if let Some(interval) = d.interval_95 {
+                    line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
+                }
+                circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
+            }
+            text x=(LEFT + PLOT + 16.0) y=(y) font-size="11.5" {
+                (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (paired::briefly(d.finding))
+            }
+            text x=(LEFT + PLOT + 16.0) y=(y + 12.0) font-size="9.5" fill="#5b6573" {
+                @if name == "hit rate" { "p over the detectors (Holm): " (number(c.holm_p, 3)) ". " }
+                @if d.asr.is_some() && d.asr_interval_95.is_none() { "ASR: " (certainty::without_interval(r, d)) }
+            }
+        }
+    };
+    Drawing {
+        area: [0.0, -4.0, WIDTH, height + 26.0],
+        label: title.to_owned(),
+        marks,
+    }
+}
+
+fn numbers(d: &Difference) -> String {
+    let interval = paired::interval(d, |v| number(v, 2)).map_or(String::new(), |i| format!(" {i}"));
+    let asr = paired::asr(d, |v| number(v, 2));
+    let [base, other, drop] = [d.base, d.other, d.drop].map(|v| number(v, 2));
+    format!("{base} → {other}, {drop}{interval}, ASR {asr}")
+}
+
+fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
+    let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "detector" } th.text { "texture" } th { "pairs" } @for azimuth in &azimuths { th { (azimuth) "°" } } } }
+                tbody {
+                    @for r in &comparison.results {
+                        tr {
+                            td { (scores.title(&r.detector)) } td.text { (r.variant) } td { (r.pairs) }
+                            @for azimuth in &azimuths {
+                                td {
+                                    @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
+                                        Some(bin) => {
+                                            (number(bin.hits.rate.drop, 2)) br;
+                                            small { @match bin.holm_p { Some(p) => { "p " (p_value(p)) } None => { "too few" } } }
+                                        }
+                                        None => { "–" }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        p.note { "Drop of the hit rate, and McNemar's p corrected by Holm where a bin has six clusters or more. “–”: no pair." }
+    }
+}
+
+fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {
+    html! {
+        @if comparison.unpaired.is_empty() { p { "Every scored photo has its partner." } } @else {
+            div.scroll {
+                table {
+                    thead { tr { th { "photo" } @for name in ["session", "texture", "reason"] { th.text { (name) } } } }
+                    tbody {
+                        @for u in &comparison.unpaired {
+                            tr { td { (u.file) } td.text { (u.session) } td.text { (u.variant) } td.wrap { (u.reason) } }
+                        }
+                    }
+                }
+            }
+        }
+        (notes::not_scored(scores))
+    }
+}
+
+fn definitions() -> Markup {
+    html! { dl { @for (name, definition) in comparison_definitions() { dt { (name) } dd { (definition) "." } } } }
+}
+
+fn provenance(scores: &Scores, comparison: &Comparison) -> Markup {
+    let chance = format!(
+        "{} bootstrap draws, seed {}",
+        comparison.bootstrap_draws, comparison.bootstrap_seed
+    );
+    notes::provenance(scores, &chance)
+}

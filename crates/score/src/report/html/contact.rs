@@ -1,0 +1,220 @@
+//! The contact sheet: every photo with its truth box and detections, bordered by outcome as in the paper, the worst first.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{Markup, PreEscaped, html};
+
+use super::{filters, number, side, variants};
+use crate::report::other_label;
+use crate::score::{EvaluatedDetector, PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use scaleproof_detect::Detection;
+
+/// More photos are not shown: the page would be too large to open.
+const MOST_PHOTOS: usize = 400;
+
+/// Detections of the class below the hit confidence are drawn when enlarged, from here up.
+const WEAKEST_DRAWN: f64 = 0.1;
+
+/// The photos of which the run kept a preview.
+fn previewed(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
+    scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
+}
+
+/// The photos that are shown: all, or those that the most detectors missed, the least confident first.
+fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
+    let mut photos: Vec<&ScoredPhoto> = previewed(scores).collect();
+    let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
+    let confidence = |p: &ScoredPhoto| p.outcomes.iter().map(|o| o.confidence).sum::<f64>();
+    photos.sort_by(|a, b| hits(a).cmp(&hits(b)).then(confidence(a).total_cmp(&confidence(b))));
+    photos.truncate(MOST_PHOTOS);
+    photos
+}
+
+/// Each photo and its marks once, hidden; the sheet refers to them, so that ten detectors do not embed them ten times.
+pub(super) fn photo_library(scores: &Scores) -> Markup {
+    html! {
+        svg.library aria-hidden="true" {
+            defs {
+                @for p in shown(scores) {
+                    image id=(format!("photo{}", p.id)) width=(p.width) height=(p.height) preserveAspectRatio="none"
+                        href=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&p.preview_jpeg))) {}
+                    g id=(format!("tags{}", p.id)) {
+                        @for tag in &p.tag_marks {
+                            // Pixel (0, 0) is centred on 0, 0 for tags, and on 0.5, 0.5 in a drawing.
+                            @let corners = tag.corners_px.map(|[x, y]| format!("{:.1},{:.1}", x + 0.5, y + 0.5)).join(" ");
+                            polygon.line points=(corners) fill="none" stroke=(if tag.is_used { "#39e600" } else { "#c0c0c0" }) {}
+                            (text(p, tag.corners_px[0], "#39e600", &tag.id.to_string()))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A card for each detector and photo, the worst first, and what narrows them down.
+pub(super) fn sheet(scores: &Scores) -> Markup {
+    let photos = shown(scores);
+    let (kept, all) = (previewed(scores).count(), scores.photos.len());
+    let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.detectors.len())
+        .flat_map(|index| photos.iter().map(move |p| (index, *p)))
+        .collect();
+    cards.sort_by(|a, b| {
+        let key = |(index, p): &(usize, &ScoredPhoto)| {
+            (rank(&p.outcomes[*index]), p.outcomes[*index].confidence, *index, p.id)
+        };
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0)
+            .then(a.1.total_cmp(&b.1))
+            .then((a.2, a.3).cmp(&(b.2, b.3)))
+    });
+    html! {
+        ul.legend {
+            li { i style="background:var(--found)" {} "hit: found as the class" }
+            li { i style="background:var(--other)" {} "hit, but another label on it too" }
+            li { i.misclassified {} "missed: misclassified, only another class at this confidence" }
+            li { i.disappeared {} "missed: disappeared, no detection of any class at this confidence" }
+            li.note {
+                "dashed white: truth box; solid: detections at confidence ≥ " (scores.criteria.hit_confidence)
+                " (blue: the class, orange: another label)"
+            }
+        }
+        @if photos.len() < all {
+            p.banner {
+                "Shown are the " (photos.len()) " of " (all) " photos that the most detectors missed"
+                @if kept < all { ", among " (kept) " that the run kept previews of" }
+                "; all are in photos.csv."
+            }
+        }
+        (filters::bar(scores, &photos))
+        div #sheet {
+            @for (index, p) in cards { (card(scores, p, index)) }
+        }
+    }
+}
+
+/// Worst first: missed, found with another label, found.
+fn rank(outcome: &PhotoOutcome) -> usize {
+    match outcome.verdict {
+        Verdict::Missed => 0,
+        Verdict::FoundWithOther => 1,
+        Verdict::Found => 2,
+    }
+}
+
+fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+    let detector = &scores.detectors[index];
+    let outcome = &p.outcomes[index];
+    let texture = variants(scores).iter().position(|v| *v == p.variant);
+    let texture = texture.unwrap_or_default();
+    let class = filters::outcome_key(outcome);
+    let word = if outcome.is_hit() { "found" } else { class };
+    html! {
+        figure class=(format!("photo {class}")) data-detector=(detector.manifest.name) data-variant=(p.variant)
+            data-outcome=(filters::outcome_key(outcome)) data-azimuth=[p.bin.map(|b| b.azimuth_deg)]
+            data-pitch=[p.bin.map(|b| b.pitch_deg)] data-distance=[p.bin.map(|b| b.distance_mm)] data-texture=(texture) {
+            (photo_view(scores, p, index))
+            figcaption {
+                b { (word) } @if outcome.confidence > 0.0 { (format!(" {}", number(outcome.confidence, 2))) }
+                @if let Some((label, confidence)) = other_label(p, index, detector) {
+                    (format!(", {label} {}", number(confidence, 2)))
+                }
+                br; (p.variant) " · " (direction(p))
+                br; (detector.manifest.title)
+                br; small.note { (p.file) @for fact in facts(p) { br; (fact) } }
+            }
+        }
+    }
+}
+
+/// How well the photo is placed, and when and how it was taken, where that is known.
+fn facts(p: &ScoredPhoto) -> Vec<String> {
+    let quality = p.rms_px.zip(p.sigma).map(|(rms_px, sigma)| {
+        let [azimuth, pitch, distance] = [sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm].map(two_digits);
+        format!("pose: σ azimuth {azimuth}°, pitch {pitch}°, distance {distance} mm; rms {rms_px:.2} px")
+    });
+    quality
+        .into_iter()
+        .chain(p.taken.clone())
+        .chain(p.exposure.clone())
+        .collect()
+}
+
+/// A size with two digits that count, at most four behind the point.
+fn two_digits(size: f64) -> String {
+    let digits = (1.0 - size.max(1e-3).log10().floor()).clamp(0.0, 4.0) as usize;
+    format!("{size:.digits$}")
+}
+
+fn direction(p: &ScoredPhoto) -> String {
+    let Some(v) = p.viewpoint else {
+        return "direction not known".into();
+    };
+    format!("{:.0}° {}", v.azimuth_deg, side(v.azimuth_deg))
+}
+
+fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+    let detector = &scores.detectors[index];
+    let threshold = scores.criteria.hit_confidence;
+    let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
+        p.detections[index].iter().partition(|d| d.score >= threshold);
+    let is_weak_find = |d: &&&Detection| {
+        detector.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= scores.criteria.match_iou()
+    };
+    let alt = format!("{}, {}, {}", p.file, p.variant, detector.manifest.title);
+    html! {
+        svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {
+            (PreEscaped(format!("<use href=\"#photo{0}\"/><use class=\"fine\" href=\"#tags{0}\"/>", p.id)))
+            (rectangle(&p.truth.to_xywh(), "#fff", Some("6 4")))
+            @for d in &strong { (detection(d, detector, None)) }
+            g.fine {
+                @for d in weak.iter().filter(is_weak_find) { (detection(d, detector, Some("2 3"))) }
+                @for d in strong.iter().copied().chain(weak.iter().filter(is_weak_find).copied()) { (name(p, d, detector)) }
+                (text(p, [p.truth.x1, p.truth.y2 + 1.2 * letter(p)], "#fff", "truth"))
+            }
+        }
+    }
+}
+
+fn detection(d: &Detection, detector: &EvaluatedDetector, dashes: Option<&str>) -> Markup {
+    rectangle(&d.box_px.to_xywh(), paint(d, detector), dashes)
+}
+
+fn paint(d: &Detection, detector: &EvaluatedDetector) -> &'static str {
+    if detector.counts(d) { "#29a3ff" } else { "#ff8c1a" }
+}
+
+/// The label and confidence above a detection's box, or in it at the photo's upper edge.
+fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup {
+    let label = detector.labels().name(d.label).unwrap_or("?");
+    let above = d.box_px.y1 - 0.3 * letter(p);
+    let y = if above < letter(p) {
+        d.box_px.y1 + 1.1 * letter(p)
+    } else {
+        above
+    };
+    text(
+        p,
+        [d.box_px.x1, y],
+        paint(d, detector),
+        &format!("{label} {}", number(d.score, 2)),
+    )
+}
+
+fn rectangle([x, y, width, height]: &[f64; 4], colour: &str, dashes: Option<&str>) -> Markup {
+    let tenth = |v: &f64| format!("{v:.1}");
+    html! {
+        rect.line x=(tenth(x)) y=(tenth(y)) width=(tenth(width)) height=(tenth(height)) fill="none" stroke=(colour) stroke-dasharray=[dashes] {}
+    }
+}
+
+/// Height of the letters in pixels of the photo.
+fn letter(p: &ScoredPhoto) -> f64 {
+    f64::from(p.width.max(p.height)) / 65.0
+}
+
+fn text(p: &ScoredPhoto, [x, y]: [f64; 2], colour: &str, content: &str) -> Markup {
+    html! {
+        text x=(format!("{x:.1}")) y=(format!("{y:.1}")) font-size=(format!("{:.1}", letter(p))) fill=(colour) { (content) }
+    }
+}

@@ -1,0 +1,81 @@
+//! The controls above the contact sheet, and the keys on each card that they go by. Without scripts they stay hidden.
+
+use std::collections::BTreeSet;
+
+use maud::{Markup, html};
+
+use super::{side, variants};
+use crate::score::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use scaleproof_pose::scene::Bin;
+
+/// A choice: its key on the cards, its name, and (value, name) of what can be chosen.
+type Choice = (&'static str, &'static str, Vec<(String, String)>);
+
+/// The controls. A choice between less than two things is left out.
+pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto]) -> Markup {
+    let detectors = scores.detectors.iter().map(|c| &c.manifest);
+    let textures = variants(scores).into_iter().map(|v| (v.to_owned(), v.to_owned()));
+    let outcomes = OUTCOMES.map(|(value, name)| (value.to_owned(), name.to_owned()));
+    let bins: BTreeSet<Bin> = photos.iter().filter_map(|p| p.bin).collect();
+    let choices: [Choice; 6] = [
+        (
+            "detector",
+            "detector",
+            detectors.map(|m| (m.name.clone(), m.title.clone())).collect(),
+        ),
+        ("variant", "texture", textures.collect()),
+        ("outcome", "outcome", outcomes.to_vec()),
+        (
+            "azimuth",
+            "azimuth",
+            values(&bins, |b| b.azimuth_deg, |v| format!("{v}° {}", side(v))),
+        ),
+        ("pitch", "pitch", values(&bins, |b| b.pitch_deg, |v| format!("{v}°"))),
+        (
+            "distance",
+            "distance",
+            values(&bins, |b| b.distance_mm, |v| format!("{v} mm")),
+        ),
+    ];
+    html! {
+        form #filters hidden {
+            @for (key, name, values) in choices.iter().filter(|(_, _, values)| values.len() > 1) {
+                label { (name) " " select name=(key) {
+                    option value="" { "all" }
+                    @for (value, name) in values { option value=(value) { (name) } }
+                } }
+            }
+            label { "order " select name="order" {
+                option value="" { "worst first" }
+                option value="direction" { "by direction" }
+            } }
+            output {}
+        }
+        dialog #enlarged {}
+    }
+}
+
+/// The distinct values of the bins, ascending.
+fn values(bins: &BTreeSet<Bin>, of: fn(&Bin) -> f64, name: fn(f64) -> String) -> Vec<(String, String)> {
+    let mut values: Vec<f64> = bins.iter().map(of).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values.into_iter().map(|v| (v.to_string(), name(v))).collect()
+}
+
+const OUTCOMES: [(&str, &str); 4] = [
+    ("disappeared", "missed: disappeared"),
+    ("misclassified", "missed: misclassified"),
+    ("found_with_other", "found, and another label"),
+    ("found", "found"),
+];
+
+/// The key of an outcome on the cards.
+pub(super) fn outcome_key(outcome: &PhotoOutcome) -> &'static str {
+    match outcome.verdict {
+        Verdict::Missed if outcome.is_misclassified() => "misclassified",
+        Verdict::Missed => "disappeared",
+        Verdict::FoundWithOther => "found_with_other",
+        Verdict::Found => "found",
+    }
+}

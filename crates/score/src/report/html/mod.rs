@@ -1,0 +1,214 @@
+//! `report.html` and `comparison.html`: self-contained pages without a link to anywhere. The one script filters and enlarges photos.
+
+mod comparable;
+pub(super) mod comparison;
+mod contact;
+pub(super) mod curves;
+pub(super) mod evaluation;
+mod figures;
+mod filters;
+pub(super) mod heat;
+mod misses;
+mod notes;
+mod patterns;
+pub(super) mod polar;
+mod ranking;
+pub(super) mod reliability;
+pub(super) mod robustness;
+mod sequential;
+mod shade;
+pub(super) mod speed;
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::report::counted;
+use crate::score::{EvaluatedDetector, Scores, Summary};
+use scaleproof_core::plot::html_page;
+use scaleproof_core::spelling::{self, digits};
+use scaleproof_detect::{ForeignKind, Speeds};
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// So many columns of detectors or patterns are as wide as a laptop shows without scrolling.
+const ACROSS: usize = 8;
+
+/// The page of a scoring run; without `speeds` there is no chart of AP against time.
+pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
+    let tail = html! { (contact::photo_library(scores)) script { (PreEscaped(SCRIPT)) } };
+    shell(scores, &lead(scores), &sections(scores, speeds), tail)
+}
+
+/// A part of a page: its id, its title, what is in it.
+type Section = (&'static str, &'static str, Markup);
+
+fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> String {
+    let title = title(scores);
+    let body = html! {
+        header {
+            h1 { (title) }
+            p.lead { (lead) }
+            (recorded_banner(scores))
+            nav { @for (id, title, _) in sections { a href=(format!("#{id}")) { (title) } } }
+        }
+        main { @for (id, title, content) in sections { section id=(id) { h2 { (title) } (content) } } }
+        (tail)
+    };
+    html_page(&title, STYLE, &body)
+}
+
+fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
+    let result = html! { (figures::headline(scores)) (notes::cautions(scores)) };
+    let outcomes = html! { (misses::outcomes(scores)) (misses::transfer_matrix(scores)) };
+    let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
+    let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
+    let asked_for = [
+        ("patterns", "Patterns", patterns::cards(scores)),
+        ("protocol", "Protocol", comparable::protocol(scores)),
+        ("conditions", "By condition", comparable::groups(scores)),
+        ("robustness", "On photos made worse", robustness::section(scores)),
+        (
+            "ranking",
+            "Order of the textures in other sessions",
+            ranking::section(scores),
+        ),
+    ];
+    let asked_for = asked_for
+        .into_iter()
+        .filter_map(|(id, title, content)| Some((id, title, content?)));
+    let before = [
+        ("result", "Result", result),
+        ("comparable", "For comparison with papers", comparable::figures(scores)),
+    ];
+    let after = [
+        ("outcomes", "Hits and misses", outcomes),
+        ("directions", "By viewing direction", directions),
+        ("curves", "Curves", curves::section(scores)),
+        ("photos", "Photos", photos),
+        (
+            "reliability",
+            "Reliability of the confidences",
+            reliability::diagrams(scores),
+        ),
+        ("speed", "AP against time", speed::chart(scores, speeds)),
+        ("definitions", "Definitions", notes::definitions(scores)),
+        (
+            "provenance",
+            "Provenance",
+            notes::provenance(scores, "the bootstrap behind the intervals of drops has its own seed"),
+        ),
+    ];
+    before.into_iter().chain(asked_for).chain(after).collect()
+}
+
+fn title(scores: &Scores) -> String {
+    let mut models: Vec<&str> = scores.sessions.iter().map(|s| s.scene.model.name.as_str()).collect();
+    models.dedup();
+    models.join(", ")
+}
+
+fn lead(scores: &Scores) -> String {
+    let model = &scores.sessions[0].scene.model;
+    let variants = variants(scores).join(", ");
+    let left_out = match scores.not_scored.len() {
+        0 => String::new(),
+        n => format!(", {n} not scored"),
+    };
+    format!(
+        "1:{} model of a {}, {} scored{left_out}; textures: {variants}; {}; counts as the model: {}.",
+        model.scale,
+        model.class,
+        spelling::count(scores.photos.len(), "photo"),
+        spelling::count(scores.detectors.len(), "detector"),
+        counted(scores)
+    )
+}
+
+fn recorded_banner(scores: &Scores) -> Markup {
+    let titles = |is: &dyn Fn(&EvaluatedDetector) -> bool| -> Vec<&str> {
+        let detectors = scores.detectors.iter().filter(|c| is(c));
+        detectors.map(|c| c.manifest.title.as_str()).collect()
+    };
+    let recorded = titles(&EvaluatedDetector::is_recorded);
+    let results = titles(&|c| c.foreign().is_some_and(|card| card.kind == ForeignKind::Results));
+    html! {
+        @if !recorded.is_empty() {
+            p.banner {
+                "Recorded detections: no detector ran for this report. The detections of " (recorded.join(", "))
+                " were stored with the session by an earlier run; see Provenance."
+            }
+        }
+        @if !results.is_empty() {
+            p.banner {
+                "Detections from outside: another program found those of " (results.join(", ")) " and wrote them into files; see Provenance."
+            }
+        }
+    }
+}
+
+/// Variants in the order of the summaries: the base variant first.
+fn variants(scores: &Scores) -> Vec<&str> {
+    let mut variants: Vec<&str> = Vec::new();
+    for s in &scores.summaries {
+        if !variants.contains(&s.variant.as_str()) {
+            variants.push(&s.variant);
+        }
+    }
+    variants
+}
+
+fn summary<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Summary> {
+    scores
+        .summaries
+        .iter()
+        .find(|s| s.detector == detector && s.variant == variant)
+}
+
+/// What the colours of the variants mean.
+pub(super) fn legend(scores: &Scores) -> Vec<(String, String)> {
+    let all = variants(scores).into_iter().enumerate();
+    all.map(|(i, variant)| (colour(i).to_owned(), variant.to_owned()))
+        .collect()
+}
+
+/// Colours of the variants, in their order: the base variant grey. None is a colour that outcomes have.
+fn colour(index: usize) -> &'static str {
+    ["#5b6573", "#0f7f8c", "#1f4fb4", "#a0522d", "#b03a9b", "#4a4a9c"][index % 6]
+}
+
+fn number(value: f64, behind: usize) -> String {
+    digits(value, behind).replace('-', "−")
+}
+
+/// A tenth of a pixel is all a screen shows.
+fn round(v: f64) -> f64 {
+    (v * 10.0).round() / 10.0
+}
+
+/// What a viewer standing in a bin sees.
+fn side(azimuth_deg: f64) -> &'static str {
+    const SIDES: [&str; 8] = [
+        "front",
+        "front left",
+        "left",
+        "rear left",
+        "rear",
+        "rear right",
+        "right",
+        "front right",
+    ];
+    SIDES[((azimuth_deg / 45.0).round() as usize) % 8]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn only_what_is_below_zero_has_a_minus() {
+        assert_eq!(
+            [0.139, -0.25, -0.001, 0.0].map(|v| number(v, 2)),
+            ["0.14", "−0.25", "0.00", "0.00"]
+        );
+    }
+}

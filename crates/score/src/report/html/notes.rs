@@ -1,0 +1,111 @@
+//! What stands under the figures: photos left out, definitions, provenance.
+
+use maud::{Markup, html};
+
+use crate::report::{counted, provenance, truth_boxes};
+use crate::score::Scores;
+use scaleproof_core::spelling;
+
+pub(super) fn cautions(scores: &Scores) -> Markup {
+    html! {
+        @for caution in &scores.cautions { p.banner { "Note: " (caution) "." } }
+    }
+}
+
+pub(super) fn not_scored(scores: &Scores) -> Markup {
+    html! {
+        @if !scores.not_scored.is_empty() {
+            h3 { "Photos not scored" }
+            div.scroll {
+                table {
+                    thead { tr { th { "photo" } @for name in ["session", "texture", "reason"] { th.text { (name) } } } }
+                        tbody {
+                            @for n in &scores.not_scored {
+                                tr { td { (n.file) } td.text { (n.session) } td.text { (n.variant) } td.wrap { (n.reason) } }
+                            }
+                        }
+                    }
+                }
+        }
+    }
+}
+
+pub(super) fn definitions(scores: &Scores) -> Markup {
+    html! {
+        dl {
+            @for (name, definition) in scores.criteria.definitions() { dt { (name) } dd { (definition) "." } }
+            dt { "counts as the model" } dd { "a detection with the label " (counted(scores)) "; any other label is another class." }
+            dt { "truth box" }
+            dd {
+                (truth_boxes(scores)) ". Through the pose: the model's envelope projected through the pose that the AprilTags give, cut at "
+                "the photo's border; nothing hides the model."
+            }
+            dt { "azimuth" } dd { "0° looks at the front, counter-clockwise from above; 90° is the model's left side." }
+        }
+    }
+}
+
+/// What is known, or that it is not.
+fn stated(text: String) -> String {
+    if text.is_empty() { "not stated".to_owned() } else { text }
+}
+
+/// From the first to the last, or the one time there is.
+fn taken(times: Option<&[String; 2]>) -> String {
+    times.map_or(String::new(), |[first, last]| {
+        if first == last {
+            first.clone()
+        } else {
+            format!("{first} to {last}")
+        }
+    })
+}
+
+/// `chance` says which random numbers the figures rest on.
+pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
+    let p = provenance::of(scores);
+    html! {
+        dl.settings {
+            dt { "program" } dd {
+                "scaleproof " (p.scaleproof) @if let Some(runtime) = &p.onnx_runtime { ", " (runtime) }
+            }
+            dt { "tags" } dd { (p.tag_detector) }
+            @if let Some(s) = &p.settings { dt { "settings" } dd { (s.file) ", SHA-256 " code { (s.sha256) } } }
+            dt { "thresholds" } dd {
+                "match IoU " (p.match_iou) ", hit confidence " (p.hit_confidence) ", candidates from confidence " (p.score_floor) " up, AP "
+                (p.ap_definition)
+            }
+            @if let Some(protocol) = p.protocol { dt { "protocol" } dd { (protocol) } }
+            @for s in &p.sessions { dt { "session " (s.folder) } dd {
+                (s.model) ", 1:" (s.scale) ", truth envelope: " (s.truth_envelope) "; places: " (stated(s.places.join(", ")))
+                "; photos taken: " (stated(taken(s.taken.as_ref()))) "; camera file: " (stated(s.camera.clone().unwrap_or_default()))
+            } }
+            dt { "chance" } dd { (chance) "; the same input gives the same files, byte for byte" }
+        }
+        div.scroll {
+            table.sources {
+                thead { tr { th { "detector" } @for name in ["weights (SHA-256)", "origin", "licence", "detections"] { th.text { (name) } } } }
+                tbody {
+                    @for d in &p.detectors {
+                        tr {
+                            td { (d.title) } td.hash {
+                                @if let Some(weights) = &d.weights_sha256 { (weights) }
+                                @if let Some(version) = &d.version { (version) br; }
+                                @for (file, hash) in &d.files { (file) ": " (hash) br; }
+                            } td.text { (d.origin) } td.text { (d.licence) }
+                            td.text { (d.source) @if let Some(by) = &d.recorded_by { " by " (by) } }
+                        }
+                    }
+                }
+            }
+        }
+        @for s in &p.sessions {
+            details {
+                summary { "Session " (s.folder) ": " (spelling::count(s.files.len(), "file")) }
+                div.scroll {
+                    table { tbody { @for (file, hash) in &s.files { tr { td { (file) } td.hash { (hash) } } } } }
+                }
+            }
+        }
+    }
+}

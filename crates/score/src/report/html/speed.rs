@@ -1,0 +1,188 @@
+//! AP against milliseconds per photo: what accuracy costs, and what each texture takes away of it.
+
+use maud::{Markup, html};
+
+use super::{colour, round, summary, variants};
+use crate::score::Scores;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::plot::{Drawing, PlotAxis, Scale, tick_label};
+use scaleproof_core::spelling;
+use scaleproof_detect::{Speed, Speeds};
+
+const PLOT: (f64, f64) = (430.0, 250.0);
+const RADIUS: f64 = 4.5;
+
+/// The chart of the detectors whose times are known, and where the times come from.
+pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
+    let Some(speeds) = speeds else {
+        return html! {
+            p.note {
+                "Not in this report: no times were given. " code { "scaleproof detectors speed" } " measures them and writes a file for "
+                code { "score --speed FILE" } "."
+            }
+        };
+    };
+    let untimed = scores.detectors.len() - timed(scores, speeds).len();
+    html! {
+        ul.legend {
+            @for (i, variant) in variants(scores).iter().enumerate() {
+                li { svg.mark viewBox="-7 -7 14 14" { (mark(0.0, 0.0, i)) } (variant) }
+            }
+        }
+        div.scroll { (plot(scores, speeds).inline(Some("speed"))) }
+        p.note {
+            "Median of " (spelling::count(speeds.photos, "photo")) " of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
+            "decoded photo to boxes; " (speeds.threads) " thread, " (speeds.machine) "; " (speeds.onnx_runtime) "."
+            @if untimed > 0 { " Without times, and not in the chart: " (spelling::count(untimed, "detector")) "." }
+        }
+    }
+}
+
+fn timed<'a>(scores: &Scores, speeds: &'a Speeds) -> Vec<&'a Speed> {
+    let names = scores.detectors.iter().map(|c| c.manifest.name.as_str());
+    names.filter_map(|name| speeds.of(name)).collect()
+}
+
+pub(in crate::report) fn plot(scores: &Scores, speeds: &Speeds) -> Drawing {
+    let timed = timed(scores, speeds);
+    let axis = PlotAxis::around("milliseconds a photo", Scale::Log, timed.iter().map(|s| s.ms_per_photo));
+    let x = |ms: f64| round(axis.share(ms) * PLOT.0);
+    let marks = html! {
+        @for tick in axis.ticks() {
+            line x1=(x(tick)) x2=(x(tick)) y2=(PLOT.1) stroke="#d7dce2" {}
+            text x=(x(tick)) y=(PLOT.1 + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (tick_label(tick)) }
+        }
+        @for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            line x2=(PLOT.0) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
+            text x="-6" y=(y(tick) + 4.0) font-size="11" text-anchor="end" fill="#5b6573" { (tick) }
+        }
+        rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke="#5b6573" {}
+        text x=(PLOT.0 / 2.0) y=(PLOT.1 + 36.0) font-size="12" text-anchor="middle" { (axis.title) ", logarithmic" }
+        text transform=(format!("translate(-32 {}) rotate(-90)", PLOT.1 / 2.0)) font-size="12" text-anchor="middle" { "AP@0.5" }
+        @for speed in &timed { (detector(scores, speed, x(speed.ms_per_photo))) }
+        (names(scores, &timed, x))
+    };
+    Drawing {
+        area: [-42.0, -14.0, PLOT.0 + 130.0, PLOT.1 + 62.0],
+        label: "AP at IoU 0.5 against milliseconds a photo".to_owned(),
+        marks,
+    }
+}
+
+fn y(ap: f64) -> f64 {
+    round((1.0 - ap) * PLOT.1)
+}
+
+/// The AP of a detector on each texture, by the index of the texture.
+fn aps(scores: &Scores, detector: &str) -> Vec<(usize, f64)> {
+    let all = variants(scores).into_iter().enumerate();
+    all.filter_map(|(i, variant)| Some((i, summary(scores, detector, variant)?.overall.ap50)))
+        .collect()
+}
+
+/// A mark for each texture, on one upright line.
+fn detector(scores: &Scores, speed: &Speed, x: f64) -> Markup {
+    let aps = aps(scores, &speed.detector);
+    let ends = aps.iter().map(|(_, ap)| y(*ap));
+    let (top, bottom) = ends.fold((f64::INFINITY, 0.0_f64), |(top, bottom), v| (top.min(v), bottom.max(v)));
+    html! {
+        line x1=(x) x2=(x) y1=(top.min(bottom)) y2=(bottom) stroke="#5b6573" stroke-width="1.2" {}
+        @for (i, ap) in aps {
+            g.speed-mark {
+                title {
+                    (speed.detector) ", " (variants(scores)[i]) (format!(": AP@0.5 {ap:.3}, {} ms ({} to {})",
+                        speed.ms_per_photo, speed.ms_range[0], speed.ms_range[1]))
+                }
+                (mark(x, y(ap), i))
+            }
+        }
+    }
+}
+
+/// Every texture has its own shape and colour.
+fn mark(x: f64, y: f64, variant: usize) -> Markup {
+    let r = RADIUS;
+    let corners: &[(f64, f64)] = match variant % 4 {
+        0 => return html! { circle cx=(x) cy=(y) r=(r) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} },
+        1 => &[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)],
+        2 => &[(0.9, 0.9), (0.9, -0.9), (-0.9, -0.9), (-0.9, 0.9)],
+        _ => &[(0.0, 1.3), (1.3, 0.0), (0.0, -1.3), (-1.3, 0.0)],
+    };
+    let points: Vec<String> = corners
+        .iter()
+        .map(|(dx, dy)| format!("{},{}", round(x + r * dx), round(y + r * dy)))
+        .collect();
+    html! { polygon points=(points.join(" ")) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} }
+}
+
+/// The detectors' names, beside the middles of their lines: where they cover neither another name nor another's line, if there is
+/// such a place.
+fn names(scores: &Scores, timed: &[&Speed], x: impl Fn(f64) -> f64) -> Markup {
+    let lines: Vec<Line> = timed
+        .iter()
+        .map(|speed| {
+            let ys: Vec<f64> = aps(scores, &speed.detector).iter().map(|(_, ap)| y(*ap)).collect();
+            Line {
+                x: x(speed.ms_per_photo),
+                top: ys.iter().copied().fold(f64::INFINITY, f64::min),
+                bottom: ys.iter().copied().fold(0.0, f64::max),
+                title: scores.title(&speed.detector),
+            }
+        })
+        .collect();
+    let mut taken: Vec<BoxPx> = Vec::new();
+    html! {
+        @for line in &lines {
+            @let name = { let name = free_place(line, &lines, &taken); taken.push(name.area); name };
+            text x=(round(name.x)) y=(round(name.y)) text-anchor=(name.anchor) font-size="11" stroke="#fff" stroke-width="3"
+                paint-order="stroke" { (line.title) }
+        }
+    }
+}
+
+/// A detector's line from its best to its worst texture.
+struct Line<'a> {
+    x: f64,
+    top: f64,
+    bottom: f64,
+    title: &'a str,
+}
+
+struct Name {
+    x: f64,
+    /// Of the text's base line.
+    y: f64,
+    anchor: &'static str,
+    area: BoxPx,
+}
+
+/// Right of the line before left of it, and as little up or down as can be; the first place when none is free.
+fn free_place(line: &Line, lines: &[Line], taken: &[BoxPx]) -> Name {
+    let middle = 0.5 * (line.top + line.bottom);
+    let moves = [0.0, 13.0, -13.0, 26.0, -26.0].into_iter();
+    let mut places = moves.flat_map(|dy| [true, false].map(|is_right| place(line, middle + dy, is_right)));
+    let others: Vec<BoxPx> = lines
+        .iter()
+        .map(|l| BoxPx::new(l.x - RADIUS, l.top - RADIUS, l.x + RADIUS, l.bottom + RADIUS))
+        .chain(taken.iter().copied())
+        .collect();
+    let covers = |a: &BoxPx, b: &BoxPx| a.x1 < b.x2 && b.x1 < a.x2 && a.y1 < b.y2 && b.y1 < a.y2;
+    let is_free = |name: &Name| name.area.x1 > 0.0 && !others.iter().any(|other| covers(&name.area, other));
+    places.find(is_free).unwrap_or_else(|| place(line, middle, true))
+}
+
+fn place(line: &Line, middle: f64, is_right: bool) -> Name {
+    // About what a letter of 11 px takes.
+    let width = 6.2 * line.title.chars().count() as f64;
+    let (x, anchor, left) = if is_right {
+        (line.x + 8.0, "start", line.x + 8.0)
+    } else {
+        (line.x - 8.0, "end", line.x - 8.0 - width)
+    };
+    Name {
+        x,
+        y: middle + 4.0,
+        anchor,
+        area: BoxPx::new(left, middle - 6.0, left + width, middle + 6.0),
+    }
+}

@@ -1,0 +1,299 @@
+//! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
+
+use super::evaluation::Evaluation;
+use super::{certainty, p_value, paired};
+use crate::score::{
+    Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, Scores, Summary, disagreements,
+};
+use scaleproof_core::spelling::digits;
+
+/// The whole file: a comment that says what the numbers mean, and one `tabular`.
+pub(super) fn table(scores: &Scores) -> String {
+    let mut lines = vec![
+        comment(scores),
+        "\\begin{tabular}{llrrlrllrl}".into(),
+        "\\toprule".into(),
+    ];
+    lines.push(row([
+        "Detector",
+        "Texture",
+        "Photos",
+        "AP@0.5",
+        "Drop, 95\\,\\%",
+        "Hits",
+        "Hit rate, 95\\,\\%",
+        "Drop, 95\\,\\%",
+        "Confidence",
+        "Drop, 95\\,\\%",
+    ]
+    .map(String::from)));
+    for own in scores.summaries.chunk_by(|a, b| a.detector == b.detector) {
+        lines.push("\\midrule".into());
+        lines.extend(own.iter().enumerate().map(|(i, s)| {
+            let title = if i == 0 { scores.title(&s.detector) } else { "" };
+            row(cells(scores, title, s))
+        }));
+    }
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
+    lines.join("\n")
+}
+
+fn comment(scores: &Scores) -> String {
+    let criteria = &scores.criteria;
+    let sign = if criteria.sign() == ">" { ">" } else { ">=" };
+    let explained = disagreements(scores)
+        .into_iter()
+        .map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")));
+    let explained: String = explained.collect();
+    format!(
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
+         % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
+         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown at 5 %; dagger: too few photos to tell;\n\
+         % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}{}",
+        env!("CARGO_PKG_VERSION"),
+        criteria.ap.name(),
+        criteria
+            .protocol
+            .map_or(String::new(), |p| format!(" Protocol: {}.", p.name())),
+        criteria.hit_confidence,
+        criteria.match_iou(),
+        scores.base.replace(char::is_control, " "),
+        commented(scores),
+        below(scores, &certainty::all(scores)),
+    )
+}
+
+/// What stands below the notes of a table: how many findings were tested, rates without an interval, and every caution; a line each.
+fn below(scores: &Scores, results: &[&Compared]) -> String {
+    let open = results.iter().flat_map(|r| {
+        let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
+        let open = figures
+            .into_iter()
+            .filter(|(_, d)| d.asr.is_some() && d.asr_interval_95.is_none());
+        open.map(|(name, d)| {
+            let (title, why) = (scores.title(&r.detector), certainty::without_interval(r, d));
+            format!("ASR of the {name}, {title} on {}: {why}", r.variant)
+        })
+    });
+    let cautions = scores.cautions.iter().map(|caution| format!("Note: {caution}"));
+    let all = certainty::tested(scores, results)
+        .into_iter()
+        .chain(open)
+        .chain(cautions);
+    all.map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")))
+        .collect()
+}
+
+/// What counts as the model, as one line of a comment.
+fn commented(scores: &Scores) -> String {
+    super::counted(scores).replace(char::is_control, " ")
+}
+
+fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
+    let (f, r) = (&s.overall, &s.overall.hit_rate);
+    let compared = paired::compared(scores, &s.detector, &s.variant);
+    let drop = |overall: fn(&Drop) -> f64, of: fn(&Compared) -> &Difference| match (compared, s.drop) {
+        (Some(r), _) => drop_cell(of(r)),
+        (None, Some(drop)) => format!("{}$^\\ddagger$", number(overall(&drop), 2)),
+        (None, None) => String::new(),
+    };
+    [
+        escaped(title),
+        escaped(&s.variant),
+        f.photos.to_string(),
+        number(f.ap50, 3),
+        drop(|d| d.ap50, |r| &r.ap50),
+        format!("{}/{}", r.count, f.photos),
+        format!("{} [{}, {}]", number(r.rate, 2), number(r.low, 2), number(r.high, 2)),
+        drop(|d| d.hit_rate, |r| &r.hit_rate.rate),
+        number(f.mean_confidence, 2),
+        drop(|d| d.mean_confidence, |r| &r.mean_confidence),
+    ]
+}
+
+/// The drops of a comparison: a comment that says what the numbers mean, and one `tabular`.
+pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
+    let heads = [
+        "Detector",
+        "Texture",
+        "Pairs",
+        "AP@0.5",
+        "Drop, 95\\,\\%",
+        "ASR, 95\\,\\%",
+        "Hit rate",
+        "Drop, 95\\,\\%",
+        "$p$",
+        "ASR, 95\\,\\%",
+        "Confidence",
+        "Drop, 95\\,\\%",
+    ];
+    let mut lines = vec![
+        format!(
+            "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
+             % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
+             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
+            env!("CARGO_PKG_VERSION"),
+            comparison.ap_definition,
+            comparison.base,
+            comparison.bootstrap_draws,
+            comparison.bootstrap_seed,
+            comparison.base,
+            scores.criteria.hit().replace('≥', ">="),
+            scores
+                .criteria
+                .protocol
+                .map_or(String::new(), |p| format!(", protocol {}", p.name())),
+            commented(scores),
+            below(scores, &certainty::compared(comparison))
+        ),
+        "\\begin{tabular}{llrrllrlrlrl}".into(),
+        "\\toprule".into(),
+        row(heads.map(String::from)),
+        "\\midrule".into(),
+    ];
+    lines.extend(comparison.results.iter().map(|r| row(compared_cells(scores, r))));
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
+    lines.join("\n")
+}
+
+fn compared_cells(scores: &Scores, r: &Compared) -> [String; 12] {
+    let asr = |d: &Difference| paired::asr(d, |v| number(v, 2)).replace('–', "--");
+    let both = |d: &Difference, behind| format!("{} / {}", number(d.base, behind), number(d.other, behind));
+    [
+        escaped(scores.title(&r.detector)),
+        escaped(&r.variant),
+        r.pairs.to_string(),
+        both(&r.ap50, 3),
+        drop_cell(&r.ap50),
+        asr(&r.ap50),
+        both(&r.hit_rate.rate, 2),
+        drop_cell(&r.hit_rate.rate),
+        p_value(r.hit_rate.mcnemar_p).replace("= ", "").replace("< ", "$<$"),
+        asr(&r.hit_rate.rate),
+        both(&r.mean_confidence, 2),
+        drop_cell(&r.mean_confidence),
+    ]
+}
+
+fn drop_cell(d: &Difference) -> String {
+    let drop = match d.finding {
+        Finding::Drop | Finding::Rise => format!("\\textbf{{{}}}", number(d.drop, 2)),
+        Finding::NoDifferenceShown => number(d.drop, 2),
+        Finding::TooFewPhotosToTell => format!("{}$^\\dagger$", number(d.drop, 2)),
+    };
+    let interval = d
+        .interval_95
+        .map(|i| format!(" [{}, {}]", number(i.low, 2), number(i.high, 2)));
+    drop + &interval.unwrap_or_default()
+}
+
+/// The paper's two tables: pattern × detector.
+pub(super) fn evaluation(evaluation: &Evaluation) -> String {
+    let (targets, others) = (evaluation.targets(), evaluation.others());
+    let mut lines = vec![format!(
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Confidence: mean, misses count 0.\n\
+         % Counts as the model: {}.\n\
+         % Table 1: the detectors that the patterns were made against.",
+        env!("CARGO_PKG_VERSION"),
+        evaluation.scores.criteria.ap.name(),
+        commented(evaluation.scores)
+    )];
+    let cell = |value: Option<f64>| value.map_or("--".to_owned(), |v| number(v, 2));
+    let heads = |of: &dyn Fn(&str) -> String, detectors: &[&EvaluatedDetector]| -> Vec<String> {
+        detectors.iter().map(|c| of(&escaped(&c.manifest.title))).collect()
+    };
+    let mut rows = vec![joined(
+        "",
+        heads(&|title| format!("\\multicolumn{{2}}{{c}}{{{title}}}"), &targets),
+    )];
+    rows.push(joined(
+        "Pattern",
+        heads(&|_| "AP@0.5 & Confidence".to_owned(), &targets),
+    ));
+    for pattern in &evaluation.patterns {
+        let both = targets.iter().map(|c| {
+            let f = evaluation.figures(pattern, c);
+            format!("{} & {}", cell(f.map(|f| f.ap50)), cell(f.map(|f| f.mean_confidence)))
+        });
+        rows.push(joined(&escaped(pattern), both.collect()));
+    }
+    lines.extend(tabular(2 * targets.len(), rows, 2));
+    if !others.is_empty() {
+        lines.push("% Table 2: transfer to other detectors, AP@0.5.".to_owned());
+        let mut rows = vec![joined("Pattern", heads(&str::to_owned, &others))];
+        for pattern in &evaluation.patterns {
+            let cells = others
+                .iter()
+                .map(|c| cell(evaluation.figures(pattern, c).map(|f| f.ap50)));
+            rows.push(joined(&escaped(pattern), cells.collect()));
+        }
+        lines.extend(tabular(others.len(), rows, 1));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn joined(first: &str, cells: Vec<String>) -> String {
+    format!("{first} & {} \\\\", cells.join(" & "))
+}
+
+/// A `tabular` of a first column and so many numbers, with a line below its heading rows.
+fn tabular(numbers: usize, rows: Vec<String>, heading_rows: usize) -> Vec<String> {
+    let mut lines = vec![
+        format!("\\begin{{tabular}}{{l{}}}", "r".repeat(numbers)),
+        "\\toprule".into(),
+    ];
+    for (i, row) in rows.into_iter().enumerate() {
+        if i == heading_rows {
+            lines.push("\\midrule".into());
+        }
+        lines.push(row);
+    }
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}".into()]);
+    lines
+}
+
+fn row<const N: usize>(cells: [String; N]) -> String {
+    format!("{} \\\\", cells.join(" & "))
+}
+
+/// A number with a true minus sign.
+fn number(value: f64, behind: usize) -> String {
+    let text = digits(value, behind);
+    text.strip_prefix('-').map(|size| format!("$-{size}$")).unwrap_or(text)
+}
+
+/// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.
+pub(super) fn escaped(text: &str) -> String {
+    let mut tex = String::new();
+    for c in text.chars() {
+        match c {
+            '\\' => tex += "\\textbackslash{}",
+            '{' | '}' | '$' | '&' | '#' | '_' | '%' => tex.extend(['\\', c]),
+            '^' => tex += "\\textasciicircum{}",
+            '~' => tex += "\\textasciitilde{}",
+            '<' => tex += "\\textless{}",
+            '>' => tex += "\\textgreater{}",
+            '|' => tex += "\\textbar{}",
+            '[' | '*' => tex.extend(['{', c, '}']),
+            c if c.is_control() => tex.push(' '),
+            c => tex.push(c),
+        }
+    }
+    tex
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_tex_takes_for_commands_is_escaped() {
+        assert_eq!(escaped("a_b & 50 % {x} #1 $"), "a\\_b \\& 50 \\% \\{x\\} \\#1 \\$");
+        assert_eq!(
+            escaped("\\end^~"),
+            "\\textbackslash{}end\\textasciicircum{}\\textasciitilde{}"
+        );
+        assert_eq!(escaped("[1]*\n"), "{[}1]{*} ");
+        assert_eq!(escaped("Größe"), "Größe");
+    }
+}

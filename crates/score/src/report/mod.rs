@@ -1,0 +1,185 @@
+//! Scores become files people and programs read: HTML, LaTeX, JSON, CSV, COCO.
+
+mod certainty;
+mod coco;
+mod comparison;
+mod counted;
+mod csv;
+mod evaluation;
+mod evaluation_files;
+mod export;
+mod figures;
+mod figures_csv;
+mod html;
+mod latex;
+mod paired;
+mod protocol;
+mod provenance;
+mod ranking;
+mod robustness;
+mod sequential;
+mod summary_json;
+mod table;
+mod truth;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
+use scaleproof_core::files;
+use scaleproof_core::spelling::digits;
+use scaleproof_detect::{Manifest, Speeds, coco_results};
+use scaleproof_print::print::SheetError;
+
+pub use comparison::{comparison_json, comparison_table, write_comparison};
+pub use counted::counted;
+pub use evaluation::{Evaluation, evaluation_tables};
+pub use evaluation_files::write_evaluation;
+pub use export::{ExportFormat, ExportRequest, check_export, export};
+pub use sequential::standing;
+pub use table::summary_table;
+pub use truth::truth_boxes;
+
+const SUMMARY: &str = "summary.json";
+
+/// Why the report could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum ReportError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("the report could not be put together: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("the report could not be put together: {0}")]
+    Csv(#[from] ::csv::Error),
+    #[error(transparent)]
+    Figure(#[from] SheetError),
+}
+
+/// A table with a header, for spreadsheets.
+fn csv_of<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<String, ReportError> {
+    let mut text = Vec::new();
+    let mut writer = ::csv::Writer::from_writer(&mut text);
+    rows.into_iter().try_for_each(|row| writer.serialize(row))?;
+    writer.flush().map_err(::csv::Error::from)?;
+    drop(writer);
+    // Texts in, texts out: nothing is lost.
+    Ok(String::from_utf8_lossy(&text).into_owned())
+}
+
+/// Writes every report file into a folder and returns the path of the page to open. Times of detectors come from a file, never
+/// from a clock, so that the same input gives the same bytes.
+///
+/// All contents are made before the first byte is written, and the files appear together or not at all.
+pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<PathBuf, ReportError> {
+    let mut contents = vec![
+        (SUMMARY.to_owned(), summary_json(scores, speeds)?),
+        ("photos.csv".to_owned(), csv::render(scores)?),
+        ("figures.csv".to_owned(), figures_csv::render(scores)?),
+        ("coco_truth.json".to_owned(), coco::truth(scores)?),
+        ("table.tex".to_owned(), latex::table(scores)),
+        ("report.html".to_owned(), html::render(scores, speeds)),
+    ];
+    contents.extend(protocol::files(scores)?);
+    if let Some(robustness) = &scores.robustness {
+        contents.push((robustness::NAME.to_owned(), robustness::csv(robustness)?));
+    }
+    let categories = coco::Categories::of(scores);
+    for (index, detector) in scores.detectors.iter().enumerate() {
+        let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
+        let results = coco_results(photos, |label| categories.id(detector, label))?;
+        contents.push((results_name(&detector.manifest.name), results));
+    }
+    let figures = figures::of_report(scores, speeds)?;
+    let contents = contents.into_iter().map(|(name, text)| (name, text.into_bytes()));
+    let files: Vec<_> = contents
+        .chain(figures)
+        .map(|(name, content)| (folder.join(name), content))
+        .collect();
+    let before = Before::of(folder);
+    files::replace_all_atomically(&files)?;
+    remove_stale(folder, &before, scores, speeds)?;
+    Ok(folder.join("report.html"))
+}
+
+/// The whole of `summary.json`.
+///
+/// # Errors
+/// Figures that JSON has no words for.
+pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, ReportError> {
+    Ok(summary_json::render(scores, speeds)?)
+}
+
+/// What an earlier report in the folder was of.
+#[derive(Deserialize, Default)]
+struct Before {
+    results: Vec<Reported>,
+    #[serde(default)]
+    protocol: Option<serde::de::IgnoredAny>,
+    #[serde(default)]
+    robustness: Option<serde::de::IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct Reported {
+    detector: String,
+}
+
+impl Before {
+    fn of(folder: &Path) -> Before {
+        let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+}
+
+/// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the tables
+/// and charts that were asked for then: of a protocol, of times, of photos made worse.
+fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
+    let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
+    if no_longer_robustness {
+        files::remove(&folder.join(robustness::NAME))?;
+    }
+    figures::stale(speeds, no_longer_robustness)
+        .iter()
+        .try_for_each(|name| files::remove(&folder.join(name)))?;
+    if before.protocol.is_some() && scores.criteria.protocol.is_none() {
+        protocol::NAMES
+            .iter()
+            .try_for_each(|name| files::remove(&folder.join(name)))?;
+    }
+    let built_in = Manifest::all()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|manifest| manifest.name);
+    // The summary may be somebody else's: only what can be a detector's name becomes part of a path.
+    let names = before.results.iter().map(|result| result.detector.clone());
+    let names = names.filter(|name| Manifest::is_name(name));
+    for name in built_in.chain(names) {
+        if scores.detectors.iter().all(|c| c.manifest.name != name) {
+            files::remove(&folder.join(results_name(&name)))?;
+        }
+    }
+    Ok(())
+}
+
+fn results_name(detector: &str) -> String {
+    format!("coco_results_{detector}.json")
+}
+
+/// A p value with its sign, as behind `p`.
+fn p_value(p: f64) -> String {
+    match digits(p, 3) {
+        _ if p < 0.001 => "< 0.001".to_owned(),
+        // Rounded it would look like a difference that is shown.
+        shown if shown == "0.050" && p > 0.05 => "> 0.050".to_owned(),
+        shown => format!("= {shown}"),
+    }
+}
+
+/// What another label on the model is called, with its confidence.
+fn other_label(photo: &ScoredPhoto, index: usize, detector: &EvaluatedDetector) -> Option<(&'static str, f64)> {
+    let (label, confidence) = photo.outcomes[index].other?;
+    Some((detector.labels().name(label).unwrap_or("?"), confidence))
+}

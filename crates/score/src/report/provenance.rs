@@ -1,0 +1,144 @@
+//! Where a result came from: enough to repeat it, or to see why a repetition differs.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::counted;
+use crate::score::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
+use scaleproof_detect::SCORE_FLOOR;
+
+#[derive(Serialize)]
+pub(super) struct Provenance {
+    pub scaleproof: &'static str,
+    pub onnx_runtime: Option<String>,
+    pub tag_detector: String,
+    /// The file that changed how photos are located or figures computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<AppliedSettings>,
+    /// How AP@0.5 is computed.
+    pub ap_definition: &'static str,
+    /// Whose definitions and thresholds these are.
+    pub protocol: Option<&'static str>,
+    pub match_iou: f64,
+    pub hit_confidence: f64,
+    pub score_floor: f64,
+    pub detectors: Vec<DetectorProvenance>,
+    pub sessions: Vec<SessionProvenance>,
+    /// Of the textures whose patterns are known.
+    pub patterns: Vec<WornPattern>,
+}
+
+#[derive(Serialize)]
+pub(super) struct DetectorProvenance {
+    pub name: String,
+    pub title: String,
+    /// Absent when another program ran it.
+    pub weights_sha256: Option<String>,
+    /// What a program says of itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+    /// SHA-256 by name, of the files of another program.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
+    /// Its labels that count as the model.
+    pub counted_labels: Vec<&'static str>,
+    pub origin: String,
+    pub licence: String,
+    /// `live`, `recorded`, `results` or `program`.
+    pub source: &'static str,
+    /// For recordings: the program and runtime that made them.
+    pub recorded_by: Option<String>,
+}
+
+#[derive(Serialize)]
+pub(super) struct SessionProvenance {
+    pub folder: String,
+    pub model: String,
+    pub scale: f64,
+    /// As the photos name them, each once.
+    pub places: Vec<String>,
+    /// The first and the last time a photo was taken, as the session or EXIF says.
+    pub taken: Option<[String; 2]>,
+    /// The name of the camera's file.
+    pub camera: Option<String>,
+    /// `box`, `hull` or `mesh`: what truth boxes are drawn around where the session gives none.
+    pub truth_envelope: &'static str,
+    /// Name of the mesh's file; its hash is in `files`.
+    pub truth_mesh: Option<String>,
+    /// SHA-256 by file name.
+    pub files: BTreeMap<String, String>,
+}
+
+pub(super) fn of(scores: &Scores) -> Provenance {
+    Provenance {
+        scaleproof: env!("CARGO_PKG_VERSION"),
+        onnx_runtime: scores.runtime.clone(),
+        tag_detector: scores.tags.provenance(),
+        settings: scores.settings.clone(),
+        ap_definition: scores.criteria.ap.name(),
+        protocol: scores.criteria.protocol.map(Protocol::name),
+        match_iou: scores.criteria.match_iou(),
+        hit_confidence: scores.criteria.hit_confidence,
+        score_floor: SCORE_FLOOR,
+        detectors: scores.detectors.iter().map(detector).collect(),
+        sessions: (0..scores.sessions.len()).map(|i| session(scores, i)).collect(),
+        patterns: scores.patterns.clone(),
+    }
+}
+
+fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
+    let recorded_by = match &c.source {
+        DetectionSource::Recorded(recordings) => recordings
+            .first()
+            .map(|r| format!("scaleproof {}, {}", r.recording.scaleproof, r.recording.runtime)),
+        _ => None,
+    };
+    let foreign = c.foreign();
+    DetectorProvenance {
+        name: c.manifest.name.clone(),
+        title: c.manifest.title.clone(),
+        weights_sha256: foreign.is_none().then(|| c.manifest.weights.sha256.clone()),
+        version: foreign.and_then(|card| card.version.clone()),
+        files: foreign.map_or_else(BTreeMap::new, |card| by_name(&card.files)),
+        counted_labels: counted::labels_of(c),
+        origin: c.manifest.origin.clone(),
+        licence: c.manifest.licence.clone(),
+        source: c.source_name(),
+        recorded_by,
+    }
+}
+
+/// Hashes by the names of their files; the second of a name is “name (2)”.
+fn by_name(files: &[(String, String)]) -> BTreeMap<String, String> {
+    let mut all = BTreeMap::new();
+    for (name, hash) in files {
+        let numbered = (2..).map(|n| format!("{name} ({n})"));
+        let free = std::iter::once(name.clone())
+            .chain(numbered)
+            .find(|name| !all.contains_key(name));
+        all.extend(free.map(|name| (name, hash.clone())));
+    }
+    all
+}
+
+fn session(scores: &Scores, index: usize) -> SessionProvenance {
+    let session = &scores.sessions[index];
+    let own = || scores.photos.iter().filter(|p| p.session == index);
+    let photos = own().map(|p| (p.file.clone(), p.sha256.clone()));
+    let places: BTreeSet<&String> = own().filter_map(|p| p.place.as_ref()).collect();
+    let taken = || own().filter_map(|p| p.taken.clone());
+    let camera = session.camera_path.as_deref().and_then(Path::file_name);
+    SessionProvenance {
+        folder: session.name.clone(),
+        model: session.scene.model.name.clone(),
+        scale: session.scene.model.scale,
+        places: places.into_iter().cloned().collect(),
+        taken: taken().min().zip(taken().max()).map(<[String; 2]>::from),
+        camera: camera.map(|name| name.to_string_lossy().into_owned()),
+        truth_envelope: session.scene.model.envelope.name(),
+        truth_mesh: session.scene.model.envelope.mesh().map(super::truth::file_name),
+        files: session.hashes.iter().cloned().chain(photos).collect(),
+    }
+}

@@ -1,0 +1,132 @@
+//! What is left of the differences when photos get worse, as a table for the terminal and for spreadsheets.
+
+use serde::Serialize;
+
+use super::{ReportError, csv_of, protocol};
+use crate::score::{BASE_LOST, CorruptedRow, Difference, Finding, Robustness, SEVERITIES, Scores, Survival};
+use scaleproof_core::plot::distinct;
+
+/// The file of every comparison at every severity.
+pub(super) const NAME: &str = "robustness.csv";
+
+/// What the cells of the table are.
+pub(super) fn heading() -> String {
+    format!(
+        "severities at which a drop of AP@0.5 is shown, each at 5 %, without correction (0: reduced to 640 px, no worse; ?: too few photos to tell anywhere; \
+         lost: the base itself has an AP below {BASE_LOST} there)"
+    )
+}
+
+#[derive(Serialize)]
+struct CsvRow<'a> {
+    corruption: &'a str,
+    severity: u8,
+    amount: &'a str,
+    base: &'a str,
+    variant: &'a str,
+    detector: &'a str,
+    pairs: usize,
+    base_ap50: f64,
+    ap50: f64,
+    drop_ap50: f64,
+    drop_ap50_low: Option<f64>,
+    drop_ap50_high: Option<f64>,
+    finding_ap50: Finding,
+    base_hit_rate: f64,
+    hit_rate: f64,
+    drop_hit_rate: f64,
+    drop_hit_rate_low: Option<f64>,
+    drop_hit_rate_high: Option<f64>,
+    finding_hit_rate: Finding,
+    base_mean_confidence: f64,
+    mean_confidence: f64,
+}
+
+pub(super) fn csv(robustness: &Robustness) -> Result<String, ReportError> {
+    let ends = |d: &Difference| (d.interval_95.map(|i| i.low), d.interval_95.map(|i| i.high));
+    csv_of(robustness.rows.iter().map(|row: &CorruptedRow| {
+        let (drop_ap50_low, drop_ap50_high) = ends(&row.ap50);
+        let (drop_hit_rate_low, drop_hit_rate_high) = ends(&row.hit_rate);
+        CsvRow {
+            corruption: row.corruption,
+            severity: row.severity,
+            amount: &row.amount,
+            base: &row.base,
+            variant: &row.variant,
+            detector: &row.detector,
+            pairs: row.pairs,
+            base_ap50: row.ap50.base,
+            ap50: row.ap50.other,
+            drop_ap50: row.ap50.drop,
+            drop_ap50_low,
+            drop_ap50_high,
+            finding_ap50: row.ap50.finding,
+            base_hit_rate: row.hit_rate.base,
+            hit_rate: row.hit_rate.other,
+            drop_hit_rate: row.hit_rate.drop,
+            drop_hit_rate_low,
+            drop_hit_rate_high,
+            finding_hit_rate: row.hit_rate.finding,
+            base_mean_confidence: row.mean_confidence.base,
+            mean_confidence: row.mean_confidence.other,
+        }
+    }))
+}
+
+/// A head, then a line for each detector and comparison with a column for each corruption.
+pub(super) fn survival_table(robustness: &Robustness) -> Vec<Vec<String>> {
+    let corruptions = robustness.corruptions();
+    let head = ["detector", "texture", "from"]
+        .into_iter()
+        .chain(corruptions.iter().copied());
+    let mut rows = vec![head.map(str::to_owned).collect::<Vec<_>>()];
+    let key = |s: &Survival| (s.detector.clone(), s.variant.clone(), s.base.clone());
+    for (detector, variant, base) in distinct(robustness.survival.iter().map(key)) {
+        let own = |corruption: &&str| {
+            let mut all = robustness.survival.iter();
+            all.find(|s| s.corruption == *corruption && key(s) == (detector.clone(), variant.clone(), base.clone()))
+        };
+        let cells = corruptions
+            .iter()
+            .map(|corruption| own(corruption).map_or_else(String::new, cell));
+        let cells: Vec<String> = cells.collect();
+        rows.push([vec![detector.clone(), variant.clone(), base.clone()], cells].concat());
+    }
+    rows
+}
+
+/// As in `0–2, lost 4–5`.
+fn cell(survival: &Survival) -> String {
+    let shown = match (&survival.shown_at[..], survival.too_few_at.len()) {
+        ([], too_few) if too_few > usize::from(SEVERITIES) => "?".to_owned(),
+        ([], _) => "none".to_owned(),
+        (shown, _) => ranges(shown),
+    };
+    match &survival.base_lost_at[..] {
+        [] => shown,
+        lost => format!("{shown}, lost {}", ranges(lost)),
+    }
+}
+
+/// Ascending numbers, as in `0–2, 4`.
+fn ranges(numbers: &[u8]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let text = runs.map(|run| match run {
+        [only] => only.to_string(),
+        run => format!("{}–{}", run[0], run[run.len() - 1]),
+    });
+    text.collect::<Vec<_>>().join(", ")
+}
+
+/// For the terminal; nothing where it was not asked for.
+pub(super) fn lines(scores: &Scores) -> Vec<String> {
+    let Some(robustness) = &scores.robustness else {
+        return Vec::new();
+    };
+    let rows = survival_table(robustness);
+    let aligned = protocol::aligned(&rows.iter().collect::<Vec<_>>());
+    [String::new(), format!("on photos made worse: {}", heading())]
+        .into_iter()
+        .chain(aligned)
+        .collect()
+}

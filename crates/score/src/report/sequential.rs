@@ -1,0 +1,121 @@
+//! A comparison look by look, in words.
+
+use super::p_value;
+use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
+use scaleproof_core::spelling::{self, digits};
+
+/// From this evidence on (a factor of 40) a drop is shown.
+pub(super) const SHOWN_FROM: f64 = 1.602;
+
+/// What one can look after.
+pub(super) fn unit(sequential: &Sequential) -> &'static str {
+    match sequential.look_after_each {
+        ClusteredBy::Place => "place",
+        ClusteredBy::PlaceAndBin => "pair",
+    }
+}
+
+/// Two lines for each detector and variant.
+pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
+    let unit = unit(sequential);
+    let mut lines = vec![format!(
+        "looked at after each {unit}, in the order of the photos (the findings above hold for a single look):"
+    )];
+    for course in &sequential.results {
+        lines.push(format!(
+            "{}: {base} → {}{}",
+            course.detector,
+            course.variant,
+            repeats(course)
+        ));
+        for (name, decision) in figures(course) {
+            lines.push(format!(
+                "  {name:<24} {}; p {} however often one looks; {}",
+                found(decision, sequential, course.looks),
+                p_value(decision.p_always_valid),
+                interval(decision, unit)
+            ));
+        }
+    }
+    lines
+}
+
+/// What the hit rates say so far, in one line.
+pub fn standing(sequential: &Sequential) -> String {
+    let each = sequential.results.iter().map(|course| {
+        let (decision, looks) = (&course.hit_rate, course.looks);
+        format!(
+            "{}: {}, p {}",
+            course.detector,
+            found(decision, sequential, looks),
+            p_value(decision.p_always_valid)
+        )
+    });
+    each.collect::<Vec<_>>().join("; ")
+}
+
+/// `, 24 repeats not looked at`; empty without any.
+pub(super) fn repeats(course: &Course) -> String {
+    match course.repeats {
+        0 => String::new(),
+        n => format!(", {} not looked at", spelling::count(n, "repeat")),
+    }
+}
+
+/// The figures that have decisions.
+pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
+    [
+        ("hit rate", &course.hit_rate),
+        ("mean confidence", &course.mean_confidence),
+    ]
+}
+
+/// `a drop, shown after 7 of 24 pairs`
+pub(super) fn found(decision: &Decision, sequential: &Sequential, looks: usize) -> String {
+    let what = match decision.finding {
+        SequentialFinding::Drop => "a drop".to_owned(),
+        SequentialFinding::Rise => "a rise".to_owned(),
+        SequentialFinding::LessThanLeast => {
+            format!("no drop of {} or more", sequential.least.unwrap_or_default())
+        }
+        SequentialFinding::Undecided => "undecided".to_owned(),
+    };
+    let all = spelling::count(looks, unit(sequential));
+    match decision.decided_after {
+        Some(after) => format!("{what}, shown after {after} of {all}"),
+        None => format!("{what} after {all}"),
+    }
+}
+
+/// `mean drop in [0.31, 0.87] from 3 whole rounds`
+pub(super) fn interval(decision: &Decision, unit: &str) -> String {
+    let rounds = rounds(decision, unit);
+    match decision.interval_95 {
+        Some(i) => format!(
+            "mean drop in [{}, {}] from {rounds}",
+            digits(i.low, 2),
+            digits(i.high, 2)
+        ),
+        None if decision.rounds == 0 => "no interval, as no round of the bins is whole".into(),
+        None => format!("no interval, as {rounds} contradict each other"),
+    }
+}
+
+/// What an interval rests on.
+pub(super) fn rounds(decision: &Decision, unit: &str) -> String {
+    match unit {
+        "place" => spelling::count(decision.rounds, "place"),
+        _ => spelling::count(decision.rounds, "whole round"),
+    }
+}
+
+/// What explains the table and the charts.
+pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
+    let sessions = spelling::choose(scores.sessions.len(), "session lists", "sessions list");
+    format!(
+        "Looked at after each {}, in the order in which the {sessions} the photos, the first pair of each place and bin. All decisions hold however often one looks and whenever one stops: \
+         where the texture changes nothing, a drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences; Waudby-Smith and Ramdas 2024). The interval rests on whole rounds alone, so that it may hold 0 where a drop is shown. Average \
+         precision is no mean of photos, and so has no such test.",
+        unit(sequential)
+    )
+}

@@ -1,0 +1,40 @@
+//! Where the truth boxes came from, in words.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::score::Scores;
+use scaleproof_pose::scene::Envelope;
+
+/// How many truth boxes were drawn around which envelope, and how many came with the sessions, as one line.
+pub fn truth_boxes(scores: &Scores) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for photo in &scores.photos {
+        let source = if photo.truth_given {
+            "given by the session".to_owned()
+        } else {
+            format!(
+                "through the pose, {}",
+                envelope(&scores.sessions[photo.session].scene.model.envelope)
+            )
+        };
+        *counts.entry(source).or_default() += 1;
+    }
+    let parts: Vec<_> = counts
+        .iter()
+        .map(|(source, count)| format!("{count} {source}"))
+        .collect();
+    parts.join("; ")
+}
+
+fn envelope(envelope: &Envelope) -> String {
+    match envelope {
+        Envelope::Box => "envelope box (the model's size: larger than its outline)".to_owned(),
+        Envelope::Hull(path) => format!("envelope hull (of {})", file_name(path)),
+        Envelope::Mesh(path) => format!("envelope mesh ({})", file_name(path)),
+    }
+}
+
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,173 @@
+//! Results kept from run to run: what a photo showed is computed once, whatever is asked of it later.
+//!
+//! An entry is named by everything it depends on: the photo's content, the detector's weights and how they are fed and read, this
+//! very program file and its libraries. So nothing has to be thrown away when something changes, it is only not found any more.
+
+use std::hash::{BuildHasher, RandomState};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use scaleproof_core::files;
+
+/// A folder of entries. Several threads, and several processes, may use one at the same time.
+#[derive(Debug)]
+pub struct Cache {
+    folder: PathBuf,
+    /// What every entry depends on.
+    program: String,
+    problems: Mutex<Problems>,
+}
+
+/// What went wrong with entries; none of it changes a result.
+#[derive(Debug, Default)]
+struct Problems {
+    damaged: usize,
+    first_damaged: Option<PathBuf>,
+    not_written: Option<String>,
+}
+
+/// The name of an entry.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Key(String);
+
+impl Cache {
+    /// The cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`,
+    /// are never taken.
+    pub fn open(folder: &Path, libraries: &str) -> Result<Cache, files::FileError> {
+        files::check_writable(folder)?;
+        let program = std::env::current_exe().map_err(|e| files::FileError::Read {
+            path: "the program's own file".into(),
+            reason: files::plain(&e),
+        })?;
+        Ok(Cache {
+            folder: folder.to_owned(),
+            program: format!("{}\n{libraries}", files::sha256_hex(&files::read(&program)?)),
+            problems: Mutex::default(),
+        })
+    }
+
+    /// The name of what depends on these `parts`, and on the program.
+    pub(super) fn key(&self, parts: &[&str]) -> Key {
+        let parts = [&[self.program.as_str()], parts].concat();
+        // Each part with its length: no two lists of parts look the same.
+        let text: String = parts.iter().map(|part| format!("{} {part}\n", part.len())).collect();
+        Key(files::sha256_hex(text.as_bytes()))
+    }
+
+    /// An entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
+    pub(super) fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
+        let path = self.path(key);
+        let bytes = std::fs::read(&path).ok()?;
+        let value = bytes.split_at_checked(64).and_then(|(sum, content)| {
+            let is_whole = sum == checksum(key, content).as_bytes();
+            is_whole.then(|| postcard::from_bytes(content).ok()).flatten()
+        });
+        if value.is_none() {
+            let mut problems = self.problems();
+            problems.damaged += 1;
+            problems.first_damaged.get_or_insert(path);
+        }
+        value
+    }
+
+    /// Keeps an entry. That it cannot be written costs only the next run's time, so it is remembered and the run goes on.
+    pub(super) fn put<T: Serialize>(&self, key: &Key, value: &T) {
+        let Err(reason) = self.write(key, value) else { return };
+        self.problems().not_written.get_or_insert(reason);
+    }
+
+    fn write<T: Serialize>(&self, key: &Key, value: &T) -> Result<(), String> {
+        let content = postcard::to_allocvec(value).map_err(|e| e.to_string())?;
+        let path = self.path(key);
+        let folder = path.parent().unwrap_or(&self.folder);
+        std::fs::create_dir_all(folder).map_err(|e| files::plain(&e))?;
+        // Two threads, or processes on two machines, may keep the same entry at once: each has a name of its own until it is
+        // whole. Nothing waits for the disk: after a power cut the checksum tells.
+        let temporary = folder.join(format!(".{:016x}.partial", RandomState::new().hash_one(&key.0)));
+        let bytes = [checksum(key, &content).into_bytes(), content].concat();
+        let written = std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, &path));
+        written.map_err(|e| {
+            let _ = std::fs::remove_file(&temporary);
+            files::plain(&e)
+        })
+    }
+
+    /// What a user should know about the cache, as sentences.
+    pub fn complaints(&self) -> Vec<String> {
+        let problems = self.problems();
+        let damaged = problems.first_damaged.as_ref().map(|first| {
+            format!(
+                "{} damaged entries of the cache were computed again and replaced; the first: {}",
+                problems.damaged,
+                first.display()
+            )
+        });
+        let not_written = problems.not_written.as_ref().map(|reason| {
+            format!(
+                "results could not be kept in {} ({reason}): the next run computes them again",
+                self.folder.display()
+            )
+        });
+        damaged.into_iter().chain(not_written).collect()
+    }
+
+    /// Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
+    fn path(&self, key: &Key) -> PathBuf {
+        self.folder.join(&key.0[..2]).join(&key.0[2..])
+    }
+
+    fn problems(&self) -> std::sync::MutexGuard<'_, Problems> {
+        self.problems.lock().unwrap_or_else(|e| e.into_inner())
+    }
+}
+
+/// Of the name too: an entry under another's name is no entry.
+fn checksum(key: &Key, content: &[u8]) -> String {
+    files::sha256_hex(&[key.0.as_bytes(), content].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_entry_comes_back_bit_for_bit_and_a_damaged_one_does_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::open(folder.path(), "libraries").unwrap();
+        let (key, other) = (cache.key(&["photo", "ab"]), cache.key(&["photoa", "b"]));
+        assert_ne!(key, other);
+        let value = vec![0.1 + 0.2, f64::MIN_POSITIVE, -0.0];
+        cache.put(&key, &value);
+        assert_eq!(cache.get::<Vec<f64>>(&key), Some(value));
+        assert_eq!(cache.get::<Vec<f64>>(&other), None);
+        assert!(cache.complaints().is_empty(), "a missing entry is no problem");
+        let path = cache.path(&key);
+        let whole = std::fs::read(&path).unwrap();
+        for at in 0..whole.len() {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 4;
+            std::fs::write(&path, bytes).unwrap();
+            assert_eq!(cache.get::<Vec<f64>>(&key), None, "byte {at} was changed");
+        }
+        std::fs::write(&path, &whole[..40]).unwrap();
+        assert_eq!(cache.get::<Vec<f64>>(&key), None);
+        let complaints = cache.complaints();
+        assert!(complaints.len() == 1 && complaints[0].contains("damaged entries of the cache"));
+        // An entry in another's place.
+        cache.put(&key, &vec![1.0]);
+        std::fs::create_dir_all(cache.path(&other).parent().unwrap()).unwrap();
+        std::fs::copy(&path, cache.path(&other)).unwrap();
+        assert_eq!(cache.get::<Vec<f64>>(&other), None);
+    }
+
+    #[test]
+    fn other_libraries_find_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let key = |libraries| Cache::open(folder.path(), libraries).unwrap().key(&["photo"]);
+        assert_eq!(key("a"), key("a"));
+        assert_ne!(key("a"), key("b"));
+    }
+}

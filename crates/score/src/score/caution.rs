@@ -1,0 +1,338 @@
+//! What a reader must know before believing the figures: said in the terminal, on the report and in `summary.json`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::spelling;
+use scaleproof_core::statistics::FEWEST_CLUSTERS;
+use scaleproof_detect::Detection;
+use scaleproof_pose::scene::{Bin, Envelope};
+use scaleproof_session::session::Session;
+
+/// Every caution of a run, as sentences.
+pub(super) fn cautions(
+    photos: &[ScoredPhoto],
+    not_scored: &[NotScored],
+    sessions: &[Session],
+    detectors: &[EvaluatedDetector],
+    (base, summaries): (&str, &[Summary]),
+) -> Vec<String> {
+    let mut cautions = Vec::new();
+    cautions.extend(no_base(photos, base));
+    cautions.extend(few_clusters(photos, base));
+    cautions.extend(few_places(photos));
+    cautions.extend(hardly_found(summaries, base));
+    cautions.extend(never_the_model(photos, detectors));
+    cautions.extend(no_control(photos, base));
+    cautions.extend(copies(photos));
+    cautions.extend(uneven_directions(photos, base));
+    cautions.extend(loose_boxes(photos, sessions));
+    cautions.extend(left_out(not_scored));
+    cautions.extend(unknown_classes(sessions, detectors));
+    cautions.extend(
+        detectors
+            .iter()
+            .filter_map(EvaluatedDetector::foreign)
+            .flat_map(|card| card.notes.clone()),
+    );
+    cautions.extend(several_models(sessions));
+    cautions.extend(several_truths(photos, sessions));
+    cautions.extend(guessed_cameras(photos, sessions));
+    cautions.extend(other_sizes(photos, sessions));
+    cautions
+}
+
+fn no_base(photos: &[ScoredPhoto], base: &str) -> Option<String> {
+    let has_base = photos.iter().any(|p| p.variant == base);
+    (!has_base).then(|| format!("no photo has the variant “{base}”, so no drop can be given"))
+}
+
+/// Directions and places that a variant shares with the base, by which photos pair: too few of them leave every drop open.
+fn few_clusters(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
+    let mut seen: BTreeMap<&str, BTreeSet<(Bin, &str)>> = BTreeMap::new();
+    for (photo, bin) in photos.iter().filter_map(|p| Some((p, p.bin?))) {
+        let place = photo.place.as_deref().unwrap_or_default();
+        seen.entry(&photo.variant).or_default().insert((bin, place));
+    }
+    let Some(own) = seen.get(base) else {
+        return Vec::new();
+    };
+    let mut few: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for (variant, cells) in seen.iter().filter(|(variant, _)| **variant != base) {
+        let shared = cells.intersection(own).count();
+        if shared < FEWEST_CLUSTERS {
+            few.entry(shared).or_default().push(format!("“{variant}”"));
+        }
+    }
+    let sentence = |(shared, variants): (usize, Vec<String>)| {
+        let cells = format!("{} of place × direction", spelling::count(shared, "cell"));
+        let who = match variants.as_slice() {
+            [one] => format!("{one} and “{base}” share {cells}"),
+            several => format!("{} each share {cells} with “{base}”", several.join(", ")),
+        };
+        format!(
+            "{who}, fewer than the {FEWEST_CLUSTERS} from which on a drop can be shown: whatever the drop, it may be chance"
+        )
+    };
+    few.into_iter().map(sentence).collect()
+}
+
+/// What was found at one place need not hold at another.
+fn few_places(photos: &[ScoredPhoto]) -> Option<String> {
+    let places: BTreeSet<Option<&str>> = photos.iter().map(|p| p.place.as_deref()).collect();
+    match places.len() {
+        0 => None,
+        1 if places.contains(&None) => Some(
+            "no photo names a place, and all are taken as of one: what is found holds for where, how and in what light they were taken"
+                .to_owned(),
+        ),
+        1 => Some(
+            "all photos are of one place: what is found holds for this place, this print and this light".to_owned(),
+        ),
+        few if few < FEWEST_CLUSTERS => Some(format!(
+            "the photos are of {few} places, fewer than {FEWEST_CLUSTERS}: the intervals take the directions of one place as independent, and hold for \
+             these places"
+        )),
+        _ => None,
+    }
+}
+
+/// A model that is missed as it is leaves little to drop.
+fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
+    let own = summaries.iter().filter(|s| s.variant == base);
+    let rate = |s: &&Summary| s.overall.hit_rate.rate < HARDLY_FOUND;
+    own.filter(rate)
+        .map(|s| {
+            let f = &s.overall;
+            format!(
+                "{} finds “{base}” itself in {} of {} only: a drop can hardly show (floor effect)",
+                s.detector,
+                f.hit_rate.count,
+                spelling::count(f.photos, "photo")
+            )
+        })
+        .collect()
+}
+
+/// A plain model found in fewer photos than this leaves hardly anything to lose.
+const HARDLY_FOUND: f64 = 0.5;
+
+/// Boxes of another scale and labels of another numbering look like a model that is never found.
+fn never_the_model(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<String> {
+    let of = |(index, detector): (usize, &EvaluatedDetector)| {
+        let found = || {
+            photos
+                .iter()
+                .flat_map(move |p| p.detections[index].iter().map(move |d| (d, &p.truth)))
+        };
+        let counts = |d: &Detection| detector.counted.contains(&d.label);
+        let name = &detector.manifest.name;
+        if !found().any(|(d, _)| counts(d)) {
+            let mut labels: BTreeMap<usize, usize> = BTreeMap::new();
+            found().for_each(|(d, _)| *labels.entry(d.label).or_default() += 1);
+            let (label, _) = labels.into_iter().max_by_key(|(_, count)| *count)?;
+            let usual = detector.labels().name(label).unwrap_or("?");
+            return Some(format!(
+                "{name} gives no detection the label of the model, and most often “{usual}”: do the numbers of its classes mean what its labels say?"
+            ));
+        }
+        let overlaps = |(d, truth): (&Detection, &BoxPx)| counts(d) && d.box_px.iou(truth) >= MATCH_IOU;
+        (!found().any(overlaps)).then(|| {
+            format!(
+                "no box of {name} overlaps a truth box by {MATCH_IOU} in any of {}: are its boxes in pixels of the whole, upright photo?",
+                spelling::count(photos.len(), "photo")
+            )
+        })
+    };
+    detectors.iter().enumerate().filter_map(of).collect()
+}
+
+/// Any print of a pattern changes what detectors see; only a random one tells what the optimised one adds.
+fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
+    let others: BTreeSet<&str> = photos
+        .iter()
+        .map(|p| p.variant.as_str())
+        .filter(|v| *v != base)
+        .collect();
+    let is_control = |variant: &&str| is_control(variant);
+    let lacks = !others.is_empty() && !is_control(&base) && !others.iter().any(is_control);
+    lacks.then(|| {
+        "no variant is a random control (by its name): a drop may come from any print of such colours, and not from this pattern".to_owned()
+    })
+}
+
+/// Whether a variant is a pattern that was not optimised, by its name.
+pub(super) fn is_control(variant: &str) -> bool {
+    let name = variant.to_lowercase();
+    CONTROLS.iter().any(|control| name.contains(control))
+}
+
+/// What people call a pattern that was not optimised.
+const CONTROLS: [&str; 3] = ["random", "control", "noise"];
+
+/// A box around the model's size is looser than its outline, and so than a detector's box.
+fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
+    let is_loose = |p: &ScoredPhoto| {
+        let envelope = sessions.get(p.session).map(|s| &s.scene.model.envelope);
+        !p.truth_given && matches!(envelope, Some(Envelope::Box))
+    };
+    let count = photos.iter().filter(|p| is_loose(p)).count();
+    (count > 0).then(|| {
+        format!(
+            "{} drawn around the model's size, looser than its outline, so that good detections may stay below an IoU; a mesh or hull \
+             as the scene's truth is tighter",
+            spelling::choose(count, "1 truth box is", &format!("{count} truth boxes are"))
+        )
+    })
+}
+
+/// Copies are scored, but a copy is no second observation.
+fn copies(photos: &[ScoredPhoto]) -> Option<String> {
+    let mut copies = byte_for_byte(photos);
+    let (first, copy) = copies.next()?;
+    let count = 1 + copies.count();
+    Some(format!(
+        "{} {} (the first: {} of {}); the intervals count {} as independent",
+        spelling::count(count, "photo"),
+        spelling::choose(
+            count,
+            "is a byte-for-byte copy of another",
+            "are byte-for-byte copies of others"
+        ),
+        copy.file,
+        first.file,
+        spelling::choose(count, "it", "them")
+    ))
+}
+
+/// Photos with the content of an earlier one: that one, and the copy.
+pub(super) fn byte_for_byte(photos: &[ScoredPhoto]) -> impl Iterator<Item = (&ScoredPhoto, &ScoredPhoto)> {
+    let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
+    photos
+        .iter()
+        .filter_map(move |p| seen.insert(&p.sha256, p).map(|first| (first, p)))
+}
+
+/// A drop between textures that were not photographed from the same directions mixes texture with direction.
+fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> {
+    let mut counts: BTreeMap<&str, BTreeMap<i64, usize>> = BTreeMap::new();
+    for photo in photos {
+        // Milli-degrees: a key that can be compared.
+        let bin = photo.bin.map_or(-1, |b| (b.azimuth_deg * 1000.0).round() as i64);
+        *counts.entry(&photo.variant).or_default().entry(bin).or_default() += 1;
+    }
+    let Some(base) = counts.get(base_variant) else {
+        return Vec::new();
+    };
+    let others = counts
+        .iter()
+        .filter(|(variant, bins)| **variant != base_variant && *bins != base);
+    others
+        .map(|(variant, bins)| {
+            let all: BTreeSet<&i64> = base.keys().chain(bins.keys()).collect();
+            let uneven = all.iter().filter(|bin| base.get(**bin) != bins.get(**bin)).count();
+            format!(
+                "“{variant}” and “{base_variant}” have different numbers of photos in {uneven} of {} directions: the drop over all photos \
+                 mixes texture with direction; go by the figures of each direction, or by `compare`, which pairs the photos",
+                all.len()
+            )
+        })
+        .collect()
+}
+
+fn left_out(not_scored: &[NotScored]) -> Option<String> {
+    let count = not_scored.len();
+    match count {
+        0 => None,
+        1 => Some("1 photo could not be scored and is in no figure; it is listed with its reason".to_owned()),
+        _ => Some(format!(
+            "{count} photos could not be scored and are in no figure; they are listed with their reasons"
+        )),
+    }
+}
+
+/// A detector that knows some of the labels that count has fewer ways to find the model.
+fn unknown_classes(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Vec<String> {
+    let Some(classes) = sessions.first().map(|s| &s.scene.model.class) else {
+        return Vec::new();
+    };
+    let unknown = detectors.iter().filter_map(|c| {
+        let unknown = c.manifest.unknown_classes(classes.labels());
+        let quoted: Vec<String> = unknown.iter().map(|label| format!("`{label}`")).collect();
+        let name = &c.manifest.name;
+        (!quoted.is_empty()).then(|| {
+            format!(
+                "{name} has no label {}, so that it finds the model by the others only",
+                quoted.join(" or ")
+            )
+        })
+    });
+    unknown.collect()
+}
+
+fn several_models(sessions: &[Session]) -> Option<String> {
+    let models: BTreeSet<String> = sessions
+        .iter()
+        .map(|s| {
+            format!(
+                "{} (1:{}, {:?} mm)",
+                s.scene.model.name, s.scene.model.scale, s.scene.model.size_mm
+            )
+        })
+        .collect();
+    let list = models.iter().cloned().collect::<Vec<_>>().join(", ");
+    (models.len() > 1).then(|| format!("the sessions show different models, pooled in every figure: {list}"))
+}
+
+/// A box around the model's size is larger than one around its outline, and is matched less easily.
+fn several_truths(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
+    let source = |p: &ScoredPhoto| {
+        if p.truth_given {
+            Some("given by the session")
+        } else {
+            sessions.get(p.session).map(|s| s.scene.model.envelope.name())
+        }
+    };
+    let sources: BTreeSet<&str> = photos.iter().filter_map(source).collect();
+    let list = sources.iter().copied().collect::<Vec<_>>().join(", ");
+    (sources.len() > 1).then(|| {
+        format!("truth boxes of several kinds are pooled in every figure ({list}), and detections match some kinds more easily than others")
+    })
+}
+
+/// The photos of a session that were placed by its camera, with their session.
+fn placed_by_camera<'a>(
+    photos: &'a [ScoredPhoto],
+    sessions: &'a [Session],
+) -> impl Iterator<Item = (&'a ScoredPhoto, &'a Session)> {
+    let placed = photos.iter().filter(|p| p.rms_px.is_some());
+    placed.filter_map(|p| Some((p, sessions.get(p.session)?)))
+}
+
+fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<String> {
+    let guessed = placed_by_camera(photos, sessions).filter_map(|(_, s)| Some((s, s.camera.as_ref()?.guess?)));
+    guessed
+        .map(|(s, guess)| format!("{}: {}", s.name, guess.caution()))
+        .collect()
+}
+
+/// A photo of another size than the camera file's was taken for the whole photo, made smaller or larger.
+fn other_sizes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
+    let is_other = |p: &ScoredPhoto, s: &Session| {
+        let own = s.camera.as_ref().map(|c| [c.width, c.height]);
+        own.is_some_and(|own| own != [p.width, p.height] && own != [p.height, p.width])
+    };
+    let count = placed_by_camera(photos, sessions)
+        .filter(|(p, s)| is_other(p, s))
+        .count();
+    (count > 0).then(|| {
+        format!(
+            "{} another size than {} camera file, which was scaled for {}: right for photos made smaller or larger as a whole, wrong for \
+             photos cut out of larger ones",
+            spelling::choose(count, "1 photo has", &format!("{count} photos have")),
+            spelling::choose(count, "its", "their"),
+            spelling::choose(count, "it", "them")
+        )
+    })
+}

@@ -1,0 +1,359 @@
+//! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
+
+mod by_place;
+mod moved;
+mod pairs;
+mod plan;
+mod result;
+mod sequential;
+mod sequential_plan;
+
+pub use by_place::power_by_place;
+pub use by_place::{places_needed, smallest_drop_by_place};
+pub use moved::moved_drops;
+pub use plan::pairs_needed;
+pub use plan::power;
+pub use result::Comparison;
+pub use result::{
+    BinHits, ClusteredBy, Compared, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
+    SequentialFinding,
+};
+pub use sequential::{most_telling, sequential};
+pub use sequential_plan::{Expected, SEQUENTIAL_ROWS, SequentialPlan, sequential_plan};
+use std::collections::BTreeSet;
+
+use super::summary::{boxes, variants};
+use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, ScoredSet, Scores};
+use pairs::{Cell, Cluster, clustered_by, clusters, pair};
+use scaleproof_core::ap::{ApDefinition, Ranked};
+use scaleproof_core::statistics::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
+
+/// A difference of this size must be excluded before "no difference shown" may be said.
+pub(super) const TELLING_DIFFERENCE: f64 = 0.2;
+
+/// So many clusters without any difference exclude that a fifth of all clusters differ (0.8¹⁴ < 0.05).
+const CLUSTERS_ALL_ALIKE: usize = 14;
+
+/// Why nothing can be compared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum CompareError {
+    #[error("no scored photo has the variant `{base}`, only {variants}")]
+    NoBase { base: String, variants: String },
+    #[error("all scored photos have the variant `{base}`: add the sessions of another texture")]
+    NothingElse { base: String },
+    #[error(
+        "no photo of `{variant}` was taken from the same place and bin as one of `{base}`: they cannot be compared"
+    )]
+    NoPair { base: String, variant: String },
+}
+
+/// Compares every variant of a run with `base`.
+pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<Comparison, CompareError> {
+    let all = variants(&scores.photos, base);
+    if all.iter().all(|v| v != base) {
+        return Err(CompareError::NoBase {
+            base: base.into(),
+            variants: all.join(", "),
+        });
+    }
+    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
+    if others.is_empty() {
+        return Err(CompareError::NothingElse { base: base.into() });
+    }
+    compared_by(scores.set(), base, &others, definition, clustered_by)
+}
+
+/// What a run says of its variants against its base, for as many as can be paired; computed once.
+pub fn paired(scores: &Scores) -> &[Comparison] {
+    scores.paired.get_or_init(|| {
+        let others = variants(&scores.photos, &scores.base);
+        let others = others.iter().filter(|v| **v != scores.base);
+        let ap = scores.criteria.ap;
+        others
+            .filter_map(|other| compared_by(scores.set(), &scores.base, &[other], ap, clustered_by).ok())
+            .collect()
+    })
+}
+
+/// Compares these variants with `base`; places and bins are what is drawn, so that the intervals hold for these places.
+pub fn compare_with(
+    scores: &Scores,
+    base: &str,
+    others: &[&str],
+    definition: ApDefinition,
+) -> Result<Comparison, CompareError> {
+    compared_by(scores.set(), base, others, definition, |_| ClusteredBy::PlaceAndBin)
+}
+
+/// Whether photos of two variants can be compared.
+pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
+    !pair(set, base, other).0.is_empty()
+}
+
+/// Compares these variants of a scored set with `base`, by the clusters that [`compare()`] takes.
+pub(super) fn compare_set(
+    set: ScoredSet,
+    base: &str,
+    others: &[&str],
+    definition: ApDefinition,
+) -> Result<Comparison, CompareError> {
+    compared_by(set, base, others, definition, clustered_by)
+}
+
+fn compared_by(
+    set: ScoredSet,
+    base: &str,
+    others: &[&str],
+    definition: ApDefinition,
+    clustered_by: fn(&[Cell]) -> ClusteredBy,
+) -> Result<Comparison, CompareError> {
+    let (mut results, mut unpaired) = (Vec::new(), Vec::new());
+    for variant in others {
+        let (cells, left_over) = pair(set, base, variant);
+        if cells.is_empty() {
+            return Err(CompareError::NoPair {
+                base: base.into(),
+                variant: (*variant).to_owned(),
+            });
+        }
+        unpaired.extend(left_over);
+        let by = clustered_by(&cells);
+        for (index, detector) in set.detectors.iter().enumerate() {
+            let side = Side {
+                detector: index,
+                counted: &detector.counted,
+            };
+            let name = detector.manifest.name.clone();
+            results.push(compared(name, variant, (&cells, by), side, definition));
+        }
+    }
+    Ok(Comparison {
+        base: base.to_owned(),
+        ap_definition: definition.name(),
+        bootstrap_draws: DRAWS,
+        bootstrap_seed: SEED,
+        results,
+        unpaired,
+        plan: None,
+        sequential: None,
+    })
+}
+
+/// Whose detections are compared: index of the detector, and its labels that count as the model.
+#[derive(Clone, Copy)]
+struct Side<'a> {
+    detector: usize,
+    counted: &'a [usize],
+}
+
+impl Side<'_> {
+    fn outcome(self, photo: &ScoredPhoto) -> &PhotoOutcome {
+        &photo.outcomes[self.detector]
+    }
+
+    fn hit(self, photo: &ScoredPhoto) -> f64 {
+        f64::from(u8::from(self.outcome(photo).is_hit()))
+    }
+}
+
+fn compared(
+    detector: String,
+    variant: &str,
+    (cells, by): (&[Cell], ClusteredBy),
+    side: Side,
+    definition: ApDefinition,
+) -> Compared {
+    let all = clusters(&cells.iter().collect::<Vec<_>>(), by);
+    let hit_rate = hits(&all, side);
+    Compared {
+        detector,
+        variant: variant.to_owned(),
+        pairs: pairs_in(&all),
+        clustered_by: by,
+        clusters: all.len(),
+        places: cells.iter().map(|c| c.place).collect::<BTreeSet<_>>().len(),
+        bins: cells.iter().map(|c| c.bin).collect::<BTreeSet<_>>().len(),
+        hit_rate: Hits {
+            rate: tested(hit_rate.rate, all.len(), hit_rate.mcnemar_p),
+            ..hit_rate
+        },
+        mean_confidence: of_means(&all, |photo| side.outcome(photo).confidence),
+        ap50: of_ap(&all, side, definition),
+        azimuth_bins: by_azimuth(cells, by, side),
+    }
+}
+
+/// The hits of each azimuth bin, tested together.
+fn by_azimuth(cells: &[Cell], by: ClusteredBy, side: Side) -> Vec<BinHits> {
+    // Cells come in the order of their bins, azimuth first.
+    let groups = cells.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
+    let mut bins: Vec<BinHits> = groups
+        .map(|group| {
+            let own = clusters(&group.iter().collect::<Vec<_>>(), by);
+            BinHits {
+                azimuth_deg: group[0].bin.azimuth_deg,
+                pairs: pairs_in(&own),
+                clusters: own.len(),
+                hits: hits(&own, side),
+                holm_p: None,
+            }
+        })
+        .collect();
+    let testable = |bin: &BinHits| bin.clusters >= FEWEST_CLUSTERS;
+    let p: Vec<f64> = bins.iter().filter(|b| testable(b)).map(|b| b.hits.mcnemar_p).collect();
+    for (bin, p) in bins.iter_mut().filter(|b| testable(b)).zip(holm(&p)) {
+        bin.holm_p = Some(p);
+        bin.hits.rate = tested(bin.hits.rate, bin.clusters, p);
+    }
+    bins
+}
+
+fn pairs_in(clusters: &[Cluster]) -> usize {
+    clusters.iter().map(|c| c.pairs.len()).sum()
+}
+
+fn hits(clusters: &[Cluster], side: Side) -> Hits {
+    let alone = |one: fn(bool, bool) -> bool| {
+        let pairs = clusters.iter().flat_map(|c| &c.pairs);
+        let is_hit = |photo| side.outcome(photo).is_hit();
+        pairs.filter(|(base, other)| one(is_hit(base), is_hit(other))).count()
+    };
+    let difference = |c: &Cluster| c.pairs.iter().map(|(b, o)| (side.hit(b) - side.hit(o)) as i64).sum();
+    Hits {
+        rate: of_means(clusters, |photo| side.hit(photo)),
+        base_alone: alone(|base, other| base && !other),
+        other_alone: alone(|base, other| !base && other),
+        mcnemar_p: mcnemar_p(&clusters.iter().map(difference).collect::<Vec<_>>()),
+    }
+}
+
+/// The difference of a figure that is a mean over photos.
+fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Difference {
+    let sums: Vec<(f64, f64, f64)> = clusters
+        .iter()
+        .map(|c| {
+            let base = c.pairs.iter().map(|(photo, _)| figure(photo)).sum();
+            let other = c.pairs.iter().map(|(_, photo)| figure(photo)).sum();
+            (base, other, c.pairs.len() as f64)
+        })
+        .collect();
+    difference(clusters.len(), |drawn| {
+        let total = |of: fn(&(f64, f64, f64)) -> f64| -> f64 {
+            sums.iter().zip(drawn).map(|(s, times)| f64::from(*times) * of(s)).sum()
+        };
+        let photos = total(|s| s.2);
+        (total(|s| s.0) / photos, total(|s| s.1) / photos)
+    })
+}
+
+fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Difference {
+    let ap = PairedAp::of(clusters, side);
+    difference(clusters.len(), |drawn| ap.of_both(drawn, definition))
+}
+
+/// The rankings behind the AP of both variants, whichever clusters are drawn.
+struct PairedAp {
+    base: Ranked,
+    other: Ranked,
+    /// The cluster of each pair.
+    cluster_of: Vec<usize>,
+}
+
+impl PairedAp {
+    fn of(clusters: &[Cluster], side: Side) -> PairedAp {
+        let pairs = || clusters.iter().flat_map(|c| &c.pairs);
+        let ranked = |photos: Vec<&ScoredPhoto>| {
+            let images: Vec<_> = photos
+                .into_iter()
+                .map(|p| boxes(p, side.detector, side.counted))
+                .collect();
+            Ranked::new(&images, MATCH_IOU)
+        };
+        PairedAp {
+            base: ranked(pairs().map(|(base, _)| *base).collect()),
+            other: ranked(pairs().map(|(_, other)| *other).collect()),
+            cluster_of: clusters
+                .iter()
+                .enumerate()
+                .flat_map(|(i, c)| std::iter::repeat_n(i, c.pairs.len()))
+                .collect(),
+        }
+    }
+
+    /// (base, other) when each cluster counts so many times. Every photo has its truth, so that every draw has a curve.
+    fn of_both(&self, drawn: &[u32], definition: ApDefinition) -> (f64, f64) {
+        let ap = |side: &Ranked| {
+            side.curve(|image| drawn[self.cluster_of[image]])
+                .map_or(0.0, |c| definition.of_curve(&c))
+        };
+        (ap(&self.base), ap(&self.other))
+    }
+}
+
+/// The difference of a figure, given as (base, other) when each cluster counts so many times.
+fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
+    let (base, other) = figures(&vec![1; clusters]);
+    let [interval, asr_interval_95] = intervals_95(clusters, |drawn| {
+        let (base, other) = figures(drawn);
+        [base - other, 1.0 - other / base]
+    });
+    let drop = base - other;
+    Difference {
+        base,
+        other,
+        drop,
+        interval_95: interval,
+        finding: finding(
+            clusters,
+            drop,
+            interval,
+            // Without an interval all resamples agree, or there are too few clusters for any finding.
+            interval.map_or(drop.abs() > ALIKE, |i| i.low > 0.0 || i.high < 0.0),
+        ),
+        asr: (base > 0.0).then(|| 1.0 - other / base),
+        asr_interval_95,
+    }
+}
+
+/// The finding that an exact test allows, which is stricter on hits than the interval.
+fn tested(d: Difference, clusters: usize, p: f64) -> Difference {
+    Difference {
+        finding: finding(clusters, d.drop, d.interval_95, p < 0.05),
+        ..d
+    }
+}
+
+/// The rule for "too few photos to tell": fewer than six clusters; or no difference shown while one of 0.2 is not excluded.
+fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) -> Finding {
+    let excluded = match interval {
+        Some(i) => i.low > -TELLING_DIFFERENCE && i.high < TELLING_DIFFERENCE,
+        None => drop.abs() < ALIKE && clusters >= CLUSTERS_ALL_ALIKE,
+    };
+    match (
+        clusters >= FEWEST_CLUSTERS && shown,
+        clusters >= FEWEST_CLUSTERS && excluded,
+    ) {
+        (true, _) if drop > 0.0 => Finding::Drop,
+        (true, _) => Finding::Rise,
+        (false, true) => Finding::NoDifferenceShown,
+        (false, false) => Finding::TooFewPhotosToTell,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums that differ by their order of addition alone are the same; one that is the same in all resamples is shown.
+    #[test]
+    fn a_difference_without_an_interval_is_none_or_shown() {
+        let rounded = difference(14, |_| (0.1 + 0.2, 0.3));
+        assert!(rounded.drop != 0.0);
+        assert_eq!(rounded.finding, Finding::NoDifferenceShown);
+        assert_eq!(difference(14, |_| (1.0, 0.0)).finding, Finding::Drop);
+        assert_eq!(difference(6, |_| (0.0, 1.0)).finding, Finding::Rise);
+        assert_eq!(difference(5, |_| (1.0, 0.0)).finding, Finding::TooFewPhotosToTell);
+    }
+}

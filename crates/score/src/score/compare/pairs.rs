@@ -1,0 +1,112 @@
+//! Which photo of one texture is held against which of the other.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::result::{ClusteredBy, Unpaired};
+use crate::score::{ScoredPhoto, ScoredSet};
+use scaleproof_core::statistics::FEWEST_CLUSTERS;
+use scaleproof_pose::scene::Bin;
+
+/// (base, other).
+pub(super) type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
+
+/// The pairs of one place and bin.
+pub(super) struct Cell<'a> {
+    pub bin: Bin,
+    pub place: &'a str,
+    pub pairs: Vec<Pair<'a>>,
+}
+
+/// Pairs that are not independent of each other.
+pub(super) struct Cluster<'a> {
+    pub pairs: Vec<Pair<'a>>,
+}
+
+/// Pairs the photos of two variants by place and bin, in the order of the sessions; photos left over are returned too.
+///
+/// A photo without a place is in the one unnamed place, so that two sessions pair when neither names any.
+pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<Unpaired>) {
+    let mut sides: BTreeMap<_, [Vec<&ScoredPhoto>; 2]> = BTreeMap::new();
+    let mut unpaired = Vec::new();
+    for photo in set.photos {
+        let side = match &photo.variant {
+            v if v == base => 0,
+            v if v == variant => 1,
+            _ => continue,
+        };
+        match photo.bin {
+            Some(bin) => sides
+                .entry((bin, photo.place.as_deref().unwrap_or_default()))
+                .or_default()[side]
+                .push(photo),
+            None => unpaired.push(left_over(set, photo, "its viewpoint is not known".into())),
+        }
+    }
+    let mut cells = Vec::new();
+    for ((bin, place), [bases, others]) in sides {
+        let pairs: Vec<_> = bases.iter().copied().zip(others.iter().copied()).collect();
+        for (photo, missing) in bases[pairs.len()..]
+            .iter()
+            .map(|p| (p, variant))
+            .chain(others[pairs.len()..].iter().map(|p| (p, base)))
+        {
+            let place = if place.is_empty() { "no named place" } else { place };
+            let reason = format!(
+                "no photo of “{missing}” is left for it from {}, {place}",
+                direction(photo)
+            );
+            unpaired.push(left_over(set, photo, reason));
+        }
+        if !pairs.is_empty() {
+            cells.push(Cell { bin, place, pairs });
+        }
+    }
+    (cells, unpaired)
+}
+
+/// By place where there are enough places: the photos of one place share its light and background in every direction.
+pub(super) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
+    let places: BTreeSet<&str> = cells.iter().map(|cell| cell.place).collect();
+    if places.len() >= FEWEST_CLUSTERS {
+        ClusteredBy::Place
+    } else {
+        ClusteredBy::PlaceAndBin
+    }
+}
+
+/// The clusters of some cells, in their order.
+pub(super) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<'a>> {
+    let mut clusters: Vec<(&str, Cluster)> = Vec::new();
+    for cell in cells {
+        let same = |(place, _): &&mut (&str, Cluster)| by == ClusteredBy::Place && *place == cell.place;
+        match clusters.iter_mut().find(same) {
+            Some((_, cluster)) => cluster.pairs.extend(&cell.pairs),
+            None => clusters.push((
+                cell.place,
+                Cluster {
+                    pairs: cell.pairs.clone(),
+                },
+            )),
+        }
+    }
+    clusters.into_iter().map(|(_, cluster)| cluster).collect()
+}
+
+fn direction(photo: &ScoredPhoto) -> String {
+    let named = |b: Bin| {
+        format!(
+            "azimuth {}°, pitch {}°, {} mm",
+            b.azimuth_deg, b.pitch_deg, b.distance_mm
+        )
+    };
+    photo.bin.map_or_else(String::new, named)
+}
+
+fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> Unpaired {
+    Unpaired {
+        session: set.sessions[photo.session].name.clone(),
+        file: photo.file.clone(),
+        variant: photo.variant.clone(),
+        reason,
+    }
+}

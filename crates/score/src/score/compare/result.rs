@@ -1,0 +1,184 @@
+//! What a comparison says: differences with their intervals and findings.
+
+use serde::{Deserialize, Serialize};
+
+use scaleproof_core::statistics::Interval;
+
+/// Photos that are taken as dependent on each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClusteredBy {
+    /// Those of one place: what is found holds for places like these.
+    Place,
+    /// Those of one place and bin: what is found holds for these places.
+    PlaceAndBin,
+}
+
+/// What the photos can tell of a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Finding {
+    /// The base is better, at the level of 5 %.
+    Drop,
+    /// The base is worse, at the level of 5 %.
+    Rise,
+    /// None shown, and one of 0.2 or more is excluded.
+    NoDifferenceShown,
+    TooFewPhotosToTell,
+}
+
+/// One figure on both sides of the pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Difference {
+    pub base: f64,
+    pub other: f64,
+    /// `base` minus `other`.
+    pub drop: f64,
+    /// Of the drop; absent with too few clusters, and when all clusters differ alike.
+    pub interval_95: Option<Interval>,
+    pub finding: Finding,
+    /// Attack success rate, 1 − `other` ÷ `base`; absent where the base is 0.
+    pub asr: Option<f64>,
+    /// Of the attack success rate; absent also where too many resamples of the base are 0.
+    pub asr_interval_95: Option<Interval>,
+}
+
+/// Hits on both sides of the pairs, and the exact test of their difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hits {
+    #[serde(flatten)]
+    pub rate: Difference,
+    /// Pairs hit on the base side alone.
+    pub base_alone: usize,
+    /// Pairs hit on the other side alone.
+    pub other_alone: usize,
+    /// McNemar's exact p, two-sided.
+    pub mcnemar_p: f64,
+}
+
+/// The hits of one azimuth bin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BinHits {
+    pub azimuth_deg: f64,
+    pub pairs: usize,
+    pub clusters: usize,
+    pub hits: Hits,
+    /// p corrected over the bins that have enough clusters; absent in the others.
+    pub holm_p: Option<f64>,
+}
+
+/// One detector on one variant, against the base.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compared {
+    pub detector: String,
+    pub variant: String,
+    pub pairs: usize,
+    /// What is resampled as a whole.
+    pub clustered_by: ClusteredBy,
+    pub clusters: usize,
+    /// Places that have pairs.
+    pub places: usize,
+    /// Bins that have pairs.
+    pub bins: usize,
+    pub hit_rate: Hits,
+    pub mean_confidence: Difference,
+    pub ap50: Difference,
+    pub azimuth_bins: Vec<BinHits>,
+}
+
+/// What pairs had shown when they were enough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SequentialFinding {
+    /// The base is better.
+    Drop,
+    /// The base is worse.
+    Rise,
+    /// The drop is smaller than the least that matters.
+    LessThanLeast,
+    Undecided,
+}
+
+/// One figure after all looks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Decision {
+    /// Mean of the differences that were looked at, base minus other.
+    pub drop: f64,
+    /// What was shown first.
+    pub finding: SequentialFinding,
+    /// After how many looks; absent while nothing is.
+    pub decided_after: Option<usize>,
+    /// p of "the texture changes nothing in any view"; holds however often one looks.
+    pub p_always_valid: f64,
+    /// Rounds in which every bin has its pair, or places.
+    pub rounds: usize,
+    /// Of the mean drop over the bins (or places), from the whole rounds; holds however often one looks.
+    pub interval_95: Option<Interval>,
+    /// Base-10 logarithm of the evidence for a drop after each look; from 1.6 (a factor of 40) on it is shown.
+    pub log10_evidence: Vec<f64>,
+}
+
+/// One detector on one variant, look by look.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Course {
+    pub detector: String,
+    pub variant: String,
+    /// So often could one look.
+    pub looks: usize,
+    /// Pairs that repeat a place and bin, which are not looked at.
+    pub repeats: usize,
+    pub hit_rate: Decision,
+    pub mean_confidence: Decision,
+}
+
+/// Every variant against the base, look by look.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sequential {
+    /// What is added between two looks.
+    pub look_after_each: ClusteredBy,
+    /// The drop that matters.
+    pub least: Option<f64>,
+    pub results: Vec<Course>,
+}
+
+/// Which plan a comparison was held against, and in what it differs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanCheck {
+    /// SHA-256 of the plan; what was published of it must be the same.
+    pub seal: String,
+    /// Sentences.
+    pub deviations: Vec<String>,
+}
+
+/// Every variant of a run against its base.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The plan that was fixed before the photos, if any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanCheck>,
+    /// The variant that the others are compared with.
+    pub base: String,
+    /// Name of the definition of average precision.
+    pub ap_definition: &'static str,
+    /// Resamples behind each interval.
+    pub bootstrap_draws: usize,
+    /// Seed of the resampling.
+    pub bootstrap_seed: u64,
+    /// One for each detector and other variant.
+    pub results: Vec<Compared>,
+    /// Scored photos that are in no difference.
+    pub unpaired: Vec<Unpaired>,
+    /// Every variant against the base, look by look, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sequential: Option<Sequential>,
+}
+
+/// A scored photo that has no partner, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unpaired {
+    pub session: String,
+    pub file: String,
+    pub variant: String,
+    /// A sentence.
+    pub reason: String,
+}

@@ -1,0 +1,174 @@
+//! A comparison that is looked at after every pair, or every place: what was shown first, when, and with which certainty.
+
+use std::collections::BTreeMap;
+
+use super::pairs::{Cell, Pair, pair};
+use super::result::{ClusteredBy, Course, Decision, Sequential, SequentialFinding};
+use super::{CompareError, Scores, Side, variants};
+use scaleproof_core::geometry::angle::turn;
+use scaleproof_core::statistics::{Sequence, Shown};
+use scaleproof_pose::scene::Bin;
+
+/// What is added between two looks: its pairs, and its stratum.
+struct Look<'a> {
+    pairs: Vec<Pair<'a>>,
+    /// Of the first of them.
+    bin: Bin,
+    stratum: usize,
+}
+
+/// Compares every variant with `base`, in the order in which the sessions list the photos, the first pair of each place and bin. `least` must lie in (0, 1).
+///
+/// # Errors
+/// As [`super::compare`].
+pub fn sequential(
+    scores: &Scores,
+    base: &str,
+    by: ClusteredBy,
+    least: Option<f64>,
+) -> Result<Sequential, CompareError> {
+    let mut results = Vec::new();
+    let all = variants(&scores.photos, base);
+    if all.iter().all(|variant| variant == base) {
+        return Err(CompareError::NothingElse { base: base.into() });
+    }
+    for variant in all.iter().filter(|v| *v != base) {
+        let (cells, _) = pair(scores.set(), base, variant);
+        if cells.is_empty() {
+            return Err(CompareError::NoPair {
+                base: base.into(),
+                variant: variant.clone(),
+            });
+        }
+        let looks = looks(&cells, by);
+        for (index, detector) in scores.detectors.iter().enumerate() {
+            let side = Side {
+                detector: index,
+                counted: &detector.counted,
+            };
+            results.push(Course {
+                detector: detector.manifest.name.clone(),
+                variant: variant.clone(),
+                looks: looks.len(),
+                repeats: cells.iter().map(|cell| cell.pairs.len() - 1).sum(),
+                hit_rate: decide(&looks, least, |(base, other)| side.hit(base) - side.hit(other)),
+                mean_confidence: decide(&looks, least, |(base, other)| {
+                    side.outcome(base).confidence - side.outcome(other).confidence
+                }),
+            });
+        }
+    }
+    Ok(Sequential {
+        look_after_each: by,
+        least,
+        results,
+    })
+}
+
+/// Which of some bins, not photographed yet in the second of two variants at a place, would tell most: the one whose direction differed most in earlier pairs. A
+/// direction that nothing is known of counts as one that differs by half, and of equals the farthest from what was photographed is taken. `None` where the first variant has no photo
+/// in any of them.
+///
+/// What the first variant's own photo in the bin showed is *not* asked: a view picked because its base photo was a hit falls back by chance alone, and a drop would be found where there is
+/// none (`tests/sequential.rs`).
+pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, open: &[Bin]) -> Option<usize> {
+    let (cells, _) = pair(scores.set(), base, variant);
+    let has_base = |bin: &Bin| {
+        let mut own = scores
+            .photos
+            .iter()
+            .filter(|photo| photo.variant == base && photo.bin == Some(*bin));
+        own.any(|photo| photo.place.as_deref().unwrap_or_default() == place)
+    };
+    let step_deg = scores.sessions[0].scene.bins.azimuth_deg;
+    let seen: Vec<(Bin, f64)> = looks(&cells, ClusteredBy::PlaceAndBin)
+        .iter()
+        .map(|look| (look.bin, mean_difference(scores, look.pairs[0])))
+        .collect();
+    let away_deg = |a: &Bin, b: &Bin| turn(a.azimuth_deg, b.azimuth_deg).abs();
+    let expected = |bin: &Bin| {
+        let near = seen.iter().filter(|(other, _)| away_deg(other, bin) <= step_deg + 1e-6);
+        let weighted = near.map(|(other, difference)| (1.0 - 0.5 * away_deg(other, bin) / step_deg, difference));
+        let (sum, weight) = weighted.fold((0.5, 1.0), |(sum, weight), (w, difference)| {
+            (sum + w * difference, weight + w)
+        });
+        sum / weight
+    };
+    let at_place = cells.iter().filter(|cell| cell.place == place);
+    let taken: Vec<Bin> = at_place.map(|cell| cell.bin).collect();
+    let farthest = |bin: &Bin| {
+        taken
+            .iter()
+            .map(|other| away_deg(other, bin))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let telling = (0..open.len()).filter(|i| has_base(&open[*i]));
+    // Of equals `max_by` takes the last, which is the first of the walk here.
+    telling.rev().max_by(|a, b| {
+        let [a, b] = [&open[*a], &open[*b]];
+        expected(a)
+            .total_cmp(&expected(b))
+            .then(farthest(a).total_cmp(&farthest(b)))
+    })
+}
+
+/// Of the hits of all detectors.
+fn mean_difference(scores: &Scores, (base, other): Pair) -> f64 {
+    let hits = |photo: &super::ScoredPhoto| photo.outcomes.iter().filter(|outcome| outcome.is_hit()).count() as f64;
+    (hits(base) - hits(other)) / scores.detectors.len().max(1) as f64
+}
+
+/// A pair is there when the later of its photos is; repeats of a place and bin tell nothing new.
+fn looks<'a>(cells: &[Cell<'a>], by: ClusteredBy) -> Vec<Look<'a>> {
+    let mut strata: BTreeMap<Bin, usize> = BTreeMap::new();
+    let mut looks: Vec<(&str, Look)> = Vec::new();
+    for cell in cells {
+        let Some(first) = cell.pairs.first() else { continue };
+        let same = |(place, _): &&mut (&str, Look)| by == ClusteredBy::Place && *place == cell.place;
+        if let Some((_, look)) = looks.iter_mut().find(same) {
+            look.pairs.push(*first);
+            continue;
+        }
+        let next = strata.len();
+        let stratum = match by {
+            ClusteredBy::Place => 0,
+            ClusteredBy::PlaceAndBin => *strata.entry(cell.bin).or_insert(next),
+        };
+        let look = Look {
+            pairs: vec![*first],
+            bin: cell.bin,
+            stratum,
+        };
+        looks.push((cell.place, look));
+    }
+    let mut looks: Vec<Look> = looks.into_iter().map(|(_, look)| look).collect();
+    looks.sort_by_key(|look| look.pairs.iter().map(|(base, other)| base.id.max(other.id)).max());
+    looks
+}
+
+fn decide(looks: &[Look], least: Option<f64>, difference: impl Fn(&Pair) -> f64) -> Decision {
+    let strata = looks.iter().map(|look| look.stratum + 1).max().unwrap_or(1);
+    let mut sequence = Sequence::new(strata, least);
+    let (mut sum, mut log10_evidence) = (0.0, Vec::new());
+    for look in looks {
+        let mean = look.pairs.iter().map(&difference).sum::<f64>() / look.pairs.len() as f64;
+        sequence.see(look.stratum, mean);
+        log10_evidence.push(sequence.log10_for_above());
+        sum += mean;
+    }
+    let finding = match sequence.shown() {
+        Some((Shown::Above, _)) => SequentialFinding::Drop,
+        Some((Shown::Below, _)) => SequentialFinding::Rise,
+        Some((Shown::LessThanLeast, _)) => SequentialFinding::LessThanLeast,
+        None => SequentialFinding::Undecided,
+    };
+    Decision {
+        drop: sum / looks.len() as f64,
+        finding,
+        decided_after: sequence.shown().map(|(_, after)| after),
+        p_always_valid: sequence.p(),
+        rounds: sequence.rounds(),
+        interval_95: sequence.interval_95(),
+        log10_evidence,
+    }
+}

@@ -1,0 +1,94 @@
+//! What the numbers mean: the choices of a run, and the definitions that stand beside its figures.
+
+use super::{ApDefinition, HIT_CONFIDENCE, MATCH_IOU, Protocol, Thresholds};
+
+/// The choices a figure depends on; stated wherever the figures are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Criteria {
+    /// The definition of average precision.
+    pub ap: ApDefinition,
+    /// A detection this confident counts as one; in [0.001, 1].
+    pub hit_confidence: f64,
+    /// Whose protocol is followed, if any.
+    pub protocol: Option<Protocol>,
+}
+
+impl Default for Criteria {
+    /// COCO's 101-point AP, hits from confidence 0.5 up.
+    fn default() -> Criteria {
+        Criteria {
+            ap: ApDefinition::default(),
+            hit_confidence: HIT_CONFIDENCE,
+            protocol: None,
+        }
+    }
+}
+
+impl Criteria {
+    /// As a protocol has them.
+    pub fn of(protocol: Protocol) -> Criteria {
+        Criteria {
+            ap: protocol.ap(),
+            hit_confidence: protocol.hit_confidence(),
+            protocol: Some(protocol),
+        }
+    }
+
+    /// From which overlap with the truth box a detection is on the model; AP and reliability take 0.5 whatever it is.
+    pub fn match_iou(&self) -> f64 {
+        self.protocol.map_or(MATCH_IOU, Protocol::match_iou)
+    }
+
+    /// `≥`, or `>` where the protocol says so: what stands before a threshold.
+    pub fn sign(&self) -> &'static str {
+        if self.protocol.is_some_and(Protocol::is_strict) {
+            ">"
+        } else {
+            "≥"
+        }
+    }
+
+    /// From when on a detection of the class is a hit, in words.
+    pub fn hit(&self) -> String {
+        let (sign, confidence, iou) = (self.sign(), self.hit_confidence, self.match_iou());
+        format!("confidence {sign} {confidence} and IoU {sign} {iou}")
+    }
+
+    pub(super) fn thresholds(&self) -> Thresholds {
+        let least = |threshold: f64| {
+            if self.protocol.is_some_and(Protocol::is_strict) {
+                threshold.next_up()
+            } else {
+                threshold
+            }
+        };
+        Thresholds {
+            confidence: least(self.hit_confidence),
+            iou: least(self.match_iou()),
+        }
+    }
+
+    /// What each number means under these choices: (name, definition).
+    pub fn definitions(&self) -> Vec<(&'static str, String)> {
+        let confidence = format!("confidence {} {}", self.sign(), self.hit_confidence);
+        let overlap = format!("IoU {} {}", self.sign(), self.match_iou());
+        let words = [
+            ("{ap}", self.ap.name()),
+            ("{meaning}", self.ap.meaning()),
+            ("{confidence}", &confidence),
+            ("{overlap}", &overlap),
+        ];
+        let filled = |text: &str| {
+            words
+                .iter()
+                .fold(text.to_owned(), |text, (word, said)| text.replace(word, said))
+        };
+        let all = include_str!("definitions.txt")
+            .lines()
+            .filter_map(|line| line.split_once(" | "));
+        let protocol = self
+            .protocol
+            .map(|protocol| ("protocol", format!("{}: {}", protocol.name(), protocol.source())));
+        all.map(|(name, text)| (name, filled(text))).chain(protocol).collect()
+    }
+}

@@ -1,0 +1,82 @@
+//! Whole curves where the figures are single points: precision over recall, and how often the model is found from each confidence up.
+
+use serde::Serialize;
+
+use super::summary::boxes;
+use super::{MATCH_IOU, Rate, Scores, Summary};
+use scaleproof_core::ap::Ranked;
+use scaleproof_core::statistics::wilson_95;
+
+/// The curves of one detector on one variant, over all its photos.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curves {
+    pub detector: String,
+    pub variant: String,
+    /// Where the precision changes its course, from the most confident detection on, at IoU 0.5.
+    pub precision_recall: Vec<CurvePoint>,
+    /// From confidence 0 to 1 in steps of 0.05.
+    pub hit_rate: Vec<HitRateFrom>,
+}
+
+/// Precision and recall of the detections down to one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    pub recall: f64,
+    pub precision: f64,
+}
+
+/// How many photos show the model at some confidence or more.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HitRateFrom {
+    pub confidence: f64,
+    #[serde(flatten)]
+    pub rate: Rate,
+}
+
+const STEPS: u32 = 20;
+
+/// The curves of every detector on every variant, in the order of the summaries.
+pub fn curves(scores: &Scores) -> Vec<Curves> {
+    let of = |s: &Summary| {
+        let detector = scores.detectors.iter().position(|d| d.manifest.name == s.detector)?;
+        Some(curves_of(scores, detector, &s.variant))
+    };
+    scores.summaries.iter().filter_map(of).collect()
+}
+
+fn curves_of(scores: &Scores, detector: usize, variant: &str) -> Curves {
+    let evaluated = &scores.detectors[detector];
+    let photos = || scores.photos.iter().filter(|p| p.variant == variant);
+    let images: Vec<_> = photos().map(|p| boxes(p, detector, &evaluated.counted)).collect();
+    let curve = Ranked::new(&images, MATCH_IOU).curve(|_| 1).unwrap_or_default();
+    let found_from = |confidence: f64| {
+        // A photo without any find has confidence 0, and is none from 0 up either.
+        let finds = photos().filter(|p| p.outcomes[detector].confidence >= confidence.max(f64::MIN_POSITIVE));
+        let count = finds.count();
+        let (low, high) = wilson_95(count, images.len())?;
+        let rate = count as f64 / images.len() as f64;
+        Some(HitRateFrom {
+            confidence,
+            rate: Rate { count, rate, low, high },
+        })
+    };
+    Curves {
+        detector: evaluated.manifest.name.clone(),
+        variant: variant.to_owned(),
+        precision_recall: corners(&curve),
+        hit_rate: (0..=STEPS)
+            .filter_map(|step| found_from(f64::from(step) / f64::from(STEPS)))
+            .collect(),
+    }
+}
+
+/// The points at which recall begins or ends to rise: between two of them precision only falls.
+fn corners(curve: &[(f64, f64)]) -> Vec<CurvePoint> {
+    let rises = |i: usize| i < curve.len() && curve[i].1 > i.checked_sub(1).map_or(0.0, |before| curve[before].1);
+    let is_corner = |i: &usize| rises(*i) || rises(i + 1);
+    let points = (0..curve.len()).filter(is_corner).map(|i| CurvePoint {
+        recall: curve[i].1,
+        precision: curve[i].0,
+    });
+    points.collect()
+}

@@ -1,0 +1,37 @@
+//! The colours of a photo, decoded as large as somebody needs them.
+
+use image::RgbImage;
+
+use scaleproof_core::workers::stopwatch::{Stage, timed};
+use scaleproof_photo::photo::{Photo, PhotoError};
+
+/// The colours of a photo at the sizes that were requested.
+pub(super) struct DecodedPhoto<'a> {
+    pub file: &'a Photo,
+    /// Each with the factor by which it is reduced.
+    images: Vec<(u32, RgbImage)>,
+}
+
+impl DecodedPhoto<'_> {
+    pub(super) fn of(file: &Photo) -> DecodedPhoto<'_> {
+        DecodedPhoto {
+            file,
+            images: Vec::new(),
+        }
+    }
+
+    /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
+    /// image whichever others take part.
+    pub(super) fn at_least(&mut self, least: [u32; 2]) -> Result<&RgbImage, PhotoError> {
+        let reduction = self.file.reduction(least);
+        let at = match self.images.iter().position(|(r, _)| *r == reduction) {
+            Some(at) => at,
+            None => {
+                let image = timed(Stage::Colour, || self.file.rgb(reduction))?;
+                self.images.push((reduction, image));
+                self.images.len() - 1
+            }
+        };
+        Ok(&self.images[at].1)
+    }
+}

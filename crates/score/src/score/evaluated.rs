@@ -1,0 +1,205 @@
+//! A detector that a run evaluates: live, or played back from a recording.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use scaleproof_core::files;
+use scaleproof_detect::{
+    DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults, ProgramDetector,
+    Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
+};
+use scaleproof_pose::scene::Classes;
+use scaleproof_session::session::Session;
+
+/// A detector of a run.
+#[derive(Debug, Clone)]
+pub struct EvaluatedDetector {
+    /// What is known of it.
+    pub manifest: Manifest,
+    /// Whether it runs or is played back.
+    pub source: DetectionSource,
+    /// The detector's labels that count as the model, by their numbers, at least one.
+    pub counted: Vec<usize>,
+}
+
+/// Where a detector's detections come from.
+#[derive(Debug, Clone)]
+pub enum DetectionSource {
+    /// ONNX Runtime runs these weights, whose hash was checked.
+    Live(PathBuf),
+    /// Detections stored with the sessions.
+    Recorded(Vec<Recorded>),
+    /// Files that another program wrote.
+    Outside(Arc<OutsideResults>),
+    /// A program that runs.
+    Program(Arc<ProgramDetector>),
+    /// Another program, which is not needed here: the photos were looked at elsewhere.
+    Elsewhere(Box<ForeignCard>),
+}
+
+/// Why a detector cannot take part.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum EvaluatedDetectorError {
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    #[error(transparent)]
+    Recorded(#[from] RecordedError),
+    #[error(transparent)]
+    NoSuchClass(#[from] NoSuchClass),
+    #[error(transparent)]
+    Outside(#[from] OutsideError),
+    #[error("the manifest of {detector} is not valid: {fault}")]
+    ClassMap { detector: String, fault: String },
+}
+
+/// The folder of a session that holds recordings.
+const RECORDED: &str = "recorded";
+
+impl EvaluatedDetector {
+    /// A detector that will run.
+    pub fn live(
+        manifest: Manifest,
+        folders: &WeightFolders,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let source = DetectionSource::Live(folders.checked(&manifest)?);
+        EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// A detector played back from the recordings of some session folders.
+    pub fn recorded(
+        manifest: Manifest,
+        sessions: &[&Path],
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let recordings = sessions
+            .iter()
+            .map(|folder| Recorded::open(&folder.join(RECORDED), &manifest));
+        let source = DetectionSource::Recorded(recordings.collect::<Result<_, _>>()?);
+        EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// A detector that ran elsewhere, for shards: it needs no weights here.
+    pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let source = DetectionSource::Live(PathBuf::from(&manifest.weights.file));
+        EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// A detector whose detections another program wrote into files.
+    pub fn outside(results: OutsideResults, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let manifest = Manifest::of_foreign(results.card());
+        EvaluatedDetector::new(manifest, DetectionSource::Outside(Arc::new(results)), class)
+    }
+
+    /// A detector that is a program.
+    pub fn program(program: ProgramDetector, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let manifest = Manifest::of_foreign(program.card());
+        if let Some(fault) = manifest.class_map_fault() {
+            return Err(EvaluatedDetectorError::ClassMap {
+                detector: manifest.name,
+                fault,
+            });
+        }
+        EvaluatedDetector::new(manifest, DetectionSource::Program(Arc::new(program)), class)
+    }
+
+    /// A detector of another program that looked at the photos elsewhere, for shards.
+    pub fn foreign_elsewhere(card: &ForeignCard, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let source = DetectionSource::Elsewhere(Box::new(card.clone()));
+        EvaluatedDetector::new(Manifest::of_foreign(card), source, class)
+    }
+
+    /// What is known of a detector that another program runs or has run.
+    pub fn foreign(&self) -> Option<&ForeignCard> {
+        match &self.source {
+            DetectionSource::Live(_) | DetectionSource::Recorded(_) => None,
+            DetectionSource::Outside(results) => Some(results.card()),
+            DetectionSource::Program(program) => Some(program.card()),
+            DetectionSource::Elsewhere(card) => Some(card),
+        }
+    }
+
+    /// Whether ONNX Runtime runs it.
+    pub fn is_live(&self) -> bool {
+        matches!(self.source, DetectionSource::Live(_))
+    }
+
+    /// Where its detections come from, in a word.
+    pub fn source_name(&self) -> &'static str {
+        match (self.foreign(), self.is_recorded()) {
+            (Some(card), _) => card.kind.name(),
+            (None, true) => "recorded",
+            (None, false) => "live",
+        }
+    }
+
+    /// Where a session's recordings lie.
+    pub fn recordings_of(session: &Path) -> PathBuf {
+        session.join(RECORDED)
+    }
+
+    fn new(
+        manifest: Manifest,
+        source: DetectionSource,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        Ok(EvaluatedDetector {
+            counted: manifest.counted(class.labels())?,
+            manifest,
+            source,
+        })
+    }
+
+    /// True when the detections are played back.
+    pub fn is_recorded(&self) -> bool {
+        matches!(self.source, DetectionSource::Recorded(_))
+    }
+
+    /// Whether a detection counts as the model, wherever it is.
+    pub fn counts(&self, detection: &Detection) -> bool {
+        self.counted.contains(&detection.label)
+    }
+
+    /// Names of its classes.
+    pub fn labels(&self) -> Labels {
+        self.manifest.labels
+    }
+
+    /// SHA-256 of all that the manifest says except where it lies, and of the recordings that are played back.
+    pub fn fingerprint(&self) -> String {
+        let anywhere = Manifest {
+            folder: None,
+            ..self.manifest.clone()
+        };
+        let recordings: Vec<_> = match &self.source {
+            DetectionSource::Recorded(recordings) => recordings.iter().map(|r| &r.recording).collect(),
+            _ => Vec::new(),
+        };
+        files::sha256_hex(format!("{anywhere:?} {recordings:?}").as_bytes())
+    }
+}
+
+/// The detectors with the weights in `folders`, or played back from the recordings of the sessions without any.
+pub fn evaluated_detectors(
+    sessions: &[Session],
+    manifests: Vec<Manifest>,
+    folders: Option<&WeightFolders>,
+) -> Result<Vec<EvaluatedDetector>, EvaluatedDetectorError> {
+    let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+        return Ok(Vec::new());
+    };
+    let places: Vec<&Path> = sessions.iter().map(|s| s.folder.as_path()).collect();
+    let detector = |m| match folders {
+        Some(folders) => EvaluatedDetector::live(m, folders, class),
+        None => EvaluatedDetector::recorded(m, &places, class),
+    };
+    manifests.into_iter().map(detector).collect()
+}
+
+/// The ONNX Runtime, when some detector runs.
+pub fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
+    let is_needed = detectors.iter().any(EvaluatedDetector::is_live);
+    is_needed.then(Runtime::load).transpose()
+}

@@ -1,0 +1,112 @@
+//! COCO annotations of whole photos (cocodataset.org, "Data format", object detection).
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path};
+
+use serde::Deserialize;
+
+use super::{LabelledPhoto, LabelledPhotos, Object};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_detect::Labels;
+
+/// Other keys are passed over.
+#[derive(Deserialize)]
+struct File {
+    images: Vec<Image>,
+    annotations: Vec<Annotation>,
+    categories: Vec<Category>,
+}
+
+#[derive(Deserialize)]
+struct Image {
+    id: u64,
+    file_name: String,
+}
+
+#[derive(Deserialize)]
+struct Annotation {
+    image_id: u64,
+    category_id: u64,
+    /// x, y, width, height in px.
+    bbox: [f64; 4],
+    #[serde(default)]
+    iscrowd: u8,
+}
+
+#[derive(Deserialize)]
+struct Category {
+    id: u64,
+    name: String,
+}
+
+pub(super) fn read(path: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, FileError> {
+    let text = files::read_text(path)?;
+    let refused = |message: String| FileError::content(path, message);
+    let file: File = serde_json::from_str(&text).map_err(|e| refused(format!("line {}: {e}", e.line())))?;
+    let label_of = |name: &str| (0..labels.count()).find(|label| labels.name(*label) == Some(name));
+    let (mut known, mut unknown) = (BTreeMap::new(), Vec::new());
+    for category in &file.categories {
+        match label_of(&category.name) {
+            Some(label) => drop(known.insert(category.id, label)),
+            None => unknown.push(category.name.clone()),
+        }
+    }
+    if known.is_empty() {
+        let first: Vec<String> = unknown.iter().take(5).map(|name| format!("{name:?}")).collect();
+        return Err(refused(format!(
+            "none of its categories ({}) is a label of the detector",
+            first.join(", ")
+        )));
+    }
+    let mut photos: BTreeMap<u64, LabelledPhoto> = BTreeMap::new();
+    for image in &file.images {
+        let name = Path::new(&image.file_name);
+        if !name
+            .components()
+            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+        {
+            return Err(refused(format!(
+                "image {}: the file name {:?} leaves the folder of photos",
+                image.id, image.file_name
+            )));
+        }
+        let photo = LabelledPhoto {
+            path: folder.join(name),
+            objects: Vec::new(),
+        };
+        if photos.insert(image.id, photo).is_some() {
+            return Err(refused(format!("image {}: its id appears twice", image.id)));
+        }
+    }
+    for annotation in &file.annotations {
+        let [x, y, width, height] = annotation.bbox;
+        let photo = photos.get_mut(&annotation.image_id).ok_or_else(|| {
+            refused(format!(
+                "an annotation names image {}, which is not in `images`",
+                annotation.image_id
+            ))
+        })?;
+        if !annotation.bbox.iter().all(|v| v.is_finite()) || width < 0.0 || height < 0.0 {
+            return Err(refused(format!(
+                "image {}: bbox is {:?}: give x, y, width and height in px",
+                annotation.image_id, annotation.bbox
+            )));
+        }
+        if let Some(label) = known.get(&annotation.category_id) {
+            photo.objects.push(Object {
+                label: *label,
+                box_px: BoxPx::new(x, y, x + width, y + height),
+                is_crowd: annotation.iscrowd != 0,
+            });
+        }
+    }
+    if photos.values().any(|photo| !photo.objects.is_empty()) {
+        Ok(LabelledPhotos {
+            photos: photos.into_values().collect(),
+            unknown,
+        })
+    } else {
+        Err(refused("it has no object with a label of the detector".to_owned()))
+    }
+}

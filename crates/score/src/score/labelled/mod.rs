@@ -1,0 +1,185 @@
+//! A detector on photos whose objects are all labelled, as its origin scored it; and, where the figure is another, what explains it.
+
+mod coco;
+mod feeding;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, ious, over_ious};
+use scaleproof_core::files::FileError;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::{statistics, workers};
+use scaleproof_detect::{DetectError, Detection, Detector, Labels, Manifest, Runtime};
+use scaleproof_photo::photo::{Photo, PhotoError};
+
+pub use feeding::feedings;
+
+/// Why a detector cannot be held against labels.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LabelledError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error(transparent)]
+    Detector(#[from] DetectError),
+}
+
+/// Photos with all their objects.
+#[derive(Debug)]
+pub struct LabelledPhotos {
+    pub photos: Vec<LabelledPhoto>,
+    /// Categories whose names are no label of the detector, and which are left out.
+    pub unknown: Vec<String>,
+}
+
+#[derive(Debug, Clone)]
+pub struct LabelledPhoto {
+    path: PathBuf,
+    objects: Vec<Object>,
+}
+
+#[derive(Debug, Clone)]
+struct Object {
+    /// Index into the detector's labels.
+    label: usize,
+    box_px: BoxPx,
+    is_crowd: bool,
+}
+
+/// COCO's two averages over the categories that have an object, crowds not counted.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Averages {
+    /// AP@\[.5:.95\], the figure that papers and repositories state for COCO.
+    pub ap_50_95: f64,
+    /// AP@0.5.
+    pub ap_50: f64,
+}
+
+/// The detections of each photo, in the photos' order.
+type Found = Vec<Vec<Detection>>;
+
+impl LabelledPhotos {
+    /// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector with these labels.
+    ///
+    /// # Errors
+    /// What is no such file; boxes that are none; no category that is a label.
+    pub fn read(annotations: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, LabelledError> {
+        Ok(coco::read(annotations, folder, labels)?)
+    }
+
+    /// Boxes that count, and how many labels they have.
+    pub fn counts(&self) -> [usize; 2] {
+        let objects = self.photos.iter().flat_map(|photo| &photo.objects);
+        let labels = objects.filter(|object| !object.is_crowd).map(|object| object.label);
+        let mut labels: Vec<usize> = labels.collect();
+        let boxes = labels.len();
+        labels.sort_unstable();
+        labels.dedup();
+        [boxes, labels.len()]
+    }
+
+    /// So many of the photos, spread evenly over the list.
+    pub fn sample(&self, count: usize) -> LabelledPhotos {
+        let all = self.photos.len();
+        let count = count.min(all);
+        LabelledPhotos {
+            photos: (0..count).map(|i| self.photos[i * all / count].clone()).collect(),
+            unknown: Vec::new(),
+        }
+    }
+
+    /// What a detector finds in all photos.
+    ///
+    /// # Errors
+    /// A photo that cannot be read, or a detector that fails.
+    pub fn look(
+        &self,
+        manifest: &Manifest,
+        weights: &Path,
+        on_photo: impl Fn() + Sync,
+    ) -> Result<Found, LabelledError> {
+        let open = || -> Result<Detector, LabelledError> { Ok(Detector::open(Runtime::load()?, manifest, weights)?) };
+        let look = |detector: &mut Detector, labelled: &LabelledPhoto| {
+            let photo = Photo::open(&labelled.path)?;
+            let image = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
+            Ok(detector.detect_reduced(&image, photo.width, photo.height)?)
+        };
+        workers::map(&self.photos, open, look, on_photo)
+    }
+
+    /// The averages of what was found; with `shift`, of labels that many entries further down the list. `None` without any object.
+    pub fn averages(&self, found: &Found, shift: i64) -> Option<Averages> {
+        let highest = self
+            .photos
+            .iter()
+            .flat_map(|photo| &photo.objects)
+            .map(|object| object.label)
+            .max()?;
+        let of_label = (0..=highest).filter_map(|label| {
+            let images: Vec<ImageBoxes> = (self.photos.iter().zip(found))
+                .map(|(photo, found)| boxes(photo, found, label, shift))
+                .collect();
+            let ap_50 = average_precision_as(ApDefinition::Coco101, &images, 0.5)?.ap;
+            let ap_50_95 = over_ious(ApDefinition::Coco101, &images)?.ap;
+            Some([ap_50_95, ap_50])
+        });
+        let of_label: Vec<[f64; 2]> = of_label.collect();
+        let mean = |i: usize| of_label.iter().map(|averages| averages[i]).sum::<f64>() / of_label.len() as f64;
+        (!of_label.is_empty()).then(|| Averages {
+            ap_50_95: mean(0),
+            ap_50: mean(1),
+        })
+    }
+
+    /// What a change gains in AP@[.5:.95] at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
+    /// interval over photos. `None` with too few of them.
+    pub fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> Option<f64> {
+        let labels: BTreeSet<usize> = self
+            .photos
+            .iter()
+            .flat_map(|photo| &photo.objects)
+            .map(|o| o.label)
+            .collect();
+        let ranked = |found: &Found, label: usize, shift: i64| {
+            let images = self.photos.iter().zip(found);
+            let images: Vec<ImageBoxes> = images.map(|(photo, found)| boxes(photo, found, label, shift)).collect();
+            ious().map(move |iou| Ranked::new(&images, iou))
+        };
+        let of_label = |label: &usize| ranked(before, *label, 0).zip(ranked(after, *label, shift));
+        let sides: Vec<(Ranked, Ranked)> = labels.iter().flat_map(of_label).collect();
+        let [interval] = statistics::intervals_95(self.photos.len(), |times| [gain(&sides, times)]);
+        match interval {
+            Some(interval) => Some(interval.low),
+            // Every draw gained the same.
+            None if self.photos.len() >= statistics::FEWEST_CLUSTERS => Some(gain(&sides, &vec![1; self.photos.len()])),
+            None => None,
+        }
+    }
+}
+
+/// The mean difference over the labels that have an object in the resample, and over the thresholds.
+fn gain(sides: &[(Ranked, Ranked)], times: &[u32]) -> f64 {
+    let ap = |ranked: &Ranked| Some(ApDefinition::Coco101.of_curve(&ranked.curve(|image| times[image])?));
+    let gains: Vec<f64> = sides
+        .iter()
+        .filter_map(|(before, after)| Some(ap(after)? - ap(before)?))
+        .collect();
+    gains.iter().sum::<f64>() / gains.len().max(1) as f64
+}
+
+fn boxes(photo: &LabelledPhoto, found: &[Detection], label: usize, shift: i64) -> ImageBoxes {
+    let of = |is_crowd: bool| {
+        let objects = photo.objects.iter();
+        let kept = objects.filter(move |object| object.label == label && object.is_crowd == is_crowd);
+        kept.map(|object| object.box_px).collect()
+    };
+    let detections = found.iter().filter(|d| d.label as i64 + shift == label as i64);
+    ImageBoxes {
+        truths: of(false),
+        crowds: of(true),
+        detections: detections.map(|d| (d.score, d.box_px)).collect(),
+    }
+}

@@ -1,0 +1,467 @@
+//! What the pixels of a photo say: tags, detections, a preview. All that is slow is in here, and all of it can be kept.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use image::RgbImage;
+use serde::{Deserialize, Serialize};
+
+use super::cache::{Cache, Key};
+use super::decoded::DecodedPhoto;
+use super::error::ScoreError;
+use super::{DetectionSource, EvaluatedDetector, NotScored, preview};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::workers;
+use scaleproof_core::workers::stopwatch::{Stage, timed};
+use scaleproof_detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
+use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_pose::locate::{Located, locate_luma, locate_tags};
+use scaleproof_pose::scene::TagFamily;
+use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof_session::session::{PhotoEntry, Session};
+
+/// How a run is done.
+#[derive(Debug)]
+pub struct Options {
+    /// Photos that are looked at side by side.
+    pub threads: usize,
+    /// Where results are kept for the next run.
+    pub cache: Option<Cache>,
+    /// What finds tags: this one changes results, and the cache is opened for it.
+    pub tags: TagDetectorChoice,
+}
+
+impl Default for Options {
+    /// One thread a core, nothing kept.
+    fn default() -> Options {
+        Options {
+            threads: workers::thread_count(),
+            cache: None,
+            tags: TagDetectorChoice::default(),
+        }
+    }
+}
+
+/// What the results depend on besides the photos, the detectors and this program: versions of libraries.
+pub fn libraries(tags: TagDetectorChoice) -> String {
+    tags.provenance()
+}
+
+/// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Observation {
+    /// SHA-256 of the file, hex.
+    pub sha256: String,
+    /// Of the upright photo, in pixels.
+    pub width: u32,
+    pub height: u32,
+    /// How far EXIF turned the photo clockwise.
+    pub turned_deg: u32,
+    /// When and how it was taken, as EXIF says.
+    pub taken: Option<String>,
+    pub exposure: Option<String>,
+    /// Empty when the session says where the model is. Of the scene's tags, those that were needed for its pose.
+    pub tags: Vec<SeenTag>,
+    /// One list per detector, best first.
+    pub detections: Vec<Vec<Detection>>,
+    /// A small JPEG for the report; empty when it shows other photos.
+    pub preview_jpeg: Vec<u8>,
+}
+
+/// Why a photo is left out, as a sentence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[error("{0}")]
+pub struct NotScoredReason(pub(super) String);
+
+impl NotScoredReason {
+    fn of(reason: impl ToString) -> NotScoredReason {
+        NotScoredReason(reason.to_string())
+    }
+}
+
+/// One photo to be scored.
+pub(super) struct ScoringJob<'a> {
+    /// From 1, in the order of the sessions.
+    pub id: u64,
+    pub session_index: usize,
+    pub session: &'a Session,
+    pub entry: &'a PhotoEntry,
+}
+
+impl ScoringJob<'_> {
+    pub(super) fn all(sessions: &[Session]) -> Vec<ScoringJob<'_>> {
+        let entries = sessions
+            .iter()
+            .enumerate()
+            .flat_map(|(i, s)| s.photos.iter().map(move |entry| (i, s, entry)));
+        (1..)
+            .zip(entries)
+            .map(|(id, (session_index, session, entry))| ScoringJob {
+                id,
+                session_index,
+                session,
+                entry,
+            })
+            .collect()
+    }
+
+    pub(super) fn left_out(&self, reason: NotScoredReason) -> NotScored {
+        NotScored {
+            session: self.session.name.clone(),
+            file: self.entry.file.clone(),
+            variant: self.entry.variant.clone(),
+            reason: reason.0,
+        }
+    }
+
+    /// Among the photos of the run, from 0.
+    fn index(&self) -> usize {
+        usize::try_from(self.id.saturating_sub(1)).unwrap_or(usize::MAX)
+    }
+
+    fn needs_tags(&self) -> bool {
+        self.entry.box_xyxy_px.is_none() || self.entry.viewpoint.is_none()
+    }
+}
+
+/// Where the model is in a photo, and from where it was seen.
+pub(super) struct PlacedModel {
+    pub located: Option<Located>,
+    pub truth: BoxPx,
+}
+
+/// The session's own truth and viewpoint where it has them, else from the tags; or why there is none.
+pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel, NotScoredReason> {
+    let scene = &job.session.scene;
+    let given = job
+        .entry
+        .box_xyxy_px
+        .map(|b| b.clipped(seen.width.into(), seen.height.into()));
+    if given.is_some_and(|b| !b.is_solid()) {
+        return Err(NotScoredReason::of(
+            "box_xyxy_px lies outside the photo: is it another photo's?",
+        ));
+    }
+    if let (Some(truth), false) = (given, job.needs_tags()) {
+        return Ok(PlacedModel { located: None, truth });
+    }
+    let camera = job.session.known_camera().map_err(NotScoredReason::of)?;
+    let photo = locate_tags(
+        seen.tags.clone(),
+        (seen.width, seen.height),
+        seen.turned_deg,
+        scene,
+        camera,
+    );
+    if let Some(truth) = given {
+        let located = photo.result.ok();
+        return Ok(PlacedModel { located, truth });
+    }
+    let (located, fitted) = photo.pose_and_camera().map_err(NotScoredReason::of)?;
+    let truth = job.session.outline.box_in_photo(&located.pose, &fitted.camera);
+    Ok(PlacedModel {
+        truth: truth.map_err(NotScoredReason::of)?,
+        located: Some(located),
+    })
+}
+
+/// What each thread owns.
+pub(super) struct Observer<'a> {
+    families: &'a [TagFamily],
+    detectors: &'a [EvaluatedDetector],
+    runtime: Option<&'static Runtime>,
+    cache: Option<&'a Cache>,
+    /// Photos of the whole run, of which this one may see a part.
+    photos: usize,
+    tags: Box<dyn TagDetector>,
+    /// Opened when first needed, so that a run whose results are kept loads no network.
+    loaded: Vec<Option<Detector>>,
+}
+
+/// A part of a photo, of which there is an image.
+pub(super) struct PhotoPart<'a> {
+    pub path: &'a Path,
+    /// As the session names it.
+    pub file: &'a str,
+    pub sha256: &'a str,
+    /// Where it is in the photo, px.
+    pub window: BoxPx,
+    /// What the image depends on besides the photo's content.
+    pub name: &'a str,
+}
+
+impl PhotoPart<'_> {
+    /// Detections in an image of the part, where they are in the photo.
+    fn in_photo(&self, found: Vec<Detection>, (width, height): (u32, u32)) -> Vec<Detection> {
+        let BoxPx { x1, y1, x2, y2 } = self.window;
+        let (across, down) = ((x2 - x1) / f64::from(width), (y2 - y1) / f64::from(height));
+        let moved = found.into_iter().filter_map(|d| {
+            let b = d.box_px;
+            let in_photo = BoxPx {
+                x1: x1 + across * b.x1,
+                y1: y1 + down * b.y1,
+                x2: x1 + across * b.x2,
+                y2: y1 + down * b.y2,
+            };
+            Detection::new(d.label, d.score, in_photo)
+        });
+        moved.collect()
+    }
+}
+
+/// Why a photo could not be observed.
+enum Stop {
+    /// It is left out.
+    Photo(NotScoredReason),
+    /// The run ends.
+    Run(ScoreError),
+}
+
+impl Stop {
+    fn of_network(error: DetectError) -> Stop {
+        match error {
+            DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(error)),
+            error => Stop::Run(error.into()),
+        }
+    }
+
+    fn of_program(error: ProgramError) -> Stop {
+        match error {
+            ProgramError::Declined { .. } => Stop::Photo(NotScoredReason::of(error)),
+            error => Stop::Run(error.into()),
+        }
+    }
+}
+
+impl From<PhotoError> for Stop {
+    fn from(e: PhotoError) -> Stop {
+        Stop::Photo(NotScoredReason::of(e))
+    }
+}
+
+impl<'a> Observer<'a> {
+    pub(super) fn new(
+        (families, tags): (&'a [TagFamily], TagDetectorChoice),
+        detectors: &'a [EvaluatedDetector],
+        runtime: Option<&'static Runtime>,
+        cache: Option<&'a Cache>,
+        photos: usize,
+    ) -> Result<Observer<'a>, ScoreError> {
+        Ok(Observer {
+            families,
+            detectors,
+            runtime,
+            cache,
+            photos,
+            tags: tags.open(families)?,
+            loaded: detectors.iter().map(|_| None).collect(),
+        })
+    }
+
+    /// The outer error ends the run, the inner one only leaves the photo out.
+    pub(super) fn photo(
+        &mut self,
+        job: &ScoringJob,
+    ) -> Result<Result<(Observation, PlacedModel), NotScored>, ScoreError> {
+        match self.observe(job) {
+            Ok(seen) => Ok(Ok(seen)),
+            Err(Stop::Photo(reason)) => Ok(Err(job.left_out(reason))),
+            Err(Stop::Run(e)) => Err(e),
+        }
+    }
+
+    /// Tags first: no detector looks at a photo that cannot be placed.
+    fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
+        let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
+        let shot = photo.shot();
+        let mut seen = Observation {
+            sha256: photo.sha256.clone(),
+            width: photo.width,
+            height: photo.height,
+            turned_deg: photo.turned_deg,
+            taken: shot.taken,
+            exposure: shot.exposure,
+            tags: if job.needs_tags() {
+                self.tags(job.session, &photo)?
+            } else {
+                Vec::new()
+            },
+            detections: Vec::new(),
+            preview_jpeg: Vec::new(),
+        };
+        let place = timed(Stage::Pose, || place(job, &seen)).map_err(Stop::Photo)?;
+        let mut decoded = DecodedPhoto::of(&photo);
+        for index in 0..self.detectors.len() {
+            seen.detections.push(self.detections(index, job, &mut decoded)?);
+        }
+        if preview::has_preview(job.id, self.photos) {
+            let side_px = preview::longest_side_px(self.photos);
+            let key = self.key(&["preview", &photo.sha256, &side_px.to_string()]);
+            seen.preview_jpeg = self.kept(key, |_| Ok(preview::jpeg(&mut decoded, side_px)?))?;
+        }
+        Ok((seen, place))
+    }
+
+    /// The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
+    fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
+        let scene = &session.scene;
+        let camera = session
+            .known_camera()
+            .map_err(|e| Stop::Photo(NotScoredReason::of(e)))?;
+        let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
+        let key = self.key(&["tags", &photo.sha256, &searched]);
+        self.kept(key, |own| {
+            let luma = timed(Stage::Read, || photo.luma_where_seen())?;
+            let search = || locate_luma(luma.as_ref(), photo.turned_deg, scene, camera, own.tags.as_mut());
+            Ok(timed(Stage::Tags, search).seen)
+        })
+    }
+
+    fn detections(
+        &mut self,
+        index: usize,
+        job: &ScoringJob,
+        decoded: &mut DecodedPhoto,
+    ) -> Result<Vec<Detection>, Stop> {
+        let detector = &self.detectors[index];
+        let weights = match &detector.source {
+            DetectionSource::Live(weights) => weights,
+            DetectionSource::Recorded(recordings) => {
+                let found = recordings.iter().find_map(|r| r.of_photo(&decoded.file.sha256));
+                let not_recorded = || ScoreError::NotRecorded {
+                    file: job.entry.file.clone(),
+                    detector: detector.manifest.name.clone(),
+                };
+                return Ok(found.ok_or_else(not_recorded).map_err(Stop::Run)?.to_vec());
+            }
+            DetectionSource::Outside(results) => {
+                let size = [decoded.file.width, decoded.file.height];
+                let found = results.of_photo(job.index(), &job.entry.file, size);
+                return found.map_err(|e| Stop::Run(e.into()));
+            }
+            DetectionSource::Program(program) => return self.by_program(program, job, decoded),
+            DetectionSource::Elsewhere(card) => {
+                let (detector, file) = (card.name.clone(), job.entry.file.clone());
+                return Err(Stop::Run(ScoreError::NotRecorded { file, detector }));
+            }
+        };
+        let manifest = &detector.manifest;
+        let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
+        let key = self.key(&["detections", &decoded.file.sha256, &manifest.weights.sha256, &read]);
+        self.kept(key, |own| {
+            let (width, height) = (decoded.file.width, decoded.file.height);
+            let image = decoded.at_least(manifest.least_px(width, height))?;
+            let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
+            let found = timed(Stage::Network, || loaded.detect_reduced(image, width, height));
+            found.map_err(Stop::of_network)
+        })
+    }
+
+    /// What a program answers is kept for later runs only when it says that it always answers alike.
+    fn by_program(
+        &mut self,
+        program: &ProgramDetector,
+        job: &ScoringJob,
+        decoded: &mut DecodedPhoto,
+    ) -> Result<Vec<Detection>, Stop> {
+        let sha256 = decoded.file.sha256.clone();
+        if let Some(found) = program.answered(&sha256) {
+            return Ok(found);
+        }
+        let key = self.key(&["program", &sha256, &program.card().sha256()]);
+        let found = self.kept(key.filter(|_| program.is_deterministic()), |_| {
+            let size = [decoded.file.width, decoded.file.height];
+            let pixels = program.takes_pixels().then(|| decoded.at_least(size)).transpose()?;
+            let found = program.detect(&ProgramPhoto {
+                path: &job.session.photo_path(job.entry),
+                file: &job.entry.file,
+                size,
+                pixels,
+            });
+            found.map_err(Stop::of_program)
+        })?;
+        program.remember(&sha256, &found);
+        Ok(found)
+    }
+
+    /// What a detector finds in an image of a part of a photo, in the photo's pixels, or why it says nothing of it. `image` is called where nothing is
+    /// kept.
+    pub(super) fn in_part(
+        &mut self,
+        index: usize,
+        part: &PhotoPart,
+        image: &mut dyn FnMut() -> Result<Arc<RgbImage>, ScoreError>,
+    ) -> Result<Result<Vec<Detection>, NotScoredReason>, ScoreError> {
+        let detector = &self.detectors[index];
+        let found = match &detector.source {
+            DetectionSource::Live(weights) => {
+                let manifest = &detector.manifest;
+                let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
+                let key = self.key(&["part", part.name, part.sha256, &manifest.weights.sha256, &read]);
+                self.kept(key, |own| {
+                    let image = image().map_err(Stop::Run)?;
+                    let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
+                    let found = loaded.detect(&image).map_err(Stop::of_network)?;
+                    Ok(part.in_photo(found, image.dimensions()))
+                })
+            }
+            DetectionSource::Program(program) => {
+                let key = self.key(&["part", part.name, part.sha256, &program.card().sha256()]);
+                self.kept(key.filter(|_| program.is_deterministic()), |_| {
+                    let image = image().map_err(Stop::Run)?;
+                    let found = program.detect(&ProgramPhoto {
+                        path: part.path,
+                        file: part.file,
+                        size: image.dimensions().into(),
+                        pixels: Some(&image),
+                    });
+                    Ok(part.in_photo(found.map_err(Stop::of_program)?, image.dimensions()))
+                })
+            }
+            _ => {
+                let detector = detector.manifest.name.clone();
+                return Err(ScoreError::NotCorruptible { detector });
+            }
+        };
+        match found {
+            Ok(found) => Ok(Ok(found)),
+            Err(Stop::Photo(reason)) => Ok(Err(reason)),
+            Err(Stop::Run(e)) => Err(e),
+        }
+    }
+
+    fn loaded(&mut self, index: usize, weights: &std::path::Path) -> Result<&mut Detector, DetectError> {
+        let opened = match self.loaded[index].take() {
+            Some(detector) => detector,
+            None => {
+                let runtime = match self.runtime {
+                    Some(runtime) => runtime,
+                    None => Runtime::load()?,
+                };
+                Detector::open(runtime, &self.detectors[index].manifest, weights)?
+            }
+        };
+        Ok(self.loaded[index].insert(opened))
+    }
+
+    fn key(&self, parts: &[&str]) -> Option<Key> {
+        self.cache.map(|cache| cache.key(parts))
+    }
+
+    /// What the cache has under a key, else what `compute` gives, which is then kept.
+    fn kept<T: Serialize + serde::de::DeserializeOwned>(
+        &mut self,
+        key: Option<Key>,
+        compute: impl FnOnce(&mut Self) -> Result<T, Stop>,
+    ) -> Result<T, Stop> {
+        let Some((cache, key)) = self.cache.zip(key) else {
+            return compute(self);
+        };
+        if let Some(value) = cache.get(&key) {
+            return Ok(value);
+        }
+        let value = compute(self)?;
+        cache.put(&key, &value);
+        Ok(value)
+    }
+}

@@ -1,0 +1,82 @@
+//! Per-photo values: everything later tables are made of.
+
+use serde::Serialize;
+
+use super::PhotoOutcome;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_detect::Detection;
+use scaleproof_pose::locate::Sigma;
+use scaleproof_pose::scene::{Bin, Viewpoint};
+use scaleproof_session::session::Conditions;
+
+/// A photo that was scored.
+#[derive(Debug, Clone)]
+pub struct ScoredPhoto {
+    /// From 1, in the order of the sessions.
+    pub id: u64,
+    /// Index of its session in the run.
+    pub session: usize,
+    /// As the session names it.
+    pub file: String,
+    /// SHA-256 of the file, hex.
+    pub sha256: String,
+    /// The pattern on the model.
+    pub variant: String,
+    /// Where it was taken.
+    pub place: Option<String>,
+    /// As the session states them.
+    pub conditions: Conditions,
+    /// Of the upright photo, px.
+    pub width: u32,
+    /// Of the upright photo, px.
+    pub height: u32,
+    /// Absent only when the session gave the truth box and the tags gave no pose.
+    pub viewpoint: Option<Viewpoint>,
+    /// The bin of the viewpoint.
+    pub bin: Option<Bin>,
+    /// Ids of the tags behind the pose; empty when the session gave the viewpoint.
+    pub tags: Vec<u32>,
+    /// Every tag that was seen, for the report.
+    pub tag_marks: Vec<TagMark>,
+    /// Reprojection error of the pose.
+    pub rms_px: Option<f64>,
+    /// Standard deviations of the viewpoint, where it follows from the pose.
+    pub sigma: Option<Sigma>,
+    /// When it was taken, as the session or EXIF says.
+    pub taken: Option<String>,
+    /// Exposure time, aperture and sensitivity, as EXIF says.
+    pub exposure: Option<String>,
+    /// The ground truth box.
+    pub truth: BoxPx,
+    /// True when the truth box came with the session instead of from the pose.
+    pub truth_given: bool,
+    /// One list per detector, best first.
+    pub detections: Vec<Vec<Detection>>,
+    /// One per detector.
+    pub outcomes: Vec<PhotoOutcome>,
+    /// A small JPEG for the report.
+    pub preview_jpeg: Vec<u8>,
+}
+
+/// Where a tag was seen in a photo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TagMark {
+    pub id: u32,
+    /// In pixels of the photo, around the tag.
+    pub corners_px: [[f64; 2]; 4],
+    /// True when the pose rests on it.
+    pub is_used: bool,
+}
+
+/// A photo that could not be scored.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotScored {
+    /// Name of the session's folder.
+    pub session: String,
+    /// As the session names it.
+    pub file: String,
+    /// The pattern on the model.
+    pub variant: String,
+    /// A sentence.
+    pub reason: String,
+}

@@ -1,0 +1,47 @@
+//! Small JPEGs of the photos for the report.
+
+use super::decoded::DecodedPhoto;
+use scaleproof_photo::photo::{PhotoError, preview_jpeg, shrunk};
+
+/// More decoded than this make a page that no browser shows, and a run that no memory holds.
+const MAX_PREVIEWS: usize = 1000;
+
+/// Longest side in pixels of the previews of so many photos: the fewer, the larger.
+pub(super) fn longest_side_px(photos: usize) -> u32 {
+    match photos {
+        0..=32 => 1200,
+        33..=200 => 640,
+        _ => 320,
+    }
+}
+
+/// Whether the photo of this id (from 1) has a preview in a run of so many photos: all, or a thousand spread evenly.
+pub(super) fn has_preview(id: u64, photos: usize) -> bool {
+    let share = |id: u64| id as u128 * MAX_PREVIEWS as u128 / photos as u128;
+    photos <= MAX_PREVIEWS || share(id) != share(id - 1)
+}
+
+/// The photo with its longest side made `longest_side_px`; never larger than it is.
+pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
+    let (width, height) = (f64::from(decoded.file.width), f64::from(decoded.file.height));
+    let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
+    let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
+    let image = decoded.at_least([width, height])?;
+    // Without a preview the report still has its numbers.
+    Ok(preview_jpeg(&shrunk(image, [width, height]), 80).unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thousand_photos_at_most_have_previews() {
+        for photos in [1, 999, 1000, 1001, 10_000, 21_600] {
+            let shown: Vec<u64> = (1..=photos as u64).filter(|id| has_preview(*id, photos)).collect();
+            assert_eq!(shown.len(), photos.min(1000));
+            let widest = shown.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(1);
+            assert!(widest as usize <= photos.div_ceil(1000), "spread evenly");
+        }
+    }
+}

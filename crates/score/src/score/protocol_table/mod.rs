@@ -1,0 +1,260 @@
+//! The table that a protocol's paper prints, filled from a run: its columns, its digits.
+
+mod apricot;
+mod armory;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::protocol::Protocol;
+use super::summary::{boxes, variants};
+use super::{EvaluatedDetector, ImageBoxes, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
+use apricot::targeted_ap;
+pub use apricot::targeted_ap as apricot_ap;
+pub use armory::armory_rates as rates_as_armory;
+use armory::{armory_ap, armory_rates};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::spelling::digits;
+use scaleproof_detect::Detection;
+
+/// A table of texts, as it is printed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ProtocolTable {
+    pub name: &'static str,
+    pub source: &'static str,
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The table of the run's protocol; none when it follows none.
+pub fn protocol_table(scores: &Scores) -> Option<ProtocolTable> {
+    let protocol = scores.criteria.protocol?;
+    let (columns, rows) = match protocol {
+        Protocol::Dta => by_texture(scores, ["AP@0.5", "confidence"], |s| {
+            [digits(s.overall.ap50, 2), digits(s.overall.mean_confidence, 2)]
+        }),
+        Protocol::Active => by_texture(scores, ["AP@0.5, %", "found, %"], |s| {
+            [
+                digits(100.0 * s.overall.ap50, 1),
+                significant(100.0 * s.overall.hit_rate.rate),
+            ]
+        }),
+        Protocol::PaDetBench => (PADETBENCH.map(str::to_owned).to_vec(), padetbench(scores)),
+        Protocol::Armory => (ARMORY.map(str::to_owned).to_vec(), rows(scores, armory)),
+        Protocol::Apricot => (APRICOT.map(str::to_owned).to_vec(), rows(scores, apricot)),
+    };
+    Some(ProtocolTable {
+        name: protocol.name(),
+        source: protocol.source(),
+        columns,
+        rows,
+    })
+}
+
+/// Fields of PADetBench's results.
+const PADETBENCH: [&str; 6] = ["adv_type", "benchmark", "model_name", "mAP 50", "mAR 50", "ASR"];
+
+/// Columns of Armory's evaluations.
+const ARMORY: [&str; 8] = [
+    "detector",
+    "texture",
+    "photos",
+    "AP of the model's class",
+    "disappearance rate",
+    "hallucinations per image",
+    "misclassification rate",
+    "true positive rate",
+];
+
+const APRICOT: [&str; 6] = ["detector", "texture", "photos", "target", "targeted AP", "fooled"];
+
+/// The figure of PADetBench's plain model and of the whole set of photos.
+const CLEAN: &str = "clean";
+const ENTIRE: &str = "entire";
+
+/// A condition of imported photos that names the part of PADetBench they belong to.
+const BENCHMARK: &str = "benchmark";
+
+/// A row for each texture, columns for each detector.
+fn by_texture(
+    scores: &Scores,
+    names: [&str; 2],
+    cells: impl Fn(&Summary) -> [String; 2],
+) -> (Vec<String>, Vec<Vec<String>>) {
+    let own = scores.detectors.iter().map(|d| &d.manifest.title);
+    let columns = own.flat_map(|title| names.map(|name| format!("{title} {name}")));
+    let row = |variant: &String| {
+        let of = |d: &EvaluatedDetector| {
+            let is_own = |s: &&Summary| s.variant == *variant && s.detector == d.manifest.name;
+            let summary = scores.summaries.iter().find(is_own);
+            summary.map_or_else(|| names.map(|_| String::new()), &cells)
+        };
+        let cells = scores.detectors.iter().flat_map(of);
+        [variant.clone()].into_iter().chain(cells).collect()
+    };
+    (
+        ["texture".to_owned()].into_iter().chain(columns).collect(),
+        variants(&scores.photos, &scores.base).iter().map(row).collect(),
+    )
+}
+
+/// A detector's photos of one texture.
+struct Shown<'a> {
+    index: usize,
+    detector: &'a EvaluatedDetector,
+    photos: Vec<&'a ScoredPhoto>,
+}
+
+impl Shown<'_> {
+    fn images(&self) -> Vec<ImageBoxes> {
+        let of = |p: &&ScoredPhoto| boxes(p, self.index, &self.detector.counted);
+        self.photos.iter().map(of).collect()
+    }
+
+    fn mean(&self, of: impl Fn(&ScoredPhoto) -> f64) -> f64 {
+        self.photos.iter().map(|p| of(p)).sum::<f64>() / self.photos.len() as f64
+    }
+}
+
+/// A row for each detector and texture: their names, how many photos, and `cells`.
+fn rows(scores: &Scores, cells: fn(&Scores, &Shown) -> Vec<String>) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    for (index, detector) in scores.detectors.iter().enumerate() {
+        for variant in variants(&scores.photos, &scores.base) {
+            let shown = Shown {
+                index,
+                detector,
+                photos: scores.photos.iter().filter(|p| p.variant == variant).collect(),
+            };
+            let head = [detector.manifest.title.clone(), variant, shown.photos.len().to_string()];
+            rows.push(head.into_iter().chain(cells(scores, &shown)).collect());
+        }
+    }
+    rows
+}
+
+fn armory(scores: &Scores, shown: &Shown) -> Vec<String> {
+    let least = (scores.criteria.match_iou(), scores.criteria.hit_confidence);
+    let of = |p: &ScoredPhoto| armory_rates(&[(&shown.detector.counted, p.truth)], &p.detections[shown.index], least);
+    vec![
+        armory_digits(armory_ap(&shown.images(), least.0)),
+        digits(shown.mean(|p| of(p).disappearance), 2),
+        digits(shown.mean(|p| of(p).hallucinations as f64), 2),
+        digits(shown.mean(|p| of(p).misclassification), 2),
+        digits(shown.mean(|p| of(p).true_positive), 2),
+    ]
+}
+
+fn apricot(scores: &Scores, shown: &Shown) -> Vec<String> {
+    let iou = scores.criteria.match_iou();
+    let images: Vec<(BoxPx, &[Detection])> = shown
+        .photos
+        .iter()
+        .map(|p| (p.truth, p.detections[shown.index].as_slice()))
+        .collect();
+    let strongest = shown.photos.iter().filter_map(|p| p.outcomes[shown.index].other);
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    for (label, _) in strongest {
+        *counts.entry(label).or_default() += 1;
+    }
+    // Of labels found as often the first.
+    let target = counts
+        .into_iter()
+        .reduce(|most, next| if next.1 > most.1 { next } else { most });
+    let target = target.map(|(label, _)| label);
+    let name = target.and_then(|label| shown.detector.labels().name(label));
+    let fooled = shown.photos.iter().filter(|p| p.outcomes[shown.index].other.is_some());
+    vec![
+        name.unwrap_or("–").to_owned(),
+        target.map_or("–".to_owned(), |label| {
+            armory_digits(targeted_ap(&images, label, iou))
+        }),
+        format!("{}/{}", fooled.count(), shown.photos.len()),
+    ]
+}
+
+/// A row for each detector, texture and part of the benchmark: all photos, the parts that their condition `benchmark` names, and the groups that
+/// were asked for.
+fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
+    let own = scores.photos.iter().filter_map(|p| p.conditions.get(BENCHMARK));
+    let parts: BTreeSet<&String> = own.filter(|part| *part != ENTIRE).collect();
+    let mut rows = Vec::new();
+    for s in &scores.summaries {
+        let Some(index) = scores.detectors.iter().position(|d| d.manifest.name == s.detector) else {
+            continue;
+        };
+        let row = |benchmark: &str, ap: f64, mar: f64, asr: Option<f64>| {
+            let adv_type = if s.variant == scores.base { CLEAN } else { &s.variant };
+            let asr = asr.map_or(String::new(), |asr| digits(asr, 3));
+            let names = [adv_type, benchmark, &s.detector].map(str::to_owned);
+            names
+                .into_iter()
+                .chain([digits(ap, 3), digits(mar, 3), asr])
+                .collect::<Vec<_>>()
+        };
+        rows.push(row(
+            ENTIRE,
+            s.overall.ap50,
+            s.overall.mar50,
+            s.asr.and_then(|a| a.mar50),
+        ));
+        for part in &parts {
+            let figures = |variant: &str| part_figures(scores, index, variant, part);
+            if let Some((ap, mar)) = figures(&s.variant) {
+                let clean = figures(&scores.base).filter(|(_, clean)| *clean > 0.0 && s.variant != scores.base);
+                rows.push(row(part, ap, mar, clean.map(|(_, clean)| 1.0 - mar / clean)));
+            }
+        }
+        rows.extend(s.conditions.iter().map(|c| {
+            let name = format!("{}={}", c.condition, c.value);
+            row(&name, c.figures.ap50, c.figures.mar50, c.asr.and_then(|a| a.mar50))
+        }));
+    }
+    rows
+}
+
+/// AP and recall at IoU 0.5 of the photos of one part of the benchmark.
+fn part_figures(scores: &Scores, index: usize, variant: &str, part: &str) -> Option<(f64, f64)> {
+    let own = |p: &&ScoredPhoto| p.variant == variant && p.conditions.get(BENCHMARK).is_some_and(|b| b == part);
+    let counted = &scores.detectors.get(index)?.counted;
+    let images: Vec<ImageBoxes> = scores
+        .photos
+        .iter()
+        .filter(own)
+        .map(|p| boxes(p, index, counted))
+        .collect();
+    let found = average_precision_as(scores.criteria.ap, &images, MATCH_IOU)?;
+    Some((found.ap, found.recall))
+}
+
+/// Two digits of Armory's AP, which adds 1e-8 to the number that a precision is divided by: what is a five behind the last digit lies below it.
+fn armory_digits(ap: f64) -> String {
+    digits(ap * (1.0 - 1e-8), 2)
+}
+
+/// Three significant digits, one of them behind the point at least.
+fn significant(value: f64) -> String {
+    digits(value, if value < 10.0 { 2 } else { 1 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The physical test of ACTIVE's paper: hits of 240 photos, and the values it prints.
+    #[test]
+    fn active_s_printed_values_are_shares_of_240_photos() {
+        for (hits, printed) in [
+            (218, "90.8"),
+            (21, "8.75"),
+            (231, "96.3"),
+            (97, "40.4"),
+            (63, "26.3"),
+            (228, "95.0"),
+            (117, "48.8"),
+        ] {
+            assert_eq!(significant(100.0 * f64::from(hits) / 240.0), printed);
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! What two orders of the variants have in common.
+
+use serde::Serialize;
+
+use scaleproof_core::statistics::Interval;
+
+/// What two orders say of each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RankingFinding {
+    /// They agree more than they differ, at the level of 5 %.
+    Holds,
+    /// They differ more than they agree, at the level of 5 %.
+    Reversed,
+    /// Neither is shown.
+    TooFewPhotosToTell,
+}
+
+/// A variant in both orders.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RankedVariant {
+    pub variant: String,
+    pub ap50: f64,
+    pub other_ap50: f64,
+}
+
+/// The order of one detector, over all photos or those of one condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RankingRow {
+    pub detector: String,
+    /// `all`, or a condition and its value, as in `distance 850`.
+    pub photos: String,
+    /// From the highest AP to the lowest.
+    pub variants: Vec<RankedVariant>,
+    /// Places and bins that have photos of all these variants, here and in the other sessions.
+    pub cells: [usize; 2],
+    /// What is resampled as a whole, here and in the other sessions.
+    pub clusters: [usize; 2],
+    /// Kendall's τ-b of the two orders; absent where one of them has nothing but ties.
+    pub tau: Option<f64>,
+    pub interval_95: Option<Interval>,
+    pub finding: RankingFinding,
+}
+
+/// The orders of a run against those of other sessions.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ranking {
+    /// Names of the other sessions' folders.
+    pub others: Vec<String>,
+    pub rows: Vec<RankingRow>,
+    /// What could not be held against each other, as sentences.
+    pub cautions: Vec<String>,
+}

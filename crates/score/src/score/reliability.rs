@@ -1,0 +1,141 @@
+//! Does a detector's confidence say how often it is right? Detections by confidence, against the share that is correct.
+
+use serde::Serialize;
+use statrs::distribution::{Binomial, Discrete};
+
+use super::summary::boxes;
+use super::{EvaluatedDetector, MATCH_IOU, Rate, ScoredPhoto};
+use scaleproof_core::statistics::wilson_95;
+
+/// Detections below this are left out: there are up to a hundred a photo, nearly all wrong and known to be.
+pub const RELIABILITY_FLOOR: f64 = 0.1;
+
+/// Steps of confidence from 0 to 1; the first lies below the floor.
+const STEPS: usize = 10;
+
+/// Confidence against correctness of one detector, over all variants.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reliability {
+    pub detector: String,
+    /// From the floor up; those without a detection are there with none.
+    pub bins: Vec<ConfidenceBin>,
+    pub detections: usize,
+    /// Mean over detections of |mean confidence − share correct| of their bin (Guo et al. 2017, equation 3); absent without a detection.
+    pub expected_calibration_error: Option<f64>,
+    /// What that error would be on average, with as many detections, if every bin's confidence were true.
+    pub error_by_chance: Option<f64>,
+}
+
+/// The detections of one step of confidence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConfidenceBin {
+    /// At least `low` and below `high`; 1 belongs to the last.
+    pub low: f64,
+    pub high: f64,
+    pub detections: usize,
+    /// Absent without a detection, as the next.
+    pub mean_confidence: Option<f64>,
+    /// Share that is correct, with its 95 % Wilson interval.
+    pub correct: Option<Rate>,
+}
+
+/// The reliability of every detector, in their order.
+pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
+    let of = |(index, detector): (usize, &EvaluatedDetector)| {
+        let detections = photos.iter().flat_map(|p| judged(p, index, &detector.counted));
+        Reliability::of(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())
+    };
+    detectors.iter().enumerate().map(of).collect()
+}
+
+/// (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that
+/// overlaps the truth enough; every further one is a double, and wrong, as for AP.
+fn judged(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> Vec<(f64, bool)> {
+    let mut detections = boxes(photo, detector, counted).detections;
+    detections.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let first = detections.iter().position(|(_, b)| b.iou(&photo.truth) >= MATCH_IOU);
+    let numbered = detections.iter().enumerate();
+    numbered
+        .filter(|(_, (score, _))| *score >= RELIABILITY_FLOOR)
+        .map(|(i, (score, _))| (*score, Some(i) == first))
+        .collect()
+}
+
+impl Reliability {
+    /// From (confidence, correct) of every detection.
+    fn of(detector: String, detections: &[(f64, bool)]) -> Reliability {
+        let bins: Vec<ConfidenceBin> = (1..STEPS).map(|step| bin(step, detections)).collect();
+        // Over all bins: how many of the detections, times how far off.
+        let mean = |off: fn(&ConfidenceBin) -> Option<f64>| {
+            let weighted = bins.iter().filter_map(|b| Some(b.detections as f64 * off(b)?));
+            (!detections.is_empty()).then(|| weighted.sum::<f64>() / detections.len() as f64)
+        };
+        Reliability {
+            detector,
+            detections: detections.len(),
+            expected_calibration_error: mean(|b| Some((b.mean_confidence? - b.correct?.rate).abs())),
+            error_by_chance: mean(|b| Some(deviation(b.detections, b.mean_confidence?))),
+            bins,
+        }
+    }
+}
+
+fn bin(step: usize, detections: &[(f64, bool)]) -> ConfidenceBin {
+    let step_of = |confidence: f64| ((confidence * STEPS as f64 + 1e-9) as usize).min(STEPS - 1);
+    let own: Vec<_> = detections.iter().filter(|(c, _)| step_of(*c) == step).collect();
+    let correct = own.iter().filter(|(_, correct)| *correct).count();
+    let count = own.len() as f64;
+    ConfidenceBin {
+        low: step as f64 / STEPS as f64,
+        high: (step + 1) as f64 / STEPS as f64,
+        detections: own.len(),
+        mean_confidence: (!own.is_empty()).then(|| own.iter().map(|(c, _)| c).sum::<f64>() / count),
+        correct: wilson_95(correct, own.len()).map(|(low, high)| Rate {
+            count: correct,
+            rate: correct as f64 / count,
+            low,
+            high,
+        }),
+    }
+}
+
+/// Mean distance of the share of successes in `n` trials from their probability `p`: 2 m C(n, m) pᵐ (1 − p)ⁿ⁻ᵐ⁺¹ / n with
+/// m = ⌊np⌋ + 1 (de Moivre 1730; Diaconis & Zabell 1991).
+fn deviation(n: usize, p: f64) -> f64 {
+    if n == 0 || p <= 0.0 || p >= 1.0 {
+        return 0.0;
+    }
+    let m = (n as f64 * p).floor() + 1.0;
+    let of_m = Binomial::new(p, n as u64).map_or(0.0, |b| b.pmf(m as u64));
+    2.0 * m * (1.0 - p) * of_m / n as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_detections_by_hand() {
+        let r = Reliability::of("d".into(), &[(0.9, true), (1.0, true), (0.3, false), (0.34, true)]);
+        let bin = |low: f64| r.bins.iter().find(|b| b.low == low).unwrap();
+        assert_eq!((r.bins.len(), bin(0.9).detections, bin(0.3).detections), (9, 2, 2));
+        assert!((bin(0.3).mean_confidence.unwrap() - 0.32).abs() < 1e-12);
+        assert_eq!(bin(0.3).correct.unwrap().count, 1);
+        // (2 · |0.95 − 1| + 2 · |0.32 − 0.5|) / 4
+        assert!((r.expected_calibration_error.unwrap() - 0.115).abs() < 1e-12);
+        assert_eq!(Reliability::of("d".into(), &[]).expected_calibration_error, None);
+    }
+
+    #[test]
+    fn the_error_by_chance_is_the_mean_of_the_binomial_s_deviations() {
+        for (n, p) in [(1_i32, 0.3_f64), (2, 0.5), (5, 0.87), (12, 0.25), (40, 0.6)] {
+            let mut chance = (1.0 - p).powi(n); // of k successes, from k = 0 on
+            let mut sum = 0.0;
+            for k in 0..=n {
+                sum += chance * (f64::from(k) / f64::from(n) - p).abs();
+                chance *= f64::from(n - k) / f64::from(k + 1) * p / (1.0 - p);
+            }
+            assert!((deviation(n as usize, p) - sum).abs() < 1e-12, "{n} {p}");
+        }
+    }
+}

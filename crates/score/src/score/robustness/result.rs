@@ -1,0 +1,76 @@
+//! What is left of the differences when photos get worse.
+
+use serde::Serialize;
+
+use crate::score::{Difference, Finding};
+
+/// Every comparison at every severity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Robustness {
+    /// By corruption, severity (from 0), then base, variant and detector.
+    pub rows: Vec<CorruptedRow>,
+    pub survival: Vec<Survival>,
+    /// What a reader must know besides, as sentences.
+    pub cautions: Vec<String>,
+}
+
+impl Robustness {
+    /// Their names, in the order in which they were asked for.
+    pub fn corruptions(&self) -> Vec<&'static str> {
+        let mut names: Vec<&str> = self.rows.iter().map(|row| row.corruption).collect();
+        names.dedup();
+        names
+    }
+}
+
+/// A variant against its base on photos of one severity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CorruptedRow {
+    pub corruption: &'static str,
+    /// 0 is the photo at the size of the others, no worse.
+    pub severity: u8,
+    /// What the severity means; empty for 0.
+    pub amount: String,
+    pub base: String,
+    pub variant: String,
+    pub detector: String,
+    pub pairs: usize,
+    pub ap50: Difference,
+    pub hit_rate: Difference,
+    pub mean_confidence: Difference,
+}
+
+/// How far a drop of AP goes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Survival {
+    pub corruption: &'static str,
+    pub base: String,
+    pub variant: String,
+    pub detector: String,
+    /// The severities at which a drop is shown.
+    pub shown_at: Vec<u8>,
+    /// Those at which the base itself has an AP below [`BASE_LOST`]: there is hardly anything that could drop.
+    pub base_lost_at: Vec<u8>,
+    /// Those at which the pairs cannot tell.
+    pub too_few_at: Vec<u8>,
+}
+
+/// An AP of the base that leaves no room for a drop.
+pub const BASE_LOST: f64 = 0.2;
+
+impl Survival {
+    /// Of the rows of one corruption and comparison, in the order of severities.
+    pub(super) fn of<'a>(first: &CorruptedRow, own: impl Iterator<Item = &'a CorruptedRow> + Clone) -> Self {
+        let at =
+            |is: &dyn Fn(&CorruptedRow) -> bool| own.clone().filter(|row| is(row)).map(|row| row.severity).collect();
+        Self {
+            corruption: first.corruption,
+            base: first.base.clone(),
+            variant: first.variant.clone(),
+            detector: first.detector.clone(),
+            shown_at: at(&|row| row.ap50.finding == Finding::Drop),
+            base_lost_at: at(&|row| row.ap50.base < BASE_LOST),
+            too_few_at: at(&|row| row.ap50.finding == Finding::TooFewPhotosToTell),
+        }
+    }
+}

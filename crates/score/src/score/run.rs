@@ -1,0 +1,248 @@
+//! A scoring run: every photo of some sessions through pose, truth and detectors, in parallel.
+
+use std::collections::BTreeMap;
+
+use super::error::ScoreError;
+use super::evaluated::{EvaluatedDetector, runtime};
+use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
+use super::scores::Scores;
+use super::shard::{ShardId, ShardObservations};
+use super::{Criteria, NotScored, NotScoredReason, PhotoOutcome, ScoredPhoto, TagMark};
+use scaleproof_core::workers;
+use scaleproof_core::workers::stopwatch::{self, Stage, StageMs};
+use scaleproof_detect::Runtime;
+use scaleproof_pose::locate::Located;
+use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
+use scaleproof_session::session::{PhotoEntry, Session};
+
+/// Scores every photo of the sessions with every detector, by the default criteria. `on_photo` is called after each photo.
+pub fn score(
+    sessions: Vec<Session>,
+    detectors: Vec<EvaluatedDetector>,
+    options: &Options,
+    on_photo: impl Fn() + Sync,
+) -> Result<Scores, ScoreError> {
+    let results = over_photos(&sessions, &detectors, options, None, on_photo, |job, seen| {
+        Ok(seen.map(|(observation, place)| scored(job, &detectors, observation, place)))
+    })?;
+    let runtime = runtime(&detectors)?.map(Runtime::provenance);
+    let mut scores = Scores::new(sessions, detectors, results, runtime)?;
+    scores.tags = options.tags;
+    Ok(scores)
+}
+
+/// Looks at the photos of one shard only; [`merge`] judges them with the others.
+pub fn observe(
+    sessions: &[Session],
+    detectors: &[EvaluatedDetector],
+    options: &Options,
+    shard: ShardId,
+    on_photo: impl Fn() + Sync,
+) -> Result<ShardObservations, ScoreError> {
+    over_photos(sessions, detectors, options, Some(shard), on_photo, |job, seen| {
+        let observation = seen
+            .map(|(observation, _)| observation)
+            .map_err(|left_out| NotScoredReason(left_out.reason));
+        Ok((job.id, observation))
+    })
+}
+
+/// A photo of which the pose is known, and what the work on it took.
+pub struct TimedPhoto {
+    /// The photo with its box and viewpoint, as a session has it that says where the model is.
+    pub with_truth: PhotoEntry,
+    pub ms: StageMs,
+}
+
+/// Times every photo on one thread with nothing kept, so many rounds after one that does not count. Photos that are left out are in no round.
+pub fn timed_photos(
+    session: &Session,
+    detectors: &[EvaluatedDetector],
+    rounds: usize,
+    on_photo: impl Fn() + Sync,
+) -> Result<Vec<Vec<TimedPhoto>>, ScoreError> {
+    let sessions = std::slice::from_ref(session);
+    let jobs = ScoringJob::all(sessions);
+    let families = session.scene.families().into_iter().collect::<Vec<_>>();
+    let mut observer = Observer::new(
+        (&families, TagDetectorChoice::default()),
+        detectors,
+        runtime(detectors)?,
+        None,
+        jobs.len(),
+    )?;
+    let mut timed = Vec::new();
+    for round in 0..=rounds {
+        let (mut photos, mut left_out) = (Vec::new(), None);
+        for job in &jobs {
+            stopwatch::take();
+            let seen = stopwatch::timed(Stage::Rest, || observer.photo(job))?;
+            match seen {
+                Ok((_, place)) => photos.push(TimedPhoto {
+                    with_truth: with_truth(job, &place),
+                    ms: stopwatch::take(),
+                }),
+                Err(reason) => left_out = left_out.or(Some(reason)),
+            }
+            on_photo();
+        }
+        if let (true, Some(first)) = (photos.is_empty(), left_out) {
+            return Err(ScoreError::NothingScored {
+                photos: jobs.len(),
+                file: first.file,
+                reason: first.reason,
+            });
+        }
+        if round > 0 {
+            timed.push(photos);
+        }
+    }
+    Ok(timed)
+}
+
+fn with_truth(job: &ScoringJob, place: &PlacedModel) -> PhotoEntry {
+    let seen = place.located.as_ref().map(|located| located.viewpoint);
+    PhotoEntry {
+        box_xyxy_px: Some(place.truth),
+        viewpoint: job.entry.viewpoint.or(seen),
+        ..job.entry.clone()
+    }
+}
+
+/// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.
+pub fn merge(
+    sessions: Vec<Session>,
+    detectors: Vec<EvaluatedDetector>,
+    mut observed: BTreeMap<u64, Result<Observation, NotScoredReason>>,
+    runtime: Option<String>,
+) -> Result<Scores, ScoreError> {
+    check_alike(&sessions)?;
+    let mut judge = |job: &ScoringJob| {
+        let not_observed = || ScoreError::NotObserved {
+            session: job.session.name.clone(),
+            file: job.entry.file.clone(),
+        };
+        let observation = observed.remove(&job.id).ok_or_else(not_observed)?;
+        Ok(observation
+            .and_then(|o| place(job, &o).map(|place| scored(job, &detectors, o, place)))
+            .map_err(|reason| job.left_out(reason)))
+    };
+    let jobs = ScoringJob::all(&sessions);
+    let results = jobs.iter().map(&mut judge).collect::<Result<_, ScoreError>>()?;
+    drop(jobs);
+    Scores::new(sessions, detectors, results, runtime)
+}
+
+/// Looks at every photo, or those of a shard, and keeps what `judge` makes of each.
+fn over_photos<R: Send>(
+    sessions: &[Session],
+    detectors: &[EvaluatedDetector],
+    options: &Options,
+    shard: Option<ShardId>,
+    on_photo: impl Fn() + Sync,
+    judge: impl Fn(&ScoringJob, Result<(Observation, PlacedModel), NotScored>) -> Result<R, ScoreError> + Sync,
+) -> Result<Vec<R>, ScoreError> {
+    check_alike(sessions)?;
+    let runtime = runtime(detectors)?;
+    let families = sessions.iter().flat_map(|s| s.scene.families());
+    let families: Vec<_> = families
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let mut jobs = ScoringJob::all(sessions);
+    let photos = jobs.len();
+    jobs.retain(|job| shard.is_none_or(|shard| shard.holds(job.id)));
+    workers::map_over(
+        options.threads,
+        &jobs,
+        || {
+            Observer::new(
+                (&families, options.tags),
+                detectors,
+                runtime,
+                options.cache.as_ref(),
+                photos,
+            )
+        },
+        |observer, job| judge(job, observer.photo(job)?),
+        on_photo,
+    )
+}
+
+fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
+    let first = sessions.first().ok_or(ScoreError::NoSession)?;
+    let places: Vec<_> = sessions
+        .iter()
+        .map(|s| s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone()))
+        .collect();
+    if let Some(i) = (1..places.len()).find(|i| places[..*i].contains(&places[*i])) {
+        return Err(ScoreError::SessionTwice {
+            folder: sessions[i].folder.display().to_string(),
+        });
+    }
+    let alike = |s: &&Session| s.scene.bins == first.scene.bins && s.scene.model.class == first.scene.model.class;
+    match sessions.iter().find(|s| !alike(s)) {
+        None => Ok(()),
+        Some(other) => {
+            let name = |s: &Session| s.folder.display().to_string();
+            Err(ScoreError::DifferentScenes {
+                a: name(first),
+                b: name(other),
+            })
+        }
+    }
+}
+
+/// The per-photo values of a photo whose model was placed.
+fn scored(
+    job: &ScoringJob,
+    detectors: &[EvaluatedDetector],
+    observation: Observation,
+    place: PlacedModel,
+) -> ScoredPhoto {
+    let least = Criteria::default().thresholds();
+    let outcomes = detectors
+        .iter()
+        .zip(&observation.detections)
+        .map(|(c, found)| PhotoOutcome::of(found, &place.truth, &c.counted, least))
+        .collect();
+    let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
+    ScoredPhoto {
+        id: job.id,
+        session: job.session_index,
+        file: job.entry.file.clone(),
+        sha256: observation.sha256,
+        variant: job.entry.variant.clone(),
+        place: job.entry.place.clone(),
+        conditions: job.entry.conditions.clone(),
+        width: observation.width,
+        height: observation.height,
+        viewpoint,
+        bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
+        tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
+        tag_marks: marks(&observation.tags, place.located.as_ref()),
+        rms_px: place.located.as_ref().map(|l| l.rms_px),
+        sigma: place.located.as_ref().map(|l| l.sigma),
+        taken: job.entry.taken.clone().or(observation.taken),
+        exposure: observation.exposure,
+        truth: place.truth,
+        truth_given: job.entry.box_xyxy_px.is_some(),
+        detections: observation.detections,
+        outcomes,
+        preview_jpeg: observation.preview_jpeg,
+    }
+}
+
+/// Where the tags were seen, by id, and which of them the pose rests on.
+fn marks(seen: &[SeenTag], located: Option<&Located>) -> Vec<TagMark> {
+    let mut marks: Vec<TagMark> = seen
+        .iter()
+        .map(|tag| TagMark {
+            id: tag.id,
+            corners_px: tag.corners_px,
+            is_used: located.is_some_and(|l| l.tags.contains(&tag.id)),
+        })
+        .collect();
+    marks.sort_by_key(|mark| mark.id);
+    marks
+}

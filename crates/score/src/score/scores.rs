@@ -1,0 +1,193 @@
+//! The result of a run: what every photo showed, and the figures made of it.
+
+use std::sync::OnceLock;
+
+use super::error::ScoreError;
+use super::grouping::{GroupBy, GroupByError};
+use super::settings::AppliedSettings;
+use super::{
+    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
+    Summary, WornPattern, caution, summary,
+};
+use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::session::Session;
+
+/// Photos, the sessions they are from, and the detectors that looked at them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ScoredSet<'a> {
+    pub photos: &'a [ScoredPhoto],
+    pub sessions: &'a [Session],
+    pub detectors: &'a [EvaluatedDetector],
+}
+
+/// The result of a run.
+#[derive(Debug)]
+pub struct Scores {
+    /// What was scored.
+    pub sessions: Vec<Session>,
+    /// By which detectors.
+    pub detectors: Vec<EvaluatedDetector>,
+    /// In the order of the sessions' lists.
+    pub photos: Vec<ScoredPhoto>,
+    /// Photos that were left out, and why.
+    pub not_scored: Vec<NotScored>,
+    /// Per detector and variant, detectors first.
+    pub summaries: Vec<Summary>,
+    /// The variant that drops are measured from.
+    pub base: String,
+    /// What the figures depend on; see [`Scores::judged_by`].
+    pub criteria: Criteria,
+    /// What a reader must know before believing the figures, as sentences.
+    pub cautions: Vec<String>,
+    /// Why most photos of a session were left out, found by whoever opened its files; among the cautions.
+    pub causes: Vec<String>,
+    /// Version and build of the ONNX Runtime; `None` when every detector was played back.
+    pub runtime: Option<String>,
+    /// What found the tags.
+    pub tags: TagDetectorChoice,
+    /// The file that changed how photos are located or figures computed, if any.
+    pub settings: Option<AppliedSettings>,
+    /// What is left of the differences when photos get worse, where it was asked for.
+    pub robustness: Option<Robustness>,
+    /// The order of the variants against that in other sessions, where it was asked for.
+    pub ranking: Option<Ranking>,
+    /// Of the textures whose patterns are known.
+    pub patterns: Vec<WornPattern>,
+    /// What the summaries group photos by, besides directions and places.
+    groups: Vec<GroupBy>,
+    /// Each variant against the base, once it is asked for.
+    pub(super) paired: OnceLock<Vec<Comparison>>,
+}
+
+impl Scores {
+    /// Puts the figures together, by the default criteria.
+    pub(super) fn new(
+        sessions: Vec<Session>,
+        detectors: Vec<EvaluatedDetector>,
+        results: Vec<Result<ScoredPhoto, NotScored>>,
+        runtime: Option<String>,
+    ) -> Result<Scores, ScoreError> {
+        let (mut photos, mut not_scored) = (Vec::new(), Vec::new());
+        for result in results {
+            match result {
+                Ok(photo) => photos.push(photo),
+                Err(reason) => not_scored.push(reason),
+            }
+        }
+        if let (true, Some(first)) = (photos.is_empty(), not_scored.first()) {
+            let (file, reason) = (first.file.clone(), first.reason.clone());
+            return Err(ScoreError::NothingScored {
+                photos: not_scored.len(),
+                file,
+                reason,
+            });
+        }
+        let mut scores = Scores {
+            cautions: Vec::new(),
+            causes: Vec::new(),
+            summaries: Vec::new(),
+            base: BASE_VARIANT.to_owned(),
+            criteria: Criteria::default(),
+            runtime,
+            sessions,
+            detectors,
+            photos,
+            not_scored,
+            tags: TagDetectorChoice::default(),
+            settings: None,
+            robustness: None,
+            ranking: None,
+            patterns: Vec::new(),
+            groups: Vec::new(),
+            paired: OnceLock::new(),
+        };
+        scores.sum_up();
+        Ok(scores)
+    }
+
+    pub(super) fn set(&self) -> ScoredSet<'_> {
+        ScoredSet {
+            photos: &self.photos,
+            sessions: &self.sessions,
+            detectors: &self.detectors,
+        }
+    }
+
+    fn sum_up(&mut self) {
+        let basis = summary::Basis {
+            bins: &self.sessions[0].scene.bins,
+            ap: self.criteria.ap,
+            base: &self.base,
+            groups: &self.groups,
+        };
+        self.summaries = summary::summaries(&self.photos, &self.detectors, basis);
+        self.cautions = caution::cautions(
+            &self.photos,
+            &self.not_scored,
+            &self.sessions,
+            &self.detectors,
+            (&self.base, &self.summaries),
+        );
+        self.cautions.extend_from_slice(&self.causes);
+        self.cautions
+            .extend(self.settings.iter().flat_map(AppliedSettings::cautions));
+        self.paired = OnceLock::new();
+    }
+
+    /// Sets the file of settings that the run was made by; its cautions join the run's.
+    pub fn made_by(mut self, settings: Option<AppliedSettings>) -> Scores {
+        self.settings = settings;
+        self.sum_up();
+        self
+    }
+
+    /// Sets the causes for which most photos of a session were left out; they join the run's cautions.
+    pub fn with_causes(mut self, causes: Vec<String>) -> Scores {
+        self.causes = causes;
+        self.sum_up();
+        self
+    }
+
+    /// Judges the run's photos and detections by other criteria; nothing is detected again.
+    pub fn judged_by(mut self, criteria: Criteria) -> Scores {
+        let least = criteria.thresholds();
+        for photo in &mut self.photos {
+            let judged = self.detectors.iter().zip(&photo.detections);
+            photo.outcomes = judged
+                .map(|(c, found)| PhotoOutcome::of(found, &photo.truth, &c.counted, least))
+                .collect();
+        }
+        self.criteria = criteria;
+        self.sum_up();
+        self
+    }
+
+    /// Makes `base` the variant that the run's drops and cautions are measured from.
+    pub fn against(mut self, base: &str) -> Scores {
+        base.clone_into(&mut self.base);
+        self.sum_up();
+        self
+    }
+
+    /// Sets what photos are grouped by, and adds the figures of these groups to the run.
+    ///
+    /// # Errors
+    /// A condition that no photo has, or that makes no table.
+    pub fn grouped_by(mut self, groups: &[GroupBy]) -> Result<Scores, GroupByError> {
+        groups.iter().try_for_each(|group| group.check(&self.photos))?;
+        self.groups = groups.to_vec();
+        self.sum_up();
+        Ok(self)
+    }
+
+    /// What photos are grouped by.
+    pub(super) fn groups(&self) -> &[GroupBy] {
+        &self.groups
+    }
+
+    /// What people call a detector of this name.
+    pub fn title<'a>(&'a self, detector: &'a str) -> &'a str {
+        let found = self.detectors.iter().find(|d| d.manifest.name == detector);
+        found.map_or(detector, |d| &d.manifest.title)
+    }
+}

@@ -1,0 +1,174 @@
+//! The plan and its file.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::score::{ClusteredBy, PlanCheck};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_detect::{Manifest, ManifestError};
+use scaleproof_pose::scene::Classes;
+
+/// What an experiment fixes before its photos are taken.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SealedPlan {
+    /// Version that sealed it.
+    pub scaleproof: String,
+    /// The texture that drops are measured from.
+    pub base: String,
+    /// SHA-256 of each texture's pattern; none of a texture without one.
+    pub textures: BTreeMap<String, Option<String>>,
+    /// Labels that count as the model.
+    pub classes: Classes,
+    /// The definition of average precision.
+    pub ap: String,
+    pub hit_confidence: f64,
+    pub match_iou: f64,
+    pub protocol: Option<String>,
+    /// By name.
+    pub detectors: BTreeMap<String, SealedDetector>,
+    /// Of the scene's file.
+    pub scene_sha256: String,
+    /// Of the mesh that it names, if any.
+    pub mesh_sha256: Option<String>,
+    /// Of the camera's file, where it is fixed.
+    pub camera_sha256: Option<String>,
+    /// Azimuth, pitch and distance of the bins that are photographed in every texture at every place.
+    pub views: Vec<[f64; 3]>,
+    pub places: u16,
+    pub stopping: Stopping,
+}
+
+/// What a detector is known by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SealedDetector {
+    pub weights_sha256: String,
+    /// Of the manifest: how photos are fed, and how answers are read.
+    pub manifest_sha256: String,
+}
+
+/// When the photos are enough.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Stopping {
+    /// When every view is there; looked at once.
+    EveryView,
+    /// When it is decided.
+    Decided {
+        look_after_each: ClusteredBy,
+        least: Option<f64>,
+    },
+}
+
+/// The file: the plan, and the SHA-256 of the plan as it was.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SealedFile {
+    seal: String,
+    plan: SealedPlan,
+}
+
+/// Why a plan cannot be sealed or read.
+#[derive(Debug, thiserror::Error)]
+pub enum SealError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{path} is no sealed plan: {reason}")]
+    Syntax { path: String, reason: String },
+    #[error("{0} is there already, and a sealed plan is not changed: name another file")]
+    Exists(String),
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    #[error("the plan cannot be written: {0}")]
+    Unwritable(#[from] serde_json::Error),
+}
+
+/// The largest plan that is read.
+const MOST_BYTES: u64 = 4 << 20;
+
+impl SealedDetector {
+    pub fn of(manifest: &Manifest) -> Result<SealedDetector, ManifestError> {
+        Ok(SealedDetector {
+            weights_sha256: manifest.weights.sha256.clone(),
+            manifest_sha256: files::sha256_hex(manifest.to_toml()?.as_bytes()),
+        })
+    }
+}
+
+impl SealedPlan {
+    /// How many photos it asks for.
+    pub fn photos(&self) -> usize {
+        self.textures.len() * self.views.len() * usize::from(self.places)
+    }
+
+    fn seal(&self) -> Result<String, SealError> {
+        Ok(files::sha256_hex(serde_json::to_string(self)?.as_bytes()))
+    }
+
+    /// Writes a new file, and returns its seal.
+    ///
+    /// # Errors
+    /// The file is there.
+    pub fn write(self, path: &Path) -> Result<String, SealError> {
+        if path.exists() {
+            return Err(SealError::Exists(path.display().to_string()));
+        }
+        let seal = self.seal()?;
+        let file = SealedFile {
+            seal: seal.clone(),
+            plan: self,
+        };
+        let text = serde_json::to_string_pretty(&file)? + "\n";
+        files::write_atomically(path, text.as_bytes())?;
+        Ok(seal)
+    }
+
+    /// Reads a plan; the seal is that of its content, and a sentence says when the file states another.
+    pub fn read(path: &Path) -> Result<(SealedPlan, PlanCheck), SealError> {
+        let bytes = files::read_at_most(path, MOST_BYTES)?;
+        let file: SealedFile = serde_json::from_slice(&bytes).map_err(|e| SealError::Syntax {
+            path: path.display().to_string(),
+            reason: format!("line {}, column {}, does not read as one", e.line(), e.column()),
+        })?;
+        if file.plan.views.iter().flatten().any(|number| number.abs() > 1e6) {
+            return Err(SealError::Syntax {
+                path: path.display().to_string(),
+                reason: "a view of it lies beyond any bin".into(),
+            });
+        }
+        let seal = file.plan.seal()?;
+        let deviations = if file.seal == seal {
+            Vec::new()
+        } else {
+            vec!["the plan was changed after it was sealed: the seal in its file is not that of its content".into()]
+        };
+        Ok((file.plan, PlanCheck { seal, deviations }))
+    }
+}
+
+impl Stopping {
+    /// After what one looks, and the least drop that matters; none where one looks once.
+    pub fn looks(self) -> Option<(ClusteredBy, Option<f64>)> {
+        match self {
+            Stopping::EveryView => None,
+            Stopping::Decided { look_after_each, least } => Some((look_after_each, least)),
+        }
+    }
+
+    pub(super) fn in_words(self) -> String {
+        match self {
+            Stopping::EveryView => "when every view is there".into(),
+            Stopping::Decided { look_after_each, least } => {
+                let unit = match look_after_each {
+                    ClusteredBy::Place => "place",
+                    ClusteredBy::PlaceAndBin => "pair",
+                };
+                let least = least.map_or_else(String::new, |least| format!(" or a drop of {least} is excluded"));
+                format!("when it is decided after a {unit}{least}")
+            }
+        }
+    }
+}

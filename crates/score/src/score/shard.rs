@@ -1,0 +1,453 @@
+//! A large run in parts: each shard looks at some of the photos, anywhere, and leaves a file; merged, they are the whole run.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::evaluated::{EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors};
+use super::observe::{NotScoredReason, Observation, libraries};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_detect::{ForeignCard, Manifest};
+use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::session::{Session, SessionError};
+
+/// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
+pub type ShardObservations = Vec<(u64, Result<Observation, NotScoredReason>)>;
+
+/// Which photos a shard looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShardId {
+    /// From 1 to `count`.
+    pub index: u64,
+    pub count: u64,
+}
+
+impl ShardId {
+    /// Photos are dealt like cards, so that every shard gets some of each texture and all take about as long.
+    pub fn holds(&self, photo: u64) -> bool {
+        photo % self.count == self.index % self.count
+    }
+
+    fn is_there(&self) -> bool {
+        (1..=self.count).contains(&self.index)
+    }
+
+    /// Reads `2/3`, `slurm`, or `k8s/3`. The environment is looked at only when it is named.
+    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, ShardIdError> {
+        let number = |name: &'static str| {
+            let value = environment(name).ok_or(ShardIdError::NotSet { name })?;
+            value.parse::<u64>().map_err(|_| ShardIdError::NoNumber { name, value })
+        };
+        let id = match text.split_once('/') {
+            None if text == "slurm" => {
+                let (first, last) = (number("SLURM_ARRAY_TASK_MIN")?, number("SLURM_ARRAY_TASK_MAX")?);
+                let (id, count) = (number("SLURM_ARRAY_TASK_ID")?, number("SLURM_ARRAY_TASK_COUNT")?);
+                if last
+                    .checked_sub(first)
+                    .is_none_or(|steps| steps.checked_add(1) != Some(count))
+                {
+                    return Err(ShardIdError::Gaps { first, last, count });
+                }
+                let index = id.checked_sub(first).and_then(|steps| steps.checked_add(1));
+                index.map(|index| ShardId { index, count })
+            }
+            Some(("k8s", count)) => {
+                let index = number("JOB_COMPLETION_INDEX")?.checked_add(1);
+                index
+                    .zip(count.parse().ok())
+                    .map(|(index, count)| ShardId { index, count })
+            }
+            Some((index, count)) => {
+                let both = index.parse().ok().zip(count.parse().ok());
+                both.map(|(index, count)| ShardId { index, count })
+            }
+            None => None,
+        };
+        id.filter(ShardId::is_there)
+            .ok_or_else(|| ShardIdError::NoShard { text: text.to_owned() })
+    }
+
+    /// The name of this shard's file.
+    pub fn file_name(&self) -> String {
+        format!("shard_{}_of_{}.scaleproof", self.index, self.count)
+    }
+}
+
+impl fmt::Display for ShardId {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+impl FromStr for ShardId {
+    type Err = ShardIdError;
+
+    fn from_str(text: &str) -> Result<ShardId, ShardIdError> {
+        ShardId::parse(text, files::environment::text)
+    }
+}
+
+/// Why it is not clear which shard is meant.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShardIdError {
+    #[error(
+        "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
+    )]
+    NoShard { text: String },
+    #[error("{name} is not set: this is no such job, write the shard as 2/3")]
+    NotSet { name: &'static str },
+    #[error("{name} is {value}, which is no number")]
+    NoNumber { name: &'static str, value: String },
+    #[error(
+        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, as in --array=1-{count}"
+    )]
+    Gaps { first: u64, last: u64, count: u64 },
+}
+
+/// What all shards of a run have in common.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Run {
+    pub sessions: Vec<SessionSeen>,
+    pub detectors: Vec<DetectorUsed>,
+    /// True when detections were played back.
+    pub is_recorded: bool,
+    /// Version and build of the ONNX Runtime, if one ran.
+    pub runtime: Option<String>,
+    /// Versions of the other libraries.
+    pub libraries: String,
+}
+
+impl Run {
+    /// A run of detectors over sessions; `chosen_as` has the name or the manifest that chooses each detector again.
+    pub fn of(
+        sessions: &[Session],
+        detectors: &[EvaluatedDetector],
+        chosen_as: Vec<String>,
+        runtime: Option<String>,
+    ) -> Result<Run, FileError> {
+        let used = chosen_as.into_iter().zip(detectors);
+        Ok(Run {
+            sessions: sessions.iter().map(SessionSeen::of).collect::<Result<_, _>>()?,
+            detectors: used
+                .map(|(chosen_as, detector)| DetectorUsed {
+                    chosen_as,
+                    fingerprint: detector.fingerprint(),
+                    foreign: detector.foreign().cloned(),
+                })
+                .collect(),
+            is_recorded: detectors.iter().all(|d| d.is_recorded() || d.foreign().is_some()),
+            runtime,
+            libraries: libraries(TagDetectorChoice::default()),
+        })
+    }
+
+    /// The sessions as they were when the shards were scored, with the same libraries.
+    pub fn sessions(&self) -> Result<Vec<Session>, ShardError> {
+        let (theirs, own) = (self.libraries.clone(), libraries(TagDetectorChoice::default()));
+        if theirs != own {
+            return Err(ShardError::OtherLibraries { theirs, own });
+        }
+        self.sessions.iter().map(SessionSeen::opened).collect()
+    }
+
+    /// The names and manifests that choose the detectors that are networks again.
+    pub fn chosen(&self) -> Vec<String> {
+        let networks = self.detectors.iter().filter(|used| used.foreign.is_none());
+        networks.map(|used| used.chosen_as.clone()).collect()
+    }
+
+    /// The detectors as they were, given the manifests of those that are networks; they need no weights here.
+    pub fn detectors(
+        &self,
+        manifests: Vec<Manifest>,
+        sessions: &[Session],
+    ) -> Result<Vec<EvaluatedDetector>, ShardError> {
+        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+            return Ok(Vec::new());
+        };
+        let networks: Vec<EvaluatedDetector> = match self.is_recorded {
+            true => evaluated_detectors(sessions, manifests, None)?,
+            false => (manifests.into_iter())
+                .map(|manifest| EvaluatedDetector::ran_elsewhere(manifest, class))
+                .collect::<Result<_, _>>()?,
+        };
+        let mut networks = networks.into_iter();
+        let mut detectors = Vec::new();
+        for used in &self.detectors {
+            detectors.extend(match &used.foreign {
+                Some(card) => Some(EvaluatedDetector::foreign_elsewhere(card, class)?),
+                None => networks.next(),
+            });
+        }
+        let fingerprints = detectors.iter().map(EvaluatedDetector::fingerprint);
+        if fingerprints.eq(self.detectors.iter().map(|used| used.fingerprint.clone())) {
+            Ok(detectors)
+        } else {
+            Err(ShardError::DetectorChanged)
+        }
+    }
+}
+
+/// A session, and what it was made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SessionSeen {
+    pub folder: PathBuf,
+    /// File name and SHA-256 of `session.json` and the files it names.
+    pub hashes: Vec<(String, String)>,
+}
+
+impl SessionSeen {
+    fn of(session: &Session) -> Result<SessionSeen, FileError> {
+        Ok(SessionSeen {
+            folder: files::whole_path(&session.folder)?,
+            hashes: session.hashes.clone(),
+        })
+    }
+
+    fn opened(&self) -> Result<Session, ShardError> {
+        let (session, folder) = (Session::open(&self.folder)?, self.folder.clone());
+        if session.hashes == self.hashes {
+            Ok(session)
+        } else {
+            Err(ShardError::SessionChanged { folder })
+        }
+    }
+}
+
+/// A detector: how it was chosen, and what it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DetectorUsed {
+    /// The name or the manifest that chooses it again.
+    pub chosen_as: String,
+    /// SHA-256 of its manifest, which names the weights by theirs, and of what was played back.
+    pub fingerprint: String,
+    /// What is known of one that another program runs or has run.
+    pub foreign: Option<ForeignCard>,
+}
+
+/// One shard's file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shard {
+    pub run: Run,
+    pub id: ShardId,
+    pub observed: ShardObservations,
+}
+
+/// Why shards cannot be merged.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShardError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(transparent)]
+    Detector(#[from] EvaluatedDetectorError),
+    #[error("{path} is not a shard", path = path.display())]
+    NotAShard { path: PathBuf },
+    #[error("{path} was written by scaleproof {found}, and this is {}: score it again, or merge with that version", VERSION, path = path.display())]
+    OtherVersion { path: PathBuf, found: String },
+    #[error("{path} is damaged: copy it again, or score that shard again", path = path.display())]
+    Damaged { path: PathBuf },
+    #[error("no shard to merge")]
+    None,
+    #[error("{a} and {b} are of different runs ({what} differ): merge the shards of one run only", a = a.display(), b = b.display())]
+    OtherRun { a: PathBuf, b: PathBuf, what: &'static str },
+    #[error("{a} and {b} are the same shard: name each once", a = a.display(), b = b.display())]
+    Twice { a: PathBuf, b: PathBuf },
+    #[error(
+        "{found} of {count} shards are here; missing: {} (score what is missing and merge all)",
+        list_of(missing)
+    )]
+    Missing {
+        found: usize,
+        count: u64,
+        /// The first of them, up to one more than the sentence names.
+        missing: Vec<u64>,
+    },
+    #[error("the shards were scored with {theirs}, and here is {own}: merge where they were scored")]
+    OtherLibraries { theirs: String, own: String },
+    #[error("{folder} has changed since the shards were scored: score them again", folder = folder.display())]
+    SessionChanged { folder: PathBuf },
+    #[error("a manifest or a recording has changed since the shards were scored: score them again")]
+    DetectorChanged,
+    #[error("the shard cannot be written: {0}")]
+    Write(#[from] postcard::Error),
+}
+
+const MISSING_NAMED: usize = 5;
+
+fn list_of(indices: &[u64]) -> String {
+    let first: Vec<String> = indices.iter().take(MISSING_NAMED).map(u64::to_string).collect();
+    let more = if indices.len() > first.len() {
+        ", and others"
+    } else {
+        ""
+    };
+    format!("{}{more}", first.join(", "))
+}
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A shard file is this with the version, a line with the SHA-256 of the rest, and the rest.
+const MAGIC: &str = "scaleproof shard, version ";
+
+impl Shard {
+    /// Writes the shard into a folder and returns the file's path.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, ShardError> {
+        let content = postcard::to_allocvec(self)?;
+        let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
+        let path = folder.join(self.id.file_name());
+        files::replace_atomically(&path, &[head.into_bytes(), content].concat())?;
+        Ok(path)
+    }
+
+    /// Reads a shard and makes sure that it is whole and of this version.
+    pub fn open(path: &Path) -> Result<Shard, ShardError> {
+        let bytes = files::read(path)?;
+        let path = || path.to_owned();
+        let after_magic = bytes.strip_prefix(MAGIC.as_bytes());
+        let (version, rest) = after_magic
+            .and_then(line)
+            .ok_or_else(|| ShardError::NotAShard { path: path() })?;
+        if version != VERSION {
+            return Err(ShardError::OtherVersion {
+                path: path(),
+                found: version.to_owned(),
+            });
+        }
+        let whole = line(rest).filter(|(sum, content)| *sum == files::sha256_hex(content));
+        whole
+            .and_then(|(_, content)| postcard::from_bytes(content).ok())
+            .filter(|shard: &Shard| shard.id.is_there())
+            .ok_or_else(|| ShardError::Damaged { path: path() })
+    }
+}
+
+/// The first line as text, and what follows it.
+fn line(bytes: &[u8]) -> Option<(&str, &[u8])> {
+    let end = bytes.iter().take(100).position(|b| *b == b'\n')?;
+    Some((std::str::from_utf8(&bytes[..end]).ok()?, &bytes[end + 1..]))
+}
+
+/// The run that some shards are all of, and what they saw, by photo id.
+pub type WholeRun = (Run, BTreeMap<u64, Result<Observation, NotScoredReason>>);
+
+/// Puts the shards of one run together: every one once, and none of another run.
+pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
+    let mut run: Option<Run> = None;
+    let (mut seen, mut observed) = (BTreeMap::<u64, &PathBuf>::new(), BTreeMap::new());
+    let mut count = 0;
+    for path in paths {
+        let shard = Shard::open(path)?;
+        match &run {
+            None => (run, count) = (Some(shard.run), shard.id.count),
+            Some(first) => {
+                if let Some(what) = difference(first, &shard.run, count, shard.id.count) {
+                    let (a, b) = (paths[0].clone(), path.clone());
+                    return Err(ShardError::OtherRun { a, b, what });
+                }
+            }
+        }
+        if let Some(same) = seen.insert(shard.id.index, path) {
+            let (a, b) = (same.clone(), path.clone());
+            return Err(ShardError::Twice { a, b });
+        }
+        observed.extend(shard.observed);
+    }
+    let run = run.ok_or(ShardError::None)?;
+    // One more than are named: a mistyped count may be any number.
+    let missing = (1..=count).filter(|index| !seen.contains_key(index));
+    let missing: Vec<u64> = missing.take(MISSING_NAMED + 1).collect();
+    if missing.is_empty() {
+        Ok((run, observed))
+    } else {
+        Err(ShardError::Missing {
+            found: seen.len(),
+            count,
+            missing,
+        })
+    }
+}
+
+fn difference(a: &Run, b: &Run, a_count: u64, b_count: u64) -> Option<&'static str> {
+    let checks = [
+        (a_count == b_count, "their numbers of shards"),
+        (a.sessions == b.sessions, "their sessions, scenes or cameras"),
+        (
+            a.detectors == b.detectors && a.is_recorded == b.is_recorded,
+            "their detectors",
+        ),
+        (a.runtime == b.runtime, "their ONNX Runtimes"),
+        (a.libraries == b.libraries, "their libraries"),
+    ];
+    checks.into_iter().find(|(same, _)| !same).map(|(_, what)| what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<ShardId, ShardIdError> {
+        let find = |name: &str| {
+            environment
+                .iter()
+                .find(|(n, _)| *n == name)
+                .map(|(_, v)| (*v).to_owned())
+        };
+        ShardId::parse(text, find)
+    }
+
+    #[test]
+    fn a_shard_is_named_by_the_user_or_by_the_job() {
+        let id = |index, count| Ok(ShardId { index, count });
+        assert_eq!(parsed("2/3", &[]), id(2, 3));
+        let slurm = [
+            ("SLURM_ARRAY_TASK_ID", "7"),
+            ("SLURM_ARRAY_TASK_MIN", "5"),
+            ("SLURM_ARRAY_TASK_MAX", "8"),
+            ("SLURM_ARRAY_TASK_COUNT", "4"),
+        ];
+        assert_eq!(parsed("slurm", &slurm), id(3, 4));
+        assert_eq!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "0")]), id(1, 4));
+        for text in ["0/3", "4/3", "3", "a/b", "-1/2", "1/0", "", "k8s", "k8s/0"] {
+            assert!(parsed(text, &[("JOB_COMPLETION_INDEX", "0")]).is_err(), "{text}");
+        }
+        assert!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "4")]).is_err());
+        assert_eq!(
+            parsed("slurm", &[]).unwrap_err().to_string(),
+            "SLURM_ARRAY_TASK_MIN is not set: this is no such job, write the shard as 2/3"
+        );
+        let mut gaps = slurm;
+        gaps[2].1 = "11";
+        assert!(parsed("slurm", &gaps).unwrap_err().to_string().contains("without gaps"));
+    }
+
+    #[test]
+    fn a_mistyped_count_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let written = |index, count| {
+            let (run, observed) = (Run::default(), ShardObservations::new());
+            let id = ShardId { index, count };
+            let shard = Shard { run, id, observed };
+            shard.write(folder.path()).unwrap()
+        };
+        let refused = whole_run(&[written(2, u64::MAX)]).unwrap_err().to_string();
+        assert!(refused.contains("missing: 1, 3, 4, 5, 6, and others"), "{refused}");
+        assert!(matches!(whole_run(&[written(4, 3)]), Err(ShardError::Damaged { .. })));
+    }
+
+    #[test]
+    fn every_photo_is_in_one_shard() {
+        for count in 1..8 {
+            for photo in 1..100 {
+                let shards = (1..=count).map(|index| ShardId { index, count });
+                assert_eq!(shards.filter(|shard| shard.holds(photo)).count(), 1);
+            }
+        }
+    }
+}

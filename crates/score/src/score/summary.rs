@@ -1,0 +1,345 @@
+//! From per-photo values to figures per detector and variant: over all photos, per azimuth, per cell, per place.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::grouping::{GroupBy, in_order};
+use super::{ApDefinition, EvaluatedDetector, ImageBoxes, MATCH_IOU, PhotoOutcome, ScoredPhoto, average_precision_as};
+use scaleproof_core::ap::over_ious;
+use scaleproof_core::statistics::{median, wilson_95};
+use scaleproof_pose::scene::{Bin, Bins};
+
+/// A share of photos with its 95 % Wilson interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rate {
+    /// Photos that count.
+    pub count: usize,
+    /// `count` by all photos of the group.
+    pub rate: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// The numbers of a group of photos, and how many photos they rest on. [`super::Criteria::definitions`] says what each one is.
+///
+/// Every photo is in exactly one of `hit_rate`, `misclassification_rate` and `disappearance_rate`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Figures {
+    pub photos: usize,
+    /// By the run's definition of AP.
+    pub ap50: f64,
+    /// Mean of AP over IoU thresholds from 0.5 to 0.95.
+    pub ap50_95: f64,
+    /// Recall reached at IoU 0.5.
+    pub mar50: f64,
+    /// Mean of the recall reached over the same thresholds.
+    pub mar: f64,
+    pub hit_rate: Rate,
+    /// Found as another class only.
+    pub misclassification_rate: Rate,
+    /// Nothing found where the model is.
+    pub disappearance_rate: Rate,
+    /// Detections of the class where the model is not.
+    pub hallucinations_per_image: f64,
+    /// Detections of the class but for the one that finds the model: hallucinations and second boxes on the model.
+    pub false_positives_per_image: f64,
+    /// Misses count 0.
+    pub mean_confidence: f64,
+    /// Misses count 0; of an even number of photos the mean of the middle two.
+    pub median_confidence: f64,
+}
+
+/// Base figures minus these figures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Drop {
+    pub ap50: f64,
+    pub hit_rate: f64,
+    pub mean_confidence: f64,
+    pub median_confidence: f64,
+}
+
+/// Attack success rates: 1 − these figures ÷ base figures; absent where the base's is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Asr {
+    pub ap50: Option<f64>,
+    pub mar50: Option<f64>,
+    pub hit_rate: Option<f64>,
+}
+
+/// The figures of the photos of one value of a condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConditionFigures {
+    pub condition: String,
+    pub value: String,
+    pub figures: Figures,
+    /// Absent when the base variant has no photo of this value.
+    pub drop: Option<Drop>,
+    /// Absent as the drop.
+    pub asr: Option<Asr>,
+}
+
+/// The figures of one azimuth bin, over all its pitches and distances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BinFigures {
+    pub azimuth_deg: f64,
+    /// Absent when the bin has no photo.
+    pub figures: Option<Figures>,
+    pub drop: Option<Drop>,
+}
+
+/// The figures of one bin of azimuth × pitch × distance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CellFigures {
+    #[serde(flatten)]
+    pub bin: Bin,
+    pub figures: Figures,
+    /// Absent when the base variant has no photo in this cell.
+    pub drop: Option<Drop>,
+}
+
+/// The figures of the photos of one place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlaceFigures {
+    /// Absent for the photos whose session names no place.
+    pub place: Option<String>,
+    pub figures: Figures,
+    /// Absent when the base variant has no photo of this place.
+    pub drop: Option<Drop>,
+}
+
+/// One detector on one variant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    pub detector: String,
+    pub variant: String,
+    pub overall: Figures,
+    /// Absent for the base variant and when the run has none.
+    pub drop: Option<Drop>,
+    /// Absent as the drop.
+    pub asr: Option<Asr>,
+    /// All azimuth bins of the scene, from the front counter-clockwise.
+    pub azimuth_bins: Vec<BinFigures>,
+    /// The bins that have photos of this variant, by azimuth, pitch and distance.
+    pub cells: Vec<CellFigures>,
+    /// The places that have photos of this variant, by name.
+    pub places: Vec<PlaceFigures>,
+    /// By the conditions that were asked for, in their order.
+    pub conditions: Vec<ConditionFigures>,
+}
+
+/// What summaries depend on besides photos and detectors.
+#[derive(Clone, Copy)]
+pub(super) struct Basis<'a> {
+    pub bins: &'a Bins,
+    pub ap: ApDefinition,
+    /// The variant that drops are measured from.
+    pub base: &'a str,
+    pub groups: &'a [GroupBy],
+}
+
+/// Figures of every detector on every variant, the base variant first, the others by name.
+pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
+    let mut summaries = Vec::new();
+    for (index, detector) in detectors.iter().enumerate() {
+        let side = Side {
+            detector: index,
+            counted: &detector.counted,
+            ap: basis.ap,
+        };
+        let groups: Vec<Group> = variants(photos, basis.base)
+            .into_iter()
+            .filter_map(|v| Group::new(v, photos, side, basis.groups))
+            .collect();
+        let base = groups.iter().find(|g| g.variant == basis.base);
+        summaries.extend(groups.iter().map(|group| {
+            let base = base.filter(|base| base.variant != group.variant);
+            group.summary(detector.manifest.name.clone(), base, basis.bins)
+        }));
+    }
+    summaries
+}
+
+/// Whose figures, and by which AP.
+#[derive(Clone, Copy)]
+struct Side<'a> {
+    detector: usize,
+    counted: &'a [usize],
+    ap: ApDefinition,
+}
+
+/// The figures of one detector on one variant.
+struct Group {
+    variant: String,
+    overall: Figures,
+    /// By azimuth in thousandths of a degree.
+    by_azimuth: BTreeMap<i64, Figures>,
+    by_cell: BTreeMap<Bin, Figures>,
+    by_place: BTreeMap<Option<String>, Figures>,
+    /// (condition, value, figures), in the order of the conditions and then of their values.
+    by_condition: Vec<(String, String, Figures)>,
+}
+
+impl Group {
+    /// `None` without a photo of the variant.
+    fn new(variant: String, photos: &[ScoredPhoto], side: Side, groups: &[GroupBy]) -> Option<Group> {
+        let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
+        Some(Group {
+            by_condition: groups.iter().flat_map(|g| by_condition(&photos, side, g)).collect(),
+            overall: figures(&photos, side)?,
+            by_azimuth: by(&photos, side, |p| p.bin.map(|b| thousandths(b.azimuth_deg))),
+            by_cell: by(&photos, side, |p| p.bin),
+            by_place: by(&photos, side, |p| Some(p.place.clone())),
+            variant,
+        })
+    }
+
+    /// These figures, and their drop from the base's.
+    fn summary(&self, detector: String, base: Option<&Group>, bins: &Bins) -> Summary {
+        let azimuth_bin = |azimuth_deg: f64| {
+            let of = |group: &Group| group.by_azimuth.get(&thousandths(azimuth_deg)).copied();
+            let (figures, base) = (of(self), base.and_then(of));
+            BinFigures {
+                azimuth_deg,
+                figures,
+                drop: base.zip(figures).map(|(base, own)| drop(&base, &own)),
+            }
+        };
+        let cell = |(bin, figures): (&Bin, &Figures)| {
+            let base = base.and_then(|b| b.by_cell.get(bin));
+            CellFigures {
+                bin: *bin,
+                figures: *figures,
+                drop: base.map(|base| drop(base, figures)),
+            }
+        };
+        let place = |(place, figures): (&Option<String>, &Figures)| {
+            let base = base.and_then(|b| b.by_place.get(place));
+            PlaceFigures {
+                place: place.clone(),
+                figures: *figures,
+                drop: base.map(|base| drop(base, figures)),
+            }
+        };
+        let condition = |(condition, value, figures): &(String, String, Figures)| {
+            let own = |other: &&(String, String, Figures)| other.0 == *condition && other.1 == *value;
+            let base = base
+                .and_then(|b| b.by_condition.iter().find(own))
+                .map(|(.., figures)| figures);
+            ConditionFigures {
+                condition: condition.clone(),
+                value: value.clone(),
+                figures: *figures,
+                drop: base.map(|base| drop(base, figures)),
+                asr: base.map(|base| asr(base, figures)),
+            }
+        };
+        Summary {
+            detector,
+            variant: self.variant.clone(),
+            overall: self.overall,
+            drop: base.map(|base| drop(&base.overall, &self.overall)),
+            asr: base.map(|base| asr(&base.overall, &self.overall)),
+            azimuth_bins: bins.azimuth_centres().into_iter().map(azimuth_bin).collect(),
+            cells: self.by_cell.iter().map(cell).collect(),
+            places: self.by_place.iter().map(place).collect(),
+            conditions: self.by_condition.iter().map(condition).collect(),
+        }
+    }
+}
+
+/// A key that can be compared.
+fn thousandths(azimuth_deg: f64) -> i64 {
+    (azimuth_deg * 1000.0).round() as i64
+}
+
+/// The figures of each group of photos; a photo without a key is in none.
+fn by<K: Ord>(photos: &[&ScoredPhoto], side: Side, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
+    let mut groups: BTreeMap<K, Vec<&ScoredPhoto>> = BTreeMap::new();
+    for photo in photos {
+        if let Some(key) = key(photo) {
+            groups.entry(key).or_default().push(photo);
+        }
+    }
+    let groups = groups.into_iter();
+    groups
+        .filter_map(|(key, group)| Some((key, figures(&group, side)?)))
+        .collect()
+}
+
+/// The figures of each value of a condition.
+fn by_condition(photos: &[&ScoredPhoto], side: Side, group: &GroupBy) -> Vec<(String, String, Figures)> {
+    let mut figures = by(photos, side, |p| group.of(p));
+    let values = in_order(figures.keys().cloned().collect());
+    values
+        .into_iter()
+        .filter_map(|value| Some((group.condition.clone(), value.clone(), figures.remove(&value)?)))
+        .collect()
+}
+
+/// The variants present, the base variant first.
+pub(super) fn variants(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
+    let mut variants: Vec<String> = photos.iter().map(|p| p.variant.clone()).collect();
+    variants.sort_by_key(|v| (v != base, v.clone()));
+    variants.dedup();
+    variants
+}
+
+/// Figures of one detector on a group of photos; `None` for an empty group.
+fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
+    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.detector, side.counted)).collect();
+    let outcomes = || photos.iter().map(|p| &p.outcomes[side.detector]);
+    let mean = |of: fn(&PhotoOutcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
+    let rate = |counts: fn(&PhotoOutcome) -> bool| {
+        let count = outcomes().filter(|o| counts(o)).count();
+        let (low, high) = wilson_95(count, photos.len())?;
+        let rate = count as f64 / photos.len() as f64;
+        Some(Rate { count, rate, low, high })
+    };
+    let (at_half, over) = (
+        average_precision_as(side.ap, &images, MATCH_IOU)?,
+        over_ious(side.ap, &images)?,
+    );
+    Some(Figures {
+        photos: photos.len(),
+        ap50: at_half.ap,
+        ap50_95: over.ap,
+        mar50: at_half.recall,
+        mar: over.recall,
+        hit_rate: rate(PhotoOutcome::is_hit)?,
+        misclassification_rate: rate(PhotoOutcome::is_misclassified)?,
+        disappearance_rate: rate(PhotoOutcome::has_disappeared)?,
+        hallucinations_per_image: mean(|o| o.hallucinations as f64),
+        false_positives_per_image: mean(|o| o.false_positives as f64),
+        mean_confidence: mean(|o| o.confidence),
+        median_confidence: median(&outcomes().map(|o| o.confidence).collect::<Vec<_>>())?,
+    })
+}
+
+/// The boxes of the model's class in one photo, as AP takes them.
+pub(super) fn boxes(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> ImageBoxes {
+    let detections = photo.detections[detector].iter().filter(|d| counted.contains(&d.label));
+    ImageBoxes {
+        truths: vec![photo.truth],
+        detections: detections.map(|d| (d.score, d.box_px)).collect(),
+        ..ImageBoxes::default()
+    }
+}
+
+fn asr(base: &Figures, figures: &Figures) -> Asr {
+    let of = |base: f64, own: f64| (base > 0.0).then(|| 1.0 - own / base);
+    Asr {
+        ap50: of(base.ap50, figures.ap50),
+        mar50: of(base.mar50, figures.mar50),
+        hit_rate: of(base.hit_rate.rate, figures.hit_rate.rate),
+    }
+}
+
+fn drop(base: &Figures, figures: &Figures) -> Drop {
+    Drop {
+        ap50: base.ap50 - figures.ap50,
+        hit_rate: base.hit_rate.rate - figures.hit_rate.rate,
+        mean_confidence: base.mean_confidence - figures.mean_confidence,
+        median_confidence: base.median_confidence - figures.median_confidence,
+    }
+}

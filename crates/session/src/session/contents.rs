@@ -1,0 +1,145 @@
+//! What is in a session, in short.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Session;
+use scaleproof_photo::photo::PhotoError;
+use scaleproof_pose::scene::{Bins, Classes, TagFamily};
+
+/// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read.
+pub type Look = Result<String, PhotoError>;
+
+/// A session in short, for people and programs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Contents {
+    /// Name of the session's folder.
+    pub session: String,
+    pub scene: SceneInShort,
+    /// None when every photo has its truth box and viewpoint.
+    pub camera: Option<CameraInShort>,
+    pub photos: usize,
+    /// Photos by texture and place.
+    pub groups: Vec<PhotoGroup>,
+    /// Photos whose truth box came with the session.
+    pub with_truth: usize,
+    /// Photos that cannot be read, and why.
+    pub unreadable: Vec<UnreadablePhoto>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SceneInShort {
+    pub model: String,
+    /// The label that detectors should give.
+    pub class: Classes,
+    /// 10 for 1:10.
+    pub scale: f64,
+    /// Length, width, height.
+    pub size_mm: [f64; 3],
+    /// `box`, `hull` or `mesh`.
+    pub truth_envelope: &'static str,
+    pub bins: BinsInShort,
+    pub tags: usize,
+    /// Of the tags, by their usual names.
+    pub tag_families: Vec<&'static str>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BinsInShort {
+    pub count: usize,
+    /// Step from one to the next.
+    pub azimuth_deg: f64,
+    /// Centres.
+    pub pitch_deg: Vec<f64>,
+    /// Centres.
+    pub distance_mm: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CameraInShort {
+    pub width_px: u32,
+    pub height_px: u32,
+    /// Focal lengths.
+    pub fx_px: f64,
+    pub fy_px: f64,
+    /// Present when the focal length was guessed from EXIF: right within so many percent.
+    pub guessed_within_percent: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhotoGroup {
+    pub variant: String,
+    pub place: Option<String>,
+    pub photos: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnreadablePhoto {
+    pub file: String,
+    /// A sentence.
+    pub reason: String,
+}
+
+impl Contents {
+    /// Of a session whose photos were looked at, in its order.
+    pub fn of(session: &Session, looks: &[Look]) -> Contents {
+        let mut groups: BTreeMap<(&str, Option<&str>), usize> = BTreeMap::new();
+        for photo in &session.photos {
+            *groups.entry((&photo.variant, photo.place.as_deref())).or_default() += 1;
+        }
+        let group = |((variant, place), photos): ((&str, Option<&str>), usize)| PhotoGroup {
+            variant: variant.to_owned(),
+            place: place.map(str::to_owned),
+            photos,
+        };
+        let unreadable = session.photos.iter().zip(looks).filter_map(|(photo, look)| {
+            let reason = look.as_ref().err()?.to_string();
+            let file = photo.file.clone();
+            Some(UnreadablePhoto { file, reason })
+        });
+        Contents {
+            session: session.name.clone(),
+            scene: scene(session),
+            camera: session.camera.as_ref().map(|camera| CameraInShort {
+                width_px: camera.width,
+                height_px: camera.height,
+                fx_px: camera.fx,
+                fy_px: camera.fy,
+                guessed_within_percent: camera.guess.map(|guess| guess.focal_percent),
+            }),
+            photos: session.photos.len(),
+            groups: groups.into_iter().map(group).collect(),
+            with_truth: session.photos.iter().filter(|p| p.box_xyxy_px.is_some()).count(),
+            unreadable: unreadable.collect(),
+        }
+    }
+}
+
+fn scene(session: &Session) -> SceneInShort {
+    let scene = &session.scene;
+    SceneInShort {
+        model: scene.model.name.clone(),
+        class: scene.model.class.clone(),
+        scale: scene.model.scale,
+        size_mm: scene.model.size_mm,
+        truth_envelope: scene.model.envelope.name(),
+        bins: bins(&scene.bins),
+        tags: scene.tags.len(),
+        tag_families: scene.families().into_iter().filter_map(name).collect(),
+    }
+}
+
+fn name(family: TagFamily) -> Option<&'static str> {
+    let (_, name) = TagFamily::ALL.iter().find(|(known, _)| *known == family)?;
+    Some(name)
+}
+
+fn bins(bins: &Bins) -> BinsInShort {
+    BinsInShort {
+        count: bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len(),
+        azimuth_deg: bins.azimuth_deg,
+        pitch_deg: bins.pitch_deg.clone(),
+        distance_mm: bins.distance_mm.clone(),
+    }
+}

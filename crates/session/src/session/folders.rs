@@ -1,0 +1,236 @@
+//! Folders of photos, one texture each, as a session: nothing is written, and the photos stay as they are.
+
+use std::collections::BTreeSet;
+use std::path::{Component, Path, PathBuf};
+
+use super::{Conditions, PhotoEntry, Session, SessionError};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_photo::photo;
+
+/// Endings of the files that are taken for photos, in lower case.
+const READABLE: [&str; 3] = ["jpg", "jpeg", "png"];
+/// Endings of the files that are taken for photos where the system has a decoder for them, in lower case.
+const HEIF: [&str; 3] = ["heic", "heif", "avif"];
+/// Endings of images that are named when they are passed over.
+const OTHER_IMAGES: [&str; 15] = [
+    "heic", "heif", "avif", "webp", "tif", "tiff", "bmp", "gif", "dng", "cr2", "cr3", "nef", "arw", "raf", "rw2",
+];
+
+/// Why folders make no session.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FoldersError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error("{}: there is no such folder", given(variant, folder))]
+    Missing { variant: String, folder: PathBuf },
+    #[error("{}: this is a file; name the folder with the photos", given(variant, folder))]
+    NotAFolder { variant: String, folder: PathBuf },
+    #[error("{}: the folder has no JPEG or PNG files{hint}", given(variant, folder))]
+    NoPhotos {
+        variant: String,
+        folder: PathBuf,
+        /// What it has instead, in brackets; or nothing.
+        hint: String,
+    },
+    #[error("the folder {folder} is given twice: each photo counts once", folder = folder.display())]
+    Twice { folder: PathBuf },
+    #[error("the name {path} is not UTF-8 text: rename it", path = path.display())]
+    NotText { path: PathBuf },
+}
+
+fn given(variant: &str, folder: &Path) -> String {
+    format!("{variant}={}", folder.display())
+}
+
+/// A folder whose photos all show one texture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PhotoFolder {
+    /// The texture on the model.
+    pub variant: String,
+    pub folder: PathBuf,
+}
+
+/// What a folder of photos has, each sorted by name. Hidden files are passed over.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Listing {
+    /// Names of JPEG and PNG files, by their ending.
+    pub photos: Vec<String>,
+    /// Names of images in formats that are not read.
+    pub other_images: Vec<String>,
+    /// Names of folders.
+    pub folders: Vec<String>,
+}
+
+/// A folder that was listed.
+#[derive(Debug, Clone)]
+pub struct Listed {
+    pub given: PhotoFolder,
+    /// Its whole path, without links.
+    pub real: PathBuf,
+    pub listing: Listing,
+}
+
+/// A session that exists in memory only, and the folders it is made of.
+#[derive(Debug, Clone)]
+pub struct Gathered {
+    /// Its folder is the closest one that holds all photos.
+    pub session: Session,
+    /// In the order they were given.
+    pub folders: Vec<Listed>,
+}
+
+/// Makes a session of folders: their photos in the order of the folders and by name, all of one place.
+///
+/// # Errors
+/// Folders that are missing, given twice or without photos; whatever is wrong with the scene, the camera or the names.
+pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str) -> Result<Gathered, FoldersError> {
+    let mut listed: Vec<Listed> = Vec::new();
+    for folder in folders {
+        let found = list(folder)?;
+        if listed.iter().any(|other| other.real == found.real) {
+            return Err(FoldersError::Twice {
+                folder: folder.folder.clone(),
+            });
+        }
+        listed.push(found);
+    }
+    let common = common_folder(&listed);
+    let mut photos = Vec::new();
+    for found in &listed {
+        let below = text_path(found.real.strip_prefix(&common).unwrap_or(&found.real))?;
+        photos.extend(found.listing.photos.iter().map(|name| PhotoEntry {
+            file: joined(&below, name),
+            ..entry(&found.given.variant, place)
+        }));
+    }
+    let mut session = Session::assembled(&common, &common, (scene, Some(camera)), photos, Vec::new())?;
+    if session.name.is_empty() {
+        "photos".clone_into(&mut session.name);
+    }
+    Ok(Gathered {
+        session,
+        folders: listed,
+    })
+}
+
+/// A photo of a texture and a place, not yet named.
+pub(super) fn entry(variant: &str, place: &str) -> PhotoEntry {
+    PhotoEntry {
+        file: String::new(),
+        variant: variant.to_owned(),
+        place: Some(place.to_owned()),
+        taken: None,
+        box_xyxy_px: None,
+        viewpoint: None,
+        conditions: Conditions::new(),
+    }
+}
+
+/// `folder/name`, and just the name for no folder.
+pub(super) fn joined(folder: &str, name: &str) -> String {
+    match folder {
+        "" => name.to_owned(),
+        folder => format!("{folder}/{name}"),
+    }
+}
+
+/// A path as text, as sessions keep it.
+pub(super) fn text_path(path: &Path) -> Result<String, FoldersError> {
+    let part = |part: Component| part.as_os_str().to_str().map(str::to_owned);
+    let parts: Option<Vec<String>> = path.components().map(part).collect();
+    let not_text = || FoldersError::NotText { path: path.to_owned() };
+    Ok(parts.ok_or_else(not_text)?.join("/"))
+}
+
+fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
+    let (variant, folder) = (given.variant.clone(), given.folder.clone());
+    match std::fs::metadata(&folder) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(FoldersError::Missing { variant, folder }),
+        Ok(about) if !about.is_dir() => return Err(FoldersError::NotAFolder { variant, folder }),
+        _ => {}
+    }
+    let listing = Listing::of(&folder)?;
+    if listing.photos.is_empty() {
+        let hint = match (listing.other_images.first(), listing.folders.first()) {
+            (Some(other), _) => format!(" (convert {other} and the like to JPEG)"),
+            (None, Some(inner)) => format!(" (those in folders inside it, as {inner}, are not read: name these)"),
+            (None, None) => String::new(),
+        };
+        return Err(FoldersError::NoPhotos { variant, folder, hint });
+    }
+    Ok(Listed {
+        real: files::whole_path(&folder)?,
+        given: given.clone(),
+        listing,
+    })
+}
+
+impl Listing {
+    /// Looks into a folder.
+    ///
+    /// # Errors
+    /// It cannot be read; a photo's name that is no text.
+    pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
+        let mut listing = Listing::default();
+        for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
+            let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
+            // What leads nowhere is neither a file nor a folder.
+            let Ok(about) = std::fs::metadata(&path) else { continue };
+            let name = path.file_name().unwrap_or_default();
+            let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            let kind = match (about.is_dir(), about.is_file()) {
+                (true, _) => &mut listing.folders,
+                (_, true) if is_readable(&ending) => &mut listing.photos,
+                (_, true) if OTHER_IMAGES.contains(&ending.as_str()) => &mut listing.other_images,
+                _ => continue,
+            };
+            match name.to_str() {
+                Some(name) if name.starts_with('.') => {}
+                Some(name) => kind.push(name.to_owned()),
+                None if about.is_dir() => {}
+                None => return Err(FoldersError::NotText { path }),
+            }
+        }
+        listing.drop_twins();
+        listing.photos.sort();
+        listing.other_images.sort();
+        listing.folders.sort();
+        Ok(listing)
+    }
+
+    /// A HEIC file beside a JPEG or PNG of its name is the same photo: it counts once.
+    fn drop_twins(&mut self) {
+        let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_lowercase();
+        let ending = |name: &str| name.rsplit_once('.').map_or("", |(_, ending)| ending).to_lowercase();
+        let plain = self
+            .photos
+            .iter()
+            .filter(|name| READABLE.contains(&ending(name).as_str()));
+        let plain: BTreeSet<String> = plain.map(|name| stem(name)).collect();
+        let is_twin = |name: &mut String| HEIF.contains(&ending(name).as_str()) && plain.contains(&stem(name));
+        let twins: Vec<String> = self.photos.extract_if(.., is_twin).collect();
+        self.other_images.extend(twins);
+    }
+
+    /// Whether a file is taken for a photo, by its name.
+    pub fn is_photo(path: &Path) -> bool {
+        is_readable(&path.extension().unwrap_or_default().to_string_lossy().to_lowercase())
+    }
+}
+
+fn is_readable(ending: &str) -> bool {
+    READABLE.contains(&ending) || (HEIF.contains(&ending) && photo::reads_heif())
+}
+
+/// The closest folder that all of these are, or lie in.
+fn common_folder(folders: &[Listed]) -> PathBuf {
+    let mut paths = folders.iter().map(|found| found.real.as_path());
+    let first = paths.next().unwrap_or(Path::new("")).to_owned();
+    paths.fold(first, |common, path| {
+        let same = common.components().zip(path.components()).take_while(|(a, b)| a == b);
+        same.map(|(part, _)| part).collect()
+    })
+}

@@ -1,0 +1,165 @@
+//! A COCO annotation file (cocodataset.org, "Data format", object detection): the boxes of the categories that count as the model.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::{ImportFault, ImportedPhoto, viewpoint};
+use crate::session::conditions::{is_name, scalar};
+use crate::session::{PhotoEntry, words};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_pose::scene::Classes;
+
+/// Other keys are passed over.
+#[derive(Deserialize)]
+struct File {
+    images: Vec<Image>,
+    annotations: Vec<Annotation>,
+    categories: Vec<Category>,
+}
+
+#[derive(Deserialize)]
+struct Image {
+    id: u64,
+    file_name: String,
+    width: Option<u32>,
+    height: Option<u32>,
+    #[serde(flatten)]
+    about: About,
+    #[serde(flatten)]
+    other: BTreeMap<String, Value>,
+}
+
+#[derive(Deserialize)]
+struct Annotation {
+    image_id: u64,
+    category_id: u64,
+    /// x, y, width, height in px.
+    bbox: [f64; 4],
+    attributes: Option<Attributes>,
+}
+
+#[derive(Deserialize, Default)]
+struct Attributes {
+    #[serde(flatten)]
+    about: About,
+    #[serde(flatten)]
+    other: BTreeMap<String, Value>,
+}
+
+#[derive(Deserialize)]
+struct Category {
+    id: u64,
+    name: String,
+}
+
+/// Keys of COCO's images, and of this program's exports, that say nothing of the scene.
+const NO_CONDITIONS: [&str; 5] = ["license", "flickr_url", "coco_url", "date_captured", "session"];
+
+/// What COCO has no word for.
+#[derive(Deserialize, Default, Clone)]
+struct About {
+    variant: Option<String>,
+    place: Option<String>,
+    azimuth_deg: Option<f64>,
+    pitch_deg: Option<f64>,
+    distance_mm: Option<f64>,
+}
+
+/// The photos with a box of the class, in the order of `images`, and the names of those without.
+pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<ImportedPhoto>, Vec<String>), ImportFault> {
+    let fault = |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
+    let file: File = serde_json::from_str(text).map_err(fault)?;
+    let boxes = boxes(&file, class)?;
+    let mut ids = BTreeSet::new();
+    let (mut rows, mut without_box) = (Vec::new(), Vec::new());
+    for image in &file.images {
+        let place = format!("image {}", image.id);
+        if !ids.insert(image.id) {
+            return Err(ImportFault::at(place, "its id appears twice: give every image its own"));
+        }
+        match boxes.get(&image.id).map(Vec::as_slice) {
+            None | Some([]) => without_box.push(image.file_name.clone()),
+            Some([annotation]) => rows.push(ImportedPhoto {
+                entry: entry(image, annotation).map_err(|message| ImportFault::at(&place, message))?,
+                size: image.width.zip(image.height).map(|(w, h)| [w, h]),
+                place,
+            }),
+            Some(several) => {
+                let message = format!(
+                    "{} has {} boxes of {}, and a session one model in each photo: keep the model's box",
+                    image.file_name,
+                    several.len(),
+                    class.quoted()
+                );
+                return Err(ImportFault::at(place, message));
+            }
+        }
+    }
+    match boxes.keys().find(|id| !ids.contains(id)) {
+        Some(id) => Err(ImportFault::of_file(format!(
+            "an annotation names image {id}, which is not in `images`"
+        ))),
+        None => Ok((rows, without_box)),
+    }
+}
+
+/// The annotations of a class by image.
+fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, ImportFault> {
+    let wanted: Vec<u64> = file
+        .categories
+        .iter()
+        .filter(|c| c.name == class.joined() || class.labels().contains(&c.name))
+        .map(|c| c.id)
+        .collect();
+    if wanted.is_empty() {
+        let known: Vec<_> = file
+            .categories
+            .iter()
+            .take(8)
+            .map(|c| format!("`{}`", c.name))
+            .collect();
+        let more = if file.categories.len() > 8 { ", …" } else { "" };
+        return Err(ImportFault::of_file(format!(
+            "it has no category {}, the class of the scene's model; it has {}{more}",
+            class.quoted(),
+            known.join(", ")
+        )));
+    }
+    let mut boxes: BTreeMap<u64, Vec<&Annotation>> = BTreeMap::new();
+    for annotation in file.annotations.iter().filter(|a| wanted.contains(&a.category_id)) {
+        boxes.entry(annotation.image_id).or_default().push(annotation);
+    }
+    Ok(boxes)
+}
+
+fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
+    let [x, y, width, height] = annotation.bbox;
+    if !(width > 0.0 && height > 0.0) {
+        return Err(format!(
+            "bbox is {:?}: give x, y, width and height above 0, in px",
+            annotation.bbox
+        ));
+    }
+    let own = &image.about;
+    let attributes = annotation.attributes.as_ref();
+    let other = attributes.map(|a| a.about.clone()).unwrap_or_default();
+    let kept = attributes.into_iter().flat_map(|a| &a.other).chain(&image.other);
+    let kept = kept.filter(|(name, _)| is_name(name) && !NO_CONDITIONS.contains(&name.as_str()));
+    Ok(PhotoEntry {
+        file: image.file_name.clone(),
+        variant: own.variant.clone().or(other.variant).unwrap_or_default(),
+        place: own.place.clone().or(other.place),
+        taken: None,
+        box_xyxy_px: Some(BoxPx::new(x, y, x + width, y + height)),
+        viewpoint: viewpoint([
+            own.azimuth_deg.or(other.azimuth_deg),
+            own.pitch_deg.or(other.pitch_deg),
+            own.distance_mm.or(other.distance_mm),
+        ])?,
+        conditions: kept
+            .filter_map(|(name, value)| Some((name.clone(), scalar(value)?)))
+            .collect(),
+    })
+}

@@ -1,0 +1,266 @@
+//! Photos whose truth is known from elsewhere (a simulator, an annotation tool, an old photo set) become a session: boxes and viewpoints from
+//! a COCO annotation file or a CSV, into a `session.json` beside the photos.
+//!
+//! The photos stay where and as they are. A session has one model in each photo, so a photo with several boxes of its class is
+//! refused, and one without any is left out and said.
+
+mod coco;
+mod csv;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use super::{PhotoEntry, Session, SessionError, SessionFile, check_photo};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_photo::photo::{self, PhotoError};
+use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
+
+/// Why nothing was imported.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SessionImportError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error("{path} is neither a COCO annotation file (.json) nor a table (.csv)", path = path.display())]
+    UnknownFormat { path: PathBuf },
+    #[error("{path}, {place}: {message}", path = path.display())]
+    Entry {
+        path: PathBuf,
+        /// `line 3`, or `image 17`.
+        place: String,
+        message: String,
+    },
+    #[error("{path}, {place}: {file} has no variant: add one", path = path.display())]
+    NoVariant { path: PathBuf, place: String, file: String },
+    #[error("{path} is there already: move it away, or import into another folder", path = path.display())]
+    SessionThere { path: PathBuf },
+}
+
+/// What is imported, and where it belongs.
+#[derive(Debug, Clone, Copy)]
+pub struct ImportRequest<'a> {
+    /// The annotation file: `.json` or `.csv`.
+    pub file: &'a Path,
+    /// The folder that holds the photos and gets the `session.json`.
+    pub folder: &'a Path,
+    pub scene: &'a Path,
+    /// Needed only when photos lack a viewpoint.
+    pub camera: Option<&'a Path>,
+    /// The texture of photos for which the file names none.
+    pub variant: Option<&'a str>,
+}
+
+/// A session ready to be written.
+#[derive(Debug)]
+pub struct Imported {
+    /// Place and text of the `session.json`.
+    pub path: PathBuf,
+    pub text: String,
+    /// The session as it will be read.
+    pub session: Session,
+    /// Photos that the file names without a box of the model, as it names them.
+    pub without_box: Vec<String>,
+}
+
+/// Formats that are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnnotationFormat {
+    /// COCO's `images`, `annotations` and `categories`. An image or its annotation's `attributes` may have `variant`, `place`,
+    /// `azimuth_deg`, `pitch_deg` and `distance_mm`.
+    Coco,
+    /// A table with a header: `file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm`, boxes in px.
+    Csv,
+}
+
+/// What a file says about one photo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedPhoto {
+    /// Where it says so: `line 3`, or `image 17`.
+    pub place: String,
+    /// Its variant is empty where the file names none.
+    pub entry: PhotoEntry,
+    /// Width and height in px, where the file states them.
+    pub size: Option<[u32; 2]>,
+}
+
+/// What is wrong, and where in the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportFault {
+    /// Nothing when it concerns the whole file.
+    pub place: Option<String>,
+    pub message: String,
+}
+
+impl ImportFault {
+    fn of_file(message: impl Into<String>) -> Self {
+        Self {
+            place: None,
+            message: message.into(),
+        }
+    }
+
+    fn at(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            place: Some(place.into()),
+            message: message.into(),
+        }
+    }
+}
+
+/// Reads an annotation file's text; a box of any label of `class` is the model's.
+///
+/// # Errors
+/// Broken syntax, numbers that are none, several boxes in one photo.
+pub fn parse(
+    text: &str,
+    format: AnnotationFormat,
+    class: &Classes,
+) -> Result<(Vec<ImportedPhoto>, Vec<String>), ImportFault> {
+    match format {
+        AnnotationFormat::Coco => coco::parse(text, class),
+        AnnotationFormat::Csv => csv::parse(text).map(|rows| (rows, Vec::new())),
+    }
+}
+
+/// Makes a session of an annotation file. Nothing is written yet.
+///
+/// # Errors
+/// Whatever is wrong with the file, a photo it names, the scene or the camera; a session that is there already.
+pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
+    let path = request.folder.join("session.json");
+    if path.exists() {
+        return Err(SessionImportError::SessionThere { path });
+    }
+    let format = match request.file.extension().and_then(|e| e.to_str()) {
+        Some("json") => AnnotationFormat::Coco,
+        Some("csv") => AnnotationFormat::Csv,
+        _ => {
+            return Err(SessionImportError::UnknownFormat {
+                path: request.file.to_owned(),
+            });
+        }
+    };
+    let class = Scene::open(request.scene)?.model.class;
+    let text = files::read_text(request.file)?;
+    let (rows, without_box) = parse(&text, format, &class).map_err(|fault| error(request.file, fault))?;
+    if rows.is_empty() {
+        let fault = ImportFault::of_file(format!("it has no photo with a box of {}", class.quoted()));
+        return Err(error(request.file, fault));
+    }
+    let photos = checked(rows, request)?;
+    let file = SessionFile {
+        scene: seen_from(request.folder, request.scene)?,
+        camera: request
+            .camera
+            .map(|camera| seen_from(request.folder, camera))
+            .transpose()?,
+        photos,
+    };
+    let text = file.to_json(&path)?;
+    // The reader's checks are the checks.
+    let session = Session::parse(&text, &path)?;
+    Ok(Imported {
+        path,
+        text,
+        session,
+        without_box,
+    })
+}
+
+fn error(path: &Path, fault: ImportFault) -> SessionImportError {
+    let message = fault.message;
+    match fault.place {
+        Some(place) => SessionImportError::Entry {
+            path: path.to_owned(),
+            place,
+            message,
+        },
+        None => FileError::content(path, message).into(),
+    }
+}
+
+/// The photos of some rows, each held against its file.
+fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<PhotoEntry>, SessionImportError> {
+    let mut seen = HashSet::new();
+    let mut photos = Vec::new();
+    for ImportedPhoto { place, mut entry, size } in rows {
+        let refuse = |message: String| error(request.file, ImportFault::at(place.as_str(), message));
+        if entry.variant.is_empty() {
+            let missing = || SessionImportError::NoVariant {
+                path: request.file.to_owned(),
+                place: place.clone(),
+                file: entry.file.clone(),
+            };
+            entry.variant = request.variant.ok_or_else(missing)?.to_owned();
+        }
+        check_photo(&entry).map_err(refuse)?;
+        if Path::new(&entry.file).starts_with("..") {
+            let file = &entry.file;
+            return Err(refuse(format!(
+                "{file} is not a path below the folder with the photos: copy the photo there"
+            )));
+        }
+        if !seen.insert(entry.file.clone()) {
+            return Err(refuse(format!(
+                "{} is listed twice: each photo counts once",
+                entry.file
+            )));
+        }
+        check_against_photo(&entry, size, request.folder).map_err(refuse)?;
+        photos.push(entry);
+    }
+    Ok(photos)
+}
+
+/// The photo is there, as large as the file says, and the box is in it.
+fn check_against_photo(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
+    let photo::Photo { width, height, .. } =
+        photo::Photo::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
+    if let Some([w, h]) = size.filter(|size| *size != [width, height]) {
+        return Err(format!(
+            "{} is {width}×{height} px upright and not {w}×{h}: the boxes are another photo's",
+            entry.file
+        ));
+    }
+    match entry.box_xyxy_px {
+        Some(b) if !b.clipped(width.into(), height.into()).is_solid() => Err(format!(
+            "the box of {} lies outside its {width}×{height} px",
+            entry.file
+        )),
+        Some(b) if reaches_out(b, width, height) => Err(format!(
+            "the box of {} reaches out of its {width}×{height} px: is it another photo's? If not, cut it at the border",
+            entry.file
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Farther than rounding a box to whole pixels explains.
+fn reaches_out(b: BoxPx, width: u32, height: u32) -> bool {
+    const ROUNDING_PX: f64 = 1.0;
+    b.x1.min(b.y1) < -ROUNDING_PX || b.x2 > f64::from(width) + ROUNDING_PX || b.y2 > f64::from(height) + ROUNDING_PX
+}
+
+/// A path as a file in `folder` may name it: relative to the folder when it lies below, else whole.
+fn seen_from(folder: &Path, path: &Path) -> Result<PathBuf, FileError> {
+    let (folder, path) = (files::whole_path(folder)?, files::whole_path(path)?);
+    Ok(path.strip_prefix(&folder).map(Path::to_owned).unwrap_or(path))
+}
+
+/// The three numbers of a viewpoint: all or none.
+fn viewpoint(numbers: [Option<f64>; 3]) -> Result<Option<Viewpoint>, String> {
+    match numbers {
+        [None, None, None] => Ok(None),
+        [Some(azimuth_deg), Some(pitch_deg), Some(distance_mm)] => Ok(Some(Viewpoint {
+            azimuth_deg,
+            pitch_deg,
+            distance_mm,
+        })),
+        _ => Err("azimuth_deg, pitch_deg and distance_mm go together: give all or none".into()),
+    }
+}

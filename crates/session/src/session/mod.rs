@@ -1,0 +1,374 @@
+//! A stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
+
+mod conditions;
+mod contents;
+pub mod folders;
+pub mod import;
+mod new;
+
+use std::collections::HashSet;
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::envelope::{EnvelopeError, EnvelopeShape};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_pose::camera::{Camera, CameraError};
+use scaleproof_pose::scene::{Scene, Viewpoint};
+
+pub use conditions::Conditions;
+pub use contents::{Contents, Look};
+pub use new::{NewSession, NewSessionError, mesh_below};
+
+/// Why a session could not be opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum SessionError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
+}
+
+/// A session with everything it refers to, except the photos' pixels.
+#[derive(Debug, Clone)]
+pub struct Session {
+    /// The name of the session's folder.
+    pub name: String,
+    /// Where its photos are named from.
+    pub folder: PathBuf,
+    /// The mesh that the scene names, if any.
+    pub mesh_path: Option<PathBuf>,
+    /// Where the scene file lies.
+    pub scene_path: PathBuf,
+    /// Where the camera file lies.
+    pub camera_path: Option<PathBuf>,
+    /// Model, tags and bins.
+    pub scene: Scene,
+    /// What truth boxes are drawn around, as the scene says.
+    pub outline: EnvelopeShape,
+    /// Absent only when every photo carries its truth box and viewpoint.
+    pub camera: Option<Camera>,
+    /// In the order of the file.
+    pub photos: Vec<PhotoEntry>,
+    /// File name and SHA-256 of `session.json`, the scene, its mesh and the camera file, for provenance.
+    pub hashes: Vec<(String, String)>,
+}
+
+/// One photo of a session, as `session.json` tells it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PhotoEntry {
+    /// Path from the session's folder, as `a.jpg` or `../photos/a.jpg`.
+    pub file: String,
+    /// The texture on the model; `normal` is the unpatterned one.
+    pub variant: String,
+    /// Where the photo was taken; photos of one place are not independent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// RFC 3339 time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub taken: Option<String>,
+    /// Truth known from elsewhere (a simulator, say), instead of a box from the pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub box_xyxy_px: Option<BoxPx>,
+    /// Viewpoint known from elsewhere, instead of a pose from the tags.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viewpoint: Option<Viewpoint>,
+    /// Weather, light and whatever else photos may be grouped by.
+    #[serde(
+        default,
+        skip_serializing_if = "Conditions::is_empty",
+        deserialize_with = "conditions::read"
+    )]
+    pub conditions: Conditions,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SessionFile {
+    scene: PathBuf,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    camera: Option<PathBuf>,
+    photos: Vec<PhotoEntry>,
+}
+
+impl SessionFile {
+    fn to_json(&self, path: &Path) -> Result<String, SessionError> {
+        Ok(serde_json::to_string_pretty(self).map_err(|e| syntax(path, &e))? + "\n")
+    }
+}
+
+impl Session {
+    /// Opens the session in a folder (or its `session.json`) and checks all but the photos.
+    pub fn open(place: &Path) -> Result<Session, SessionError> {
+        let path = if place.is_dir() {
+            place.join("session.json")
+        } else {
+            place.to_owned()
+        };
+        Session::parse(&files::read_text(&path)?, &path)
+    }
+
+    /// Reads the text of a `session.json` that lies at `path`, and checks all but the photos.
+    fn parse(text: &str, path: &Path) -> Result<Session, SessionError> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
+        let (scene, camera) = (folder.join(&file.scene), file.camera.map(|camera| folder.join(camera)));
+        let hash = (file_name(path), files::sha256_hex(text.as_bytes()));
+        Session::assembled(path, &folder, (&scene, camera.as_deref()), file.photos, vec![hash])
+    }
+
+    /// A session of these parts; `path` is what messages about the photos' list name, and `hashes` are of what else it was made of.
+    fn assembled(
+        path: &Path,
+        folder: &Path,
+        (scene_path, camera_path): (&Path, Option<&Path>),
+        photos: Vec<PhotoEntry>,
+        mut hashes: Vec<(String, String)>,
+    ) -> Result<Session, SessionError> {
+        check(&photos, camera_path.is_some()).map_err(|message| FileError::content(path, message))?;
+        let scene = Scene::open(scene_path)?;
+        let camera = camera_path.map(Camera::open).transpose()?;
+        let scene_folder = scene_path.parent().unwrap_or(Path::new("")).to_owned();
+        let outline = EnvelopeShape::open(&scene.model, &scene_folder)?;
+        let mesh_path = scene.model.envelope.mesh().map(|mesh| scene_folder.join(mesh));
+        for read in [Some(scene_path), mesh_path.as_deref(), camera_path]
+            .into_iter()
+            .flatten()
+        {
+            hashes.push((file_name(read), files::sha256_hex(&files::read(read)?)));
+        }
+        let real = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        Ok(Session {
+            name: file_name(&real),
+            folder: folder.to_owned(),
+            mesh_path,
+            scene_path: scene_path.to_owned(),
+            camera_path: camera_path.map(Path::to_owned),
+            scene,
+            outline,
+            camera,
+            photos,
+            hashes,
+        })
+    }
+
+    /// The camera, for what locates photos.
+    ///
+    /// # Errors
+    /// The session names none.
+    pub fn known_camera(&self) -> Result<&Camera, SessionError> {
+        let lack = "this session names no camera, so its photos cannot be located: name one in its session.json";
+        let camera = self.camera.as_ref();
+        Ok(camera.ok_or_else(|| FileError::content(&self.folder, lack))?)
+    }
+
+    /// The path of a photo.
+    pub fn photo_path(&self, entry: &PhotoEntry) -> PathBuf {
+        self.folder.join(&entry.file)
+    }
+}
+
+/// The text of a `session.json` at a place, of a scene and a camera file named from its folder. It is read back before it is returned.
+///
+/// # Errors
+/// Whatever keeps [`Session::open`] from opening it.
+pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEntry>) -> Result<String, SessionError> {
+    let file = SessionFile {
+        scene: scene.into(),
+        camera: camera.map(Into::into),
+        photos,
+    };
+    let text = file.to_json(path)?;
+    Session::parse(&text, path)?;
+    Ok(text)
+}
+
+fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
+    FileError::syntax(path, e.line(), words(e, "a session"))
+}
+
+/// What is wrong with some JSON, without the place.
+fn words(e: &serde_json::Error, what: &str) -> String {
+    let text = e.to_string();
+    match text.split(" at line ").next().unwrap_or(&text) {
+        // serde's own words for a list where an object belongs.
+        inside if inside.contains("expected struct") => {
+            format!("an object {{…}} with the keys of {what} belongs here")
+        }
+        message => message.to_owned(),
+    }
+}
+
+/// Checks the photos, and that each can be placed.
+fn check(photos: &[PhotoEntry], has_camera: bool) -> Result<(), String> {
+    check_photos(photos)?;
+    let needs_camera = |p: &&PhotoEntry| p.box_xyxy_px.is_none() || p.viewpoint.is_none();
+    match (has_camera, photos.iter().find(needs_camera)) {
+        (false, Some(photo)) => Err(format!(
+            "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file, or give both for every photo",
+            photo.file
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn check_photos(photos: &[PhotoEntry]) -> Result<(), String> {
+    if photos.is_empty() {
+        return Err("it lists no photos".into());
+    }
+    let mut files = HashSet::new();
+    for photo in photos {
+        if !files.insert(&photo.file) {
+            return Err(format!("{} is listed twice: each photo counts once", photo.file));
+        }
+        check_photo(photo)?;
+    }
+    Ok(())
+}
+
+fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
+    let (file, variant) = (&photo.file, &photo.variant);
+    if !leads_from_folder(file) {
+        return Err(format!(
+            "{file:?} is no path from the session's folder: write it as photos/a.jpg or ../photos/a.jpg"
+        ));
+    }
+    if variant.trim().is_empty() {
+        return Err(format!(
+            "{file} has no variant: name the texture on the model, e.g. normal"
+        ));
+    }
+    for (what, name) in [("variant", Some(variant)), ("place", photo.place.as_ref())] {
+        if name.is_some_and(|name| name.trim() != name || name.chars().any(char::is_control)) {
+            let name = name.map_or("", String::as_str);
+            return Err(format!(
+                "the {what} {name:?} of {file} has blanks around it or control characters: remove them"
+            ));
+        }
+    }
+    if let Some(name) = photo.conditions.keys().find(|name| !conditions::is_name(name)) {
+        return Err(format!(
+            "the condition {name:?} of {file} has a name that cannot be used: write letters, digits, blanks, `_`, `-` and `.`"
+        ));
+    }
+    if photo.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
+        return Err(format!(
+            "box_xyxy_px of {file} is empty: give [x1, y1, x2, y2] in pixels"
+        ));
+    }
+    match photo.viewpoint {
+        Some(v) if !v.is_possible() => Err(format!(
+            "the viewpoint of {file} is impossible: azimuth_deg is in [0, 360), pitch_deg in [-90, 90], distance_mm above 0"
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// First up, if at all, then down to a file. Photos are only read, so that they may lie anywhere; what is written goes into the session's
+/// folder under names of its own.
+fn leads_from_folder(file: &str) -> bool {
+    let mut down = Path::new(file)
+        .components()
+        .skip_while(|part| *part == Component::ParentDir)
+        .peekable();
+    down.peek().is_some() && down.all(|part| matches!(part, Component::Normal(_)))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = "[model]\nname='m'\nscale=10\nclass='car'\nsize_mm=[400,180,120]\n[bins]\nazimuth_deg=45\npitch_deg=[15]\ndistance_mm=[800]\n";
+    const CAMERA: &str = "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]}\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n";
+
+    fn opened(photos: &str) -> Result<Session, String> {
+        opened_with("\"camera\":\"camera.yaml\",", photos)
+    }
+
+    fn opened_with(camera: &str, photos: &str) -> Result<Session, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("scene.toml", SCENE);
+        write("camera.yaml", CAMERA);
+        write(
+            "session.json",
+            &format!("{{\"scene\":\"scene.toml\",{camera}\n\"photos\":[{photos}]}}"),
+        );
+        Session::open(folder.path()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn truth_from_elsewhere_is_kept() {
+        let session = opened(
+            r#"{"file":"a.jpg","variant":"normal","box_xyxy_px":[1,2,30,40],
+                "viewpoint":{"azimuth_deg":90,"pitch_deg":15,"distance_mm":800}}"#,
+        )
+        .unwrap();
+        assert_eq!(session.photos[0].box_xyxy_px, Some(BoxPx::new(1.0, 2.0, 30.0, 40.0)));
+        assert_eq!(session.photos[0].viewpoint.unwrap().azimuth_deg, 90.0);
+        assert_eq!(session.hashes.len(), 3);
+    }
+
+    #[test]
+    fn without_a_camera_every_photo_needs_box_and_viewpoint() {
+        let whole = r#"{"file":"a.jpg","variant":"normal","box_xyxy_px":[1,2,30,40],
+                "viewpoint":{"azimuth_deg":90,"pitch_deg":15,"distance_mm":800}}"#;
+        let session = opened_with("", whole).unwrap();
+        assert!(session.camera.is_none() && session.hashes.len() == 2);
+        let boxed = r#"{"file":"b.jpg","variant":"normal","box_xyxy_px":[1,2,30,40]}"#;
+        let error = opened_with("", &format!("{whole},{boxed}")).unwrap_err();
+        assert!(error.contains("names no camera, and b.jpg has not both"), "{error}");
+    }
+
+    #[test]
+    fn photos_may_lie_beside_the_session() {
+        let session = opened(r#"{"file":"../monday/a.jpg","variant":"normal"}"#).unwrap();
+        assert_eq!(
+            session.photo_path(&session.photos[0]),
+            session.folder.join("../monday/a.jpg")
+        );
+    }
+
+    #[test]
+    fn sessions_that_would_mislead_are_refused() {
+        let a = r#"{"file":"a.jpg","variant":"normal"}"#;
+        for (photos, reason) in [
+            (String::new(), "lists no photos"),
+            (format!("{a},{a}"), "a.jpg is listed twice"),
+            (a.replace("normal", " "), "a.jpg has no variant"),
+            (
+                a.replace("}", ",\"box_xyxy_px\":[5,5,5,9]}"),
+                "box_xyxy_px of a.jpg is empty",
+            ),
+            (a.replace("normal", "normal "), "blanks around it"),
+            (a.replace("a.jpg", "/a.jpg"), "no path from the session's folder"),
+            (a.replace("a.jpg", "b/../a.jpg"), "no path from the session's folder"),
+            (a.replace("a.jpg", "./a.jpg"), "no path from the session's folder"),
+            (a.replace("a.jpg", ".."), "no path from the session's folder"),
+            (a.replace("a.jpg", ""), "no path from the session's folder"),
+            (
+                a.replace(
+                    "}",
+                    ",\"viewpoint\":{\"azimuth_deg\":400,\"pitch_deg\":0,\"distance_mm\":9}}",
+                ),
+                "viewpoint of a.jpg is impossible",
+            ),
+            (a.replace("variant", "varient"), "line 2: unknown field `varient`"),
+        ] {
+            let error = opened(&photos).unwrap_err();
+            assert!(error.contains(reason) && !error.contains('\n'), "{error}");
+        }
+    }
+}

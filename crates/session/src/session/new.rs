@@ -1,0 +1,275 @@
+//! A new session on disk: `session.json` with copies of the scene and the camera, of photos that stay where they are or are copied too.
+
+use std::collections::BTreeSet;
+use std::path::{Component, Path, PathBuf};
+
+use super::folders::{FoldersError, Gathered, entry, joined, text_path};
+use super::{PhotoEntry, SessionError, SessionFile};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_pose::scene::Scene;
+
+/// Why no session was made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NewSessionError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Folders(#[from] FoldersError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error("{folder} is a session already: name a new folder", folder = folder.display())]
+    SessionThere { folder: PathBuf },
+    #[error("{folder} has files already", folder = folder.display())]
+    NotEmpty { folder: PathBuf },
+    #[error("{path} is there already and another file: name a new folder for the session", path = path.display())]
+    Other { path: PathBuf },
+    #[error("the scene's mesh {mesh} does not lie below the scene's folder, so that it cannot be copied into the session: put it there", mesh = mesh.display())]
+    MeshElsewhere { mesh: PathBuf },
+}
+
+/// What a session is made of, and where.
+#[derive(Debug, Clone, Copy)]
+pub struct NewSession<'a> {
+    pub folder: &'a Path,
+    /// From [`super::folders::gather`], with the scene and the camera below.
+    pub photos: &'a Gathered,
+    pub scene: &'a Path,
+    pub camera: &'a Path,
+    /// Copies the photos into the session instead of naming them where they are.
+    pub copy: bool,
+}
+
+/// A session that was written.
+#[derive(Debug, Clone)]
+pub struct MadeSession {
+    /// The `session.json`.
+    pub path: PathBuf,
+    pub photos: Vec<PhotoEntry>,
+}
+
+/// What a file of the session is made of.
+enum Content {
+    Bytes(Vec<u8>),
+    CopyOf(PathBuf),
+}
+
+type Files = Vec<(PathBuf, Content)>;
+
+impl NewSession<'_> {
+    /// Writes the session: whole, or nothing. A folder that is there keeps what it has.
+    ///
+    /// # Errors
+    /// A session that is there already, files in the way, a file that cannot be read or written.
+    pub fn write(&self) -> Result<MadeSession, NewSessionError> {
+        let path = self.folder.join("session.json");
+        if path.exists() {
+            let folder = self.folder.to_owned();
+            return Err(NewSessionError::SessionThere { folder });
+        }
+        let is_new = is_free(self.folder)?;
+        if self.copy && !is_new {
+            let folder = self.folder.to_owned();
+            return Err(NewSessionError::NotEmpty { folder });
+        }
+        let home = real_place(self.folder)?;
+        let mut files = Files::new();
+        let (scene, camera) = (self.scene(&home, &mut files)?, self.camera(&home, &mut files)?);
+        let photos = if self.copy {
+            self.copied(&mut files)?
+        } else {
+            self.named(&home)?
+        };
+        let list = SessionFile {
+            scene,
+            camera: Some(camera),
+            photos,
+        };
+        files.push(("session.json".into(), Content::Bytes(list.to_json(&path)?.into_bytes())));
+        if is_new {
+            files::make_folder(&home, |folder| {
+                files
+                    .iter()
+                    .try_for_each(|(name, content)| write(&folder.join(name), content))
+            })?
+        } else {
+            self.write_beside(files)?
+        }
+        Ok(MadeSession {
+            path,
+            photos: list.photos,
+        })
+    }
+
+    /// Into a folder that has files already.
+    fn write_beside(&self, files: Files) -> Result<(), NewSessionError> {
+        let mut contents = Vec::new();
+        for (name, content) in files {
+            let path = self.folder.join(name);
+            let Content::Bytes(bytes) = content else { continue };
+            match path.exists() {
+                true if files::read(&path)? != bytes => return Err(NewSessionError::Other { path }),
+                true => {}
+                false => contents.push((path, bytes)),
+            }
+        }
+        Ok(files::replace_all_atomically(&contents)?)
+    }
+
+    /// The scene as the session names it: where it is when that is inside the session, else a copy with its mesh.
+    fn scene(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
+        if let Some(inside) = inside(self.scene, home) {
+            return Ok(inside);
+        }
+        files.push(("scene.toml".into(), Content::Bytes(files::read(self.scene)?)));
+        let mesh = mesh_below(&self.photos.session.scene).map_err(|mesh| NewSessionError::MeshElsewhere { mesh })?;
+        if let (Some(mesh), Some(read)) = (mesh, &self.photos.session.mesh_path) {
+            files.push((mesh, Content::Bytes(files::read(read)?)));
+        }
+        Ok("scene.toml".into())
+    }
+
+    fn camera(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
+        if let Some(inside) = inside(self.camera, home) {
+            return Ok(inside);
+        }
+        let ending = self.camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
+        let name = PathBuf::from(format!("camera.{ending}"));
+        files.push((name.clone(), Content::Bytes(files::read(self.camera)?)));
+        Ok(name)
+    }
+
+    /// The photos where they are, by their way from the session.
+    fn named(&self, home: &Path) -> Result<Vec<PhotoEntry>, NewSessionError> {
+        let mut photos = Vec::new();
+        for found in &self.photos.folders {
+            let way = text_path(&way(home, &found.real))?;
+            photos.extend(self.entries(&found.listing.photos, &found.given.variant, &way));
+        }
+        Ok(photos)
+    }
+
+    /// The photos in a folder each, called as the one they come from.
+    fn copied(&self, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
+        let (mut photos, mut taken) = (Vec::new(), BTreeSet::new());
+        for found in &self.photos.folders {
+            let name = text_path(Path::new(found.real.file_name().unwrap_or("photos".as_ref())))?;
+            let name = free_name(&name, &mut taken);
+            for photo in &found.listing.photos {
+                files.push((Path::new(&name).join(photo), Content::CopyOf(found.real.join(photo))));
+            }
+            photos.extend(self.entries(&found.listing.photos, &found.given.variant, &name));
+        }
+        Ok(photos)
+    }
+
+    fn entries<'a>(
+        &'a self,
+        names: &'a [String],
+        variant: &'a str,
+        folder: &'a str,
+    ) -> impl Iterator<Item = PhotoEntry> {
+        let place = self.photos.session.photos.first().and_then(|p| p.place.as_deref());
+        names.iter().map(move |name| PhotoEntry {
+            file: joined(folder, name),
+            ..entry(variant, place.unwrap_or_default())
+        })
+    }
+}
+
+/// The path of a scene's mesh from the scene's folder; none for one that is named by its whole path, which stays valid.
+///
+/// # Errors
+/// A mesh beside or above the scene's folder, which a copy of the scene would not find.
+pub fn mesh_below(scene: &Scene) -> Result<Option<PathBuf>, PathBuf> {
+    match scene.model.envelope.mesh() {
+        None => Ok(None),
+        Some(mesh) if mesh.is_absolute() => Ok(None),
+        Some(mesh) if mesh.components().all(|part| matches!(part, Component::Normal(_))) => Ok(Some(mesh.to_owned())),
+        Some(mesh) => Err(mesh.to_owned()),
+    }
+}
+
+/// Whether nothing is there, or an empty folder.
+fn is_free(folder: &Path) -> Result<bool, FileError> {
+    match std::fs::read_dir(folder) {
+        Ok(mut entries) => Ok(entries.next().is_none()),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(true),
+        Err(e) => Err(FileError::write(folder, &e)),
+    }
+}
+
+/// The whole path, without links, of a folder that need not exist yet.
+fn real_place(folder: &Path) -> Result<PathBuf, FileError> {
+    let failed = |reason: String| FileError::Write {
+        path: folder.to_owned(),
+        reason,
+    };
+    let whole = std::path::absolute(folder).map_err(|e| failed(files::plain(&e)))?;
+    for there in whole.ancestors() {
+        let Ok(real) = there.canonicalize() else { continue };
+        let rest = whole.strip_prefix(there).unwrap_or(Path::new(""));
+        return if rest.components().all(|part| matches!(part, Component::Normal(_))) {
+            Ok(real.components().chain(rest.components()).collect())
+        } else {
+            Err(failed("a folder on its path does not exist".into()))
+        };
+    }
+    Err(failed("no part of the path exists".into()))
+}
+
+/// The path of a file from a folder that it lies in.
+fn inside(file: &Path, home: &Path) -> Option<PathBuf> {
+    let real = file.canonicalize().ok()?;
+    real.strip_prefix(home).ok().map(Path::to_owned)
+}
+
+/// The way from one folder to another: up, then down. Both are whole and without links.
+fn way(from: &Path, to: &Path) -> PathBuf {
+    let same = from
+        .components()
+        .zip(to.components())
+        .take_while(|(a, b)| a == b)
+        .count();
+    let up = from.components().skip(same).map(|_| Component::ParentDir);
+    up.chain(to.components().skip(same)).collect()
+}
+
+/// A name that none of the taken ones is, however a file system counts letters: `photos`, `photos_2`, …
+fn free_name(name: &str, taken: &mut BTreeSet<String>) -> String {
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    let mut names = std::iter::once(name.to_owned()).chain(numbered);
+    names.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
+}
+
+fn write(path: &Path, content: &Content) -> Result<(), FileError> {
+    match content {
+        Content::Bytes(bytes) => files::replace_atomically(path, bytes),
+        Content::CopyOf(original) => files::copy(original, path),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_between_folders_goes_up_then_down() {
+        for (from, to, wanted) in [
+            ("/a/session", "/a/photos/monday", "../photos/monday"),
+            ("/a/photos/session", "/a/photos", ".."),
+            ("/a", "/a/photos", "photos"),
+            ("/a", "/a", ""),
+            ("/a/b", "/c", "../../c"),
+        ] {
+            assert_eq!(way(Path::new(from), Path::new(to)), Path::new(wanted), "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn folders_of_one_name_get_numbers() {
+        let mut taken = BTreeSet::new();
+        let names = ["Photos", "photos", "x", "photos"].map(|name| free_name(name, &mut taken));
+        assert_eq!(names, ["Photos", "photos_2", "x", "photos_3"]);
+    }
+}

@@ -1,0 +1,30 @@
+//! Why nothing can be advised.
+
+use scaleproof_core::spelling::count;
+use scaleproof_pose::camera::SizeError;
+use scaleproof_pose::tags::StartError;
+
+/// Why nothing can be advised.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AdviseError {
+    #[error("the session has no photo")]
+    NoPhoto,
+    #[error("no photo of the session is located, so that there is nothing to compare{}", also(*disagreeing))]
+    NothingLocated { disagreeing: usize },
+    #[error(transparent)]
+    Start(#[from] StartError),
+    #[error("{file}: {fault}")]
+    Size { file: String, fault: SizeError },
+}
+
+/// Why no photo is located, where tags say so.
+fn also(disagreeing: usize) -> String {
+    match disagreeing {
+        0 => String::new(),
+        _ => format!(
+            "; the tags disagree with scene and camera in {}",
+            count(disagreeing, "photo")
+        ),
+    }
+}

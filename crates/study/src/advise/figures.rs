@@ -1,0 +1,135 @@
+//! What the definition of AP and the envelope behind the truth boxes do to the findings of a session.
+
+use serde::Serialize;
+
+use scaleproof_core::statistics::Interval;
+use scaleproof_score::score::{ApDefinition, CompareError, Finding, Scores, compare, moved_drops};
+
+/// The drop of AP of one detector and texture, by one definition and envelope.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FigureRow {
+    pub detector: String,
+    pub variant: String,
+    /// Of AP.
+    pub definition: &'static str,
+    /// `box`, `hull` or `mesh`.
+    pub envelope: &'static str,
+    pub base_ap50: f64,
+    pub ap50: f64,
+    pub drop: f64,
+    pub drop_95: Option<Interval>,
+    pub finding: Finding,
+    /// The drop minus that of the usual way, on the same photos; absent for the usual way.
+    pub moved_by: Option<f64>,
+    pub moved_by_95: Option<Interval>,
+}
+
+/// What figures depend on, and whether the findings do.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FigureAdvice {
+    pub rows: Vec<FigureRow>,
+    /// Definitions that change no finding, the usual one among them.
+    pub same_findings: Vec<&'static str>,
+    /// The largest difference of a drop from that by the usual definition.
+    pub definition_moves: f64,
+    /// The largest difference of a drop when the box around the model is taken instead of its outline; absent where the box is the outline.
+    pub box_moves: Option<f64>,
+    /// Whether the box changes no finding and moves no drop by more than [`BOX_MARGIN`].
+    pub box_is_enough: Option<bool>,
+}
+
+impl FigureAdvice {
+    /// How many definitions of AP were tried.
+    pub(super) fn definitions(&self) -> usize {
+        ApDefinition::ALL.len()
+    }
+}
+
+/// A drop of AP may move by this much.
+pub(super) const BOX_MARGIN: f64 = 0.01;
+
+/// Compares the textures by every definition of AP, and by the box instead of the model's outline. `by_box`: the same photos scored by the box, where that is another envelope.
+///
+/// # Errors
+/// No texture to compare.
+pub fn advise_figures(scores: &Scores, by_box: Option<&Scores>, base: &str) -> Result<FigureAdvice, CompareError> {
+    let envelope = scores.sessions[0].scene.model.envelope.name();
+    let usual_way = (scores, scores.criteria.ap);
+    let mut rows = rows_of(usual_way, None, base, envelope)?;
+    for definition in ApDefinition::ALL {
+        if definition != scores.criteria.ap {
+            rows.extend(rows_of((scores, definition), Some(usual_way), base, envelope)?);
+        }
+    }
+    let usual = of(&rows, scores.criteria.ap.name());
+    let same = |own: &[&FigureRow]| own.iter().zip(&usual).all(|(a, b)| a.finding == b.finding);
+    let moves = |own: &[&FigureRow]| {
+        let moved = own.iter().filter_map(|row| row.moved_by);
+        moved.map(f64::abs).fold(0.0, f64::max)
+    };
+    let by_definition: Vec<(&'static str, Vec<&FigureRow>)> = ApDefinition::ALL
+        .iter()
+        .map(|definition| (definition.name(), of(&rows, definition.name())))
+        .collect();
+    let same_findings = by_definition
+        .iter()
+        .filter(|(_, own)| same(own))
+        .map(|(name, _)| *name)
+        .collect();
+    let definition_moves = by_definition.iter().map(|(_, own)| moves(own)).fold(0.0, f64::max);
+    let by_box = by_box
+        .map(|scores| rows_of((scores, scores.criteria.ap), Some(usual_way), base, "box"))
+        .transpose()?;
+    let of_box = by_box.as_ref().map(|rows| {
+        let own: Vec<&FigureRow> = rows.iter().collect();
+        (moves(&own), same(&own))
+    });
+    rows.extend(by_box.into_iter().flatten());
+    Ok(FigureAdvice {
+        same_findings,
+        definition_moves,
+        box_moves: of_box.map(|(moves, _)| moves),
+        box_is_enough: of_box.map(|(moves, same)| same && moves <= BOX_MARGIN),
+        rows,
+    })
+}
+
+fn of<'a>(rows: &'a [FigureRow], definition: &str) -> Vec<&'a FigureRow> {
+    rows.iter().filter(|row| row.definition == definition).collect()
+}
+
+/// The rows of a way to measure: of these scores, by a definition of AP. `usual`: what they are held against.
+fn rows_of(
+    (scores, definition): (&Scores, ApDefinition),
+    usual: Option<(&Scores, ApDefinition)>,
+    base: &str,
+    envelope: &'static str,
+) -> Result<Vec<FigureRow>, CompareError> {
+    let compared = compare(scores, base, definition)?;
+    let mut rows: Vec<FigureRow> = compared
+        .results
+        .into_iter()
+        .map(|r| FigureRow {
+            detector: r.detector,
+            variant: r.variant,
+            definition: definition.name(),
+            envelope,
+            base_ap50: r.ap50.base,
+            ap50: r.ap50.other,
+            drop: r.ap50.drop,
+            drop_95: r.ap50.interval_95,
+            finding: r.ap50.finding,
+            moved_by: None,
+            moved_by_95: None,
+        })
+        .collect();
+    // The detectors of one variant after the other, as they were compared.
+    for of_variant in rows.chunk_by_mut(|a, b| a.variant == b.variant) {
+        let variant = of_variant[0].variant.clone();
+        let moved = usual.map(|usual| moved_drops(usual, (scores, definition), (base, &variant)));
+        for (row, moved) in of_variant.iter_mut().zip(moved.into_iter().flatten()) {
+            (row.moved_by, row.moved_by_95) = (Some(moved.by), moved.interval_95);
+        }
+    }
+    Ok(rows)
+}

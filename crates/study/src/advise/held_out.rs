@@ -1,0 +1,162 @@
+//! How far off a pose is, without knowing the truth: a tag is left out, and its corners are predicted from the others.
+
+use image::GrayImage;
+use image::imageops::{self, FilterType};
+
+use super::way::Way;
+use scaleproof_core::workers::fastest;
+use scaleproof_pose::camera::{Camera, FittedCamera};
+use scaleproof_pose::locate::{Located, locate_by, locate_luma};
+use scaleproof_pose::scene::{Scene, Tag};
+use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
+
+/// A photo to be located.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// As the session names it.
+    pub file: String,
+    /// Upright.
+    pub luma: GrayImage,
+    /// How far EXIF turned it.
+    pub turned_deg: u32,
+}
+
+/// What a way makes of a photo.
+#[derive(Debug, Clone)]
+pub(super) struct Answer {
+    pub ms: f64,
+    pub located: Option<Located>,
+    /// Root mean square distance between the corners of a left-out tag and where the pose from the others puts them, degrees; mean over the tags.
+    pub held_out_deg: Option<f64>,
+}
+
+/// Tags in a photo, at the size at which they were found.
+pub(super) struct FoundTags {
+    tags: Vec<SeenTag>,
+    ms: f64,
+    /// Width and height, px.
+    size: (u32, u32),
+}
+
+impl FoundTags {
+    /// Tags that were found already; how long that took is not asked.
+    pub(super) fn at_full_size(tags: Vec<SeenTag>, sample: &Sample) -> FoundTags {
+        FoundTags {
+            tags,
+            ms: 0.0,
+            size: sample.luma.dimensions(),
+        }
+    }
+}
+
+/// Finds the tags of a photo that is reduced first, and how long that takes.
+pub(super) fn find(
+    sample: &Sample,
+    (choice, reduced_by): (TagDetectorChoice, u32),
+    (scene, camera): (&Scene, &Camera),
+    detector: &mut dyn TagDetector,
+) -> FoundTags {
+    let reduced;
+    let luma = match reduced_by {
+        1 => &sample.luma,
+        by => {
+            let (width, height) = sample.luma.dimensions();
+            reduced = imageops::resize(
+                &sample.luma,
+                (width / by).max(1),
+                (height / by).max(1),
+                FilterType::Triangle,
+            );
+            &reduced
+        }
+    };
+    let (tags, ms) = fastest(|| match choice {
+        // It stops where the pose says so.
+        TagDetectorChoice::Cascade => locate_luma(luma, sample.turned_deg, scene, camera, detector).seen,
+        _ => detector.find(luma),
+    });
+    FoundTags {
+        tags,
+        ms,
+        size: luma.dimensions(),
+    }
+}
+
+/// The pose by a way, and how well poses without a tag predict it. `reference`: the tags that are left out one by one, where they were seen at full size.
+pub(super) fn answer(
+    way: &Way,
+    sample: &Sample,
+    seen: &FoundTags,
+    reference: &[SeenTag],
+    (scene, camera): (&Scene, &Camera),
+) -> Answer {
+    let camera = way.camera(camera);
+    let (width, height) = seen.size;
+    let Ok(FittedCamera { camera, .. }) = camera.for_photo(width, height, sample.turned_deg) else {
+        return Answer {
+            ms: seen.ms,
+            located: None,
+            held_out_deg: None,
+        };
+    };
+    let locate = |without: Option<&SeenTag>| {
+        let (tags, scene) = limited(way.most_tags, &seen.tags, scene, without);
+        locate_by(way.solver, &tags, &scene, &camera).ok()
+    };
+    let (located, solve_ms) = fastest(|| locate(None));
+    let scale = f64::from(width) / f64::from(sample.luma.width());
+    let errors: Vec<f64> = reference
+        .iter()
+        .filter_map(|left_out| {
+            let tag = scene.tag(left_out.family, left_out.id)?;
+            let without = locate(Some(left_out))?;
+            Some(distance_px(&without, tag, left_out, &camera, scale)? * camera.deg_per_px())
+        })
+        .collect();
+    Answer {
+        ms: seen.ms + solve_ms,
+        located,
+        held_out_deg: (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64),
+    }
+}
+
+/// The tags without one, the largest alone, and the scene as if the others were not there: otherwise a lone tag is doubted because they are not seen.
+fn limited(most: Option<usize>, seen: &[SeenTag], scene: &Scene, without: Option<&SeenTag>) -> (Vec<SeenTag>, Scene) {
+    let is_left_out = |tag: &SeenTag| without.is_some_and(|out| (out.family, out.id) == (tag.family, tag.id));
+    let is_known = |tag: &SeenTag| scene.tag(tag.family, tag.id).is_some();
+    let mut tags: Vec<SeenTag> = seen.iter().filter(|tag| !is_left_out(tag)).cloned().collect();
+    let mut scene = scene.clone();
+    if let Some(out) = without {
+        scene.tags.retain(|tag| (tag.family, tag.id) != (out.family, out.id));
+    }
+    if let Some(most) = most {
+        let (mut known, unknown): (Vec<SeenTag>, Vec<SeenTag>) = tags.into_iter().partition(is_known);
+        known.sort_by(|a, b| area_px(b).total_cmp(&area_px(a)));
+        known.truncate(most);
+        scene
+            .tags
+            .retain(|tag| known.iter().any(|seen| (seen.family, seen.id) == (tag.family, tag.id)));
+        tags = known.into_iter().chain(unknown).collect();
+    }
+    (tags, scene)
+}
+
+fn area_px(tag: &SeenTag) -> f64 {
+    let c = tag.corners_px;
+    let doubled: f64 = (0..4)
+        .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
+        .sum();
+    doubled.abs() / 2.0
+}
+
+/// Root mean square over the corners. `scale`: width of the image that the camera fits over that in which the tag was seen.
+fn distance_px(located: &Located, tag: &Tag, seen: &SeenTag, camera: &Camera, scale: f64) -> Option<f64> {
+    let mut sum = 0.0;
+    for (corner, at) in tag.corners_mm().iter().zip(seen.corners_px) {
+        let [x, y] = camera.project(&(located.pose * corner))?;
+        // The centre of the first pixel is (0, 0).
+        let [u, v] = at.map(|full| (full + 0.5) * scale - 0.5);
+        sum += (x - u).powi(2) + (y - v).powi(2);
+    }
+    Some((sum / 4.0).sqrt())
+}

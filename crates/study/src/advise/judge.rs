@@ -1,0 +1,148 @@
+//! Which ways are enough.
+
+use super::error::AdviseError;
+use super::held_out::Answer;
+use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
+use super::result::{CameraCheck, CameraVerdict, Choice, PoseAdvice, Verdict};
+use super::way::{Question, Way};
+use scaleproof_core::spelling::count;
+
+/// Judges every way by the answers of each photo.
+///
+/// # Errors
+/// No photo that is located.
+pub(super) fn put_together(
+    ways: &[Way],
+    answers: &[&[Answer]],
+    (disagreeing, camera_check): (usize, Option<CameraCheck>),
+) -> Result<PoseAdvice, AdviseError> {
+    let of = |way: usize| -> Vec<&Answer> { answers.iter().map(|photo| &photo[way]).collect() };
+    let usual = ways.iter().position(Way::is_usual).map(of).unwrap_or_default();
+    let located = usual.iter().filter(|answer| answer.located.is_some()).count();
+    if located == 0 {
+        return Err(AdviseError::NothingLocated { disagreeing });
+    }
+    let held_out_photos = usual.iter().filter(|answer| answer.held_out_deg.is_some()).count();
+    let mut advice = PoseAdvice {
+        photos: answers.len(),
+        located,
+        held_out_photos,
+        disagreeing,
+        choices: Vec::new(),
+        abstention: match camera_check.as_ref().map(|check| check.verdict) {
+            None | Some(CameraVerdict::Fits) => abstention(answers.len(), held_out_photos, disagreeing),
+            _ => Some("the camera file does not fit the photos, and every way would be judged by its poses".to_owned()),
+        },
+        camera_check,
+    };
+    if advice.abstention.is_some() {
+        return Ok(advice);
+    }
+    for question in Question::ALL {
+        let own = ways.iter().enumerate().filter(|(_, way)| way.question == question);
+        let own: Vec<(&Way, Vec<&Answer>)> = own.map(|(i, way)| (way, of(i))).collect();
+        advice.choices.extend(judged(&own, &usual, held_out_photos));
+    }
+    Ok(advice)
+}
+
+/// Why the session cannot tell, if so, and what would help.
+fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Option<String> {
+    let remedy = match () {
+        () if disagreeing > 0 && held_out_photos + disagreeing >= FEWEST_PHOTOS => format!(
+            "the tags disagree with scene and camera in {}: calibrate with the lens, zoom and focus of these photos, or check the scene's tags",
+            count(disagreeing, "photo")
+        ),
+        () if photos < FEWEST_PHOTOS => "take more photos".to_owned(),
+        () => "print more tags, or take photos that show three of them".to_owned(),
+    };
+    (held_out_photos < FEWEST_PHOTOS).then(|| {
+        format!(
+            "a tag could be left out and predicted in {}, and at least {FEWEST_PHOTOS} are needed: {remedy}",
+            count(held_out_photos, "photo")
+        )
+    })
+}
+
+/// The answers to one question, the smallest that nothing speaks against marked.
+fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usize) -> Vec<Choice> {
+    let lost = |answers: &[&Answer]| {
+        let both = answers.iter().zip(usual);
+        both.filter(|(own, usual)| own.located.is_none() && usual.located.is_some())
+            .count()
+    };
+    let mean = |answers: &[&Answer]| {
+        let errors: Vec<f64> = answers.iter().filter_map(|answer| answer.held_out_deg).collect();
+        (errors.len() >= held_out_photos).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+    };
+    let whole = own.iter().filter(|(_, answers)| lost(answers) == 0);
+    let best = whole
+        .filter_map(|(way, answers)| Some((mean(answers)?, way, answers)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(usual, |(_, _, answers)| answers.as_slice());
+    let mut choices: Vec<(f64, Choice)> = own
+        .iter()
+        .map(|(way, answers)| {
+            let choice = choice(way, answers, (usual, best), lost(answers));
+            (way.cost(choice.ms), choice)
+        })
+        .collect();
+    let enough = choices
+        .iter_mut()
+        .filter(|(_, choice)| choice.verdict == Verdict::Enough);
+    if let Some((_, smallest)) = enough.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        smallest.verdict = Verdict::Advised;
+    }
+    choices.into_iter().map(|(_, choice)| choice).collect()
+}
+
+fn choice(way: &Way, answers: &[&Answer], (usual, best): (&[&Answer], &[&Answer]), lost: usize) -> Choice {
+    let paired = PairedErrors::of(answers.iter().copied().zip(best.iter().copied()));
+    let [own, of_best] = paired.means();
+    let worse_by_95 = paired.difference_95();
+    let moved = Moved::of(answers.iter().copied().zip(usual.iter().copied()));
+    let both = answers
+        .iter()
+        .zip(usual)
+        .filter_map(|(own, usual)| own.located.as_ref().zip(usual.located.as_ref()));
+    let other_bin = both.filter(|(own, usual)| own.bin != usual.bin).count();
+    // Without an interval every resampling says the same.
+    let is_shown = worse_by_95.map_or(own > of_best, |interval| interval.low > 0.0) && paired.photos() >= FEWEST_PHOTOS;
+    let less_certain_by = match way.question {
+        Question::Tags => moved.less_certain_by,
+        _ => None,
+    };
+    let verdict = match () {
+        () if lost > 0 => Verdict::LosesPhotos,
+        () if other_bin > 0 => Verdict::OtherBins,
+        () if moved.beyond_doubt > 0 => Verdict::OtherPoses,
+        () if paired.photos() < FEWEST_PHOTOS => Verdict::CannotTell,
+        () if is_shown && own > of_best => Verdict::Worse,
+        () if own > (1.0 + MARGIN) * of_best => Verdict::Larger,
+        () if less_certain_by.is_some_and(|share| share > MARGIN) => Verdict::LessCertain,
+        () => Verdict::Enough,
+    };
+    Choice {
+        question: way.question,
+        name: way.name(),
+        lens_terms: (way.question == Question::CameraModel && !way.is_usual()).then_some(way.lens_terms),
+        is_usual: way.is_usual(),
+        ms: answers.iter().map(|answer| answer.ms).sum::<f64>() / answers.len().max(1) as f64,
+        located: answers.iter().filter(|answer| answer.located.is_some()).count(),
+        lost,
+        held_out_photos: answers.iter().filter(|answer| answer.held_out_deg.is_some()).count(),
+        held_out_deg: (paired.photos() > 0).then_some(own),
+        worse_by_deg: (paired.photos() > 0).then_some(own - of_best),
+        worse_by_95,
+        moved_deg: moved.deg,
+        moved_mm: moved.mm,
+        other_bin,
+        other_pose: moved.beyond_doubt,
+        less_certain_by,
+        verdict,
+        viewpoints: answers
+            .iter()
+            .map(|answer| answer.located.as_ref().map(|located| located.viewpoint))
+            .collect(),
+    }
+}

@@ -1,0 +1,113 @@
+//! What one photo says of every way.
+
+use std::collections::BTreeMap;
+
+use super::error::AdviseError;
+use super::held_out::{Answer, FoundTags, Sample, answer, find};
+use super::way::Way;
+use scaleproof_pose::camera::{Camera, FittedCamera};
+use scaleproof_pose::locate::{Located, LocatedPhoto, Warning, locate_luma};
+use scaleproof_pose::scene::Scene;
+use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
+
+/// The tag detectors of one thread.
+pub(super) type Opened = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
+
+/// What one photo says.
+pub(super) struct Measured {
+    /// By the ways, in their order.
+    pub answers: Vec<Answer>,
+    /// Absent where the usual way finds no pose.
+    pub usual: Option<UsualPose>,
+    pub fit: Fit,
+}
+
+/// How well a photo's tags fit scene and camera, by the usual way.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Fit {
+    /// Whether they disagree: the photo is refused therefore, or fits poorly.
+    pub disagrees: bool,
+    /// Root mean square residual, px: infinite where it is refused therefore, absent where there is no pose for another reason.
+    pub rms_px: Option<f64>,
+}
+
+impl Fit {
+    fn of(found: &LocatedPhoto) -> Fit {
+        match &found.result {
+            Ok(located) => Fit {
+                disagrees: located.warnings.contains(&Warning::PoorFit),
+                rms_px: Some(located.rms_px),
+            },
+            Err(why) => Fit {
+                disagrees: why.is_disagreement(),
+                rms_px: why.is_disagreement().then_some(f64::INFINITY),
+            },
+        }
+    }
+}
+
+/// What the usual way makes of a photo.
+pub(super) struct UsualPose {
+    /// The camera as it fits the photo.
+    pub fitted: FittedCamera,
+    pub located: Located,
+    /// Every tag that was found.
+    pub seen: FoundTags,
+    /// Those that the pose rests on: they are left out one by one.
+    pub reference: Vec<SeenTag>,
+}
+
+/// Measures every way on a photo; a way that several questions share, once.
+///
+/// # Errors
+/// A camera of another shape than the photo.
+pub(super) fn measure(
+    sample: &Sample,
+    ways: &[Way],
+    opened: &mut Opened,
+    (scene, camera): (&Scene, &Camera),
+) -> Result<Measured, AdviseError> {
+    let (width, height) = sample.luma.dimensions();
+    let fitted = camera
+        .for_photo(width, height, sample.turned_deg)
+        .map_err(|fault| AdviseError::Size {
+            file: sample.file.clone(),
+            fault,
+        })?;
+    let found = opened
+        .get_mut(&TagDetectorChoice::default())
+        .map(|tags| locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags.as_mut()));
+    let fit = found.as_ref().map(Fit::of).unwrap_or_default();
+    let usual = found.and_then(|found| usual(sample, found, scene, fitted));
+    let reference = usual.as_ref().map_or(&[][..], |usual| &usual.reference);
+    let mut seen: BTreeMap<_, FoundTags> = BTreeMap::new();
+    let mut answers: Vec<Answer> = Vec::new();
+    for (i, way) in ways.iter().enumerate() {
+        if let Some(same) = ways[..i].iter().position(|before| before.is_same(way)) {
+            answers.push(answers[same].clone());
+            continue;
+        }
+        let key = (way.detector, way.reduced_by);
+        if !seen.contains_key(&key)
+            && let Some(tags) = opened.get_mut(&way.detector)
+        {
+            seen.insert(key, find(sample, key, (scene, camera), tags.as_mut()));
+        }
+        if let Some(seen) = seen.get(&key) {
+            answers.push(answer(way, sample, seen, reference, (scene, camera)));
+        }
+    }
+    Ok(Measured { answers, usual, fit })
+}
+
+fn usual(sample: &Sample, found: LocatedPhoto, scene: &Scene, fitted: FittedCamera) -> Option<UsualPose> {
+    let located = found.result.ok()?;
+    let is_used =
+        |tag: &&SeenTag| tag.is_whole && located.tags.contains(&tag.id) && scene.tag(tag.family, tag.id).is_some();
+    Some(UsualPose {
+        reference: found.seen.iter().filter(is_used).cloned().collect(),
+        seen: FoundTags::at_full_size(found.seen, sample),
+        located,
+        fitted,
+    })
+}

@@ -1,0 +1,101 @@
+//! What a session needs: each step from a photo to a figure, done in smaller and larger ways on its own photos, and the smallest that is not shown worse.
+//!
+//! No truth is needed: a pose is judged by how well it predicts the corners of a tag that it was not made of (`held_out.rs`).
+
+mod camera_check;
+mod error;
+mod figures;
+mod held_out;
+mod judge;
+mod measure;
+mod page;
+mod paired;
+mod result;
+mod settings;
+mod table;
+mod way;
+
+use scaleproof_core::workers;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::Scene;
+use scaleproof_pose::tags::{ArucoRefiner, CornersBy, TagDetectorChoice};
+
+use camera_check::Judged;
+pub use error::AdviseError;
+pub use figures::{FigureAdvice, advise_figures};
+use held_out::Answer;
+pub use held_out::Sample;
+use measure::{Fit, Measured, Opened, measure};
+pub use page::page;
+pub use result::{Advice, PoseAdvice};
+pub use result::{CameraVerdict, Choice};
+pub use settings::settings;
+pub use table::table;
+pub use way::Question;
+use way::Way;
+
+/// Finders of tags whose corners are then fitted alike: the libraries' own corners are never better.
+const FINDERS: [TagDetectorChoice; 5] = [
+    TagDetectorChoice::Cascade,
+    TagDetectorChoice::CoarseToFine,
+    TagDetectorChoice::AprilTagC(CornersBy::Fit),
+    TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit),
+    TagDetectorChoice::Locus(CornersBy::Fit),
+];
+
+/// Measures every way of every step on the photos of a session. `on_photo` is called after each photo.
+///
+/// # Errors
+/// No photos, none that is located; a camera of another shape; a tag detector that does not start.
+pub fn advise_poses(
+    samples: &[Sample],
+    scene: &Scene,
+    camera: &Camera,
+    on_photo: impl Fn() + Sync,
+) -> Result<PoseAdvice, AdviseError> {
+    if samples.is_empty() {
+        return Err(AdviseError::NoPhoto);
+    }
+    let families = scene.families();
+    let reads = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
+    let detectors: Vec<TagDetectorChoice> = FINDERS.into_iter().filter(reads).collect();
+    let ways: Vec<Way> = Question::ALL
+        .into_iter()
+        .flat_map(|question| Way::answers(question, &detectors, camera))
+        .collect();
+    let open = || {
+        detectors
+            .iter()
+            .map(|choice| Ok((*choice, choice.open(&families)?)))
+            .collect::<Result<Opened, AdviseError>>()
+    };
+    let measured = workers::map(
+        samples,
+        open,
+        |opened, sample| measure(sample, &ways, opened, (scene, camera)),
+        &on_photo,
+    )?;
+    let answers: Vec<&[Answer]> = measured.iter().map(|photo| photo.answers.as_slice()).collect();
+    let fits: Vec<Fit> = measured.iter().map(|photo| photo.fit).collect();
+    let disagreeing = fits.iter().filter(|fit| fit.disagrees).count();
+    let photos = judged(samples, &ways, &measured);
+    let camera_check = camera_check::check(&photos, &fits, (scene, camera));
+    judge::put_together(&ways, &answers, (disagreeing, camera_check))
+}
+
+/// The photos that the camera file can be judged by.
+fn judged<'a>(samples: &'a [Sample], ways: &[Way], measured: &'a [Measured]) -> Vec<Judged<'a>> {
+    let Some(usual) = ways.iter().position(Way::is_usual) else {
+        return Vec::new();
+    };
+    let of = |(sample, measured): (&'a Sample, &'a Measured)| {
+        let by_file = &measured.answers[usual];
+        by_file.held_out_deg?;
+        Some(Judged {
+            sample,
+            pose: measured.usual.as_ref()?,
+            by_file,
+        })
+    };
+    samples.iter().zip(measured).filter_map(of).collect()
+}

@@ -1,0 +1,146 @@
+//! What is said of a session.
+
+use serde::Serialize;
+
+use super::figures::FigureAdvice;
+use super::way::Question;
+use scaleproof_core::statistics::Interval;
+use scaleproof_pose::scene::Viewpoint;
+
+/// One way of a step, and what it does on the session.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Choice {
+    pub question: Question,
+    pub name: String,
+    /// Coefficients of the lens model that it keeps; of camera models.
+    pub lens_terms: Option<usize>,
+    pub is_usual: bool,
+    /// Of a photo, measured here on one core.
+    pub ms: f64,
+    /// Photos that get a pose.
+    pub located: usize,
+    /// Photos that the usual way locates and this one does not.
+    pub lost: usize,
+    /// Photos in which a left-out tag could be predicted.
+    pub held_out_photos: usize,
+    /// Mean held-out error over the photos that both this way and the most accurate one predict.
+    pub held_out_deg: Option<f64>,
+    /// This way's held-out error minus that of the most accurate one, on the same photos.
+    pub worse_by_deg: Option<f64>,
+    pub worse_by_95: Option<Interval>,
+    /// How far the viewpoints are from the usual ones, middle photo: direction and distance.
+    pub moved_deg: Option<f64>,
+    pub moved_mm: Option<f64>,
+    /// Photos that are in another bin than by the usual way.
+    pub other_bin: usize,
+    /// Photos whose direction is more than five standard deviations of the usual pose from the usual one.
+    pub other_pose: usize,
+    /// By what share its poses are less certain than the usual ones; of tags, where a pose rests on part of what the usual one rests on.
+    pub less_certain_by: Option<f64>,
+    pub verdict: Verdict,
+    /// Of each photo, where it was located.
+    #[serde(skip)]
+    pub viewpoints: Vec<Option<Viewpoint>>,
+}
+
+/// What speaks against a way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The smallest of those that nothing speaks against.
+    Advised,
+    /// Nothing does, but a smaller one is enough.
+    Enough,
+    /// It loses photos.
+    LosesPhotos,
+    /// It moves photos into other bins.
+    OtherBins,
+    /// It puts the camera of some photo where the doubt of the usual pose excludes it.
+    OtherPoses,
+    /// Its held-out error is larger than that of the most accurate, at the level of 5 %.
+    Worse,
+    /// That is not shown, and it is larger by more than a twentieth.
+    Larger,
+    /// Its poses are less certain by more than a twentieth, which is too little for left-out tags to show.
+    LessCertain,
+    /// Too few photos can tell.
+    CannotTell,
+}
+
+/// Everything that is advised about a session.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Advice {
+    /// Name of its folder.
+    pub session: String,
+    /// Photos that could not be read, which nothing here is of.
+    pub unreadable: usize,
+    pub poses: PoseAdvice,
+    /// Absent where no detector looked.
+    pub figures: Option<FigureAdvice>,
+}
+
+/// What a session says about the ways to locate its photos.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PoseAdvice {
+    pub photos: usize,
+    /// Photos that the usual way locates, and in which it can predict a left-out tag.
+    pub located: usize,
+    pub held_out_photos: usize,
+    /// Photos whose tags disagree with scene and camera: refused therefore, or fitted poorly.
+    pub disagreeing: usize,
+    /// Whether the camera file is that of these photos; absent where they cannot tell.
+    pub camera_check: Option<CameraCheck>,
+    /// None where the session cannot tell.
+    pub choices: Vec<Choice>,
+    /// Why there is no answer, and what photo or print would give one.
+    pub abstention: Option<String>,
+}
+
+/// The camera file against cameras that are refitted to the tags of one half of the photos and judged on the other.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CameraCheck {
+    /// Photos that both predict a left-out tag in.
+    pub photos: usize,
+    /// Held-out error by the file, and by the camera that is refitted to the other half.
+    pub held_out_deg: f64,
+    pub refitted_deg: f64,
+    /// Their difference, on the same photos.
+    pub better_by_deg: f64,
+    pub better_by_95: Option<Interval>,
+    /// fx of the file, and of the two halves, px.
+    pub focal_px: f64,
+    pub refitted_focal_px: [f64; 2],
+    /// How far the halves' image centres are from that of the file, px.
+    pub centre_moved_px: [f64; 2],
+    /// Of the file, and of the two halves.
+    pub k1: f64,
+    pub refitted_k1: [f64; 2],
+    /// How far a viewpoint moves with the refitted camera, middle photo.
+    pub moved_deg: f64,
+    pub moved_mm: f64,
+    pub verdict: CameraVerdict,
+}
+
+/// What the photos say of the camera file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CameraVerdict {
+    /// The refitted camera is not shown better, or by no more than a twentieth.
+    Fits,
+    /// It is.
+    OtherCamera,
+    /// It is not, but tags disagree with the file in a quarter of the photos or more, and fit four times worse there than elsewhere.
+    NoCameraFits,
+}
+
+impl PoseAdvice {
+    /// The answers to a question.
+    pub fn of(&self, question: Question) -> impl Iterator<Item = &Choice> {
+        self.choices.iter().filter(move |choice| choice.question == question)
+    }
+
+    /// The one that is advised; none where the session cannot tell.
+    pub fn advised(&self, question: Question) -> Option<&Choice> {
+        self.of(question).find(|choice| choice.verdict == Verdict::Advised)
+    }
+}

@@ -1,0 +1,161 @@
+//! The advice as text.
+
+use super::figures::{BOX_MARGIN, FigureAdvice};
+use super::result::{Advice, CameraCheck, CameraVerdict, Choice, Verdict};
+use super::way::Question;
+use scaleproof_core::spelling::{count, digits};
+
+/// A table for each question, the answers from small to large as they were measured.
+pub fn table(all: &Advice) -> String {
+    let advice = &all.poses;
+    let mut lines = vec![format!(
+        "{}{}, {} of them located; a tag could be left out and predicted in {}",
+        unreadable(all),
+        count(advice.photos, "photo"),
+        advice.located,
+        advice.held_out_photos
+    )];
+    let asked = Question::ALL.into_iter().filter(|_| !advice.choices.is_empty());
+    for question in asked {
+        lines.push(String::new());
+        lines.push(format!(
+            "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  ",
+            question.title(),
+            "ms",
+            "located",
+            "held out °",
+            "more than the best °",
+            "moved °",
+            "moved mm"
+        ));
+        let own = advice.choices.iter().filter(|choice| choice.question == question);
+        lines.extend(own.map(line));
+    }
+    lines.extend(advice.camera_check.iter().map(|check| format!("\n{}", camera(check))));
+    lines.extend(
+        all.figures
+            .iter()
+            .flat_map(|figures| findings(figures).into_iter().map(|line| format!("\n{line}"))),
+    );
+    lines.extend(
+        advice
+            .abstention
+            .iter()
+            .map(|why| format!("\nno advice on poses: {why}")),
+    );
+    lines.join("\n")
+}
+
+/// What the photos that could not be read are said to be.
+pub(super) fn unreadable(all: &Advice) -> String {
+    match all.unreadable {
+        0 => String::new(),
+        unreadable => format!("without {} that could not be read: ", count(unreadable, "photo")),
+    }
+}
+
+fn line(choice: &Choice) -> String {
+    let number = |value: Option<f64>, digits_: usize| value.map_or("–".to_owned(), |value| digits(value, digits_));
+    let worse = match (choice.worse_by_deg, choice.worse_by_95) {
+        (Some(by), Some(i)) => format!("{} [{}, {}]", digits(by, 4), digits(i.low, 4), digits(i.high, 4)),
+        (by, _) => number(by, 4),
+    };
+    let usual = if choice.is_usual { " (usual)" } else { "" };
+    let arrow = if choice.verdict == Verdict::Advised { "← " } else { "" };
+    format!(
+        "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  {arrow}{}{usual}",
+        choice.name,
+        digits(choice.ms, 2),
+        choice.located,
+        number(choice.held_out_deg, 4),
+        worse,
+        number(choice.moved_deg, 4),
+        number(choice.moved_mm, 2),
+        in_words(choice)
+    )
+}
+
+/// What speaks against a way, or that it is advised.
+pub(super) fn in_words(choice: &Choice) -> String {
+    match choice.verdict {
+        Verdict::Advised => "advised".to_owned(),
+        Verdict::Enough => "enough".to_owned(),
+        Verdict::LosesPhotos => format!("loses {}", count(choice.lost, "photo")),
+        Verdict::OtherBins => format!("other bin in {}", count(choice.other_bin, "photo")),
+        Verdict::OtherPoses => format!("another pose in {}", count(choice.other_pose, "photo")),
+        Verdict::Worse => "worse".to_owned(),
+        Verdict::Larger => "over a twentieth worse, not shown".to_owned(),
+        Verdict::LessCertain => format!(
+            "{} % less certain",
+            digits(100.0 * choice.less_certain_by.unwrap_or(0.0), 0)
+        ),
+        Verdict::CannotTell => "cannot tell".to_owned(),
+    }
+}
+
+/// Whether the camera file is that of the photos, as a sentence.
+pub(super) fn camera(check: &CameraCheck) -> String {
+    let errors = format!(
+        "{}° by the file, {}° by cameras refitted to the other half of the photos",
+        digits(check.held_out_deg, 4),
+        digits(check.refitted_deg, 4)
+    );
+    let by = check.better_by_95.map_or(String::new(), |i| {
+        let [by, low, high] = [check.better_by_deg, i.low, i.high].map(|value| digits(value, 4));
+        format!("; difference {by} [{low}, {high}]")
+    });
+    match check.verdict {
+        CameraVerdict::Fits => format!("camera file: it fits the photos ({errors}{by})"),
+        CameraVerdict::OtherCamera => format!(
+            "camera file: it does not fit the photos ({errors}{by}). Refitted: {}; viewpoints move by {}° and {} mm. Calibrate again with the lens, zoom and focus of these photos, or check the \
+             scene's tag sizes",
+            refitted(check),
+            digits(check.moved_deg, 3),
+            digits(check.moved_mm, 1)
+        ),
+        CameraVerdict::NoCameraFits => format!(
+            "camera file: cannot tell ({errors}{by}). In a quarter of the photos or more tags disagree with it, and fit four times worse than in the others; no other camera is shown better: were all photos taken with one lens, zoom, \
+             focus and orientation, and was no card moved?"
+        ),
+    }
+}
+
+/// In what the refitted cameras differ from the file.
+fn refitted(check: &CameraCheck) -> String {
+    let two = |values: [f64; 2], places: usize| {
+        let [a, b] = values.map(|value| digits(value, places));
+        format!("{a} and {b}")
+    };
+    format!(
+        "a focal length of {} px (file: {}), a centre {} px off, a k1 of {} (file: {})",
+        two(check.refitted_focal_px, 0),
+        digits(check.focal_px, 0),
+        two(check.centre_moved_px, 1),
+        two(check.refitted_k1, 3),
+        digits(check.k1, 3)
+    )
+}
+
+/// What the findings depend on, as sentences.
+pub(super) fn findings(figures: &FigureAdvice) -> Vec<String> {
+    let usual = figures.rows.first().map_or("", |row| row.definition);
+    let same = figures.same_findings.len();
+    let definitions = if same == figures.definitions() {
+        format!("definition of AP: {usual}; the findings are the same by all {same}")
+    } else {
+        format!(
+            "definition of AP: {usual}; the findings are the same by {} alone",
+            figures.same_findings.join(", ")
+        )
+    };
+    let moves = digits(figures.definition_moves, 3);
+    let of_box = match (figures.box_moves, figures.box_is_enough) {
+        (Some(moves), Some(true)) => format!("truth boxes: the model's size is enough for AP@0.5; it moves its drops by {} at most, and no finding", digits(moves, 3)),
+        (Some(moves), _) => format!(
+            "truth boxes: the model's outline is needed; its size moves drops of AP@0.5 by up to {} (at most {BOX_MARGIN} is allowed), or a finding",
+            digits(moves, 3)
+        ),
+        _ => "no advice on truth boxes: the scene has the model's size alone; name its mesh or hull in the scene, and whether the size is enough can be told".to_owned(),
+    };
+    vec![format!("{definitions}, and the drops move by up to {moves}"), of_box]
+}

@@ -1,0 +1,166 @@
+//! A way from a photo to its pose, one step of which differs from the usual one.
+
+use serde::Serialize;
+
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::Solver;
+use scaleproof_pose::tags::TagDetectorChoice;
+
+/// What is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Question {
+    TagDetector,
+    Solver,
+    CameraModel,
+    /// How many tags of a photo are used.
+    Tags,
+    /// Of the photo that tags are looked for in.
+    Resolution,
+}
+
+impl Question {
+    pub const ALL: [Question; 5] = [
+        Question::TagDetector,
+        Question::Solver,
+        Question::CameraModel,
+        Question::Tags,
+        Question::Resolution,
+    ];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Question::TagDetector => "tag detector",
+            Question::Solver => "pose solver",
+            Question::CameraModel => "camera model",
+            Question::Tags => "tags a photo",
+            Question::Resolution => "photo resolution",
+        }
+    }
+}
+
+/// A way from a photo to its pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Way {
+    pub question: Question,
+    pub detector: TagDetectorChoice,
+    pub solver: Solver,
+    /// Coefficients of the lens model that are kept, from the first.
+    pub lens_terms: usize,
+    /// The largest tags alone.
+    pub most_tags: Option<usize>,
+    /// Pixels of the photo along a side that become one.
+    pub reduced_by: u32,
+}
+
+/// As the program locates photos.
+pub(super) fn usual(question: Question) -> Way {
+    Way {
+        question,
+        detector: TagDetectorChoice::default(),
+        solver: Solver::default(),
+        lens_terms: ALL_TERMS,
+        most_tags: None,
+        reduced_by: 1,
+    }
+}
+
+/// OpenCV's k1, k2, p1, p2, k3 … k6.
+const ALL_TERMS: usize = 8;
+
+/// More tags than these in one photo are all of them.
+const MOST_TAGS: usize = 6;
+
+impl Way {
+    /// The answers to a question, the usual one among them. `detectors` read the scene's tags.
+    pub(super) fn answers(question: Question, detectors: &[TagDetectorChoice], camera: &Camera) -> Vec<Way> {
+        let usual = usual(question);
+        match question {
+            Question::TagDetector => detectors
+                .iter()
+                .map(|detector| Way {
+                    detector: *detector,
+                    ..usual
+                })
+                .collect(),
+            Question::Solver => Solver::all()
+                .into_iter()
+                .map(|solver| Way { solver, ..usual })
+                .collect(),
+            Question::CameraModel => {
+                let last = camera
+                    .distortion()
+                    .iter()
+                    .rposition(|k| *k != 0.0)
+                    .map_or(0, |last| last + 1);
+                let mut kept = vec![0, 1, 2, 4, last];
+                kept.retain(|kept| *kept <= last);
+                kept.sort_unstable();
+                kept.dedup();
+                kept.pop();
+                let smaller = kept.into_iter().map(|lens_terms| Way { lens_terms, ..usual });
+                smaller.chain([usual]).collect()
+            }
+            Question::Tags => {
+                let some = (1..=MOST_TAGS).map(|most| Way {
+                    most_tags: Some(most),
+                    ..usual
+                });
+                some.chain([usual]).collect()
+            }
+            Question::Resolution => [8, 4, 2, 1].map(|reduced_by| Way { reduced_by, ..usual }).to_vec(),
+        }
+    }
+
+    pub(super) fn is_usual(&self) -> bool {
+        *self == usual(self.question)
+    }
+
+    /// Whether both do the same, whichever question they answer.
+    pub(super) fn is_same(&self, other: &Way) -> bool {
+        *self
+            == Way {
+                question: self.question,
+                ..*other
+            }
+    }
+
+    /// As tables and settings name it.
+    pub(super) fn name(&self) -> String {
+        match self.question {
+            Question::TagDetector => self.detector.name().to_owned(),
+            Question::Solver => self.solver.name().to_owned(),
+            Question::CameraModel => match self.lens_terms {
+                0 => "no distortion".to_owned(),
+                1 => "k1".to_owned(),
+                2 => "k1, k2".to_owned(),
+                4 => "k1, k2, p1, p2".to_owned(),
+                _ => "as calibrated".to_owned(),
+            },
+            Question::Tags => self.most_tags.map_or("all".to_owned(), |most| most.to_string()),
+            Question::Resolution => match self.reduced_by {
+                1 => "full".to_owned(),
+                by => format!("1/{by}"),
+            },
+        }
+    }
+
+    /// The camera with the terms that are kept.
+    pub(super) fn camera(&self, camera: &Camera) -> Camera {
+        if self.lens_terms >= ALL_TERMS {
+            camera.clone()
+        } else {
+            camera.clone().with_distortion(&camera.distortion()[..self.lens_terms])
+        }
+    }
+
+    /// What it costs, least first: milliseconds where time is what differs, else its own size.
+    pub(super) fn cost(&self, ms: f64) -> f64 {
+        match self.question {
+            Question::TagDetector | Question::Solver => ms,
+            Question::CameraModel => self.lens_terms as f64,
+            Question::Tags => self.most_tags.unwrap_or(usize::MAX) as f64,
+            Question::Resolution => 1.0 / f64::from(self.reduced_by),
+        }
+    }
+}

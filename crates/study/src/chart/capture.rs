@@ -1,0 +1,164 @@
+//! Guided capture: how long a frame takes from its bytes to the sentence of advice, by tag detector.
+
+use serde::Serialize;
+
+use super::MeasureError;
+use super::locate::detectors;
+use scaleproof_capture::capture::{Guidance, Judge, Tolerance, viewpoints_of};
+use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use scaleproof_core::workers::fastest;
+use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Bins, Scene};
+use scaleproof_pose::tags::{CornersBy, TagDetectorChoice};
+
+/// What a person who moves a camera does not notice yet: the limits of guided capture for the median and for 95 % of the frames, ms.
+pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
+
+/// One tag detector, judging frames one way.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaptureRow {
+    pub tag_detector: &'static str,
+    /// As frames of a running camera, which a faster search sees first, rather than as photos.
+    pub is_stream: bool,
+    pub frames: usize,
+    /// Share of the frames that got a pose.
+    pub located: f64,
+    pub median_ms: f64,
+    /// 95 % of the frames take no longer.
+    pub p95_ms: f64,
+    pub is_default: bool,
+}
+
+/// Measures every tag detector with the common fit on the same frames (JPEG files), one after the other on one thread: decoding, tags, pose,
+/// gates, and the sentence. `on_done` is called after each frame of each row.
+///
+/// # Errors
+/// A detector that does not start; a frame that cannot be decoded, or of another shape than the camera's.
+pub fn measure(
+    frames: &[(String, Vec<u8>)],
+    scene: &Scene,
+    camera: &Camera,
+    on_done: impl Fn(),
+) -> Result<Vec<CaptureRow>, MeasureError> {
+    // Times are of one core, whatever OpenCV would like.
+    let _ = opencv::core::set_num_threads(1);
+    for (name, bytes) in frames {
+        let photo = Photo::from_bytes(name.as_ref(), bytes.clone(), Budget::FILE)?;
+        camera.for_photo(photo.width, photo.height, photo.turned_deg)?;
+    }
+    let guidance = unreachable(&scene.bins);
+    let mut rows = Vec::new();
+    for (choice, is_stream) in ways(scene) {
+        let mut judge = Judge::new(scene, choice, is_stream)?;
+        let (mut ms, mut located) = (Vec::new(), 0);
+        for (name, bytes) in frames {
+            let (is_located, time) = fastest(|| advice(name, bytes, &mut judge, camera, &guidance));
+            located += usize::from(is_located?);
+            ms.push(time);
+            on_done();
+        }
+        ms.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let index = (share * ms.len() as f64).ceil() as usize;
+            ms.get(index.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+        };
+        rows.push(CaptureRow {
+            tag_detector: choice.name(),
+            is_stream,
+            frames: frames.len(),
+            located: located as f64 / frames.len().max(1) as f64,
+            median_ms: at(0.5),
+            p95_ms: at(0.95),
+            is_default: choice == TagDetectorChoice::default() && is_stream,
+        });
+    }
+    Ok(rows)
+}
+
+/// The rows that [`measure`] gives: photos by each detector, and a stream by the one that has a faster search.
+pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
+    let fitted = detectors(scene)
+        .into_iter()
+        .filter(|choice| choice.corners_by() == CornersBy::Fit);
+    let mut ways = vec![(TagDetectorChoice::default(), true)];
+    ways.extend(fitted.map(|choice| (choice, false)));
+    ways
+}
+
+/// Whether the frame got a pose.
+fn advice(
+    name: &str,
+    bytes: &[u8],
+    judge: &mut Judge,
+    camera: &Camera,
+    guidance: &Guidance,
+) -> Result<bool, MeasureError> {
+    let photo = Photo::from_bytes(name.as_ref(), bytes.to_vec(), Budget::FILE)?;
+    let judgement = judge.judge(&photo.luma()?, photo.turned_deg, camera, guidance);
+    let sentence = judgement.verdict.err().map(|advice| advice.to_string());
+    // The sentence is part of the work.
+    std::hint::black_box(sentence);
+    Ok(judgement.located.is_some())
+}
+
+/// Views that no frame shows, so that every one of them gets advice.
+fn unreachable(bins: &Bins) -> Guidance {
+    let far_mm = 1e6;
+    let pitch_deg = bins.pitch_deg.first().copied().unwrap_or_default();
+    let tolerance = Tolerance::of_bins(bins, &[far_mm]);
+    Guidance::at(&viewpoints_of(bins, &[pitch_deg], &[far_mm]), tolerance, bins)
+}
+
+/// The chart: the median against the slowest twentieth; lower left is better.
+pub fn draw(rows: &[CaptureRow]) -> String {
+    let names: Vec<String> = distinct(rows.iter().map(|row| row.tag_detector.to_owned()));
+    let dot = |row: &CaptureRow| Dot {
+        x: row.median_ms,
+        y: row.p95_ms,
+        share: row.located,
+        series: names.iter().position(|name| name == row.tag_detector).unwrap_or(0),
+        shape: usize::from(!row.is_stream),
+        name: row.is_default.then(|| format!("{}, running camera", row.tag_detector)),
+        is_ringed: row.is_default,
+    };
+    let frames = rows.first().map_or(0, |row| row.frames);
+    let [median, p95] = LIMITS_MS;
+    let cloud = Cloud {
+        title: "Guided capture: from frame to advice".to_owned(),
+        note: format!(
+            "{frames} frames; limits {median:.0} ms (median) and {p95:.0} ms (95 %); filled share of a mark: share located"
+        ),
+        x: PlotAxis::around(
+            "median milliseconds, one core",
+            Scale::Log,
+            rows.iter().map(|row| row.median_ms),
+        ),
+        y: PlotAxis::around("95 % take no longer, ms", Scale::Log, rows.iter().map(|row| row.p95_ms)),
+        colours: names.clone(),
+        shapes: vec!["running camera".to_owned(), "photos".to_owned()],
+        ringed: "the default".to_owned(),
+        groups: vec![(String::new(), rows.iter().map(dot).collect())],
+    };
+    scatter(&cloud)
+}
+
+/// The rows as lines of text: milliseconds a frame, median and 95 %, and the share that was located.
+pub fn table(rows: &[CaptureRow]) -> String {
+    let mut text = format!(
+        "{:<16} {:<15} {:>9} {:>9} {:>8}\n",
+        "tags", "frames", "median ms", "95 % ms", "located"
+    );
+    for row in rows {
+        let kind = if row.is_stream { "running camera" } else { "photos" };
+        let mark = if row.is_default { " ← running camera" } else { "" };
+        text += &format!(
+            "{:<16} {kind:<15} {:>9.1} {:>9.1} {:>7.0}%{mark}\n",
+            row.tag_detector,
+            row.median_ms,
+            row.p95_ms,
+            100.0 * row.located
+        );
+    }
+    text
+}

@@ -1,0 +1,149 @@
+//! Every envelope on the same photos: how well its truth box fits the exact one, against milliseconds.
+
+use serde::Serialize;
+
+use scaleproof_core::geometry::{BoxPx, Rigid};
+use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
+use scaleproof_core::statistics::median;
+use scaleproof_core::workers::fastest;
+use scaleproof_pose::camera::Camera;
+use scaleproof_session::envelope::EnvelopeShape;
+
+/// A photo with its pose, and the truth about it.
+#[derive(Debug, Clone)]
+pub struct LocatedSample {
+    pub file: String,
+    /// `T_camera_model`, as the tags give it.
+    pub pose: Rigid,
+    /// The session's camera, fitted to the photo.
+    pub camera: Camera,
+    /// Exact.
+    pub truth: BoxPx,
+}
+
+/// One envelope and what it measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EnvelopeRow {
+    /// `box`, `hull` or `mesh`.
+    pub envelope: &'static str,
+    pub is_default: bool,
+    /// Photos measured on.
+    pub photos: usize,
+    /// Share of the photos that got a truth box.
+    pub answered: f64,
+    /// Over the photos that got one.
+    pub iou_median: Option<f64>,
+    pub iou_min: Option<f64>,
+    /// Mean time a photo takes, one core.
+    pub ms: f64,
+    pub boxes: Vec<BoxFit>,
+}
+
+/// The truth box of one photo.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BoxFit {
+    pub file: String,
+    /// Absent with a reason.
+    pub box_xyxy_px: Option<BoxPx>,
+    pub iou: Option<f64>,
+    pub reason: Option<String>,
+}
+
+/// Measures envelopes, named; the one of the session's scene is the default.
+pub fn measure(
+    samples: &[LocatedSample],
+    outlines: &[(&'static str, EnvelopeShape)],
+    default: &str,
+) -> Vec<EnvelopeRow> {
+    outlines
+        .iter()
+        .map(|(name, outline)| row(samples, name, outline, *name == default))
+        .collect()
+}
+
+fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShape, is_default: bool) -> EnvelopeRow {
+    let mut ms = 0.0;
+    let fit = |sample: &LocatedSample| {
+        let (found, took) = fastest(|| outline.box_in_photo(&sample.pose, &sample.camera));
+        ms += took;
+        BoxFit {
+            file: sample.file.clone(),
+            iou: found.as_ref().ok().map(|b| b.iou(&sample.truth)),
+            reason: found.as_ref().err().map(ToString::to_string),
+            box_xyxy_px: found.ok(),
+        }
+    };
+    let boxes: Vec<BoxFit> = samples.iter().map(fit).collect();
+    let ious: Vec<f64> = boxes.iter().filter_map(|fit| fit.iou).collect();
+    let photos = samples.len();
+    let mean = |sum: f64| sum / photos.max(1) as f64;
+    EnvelopeRow {
+        envelope,
+        is_default,
+        photos,
+        answered: mean(ious.len() as f64),
+        iou_median: median(&ious),
+        iou_min: ious.iter().copied().reduce(f64::min),
+        ms: mean(ms),
+        boxes,
+    }
+}
+
+/// The chart: a colour an envelope, one mark for the median and one for the worst photo.
+pub fn draw(rows: &[EnvelopeRow]) -> String {
+    let dots = rows.iter().enumerate().flat_map(|(series, row)| {
+        [row.iou_median, row.iou_min]
+            .into_iter()
+            .enumerate()
+            .filter_map(move |(shape, iou)| {
+                Some(Dot {
+                    x: row.ms,
+                    y: 1.0 - iou?,
+                    share: row.answered,
+                    series,
+                    shape,
+                    name: (shape == 0).then(|| row.envelope.to_owned()),
+                    is_ringed: row.is_default,
+                })
+            })
+    });
+    let dots: Vec<Dot> = dots.collect();
+    let photos = rows.first().map_or(0, |row| row.photos);
+    let cloud = Cloud {
+        title: "Truth box: error against time".to_owned(),
+        note: format!("{photos} photos; filled share of a mark: share that got a truth box; lower left is better"),
+        x: PlotAxis::around(
+            "milliseconds a photo, one core",
+            Scale::Log,
+            dots.iter().map(|dot| dot.x),
+        ),
+        y: PlotAxis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
+        colours: rows.iter().map(|row| row.envelope.to_owned()).collect(),
+        shapes: vec!["median photo".to_owned(), "worst photo".to_owned()],
+        ringed: "the default".to_owned(),
+        groups: vec![(String::new(), dots)],
+    };
+    scatter(&cloud)
+}
+
+/// The rows as lines of text: each envelope's IoU with the exact box, and milliseconds a photo.
+pub fn table(rows: &[EnvelopeRow]) -> String {
+    let mut text = format!(
+        "{:<9} {:>7} {:>9} {:>11} {:>9} {:>11}\n",
+        "envelope", "photos", "answered", "IoU median", "IoU min", "ms a photo"
+    );
+    for row in rows {
+        let digits = |iou: Option<f64>| iou.map_or("–".to_owned(), |iou| format!("{iou:.4}"));
+        text += &format!(
+            "{:<9} {:>7} {:>8.0}% {:>11} {:>9} {:>11.3}{}\n",
+            row.envelope,
+            row.photos,
+            100.0 * row.answered,
+            digits(row.iou_median),
+            digits(row.iou_min),
+            row.ms,
+            if row.is_default { " ← the scene's" } else { "" }
+        );
+    }
+    text
+}

@@ -1,0 +1,332 @@
+//! Every tag detector × solver × camera model on the same photos: error against milliseconds against share answered.
+
+use image::GrayImage;
+use serde::Serialize;
+
+use super::MeasureError;
+use scaleproof_core::geometry::angle;
+use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use scaleproof_core::statistics::upper_median;
+use scaleproof_core::workers::fastest;
+use scaleproof_pose::camera::{Camera, FittedCamera, SizeError};
+use scaleproof_pose::locate::{self, Solver, locate_luma};
+use scaleproof_pose::scene::{Scene, Viewpoint};
+use scaleproof_pose::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
+
+/// How much of the camera file's lens model is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LensTerms {
+    Pinhole,
+    K1,
+    Full,
+}
+
+impl LensTerms {
+    pub const ALL: [Self; 3] = [Self::Full, Self::K1, Self::Pinhole];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Pinhole => "no distortion",
+            Self::K1 => "k1 only",
+            Self::Full => "camera file as it is",
+        }
+    }
+
+    /// The camera with only these coefficients left.
+    pub fn of(self, camera: &Camera) -> Camera {
+        let kept = match self {
+            Self::Pinhole => 0,
+            Self::K1 => 1,
+            Self::Full => 8,
+        };
+        let coefficients = &camera.distortion()[..kept];
+        camera.clone().with_distortion(coefficients)
+    }
+}
+
+/// A photo to measure on, and the truth about it.
+#[derive(Debug, Clone)]
+pub struct PhotoSample {
+    /// Upright.
+    pub luma: GrayImage,
+    /// How far EXIF turned it.
+    pub turned_deg: u32,
+    /// Exact.
+    pub truth: Viewpoint,
+}
+
+impl PhotoSample {
+    fn fitted(&self, camera: &Camera) -> Result<FittedCamera, SizeError> {
+        camera.for_photo(self.luma.width(), self.luma.height(), self.turned_deg)
+    }
+}
+
+/// One combination and what it measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LocateRow {
+    pub tag_detector: &'static str,
+    pub solver: &'static str,
+    pub camera_model: LensTerms,
+    /// Photos measured on.
+    pub photos: usize,
+    /// Share of the photos that got a pose.
+    pub answered: f64,
+    /// Mean time a photo takes, decoding left out.
+    pub find_ms: f64,
+    pub solve_ms: f64,
+    pub azimuth_error_median_deg: Option<f64>,
+    pub azimuth_error_max_deg: Option<f64>,
+    pub pitch_error_median_deg: Option<f64>,
+    pub pitch_error_max_deg: Option<f64>,
+    pub distance_error_median_mm: Option<f64>,
+    pub distance_error_max_mm: Option<f64>,
+    /// Share of the photos answered with another azimuth bin than the true one, the truth being more than 1° inside its bin.
+    pub silently_wrong: f64,
+    /// Neither more accurate nor answering more at no more time: no other combination of the same camera model beats it.
+    pub is_on_front: bool,
+    pub is_default: bool,
+}
+
+impl LocateRow {
+    /// Milliseconds a photo takes.
+    pub fn ms(&self) -> f64 {
+        self.find_ms + self.solve_ms
+    }
+}
+
+/// The tag detectors that are compared: those that read the scene's families. Of OpenCV's refiners followed by the common fit only the
+/// fastest is: the fit replaces what they differ in.
+pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
+    let is_compared = |choice: &TagDetectorChoice| {
+        let is_refined_twice =
+            matches!(choice, TagDetectorChoice::Aruco(refiner, CornersBy::Fit) if *refiner != ArucoRefiner::None);
+        !is_refined_twice && scene.families().iter().all(|family| choice.reads(*family))
+    };
+    TagDetectorChoice::ALL.into_iter().filter(is_compared).collect()
+}
+
+/// Measures every combination, one photo after the other on one thread. `on_done` is called after each photo of each
+/// tag detector.
+///
+/// # Errors
+/// A detector that reads the scene's families but does not start; those that do not read them are left out. A photo that the camera does not
+/// fit.
+pub fn measure(
+    samples: &[PhotoSample],
+    scene: &Scene,
+    camera: &Camera,
+    on_done: impl Fn(),
+) -> Result<Vec<LocateRow>, MeasureError> {
+    let fitted = samples
+        .iter()
+        .map(|sample| Ok(sample.fitted(camera)?.camera))
+        .collect::<Result<Vec<_>, MeasureError>>()?;
+    // Times are of one core, whatever OpenCV would like.
+    let _ = opencv::core::set_num_threads(1);
+    let families = scene.families();
+    let mut rows = Vec::new();
+    for choice in detectors(scene) {
+        let mut detector = choice.open(&families)?;
+        let mut found = Vec::new();
+        for sample in samples {
+            found.push(fastest(|| match choice {
+                // It stops where the pose says so, which is part of its time.
+                TagDetectorChoice::Cascade => {
+                    locate_luma(&sample.luma, sample.turned_deg, scene, camera, detector.as_mut()).seen
+                }
+                _ => detector.find(&sample.luma),
+            }));
+            on_done();
+        }
+        for model in LensTerms::ALL {
+            let cameras: Vec<Camera> = fitted.iter().map(|camera| model.of(camera)).collect();
+            for solver in Solver::all() {
+                rows.push(row((choice, solver, model), samples, &found, scene, &cameras));
+            }
+        }
+    }
+    mark_fronts(&mut rows);
+    Ok(rows)
+}
+
+fn row(
+    (choice, solver, camera_model): (TagDetectorChoice, Solver, LensTerms),
+    samples: &[PhotoSample],
+    found: &[(Vec<SeenTag>, f64)],
+    scene: &Scene,
+    cameras: &[Camera],
+) -> LocateRow {
+    let (mut azimuth, mut pitch, mut distance) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut solve_ms, mut wrong) = (0.0, 0);
+    for ((sample, (seen, _)), camera) in samples.iter().zip(found).zip(cameras) {
+        let (answer, ms) = fastest(|| locate::locate_by(solver, seen, scene, camera));
+        solve_ms += ms;
+        let Ok(located) = answer else { continue };
+        let (view, truth) = (&located.viewpoint, &sample.truth);
+        azimuth.push(angle::turn(view.azimuth_deg, truth.azimuth_deg).abs());
+        pitch.push((view.pitch_deg - truth.pitch_deg).abs());
+        distance.push((view.distance_mm - truth.distance_mm).abs());
+        wrong += usize::from(is_silently_wrong(view, truth, scene));
+    }
+    let photos = samples.len();
+    let mean = |sum: f64| sum / photos.max(1) as f64;
+    let [azimuth, pitch, distance] = [azimuth, pitch, distance].map(Spread::of);
+    LocateRow {
+        tag_detector: choice.name(),
+        solver: solver.name(),
+        camera_model,
+        photos,
+        answered: mean(azimuth.count as f64),
+        find_ms: mean(found.iter().map(|(_, ms)| ms).sum()),
+        solve_ms: mean(solve_ms),
+        azimuth_error_median_deg: azimuth.median,
+        azimuth_error_max_deg: azimuth.max,
+        pitch_error_median_deg: pitch.median,
+        pitch_error_max_deg: pitch.max,
+        distance_error_median_mm: distance.median,
+        distance_error_max_mm: distance.max,
+        silently_wrong: mean(wrong as f64),
+        is_on_front: false,
+        is_default: choice == TagDetectorChoice::default()
+            && solver == Solver::default()
+            && camera_model == LensTerms::Full,
+    }
+}
+
+/// Whether an answer puts a photo into another azimuth bin than the true one. Truth within 1° of a bin's edge counts for both.
+pub fn is_silently_wrong(view: &Viewpoint, truth: &Viewpoint, scene: &Scene) -> bool {
+    let is_inside = scene.bins.azimuth_to_edge_deg(truth.azimuth_deg) > 1.0;
+    is_inside && scene.bins.bin_of(view).azimuth_deg != scene.bins.bin_of(truth).azimuth_deg
+}
+
+/// Middle and end of some values.
+struct Spread {
+    count: usize,
+    median: Option<f64>,
+    max: Option<f64>,
+}
+
+impl Spread {
+    fn of(values: Vec<f64>) -> Self {
+        Self {
+            count: values.len(),
+            median: upper_median(&values),
+            max: values.into_iter().max_by(f64::total_cmp),
+        }
+    }
+}
+
+/// Marks, within each camera model, the combinations that no other beats in time, error and share answered at once.
+fn mark_fronts(rows: &mut [LocateRow]) {
+    let figures = |row: &LocateRow| {
+        (
+            row.ms(),
+            row.azimuth_error_median_deg.unwrap_or(f64::INFINITY),
+            -row.answered,
+        )
+    };
+    let all: Vec<_> = rows.iter().map(|row| (row.camera_model, figures(row))).collect();
+    for (row, (model, own)) in rows.iter_mut().zip(&all) {
+        let beats = |other: &(f64, f64, f64)| other.0 <= own.0 && other.1 <= own.1 && other.2 <= own.2 && other != own;
+        row.is_on_front =
+            row.azimuth_error_median_deg.is_some() && !all.iter().any(|(m, other)| m == model && beats(other));
+    }
+}
+
+/// The chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
+pub fn draw(rows: &[LocateRow]) -> String {
+    let names = |name: fn(&LocateRow) -> &'static str| distinct(rows.iter().map(|row| name(row).to_owned()));
+    let (colours, shapes) = (names(|row| row.tag_detector), names(|row| row.solver));
+    let index = |names: &[String], name: &str| names.iter().position(|known| known == name).unwrap_or(0);
+    let dot = |row: &LocateRow| {
+        Some(Dot {
+            x: row.ms(),
+            y: row.azimuth_error_median_deg?,
+            share: row.answered,
+            series: index(&colours, row.tag_detector),
+            shape: index(&shapes, row.solver),
+            name: row.is_default.then(|| format!("{}, {}", row.tag_detector, row.solver)),
+            is_ringed: row.is_default,
+        })
+    };
+    let group = |model: LensTerms| {
+        let of_model = rows.iter().filter(|row| row.camera_model == model);
+        (model.title().to_owned(), of_model.filter_map(dot).collect())
+    };
+    let photos = rows.first().map_or(0, |row| row.photos);
+    let cloud = Cloud {
+        title: "Pose: error against time".to_owned(),
+        note: format!(
+            "{photos} photos; filled share of a mark: share of the photos that got a pose; lower left is better"
+        ),
+        x: PlotAxis::around(
+            "milliseconds a photo, one core",
+            Scale::Log,
+            rows.iter().map(LocateRow::ms),
+        ),
+        y: PlotAxis::around(
+            "median azimuth error, °",
+            Scale::Log,
+            rows.iter().filter_map(|row| row.azimuth_error_median_deg),
+        ),
+        colours: colours.clone(),
+        shapes: shapes.clone(),
+        ringed: "the default".to_owned(),
+        groups: LensTerms::ALL.into_iter().map(group).collect(),
+    };
+    scatter(&cloud)
+}
+
+/// The rows as lines of text, one camera model after the other, the fastest first.
+pub fn table(rows: &[LocateRow]) -> String {
+    let mut sorted: Vec<&LocateRow> = rows.iter().collect();
+    sorted.sort_by(|a, b| {
+        (a.camera_model as u8)
+            .cmp(&(b.camera_model as u8))
+            .reverse()
+            .then(a.ms().total_cmp(&b.ms()))
+    });
+    let mut text = format!(
+        "{:<18} {:<16} {:<9} {:>9} {:>9} {:>9} {:>7} {:>18} {:>18} {:>16}\n",
+        "tags",
+        "solver",
+        "camera",
+        "find ms",
+        "solve ms",
+        "answered",
+        "wrong",
+        "azimuth med / max",
+        "pitch med / max",
+        "distance mm"
+    );
+    for row in sorted {
+        let pair = |a: Option<f64>, b: Option<f64>, digits: usize| match (a, b) {
+            (Some(a), Some(b)) => format!("{a:.digits$} / {b:.digits$}"),
+            _ => "–".to_owned(),
+        };
+        let camera = match row.camera_model {
+            LensTerms::Pinhole => "pinhole",
+            LensTerms::K1 => "k1",
+            LensTerms::Full => "full",
+        };
+        let mark = match (row.is_default, row.is_on_front) {
+            (true, _) => " ← default",
+            (_, true) => " *",
+            _ => "",
+        };
+        text += &format!(
+            "{:<18} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>6.1}% {:>18} {:>18} {:>16}{mark}\n",
+            row.tag_detector,
+            row.solver,
+            row.find_ms,
+            row.solve_ms,
+            100.0 * row.answered,
+            100.0 * row.silently_wrong,
+            pair(row.azimuth_error_median_deg, row.azimuth_error_max_deg, 4),
+            pair(row.pitch_error_median_deg, row.pitch_error_max_deg, 4),
+            pair(row.distance_error_median_mm, row.distance_error_max_mm, 2),
+        );
+    }
+    text
+}

@@ -1,0 +1,181 @@
+//! Scoring a photo: where its milliseconds go, with poses from tags and with truth given.
+
+use maud::html;
+use serde::Serialize;
+
+use scaleproof_core::plot::{Drawing, Explained, colour, figure};
+use scaleproof_core::workers::stopwatch::{Stage, StageMs};
+use scaleproof_score::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
+use scaleproof_session::session::{PhotoEntry, Session};
+
+/// One detector on a session.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScoreRow {
+    pub detector: String,
+    /// From the `tags`, or `given` where the session says where the model is.
+    pub poses: &'static str,
+    /// Photos measured on.
+    pub photos: usize,
+    /// Median over the photos of each one's fastest round.
+    pub stages: Vec<StageTime>,
+    /// One thread.
+    pub photos_per_second: f64,
+}
+
+/// What one stage of the work takes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageTime {
+    pub stage: Stage,
+    pub ms: f64,
+}
+
+/// Measures every detector alone on one thread, so many rounds. `on_photo` is called after each photo.
+///
+/// # Errors
+/// As scoring has them; a session of which no photo can be scored.
+pub fn measure(
+    session: &Session,
+    detectors: Vec<EvaluatedDetector>,
+    rounds: usize,
+    on_photo: impl Fn() + Sync,
+) -> Result<Vec<ScoreRow>, ScoreError> {
+    let mut rows = Vec::new();
+    for detector in detectors {
+        let mut session = session.clone();
+        for poses in ways(&session) {
+            let photos = fastest(&session, std::slice::from_ref(&detector), rounds, &on_photo)?;
+            rows.push(row(&detector, poses, &photos));
+            session = with_truth(session, &photos);
+        }
+    }
+    Ok(rows)
+}
+
+/// Where the poses come from, one after the other: from the tags, and then given; a session that says where the model is has no other way.
+pub fn ways(session: &Session) -> Vec<&'static str> {
+    let is_given = |photo: &PhotoEntry| photo.box_xyxy_px.is_some() && photo.viewpoint.is_some();
+    if session.photos.iter().all(is_given) {
+        vec!["given"]
+    } else {
+        vec!["tags", "given"]
+    }
+}
+
+/// Each photo's fastest round. The first round, in which the network is opened, does not count.
+fn fastest(
+    session: &Session,
+    detector: &[EvaluatedDetector],
+    rounds: usize,
+    on_photo: &(impl Fn() + Sync),
+) -> Result<Vec<TimedPhoto>, ScoreError> {
+    let all = |ms: &StageMs| ms.iter().sum::<f64>();
+    let mut best: Vec<TimedPhoto> = Vec::new();
+    for round in timed_photos(session, detector, rounds, on_photo)? {
+        if best.is_empty() {
+            best = round;
+            continue;
+        }
+        for (best, photo) in best.iter_mut().zip(round) {
+            if all(&photo.ms) < all(&best.ms) {
+                *best = photo;
+            }
+        }
+    }
+    Ok(best)
+}
+
+/// The session as if it had been imported with its truth: the photos that were placed, with box and viewpoint.
+fn with_truth(mut session: Session, placed: &[TimedPhoto]) -> Session {
+    session.photos = placed.iter().map(|photo| photo.with_truth.clone()).collect();
+    session
+}
+
+fn row(detector: &EvaluatedDetector, poses: &'static str, photos: &[TimedPhoto]) -> ScoreRow {
+    let stages: Vec<StageTime> = Stage::ALL
+        .into_iter()
+        .map(|stage| {
+            let own: Vec<f64> = photos.iter().map(|photo| photo.ms[stage as usize]).collect();
+            StageTime {
+                stage,
+                ms: scaleproof_core::statistics::upper_median(&own).unwrap_or_default(),
+            }
+        })
+        .collect();
+    ScoreRow {
+        detector: detector.manifest.name.clone(),
+        poses,
+        photos: photos.len(),
+        photos_per_second: 1e3 / stages.iter().map(|stage| stage.ms).sum::<f64>().max(1e-3),
+        stages,
+    }
+}
+
+fn name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Read => "read",
+        Stage::Tags => "tags",
+        Stage::Pose => "pose",
+        Stage::Colour => "colour",
+        Stage::Resize => "resize",
+        Stage::Network => "network",
+        Stage::Rest => "rest",
+    }
+}
+
+const LEFT: f64 = 150.0;
+const WIDTH: f64 = 460.0;
+const ROW: f64 = 24.0;
+
+/// The chart: a bar for each row, its stages stacked.
+pub fn draw(rows: &[ScoreRow]) -> String {
+    let all = |row: &ScoreRow| row.stages.iter().map(|stage| stage.ms).sum::<f64>();
+    let longest = rows.iter().map(all).fold(1e-3, f64::max);
+    let long = |ms: f64| (ms / longest * WIDTH * 100.0).round() / 100.0;
+    let marks = html! {
+        @for (i, row) in rows.iter().enumerate() {
+            @let y = ROW * i as f64;
+            text x=(LEFT - 8.0) y=(y + 15.0) font-size="11" text-anchor="end" { (row.detector) ", " (row.poses) }
+            @for (n, stage) in row.stages.iter().enumerate() {
+                @let before: f64 = row.stages[..n].iter().map(|stage| stage.ms).sum();
+                rect x=(LEFT + long(before)) y=(y + 4.0) width=(long(stage.ms)) height="15" fill=(colour(n)) {
+                    title { (name(stage.stage)) ": " (format!("{:.1}", stage.ms)) " ms" }
+                }
+            }
+            text x=(LEFT + long(all(row)) + 6.0) y=(y + 15.0) font-size="11" {
+                (format!("{:.0} ms, {:.1} photos/s", all(row), row.photos_per_second))
+            }
+        }
+    };
+    let drawing = Drawing {
+        area: [0.0, 0.0, LEFT + WIDTH + 150.0, ROW * rows.len() as f64 + 4.0],
+        label: "Milliseconds a photo by stage".to_owned(),
+        marks,
+    };
+    let entry = |(n, stage): (usize, Stage)| (colour(n).to_owned(), name(stage).to_owned());
+    let photos = rows.first().map_or(0, |row| row.photos);
+    let explained = Explained {
+        legend: Stage::ALL.into_iter().enumerate().map(entry).collect(),
+        notes: vec![format!(
+            "Median of {photos} photos, one thread, nothing kept from before. Poses from tags, or given by the session."
+        )],
+    };
+    let title = "Scoring: where the time goes";
+    figure(title, &explained, 1, &[("milliseconds a photo", drawing)])
+}
+
+/// The rows as lines of text: milliseconds a photo by stage, and photos per second.
+pub fn table(rows: &[ScoreRow]) -> String {
+    let mut text = format!("{:<16} {:<6}", "detector", "poses");
+    for stage in Stage::ALL {
+        text += &format!(" {:>8}", name(stage));
+    }
+    text += "  photos/s\n";
+    for row in rows {
+        text += &format!("{:<16} {:<6}", row.detector, row.poses);
+        for stage in &row.stages {
+            text += &format!(" {:>8.1}", stage.ms);
+        }
+        text += &format!("  {:>8.1}\n", row.photos_per_second);
+    }
+    text + "milliseconds a photo, one thread, nothing kept from before\n"
+}

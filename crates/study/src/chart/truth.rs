@@ -1,0 +1,100 @@
+//! What is exactly true of a session's photos: the parts of its `truth.json` that methods are measured against.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use scaleproof_core::files;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_pose::scene::Viewpoint;
+
+/// Why there is no truth to measure against.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TruthError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error(
+        "{path} is no truth file ({reason}); write {{\"photos\": [{{\"file\": …, {keys}}}]}}",
+        path = path.display()
+    )]
+    Content {
+        path: PathBuf,
+        reason: String,
+        keys: &'static str,
+    },
+    #[error("{path} says nothing about {file}; add it, or chart a session whose photos it knows", path = path.display())]
+    Missing { path: PathBuf, file: String },
+}
+
+/// Other keys are passed over: the files carry views, boxes and poses.
+#[derive(Deserialize)]
+struct TruthFile<T> {
+    photos: Vec<AboutPhoto<T>>,
+}
+
+#[derive(Deserialize)]
+struct AboutPhoto<T> {
+    file: String,
+    #[serde(flatten)]
+    truth: T,
+}
+
+/// As [`Viewpoint`], among other keys.
+#[derive(Deserialize)]
+struct TrueView {
+    azimuth_deg: f64,
+    pitch_deg: f64,
+    distance_mm: f64,
+}
+
+#[derive(Deserialize)]
+struct TrueBox {
+    box_xyxy_px: BoxPx,
+}
+
+/// The true viewpoints of some photos, in their order.
+///
+/// # Errors
+/// An unreadable file, one that is no truth file, a photo it does not know.
+pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
+    let keys = "\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …";
+    about(path, files, keys, |view: &TrueView| Viewpoint {
+        azimuth_deg: view.azimuth_deg,
+        pitch_deg: view.pitch_deg,
+        distance_mm: view.distance_mm,
+    })
+}
+
+/// The exact boxes around the model's outline in some photos, in their order, px.
+///
+/// # Errors
+/// As [`true_views`].
+pub fn true_boxes(path: &Path, files: &[&str]) -> Result<Vec<BoxPx>, TruthError> {
+    let keys = "\"box_xyxy_px\": [x1, y1, x2, y2]";
+    about(path, files, keys, |truth: &TrueBox| truth.box_xyxy_px)
+}
+
+fn about<T: DeserializeOwned, R>(
+    path: &Path,
+    files: &[&str],
+    keys: &'static str,
+    read: impl Fn(&T) -> R,
+) -> Result<Vec<R>, TruthError> {
+    let text = files::read_text(path)?;
+    let truth: TruthFile<T> = serde_json::from_str(&text).map_err(|e| TruthError::Content {
+        path: path.to_owned(),
+        reason: e.to_string(),
+        keys,
+    })?;
+    let of_photo = |file: &&str| {
+        let about = truth.photos.iter().find(|about| about.file == *file);
+        let about = about.ok_or_else(|| TruthError::Missing {
+            path: path.to_owned(),
+            file: (*file).to_owned(),
+        })?;
+        Ok(read(&about.truth))
+    };
+    files.iter().map(of_photo).collect()
+}

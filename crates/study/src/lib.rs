@@ -1,0 +1,11 @@
+//! Methods compared on the same photos, and advice on the smallest way that a session needs.
+//!
+//! ```
+//! use scaleproof_study::chart::stability::{photo_steps, view_steps};
+//!
+//! // How many steps the sweeps have that drive a method until it breaks.
+//! assert!(view_steps() > 40 && photo_steps(16) > 400);
+//! ```
+
+pub mod advise;
+pub mod chart;

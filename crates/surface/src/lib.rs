@@ -1,0 +1,16 @@
+//! A model's surface: meshes, repeated patterns, and what colour each point of the surface has.
+//!
+//! Lengths are millimetres in the model frame: x to the front, y to the left, z up, the origin on the ground.
+//!
+//! ```
+//! use scaleproof_surface::pattern::Pattern;
+//!
+//! let pattern = Pattern::random(16, 1)?;
+//! assert_eq!((pattern.columns(), pattern.rows()), (16, 16));
+//! assert_eq!(pattern, Pattern::random(16, 1)?);
+//! # Ok::<(), scaleproof_surface::pattern::PatternError>(())
+//! ```
+
+pub mod mesh;
+pub mod pattern;
+pub mod texture;

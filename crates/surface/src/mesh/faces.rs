@@ -1,0 +1,76 @@
+//! A list of triangles by number, as the attacks that paint every triangle by itself give the paint (`exterior_face.txt`).
+
+use std::path::Path;
+
+use super::{MAX_TRIANGLES, Mesh, MeshError};
+use scaleproof_core::files;
+
+/// Nine bytes a triangle, and room for comments of an editor.
+const MOST_BYTES: u64 = 16 * MAX_TRIANGLES as u64;
+
+/// Triangles of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceList {
+    /// Each once, rising.
+    indices: Vec<usize>,
+    /// Entries of the file beyond the first of each triangle.
+    pub repeated: usize,
+}
+
+impl FaceList {
+    /// Reads whole numbers with white space between them: the indices of triangles from 0 on, in the order of the mesh's file, where a
+    /// polygon of more corners counts as the fan of triangles that it is cut into.
+    ///
+    /// # Errors
+    /// An unreadable or empty file, what is no whole number, a triangle that the mesh does not have.
+    pub fn load(path: &Path, mesh: &Mesh) -> Result<Self, MeshError> {
+        let bytes = files::read_at_most(path, MOST_BYTES)?;
+        Self::parse(&String::from_utf8_lossy(&bytes), mesh.triangles().len()).map_err(|reason| MeshError::FaceList {
+            path: path.to_owned(),
+            reason,
+        })
+    }
+
+    /// The triangles of some materials.
+    pub fn of(mesh: &Mesh, materials: &[usize]) -> Self {
+        let triangles = mesh.triangles().iter().enumerate();
+        let painted = triangles.filter(|(_, triangle)| materials.contains(&triangle.material));
+        Self {
+            indices: painted.map(|(i, _)| i).collect(),
+            repeated: 0,
+        }
+    }
+
+    fn parse(text: &str, triangles: usize) -> Result<Self, String> {
+        let mut indices = Vec::new();
+        for (i, line) in text.lines().enumerate() {
+            for word in line.split_whitespace() {
+                let shown: String = word.chars().take(20).collect();
+                let index: usize = word
+                    .parse()
+                    .map_err(|_| format!("line {} has '{shown}', which is no whole number", i + 1))?;
+                if index >= triangles {
+                    return Err(format!(
+                        "line {} has triangle {index}, and the mesh has {triangles} of them",
+                        i + 1
+                    ));
+                }
+                indices.push(index);
+            }
+        }
+        if indices.is_empty() {
+            return Err("it is empty".into());
+        }
+        let entries = indices.len();
+        indices.sort_unstable();
+        indices.dedup();
+        Ok(Self {
+            repeated: entries - indices.len(),
+            indices,
+        })
+    }
+
+    pub(super) fn indices(&self) -> &[usize] {
+        &self.indices
+    }
+}

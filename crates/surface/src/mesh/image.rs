@@ -1,0 +1,77 @@
+//! Where the image of a material is, and how coordinates lie in it. Nothing is read or decoded here: most commands need no image.
+
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// What a material looks like by the mesh's file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// `None`: its factor is its colour.
+    pub image: Option<ImageSource>,
+    /// To the right and up.
+    pub wrap: [Wrap; 2],
+    /// What the image's colours are multiplied by, in linear light.
+    pub factor: [f64; 3],
+    /// What the image's alpha is multiplied by; `None`: its alpha says nothing.
+    pub alpha: Option<f64>,
+}
+
+impl Look {
+    /// An image as it is.
+    pub(super) fn of(image: ImageSource) -> Self {
+        Self {
+            image: Some(image),
+            wrap: [Wrap::Repeat; 2],
+            factor: [1.0; 3],
+            alpha: Some(1.0),
+        }
+    }
+}
+
+/// The file of an image.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ImageSource {
+    File(PathBuf),
+    /// Within the mesh's file: some of its bytes. Many materials share them.
+    Inside(Arc<[u8]>, Range<usize>),
+    /// Why there is none, as a clause.
+    Refused(String),
+}
+
+impl ImageSource {
+    /// An image that a mesh's file names. Files come from strangers: they name only what lies in their own folder or below.
+    pub(super) fn beside(folder: &Path, name: &str) -> Self {
+        // Programs for Windows write folders so.
+        let name = name.replace('\\', "/");
+        let has_drive = name.as_bytes().get(1) == Some(&b':');
+        let is_below = Path::new(&name)
+            .components()
+            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if name.is_empty() || has_drive || !is_below {
+            return Self::Refused(format!(
+                "its image '{name}' is not named within the mesh's folder; put the image beside the mesh and name it there"
+            ));
+        }
+        Self::File(folder.join(name))
+    }
+}
+
+/// What lies beyond the borders of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrap {
+    Repeat,
+    MirroredRepeat,
+    ClampToEdge,
+}
+
+impl Wrap {
+    /// The place within the image, from 0 to 1.
+    pub fn within(self, coordinate: f64) -> f64 {
+        match self {
+            Self::Repeat => coordinate - coordinate.floor(),
+            Self::MirroredRepeat => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
+            Self::ClampToEdge => coordinate.clamp(0.0, 1.0),
+        }
+    }
+}

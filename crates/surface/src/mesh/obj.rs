@@ -1,0 +1,171 @@
+//! Wavefront OBJ: convex polygons with the materials that `usemtl` names, whose images stand in the library beside the file.
+
+use std::collections::HashMap;
+use std::str::SplitWhitespace;
+
+use nalgebra::Point3;
+
+use super::image::{ImageSource, Look};
+use super::mtl::{self, Map};
+use super::{Corner, Soup, Trouble, corner};
+use scaleproof_core::files;
+
+/// What faces before the first `usemtl` are of.
+const NO_MATERIAL: &str = "none";
+/// Libraries are text of some lines a material.
+const MOST_LIBRARY_BYTES: u64 = 16 << 20;
+
+/// A corner of a face: the indices of its place and of its texture coordinates.
+type Indices = (usize, Option<usize>);
+
+/// The lines that matter.
+#[derive(Default)]
+struct Lines<'a> {
+    points: Vec<Point3<f64>>,
+    coordinates: Vec<[f64; 2]>,
+    faces: Vec<(Vec<Indices>, &'a str)>,
+    libraries: Vec<&'a str>,
+}
+
+pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+    let text = String::from_utf8_lossy(bytes);
+    let file = Lines::parse(&text)?;
+    let library = Library::read(&file.libraries, soup);
+    // Most faces have the material of the one before.
+    let mut current: Option<(&str, usize)> = None;
+    for (face, name) in &file.faces {
+        let map = library.maps.get(*name);
+        let material = match current {
+            Some((known, material)) if known == *name => material,
+            _ => soup.material(name, library.look(name)),
+        };
+        current = Some((name, material));
+        let placed = |(place, coordinates): &Indices| -> Result<Corner, Trouble> {
+            let stored = coordinates.and_then(|i| file.coordinates.get(i)).copied();
+            Ok((
+                corner(&file.points, *place)?,
+                stored.map(|uv| map.map_or(uv, |map| map.place(uv))),
+            ))
+        };
+        let corners: Result<Vec<_>, _> = face.iter().map(placed).collect();
+        soup.fan(&corners?, material)?;
+    }
+    Ok(())
+}
+
+impl<'a> Lines<'a> {
+    fn parse(text: &'a str) -> Result<Self, Trouble> {
+        let mut file = Self::default();
+        let mut material = NO_MATERIAL;
+        for (i, line) in text.lines().enumerate() {
+            let not_understood =
+                |what: &str| Trouble::Damaged(format!("the {what} on line {} is not understood", i + 1));
+            let line = line.trim();
+            let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            match word {
+                "v" => file.points.push(point(rest).ok_or_else(|| not_understood("vertex"))?),
+                "vt" => file.coordinates.push(coordinates(rest)),
+                "f" => {
+                    let counts = [file.points.len(), file.coordinates.len()];
+                    let face: Option<Vec<_>> = rest.split_whitespace().map(|word| indices(word, counts)).collect();
+                    file.faces.push((face.ok_or_else(|| not_understood("face"))?, material));
+                }
+                "usemtl" => material = rest.trim(),
+                "mtllib" => file.libraries.push(rest.trim()),
+                _ => {}
+            }
+        }
+        Ok(file)
+    }
+}
+
+/// Three numbers of 32 bits; a fourth one alone divides them, and colours may follow instead.
+fn point(text: &str) -> Option<Point3<f64>> {
+    let mut words = text.split_whitespace();
+    let number = |words: &mut SplitWhitespace| words.next()?.parse::<f32>().ok();
+    let [x, y, z] = [number(&mut words)?, number(&mut words)?, number(&mut words)?];
+    let rest: Vec<&str> = words.collect();
+    let divisor = match rest[..] {
+        [w] => w.parse().ok().filter(|w| *w != 0.0)?,
+        _ => 1.0,
+    };
+    Some(Point3::new(x / divisor, y / divisor, z / divisor).map(f64::from))
+}
+
+/// What is no number stays as NaN: it is refused when a texture is laid on, and positions alone are whole.
+fn coordinates(text: &str) -> [f64; 2] {
+    let mut words = text.split_whitespace();
+    let [u, v] = [words.next(), words.next().or(Some("0"))];
+    [u, v].map(|word| word.and_then(|w| w.parse().ok()).unwrap_or(f64::NAN))
+}
+
+/// `place/coordinates/normal`, of which the place alone is required. Numbers count from 1, or back from the line before.
+fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
+    let mut parts = word.split('/');
+    let index = |part: &str, count: usize| {
+        let number: i64 = part.parse().ok()?;
+        Some(match number {
+            // Nothing has this index: the corner does not exist.
+            0 => usize::MAX,
+            1.. => usize::try_from(number - 1).unwrap_or(usize::MAX),
+            _ => usize::try_from(count as i64 + number).unwrap_or(usize::MAX),
+        })
+    };
+    let place = index(parts.next()?, points)?;
+    let coordinates = match parts.next() {
+        None | Some("") => None,
+        Some(part) => Some(index(part, coordinates)?),
+    };
+    Some((place, coordinates))
+}
+
+/// What the libraries say.
+struct Library {
+    maps: HashMap<String, Map>,
+    /// The first line of which one cannot be read.
+    unread: Option<String>,
+}
+
+impl Library {
+    /// Only libraries in the mesh's own folder; without one the mesh has its places and names still.
+    fn read(lines: &[&str], soup: &Soup) -> Self {
+        let mut library = Self {
+            maps: HashMap::new(),
+            unread: None,
+        };
+        for line in lines {
+            for name in names(line, soup) {
+                let read = match ImageSource::beside(&soup.folder, name) {
+                    ImageSource::File(path) => files::read_at_most(&path, MOST_LIBRARY_BYTES).ok(),
+                    _ => None,
+                };
+                match read {
+                    Some(bytes) => library
+                        .maps
+                        .extend(mtl::maps(&String::from_utf8_lossy(&bytes), &soup.folder)),
+                    None => _ = library.unread.get_or_insert_with(|| (*line).to_owned()),
+                }
+            }
+        }
+        library
+    }
+
+    fn look(&self, material: &str) -> Option<Look> {
+        match (self.maps.get(material), &self.unread) {
+            (Some(map), _) => Some(map.look.clone()),
+            (None, Some(name)) => Some(Look::of(ImageSource::Refused(format!(
+                "its material library '{name}' is not a file beside the mesh"
+            )))),
+            (None, None) => None,
+        }
+    }
+}
+
+/// A line names one file with blanks, or several.
+fn names<'a>(line: &'a str, soup: &Soup) -> Vec<&'a str> {
+    if soup.folder.join(line).is_file() {
+        vec![line]
+    } else {
+        line.split_whitespace().collect()
+    }
+}

@@ -1,0 +1,128 @@
+//! From a file's frame and unit into the model frame.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::{Mesh, MeshError};
+use scaleproof_core::geometry::length::is_size;
+
+/// Nothing is so short in any unit; scaling it up would leave the range of numbers.
+const LEAST_LENGTH: f64 = 1e-9;
+
+/// Whether the file's name says glTF.
+pub(super) fn is_gltf(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
+}
+
+/// A direction of the mesh file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignedAxis(Vector3<f64>);
+
+impl FromStr for SignedAxis {
+    type Err = MeshError;
+
+    /// A sign and a letter, as in `+x`; the plus may be left out.
+    fn from_str(text: &str) -> Result<Self, MeshError> {
+        let (sign, letter) = match text.strip_prefix('-') {
+            Some(letter) => (-1.0, letter),
+            None => (1.0, text.strip_prefix('+').unwrap_or(text)),
+        };
+        let axis = match letter {
+            "x" | "X" => Vector3::x(),
+            "y" | "Y" => Vector3::y(),
+            "z" | "Z" => Vector3::z(),
+            _ => return Err(MeshError::UnknownAxis { text: text.to_owned() }),
+        };
+        Ok(Self(sign * axis))
+    }
+}
+
+/// Where a mesh lies in its file: from the file to the model frame by a turn, then a shift and a scale.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FileFrame {
+    turn: Matrix3<f64>,
+    ground: Point3<f64>,
+    scale: f64,
+}
+
+impl Default for FileFrame {
+    fn default() -> Self {
+        Self {
+            turn: Matrix3::identity(),
+            ground: Point3::origin(),
+            scale: 1.0,
+        }
+    }
+}
+
+impl FileFrame {
+    pub(super) fn of_model(&self, p: &Point3<f64>) -> Point3<f64> {
+        self.turn.transpose() * (p / self.scale + self.ground.coords)
+    }
+}
+
+/// How a mesh comes into the model frame. What is left out is what the format says: a glTF is in metres with its front to
+/// +z and its top to +y (glTF 2.0, section 3.4); the other formats are in mm with their front to +x and their top to +z.
+///
+/// A file that is neither glTF nor turned nor scaled is taken as lying in the model frame already. Any other mesh is moved: the
+/// middle of its box over the origin, its lowest point on the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MeshPlacement {
+    pub front: Option<SignedAxis>,
+    pub up: Option<SignedAxis>,
+    /// The mesh is scaled so that it is this long from its front to its rear.
+    pub length_mm: Option<f64>,
+}
+
+impl MeshPlacement {
+    /// The rotation from the frame of this file into the model frame.
+    ///
+    /// # Errors
+    /// A front and an up along the same axis.
+    pub fn rotation(&self, file: &Path) -> Result<Matrix3<f64>, MeshError> {
+        self.turn(is_gltf(file))
+    }
+
+    pub(super) fn apply(&self, mut mesh: Mesh, is_gltf: bool) -> Result<Mesh, MeshError> {
+        if !is_gltf && *self == Self::default() {
+            return Ok(mesh);
+        }
+        let turn = self.turn(is_gltf)?;
+        mesh.points.iter_mut().for_each(|p| *p = turn * *p);
+        let (low, high) = mesh.bounds_mm();
+        let unit_mm = if is_gltf { 1000.0 } else { 1.0 };
+        let scale = match self.length_mm {
+            None => unit_mm,
+            Some(value) if !is_size(value) => return Err(MeshError::BadLength { value }),
+            Some(_) if high.x - low.x < LEAST_LENGTH => return Err(MeshError::NoLength),
+            Some(length) => length / (high.x - low.x),
+        };
+        let ground = Point3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);
+        mesh.points
+            .iter_mut()
+            .for_each(|p| *p = Point3::from(scale * (*p - ground)));
+        mesh.frame = FileFrame { turn, ground, scale };
+        Ok(mesh)
+    }
+
+    /// The rotation from the file's frame into the model frame.
+    fn turn(&self, is_gltf: bool) -> Result<Matrix3<f64>, MeshError> {
+        let (front, up) = if is_gltf {
+            (Vector3::z(), Vector3::y())
+        } else {
+            (Vector3::x(), Vector3::z())
+        };
+        let (front, up) = (self.front.map_or(front, |a| a.0), self.up.map_or(up, |a| a.0));
+        if front.dot(&up) != 0.0 {
+            return Err(MeshError::FrontIsUp);
+        }
+        let left = up.cross(&front);
+        Ok(Matrix3::from_rows(&[
+            front.transpose(),
+            left.transpose(),
+            up.transpose(),
+        ]))
+    }
+}

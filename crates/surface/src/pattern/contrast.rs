@@ -1,0 +1,41 @@
+//! How much the cells of a pattern stand out from each other.
+
+use image::RgbImage;
+
+use super::Pattern;
+use super::colour::Lab;
+
+/// Median ΔE2000 between neighbouring cells (right and below, across the pattern's repeat too).
+pub fn median_delta_e(pattern: &Pattern) -> f64 {
+    let cells: &RgbImage = pattern.cells();
+    let (columns, rows) = cells.dimensions();
+    let lab = |x: u32, y: u32| Lab::of(cells.get_pixel(x % columns, y % rows).0);
+    let pairs = (0..rows).flat_map(|y| (0..columns).flat_map(move |x| [(x, y, x + 1, y), (x, y, x, y + 1)]));
+    let mut differences: Vec<f64> = pairs
+        .map(|(x, y, to_x, to_y)| lab(x, y).delta_e(lab(to_x, to_y)))
+        .collect();
+    differences.sort_by(f64::total_cmp);
+    differences[differences.len() / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plain_pattern_has_no_contrast_and_a_chessboard_all_there_is() {
+        let random = Pattern::random(2, 1).unwrap();
+        assert_eq!(median_delta_e(&random.recoloured(|_| [9; 3]).unwrap()), 0.0);
+        let top_left = random.cells().get_pixel(0, 0).0;
+        let bottom_right = random.cells().get_pixel(1, 1).0;
+        let chess = |rgb| {
+            if rgb == top_left || rgb == bottom_right {
+                [0; 3]
+            } else {
+                [255; 3]
+            }
+        };
+        let contrast = median_delta_e(&random.recoloured(chess).unwrap());
+        assert!((contrast - 100.0).abs() < 0.01, "{contrast}");
+    }
+}

@@ -1,0 +1,69 @@
+//! Between 8-bit sRGB and linear light (IEC 61966-2-1): values 0 to 1, 1 is white.
+
+use palette::encoding::{FromLinear, IntoLinear, Srgb};
+
+/// Linear light of an sRGB value.
+pub fn decode(srgb: f64) -> f64 {
+    Srgb::into_linear(srgb)
+}
+
+/// The sRGB value of linear light; what is outside 0 to 1 is clipped, as every 8-bit image is.
+pub fn encode(linear: f64) -> f64 {
+    Srgb::from_linear(linear.clamp(0.0, 1.0))
+}
+
+/// The derivative of [`decode`], which `palette` does not have.
+pub fn decode_derivative(srgb: f64) -> f64 {
+    if srgb <= 0.04045 {
+        1.0 / 12.92
+    } else {
+        2.4 / 1.055 * ((srgb + 0.055) / 1.055).powf(1.4)
+    }
+}
+
+/// An 8-bit sRGB colour in linear light.
+pub fn linear_of(rgb: [u8; 3]) -> [f64; 3] {
+    rgb.map(|v| decode(f64::from(v) / 255.0))
+}
+
+/// Y of linear light in the primaries of sRGB (IEC 61966-2-1).
+pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// Linear light as 8-bit sRGB, clipped.
+pub fn rgb_of(linear: [f64; 3]) -> [u8; 3] {
+    linear.map(|v| (255.0 * encode(v)).round() as u8)
+}
+
+/// A colour as six hexadecimal digits, as in `808080` or `#808080`.
+pub fn of_hex(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let is_plain = digits.len() == 6 && digits.chars().all(|c| c.is_ascii_hexdigit());
+    let [_, r, g, b] = u32::from_str_radix(digits, 16).ok().filter(|_| is_plain)?.to_be_bytes();
+    Some([r, g, b])
+}
+
+/// A colour as six lower-case hexadecimal digits, as in `808080`; [`of_hex`] reads them.
+pub fn to_hex(rgb: [u8; 3]) -> String {
+    rgb.map(|v| format!("{v:02x}")).concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_is_srgb_there_and_back() {
+        // L* 50 grey and the standard's own junction.
+        assert!((decode(119.0 / 255.0) - 0.1845).abs() < 1e-4);
+        for v in 0..=255_u8 {
+            assert_eq!(rgb_of(linear_of([v; 3])), [v; 3]);
+            let x = f64::from(v) / 255.0;
+            let step = 1e-6;
+            let derivative = (decode(x + step) - decode(x - step)) / (2.0 * step);
+            assert!((derivative - decode_derivative(x)).abs() < 1e-4, "{v}");
+        }
+        assert_eq!(rgb_of([-1.0, 2.0, 0.0]), [0, 255, 0]);
+    }
+}

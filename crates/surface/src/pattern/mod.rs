@@ -1,0 +1,278 @@
+//! The repeated pattern: a small grid of coloured cells, stored as a PNG with one pixel per cell.
+
+pub mod area;
+pub mod card;
+pub mod colour;
+pub mod contrast;
+pub mod enlarged;
+pub mod fate;
+pub mod gamut;
+pub mod import;
+pub mod light;
+pub mod palette;
+pub mod picture;
+pub mod printed;
+pub mod world_aligned;
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg32;
+
+use scaleproof_core::files::{self, FileError};
+use scaleproof_photo::photo::{Budget, open_png};
+
+/// Most cells a pattern may have along one side. Above this an image is almost surely meant, not a grid of cells.
+pub const MAX_CELLS: u32 = 512;
+
+/// Why there is no pattern. Each variant says what to change.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
+pub enum PatternError {
+    #[error("{0}; a pattern is a PNG file with one pixel per cell")]
+    Unreadable(#[from] FileError),
+    #[error("{path} is not a PNG file; save the pattern as PNG with one pixel per cell", path = path.display())]
+    NotPng { path: PathBuf },
+    #[error("{path} is a damaged PNG file ({reason}); export it again", path = path.display())]
+    Damaged { path: PathBuf, reason: String },
+    #[error("{path} is see-through at column {column}, row {row}; flatten it onto an opaque colour, paper has none", path = path.display())]
+    Transparent { path: PathBuf, column: u32, row: u32 },
+    #[error("{path} has {columns}×{rows} pixels; scale it down to one pixel per cell, at most {MAX_CELLS}×{MAX_CELLS}", path = path.display())]
+    TooManyCells { path: PathBuf, columns: u32, rows: u32 },
+    #[error("a pattern of {cells}×{cells} cells cannot be made; ask for 1 to {MAX_CELLS} cells a side")]
+    BadCellCount { cells: u32 },
+    #[error("the pattern could not be written as PNG: {reason}")]
+    Encode { reason: String },
+}
+
+/// A grid of opaque RGB cells that is repeated over a surface. Row 0 is the top row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    cells: RgbImage,
+    sha256: String,
+}
+
+impl Pattern {
+    /// Reads a PNG with one pixel per cell.
+    ///
+    /// # Errors
+    /// An unreadable file, anything but a PNG, a see-through pixel, more than `MAX_CELLS` cells along a side.
+    pub fn load(path: &Path) -> Result<Self, PatternError> {
+        let bytes = files::read(path)?;
+        if image::guess_format(&bytes).ok() != Some(ImageFormat::Png) {
+            return Err(PatternError::NotPng { path: path.to_owned() });
+        }
+        let image = decode(path, &bytes)?;
+        refuse_transparency(path, &image)?;
+        Ok(Self {
+            cells: image.to_rgb8(),
+            sha256: files::sha256_hex(&bytes),
+        })
+    }
+
+    /// A square pattern whose cells are uniform in RGB. The same `cells` and `seed` give the same pattern on every machine
+    /// and in every version: the bytes of PCG-XSH-RR 64/32 (O'Neill 2014) are the colours, row by row.
+    ///
+    /// # Errors
+    /// No cells, or more than `MAX_CELLS` along a side.
+    pub fn random(cells: u32, seed: u64) -> Result<Self, PatternError> {
+        Self::random_of([cells, cells], seed)
+    }
+
+    /// A random pattern of so many columns and rows: the first rows of the square one that [`Pattern::random`] makes of as many columns.
+    ///
+    /// # Errors
+    /// Those of [`Pattern::random`].
+    pub fn random_of([columns, rows]: [u32; 2], seed: u64) -> Result<Self, PatternError> {
+        if let Some(cells) = [columns, rows].into_iter().find(|n| !(1..=MAX_CELLS).contains(n)) {
+            return Err(PatternError::BadCellCount { cells });
+        }
+        let mut grid = RgbImage::new(columns, rows);
+        Pcg32::seed_from_u64(seed).fill_bytes(&mut grid);
+        Self::of_cells(grid)
+    }
+
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn of_cells(cells: RgbImage) -> Result<Self, PatternError> {
+        let sha256 = files::sha256_hex(&png_of(&cells)?);
+        Ok(Self { cells, sha256 })
+    }
+
+    /// The cells; pixel (0, 0) is the top-left cell.
+    pub fn cells(&self) -> &RgbImage {
+        &self.cells
+    }
+
+    /// Cells across.
+    pub fn columns(&self) -> u32 {
+        self.cells.width()
+    }
+
+    /// Cells down.
+    pub fn rows(&self) -> u32 {
+        self.cells.height()
+    }
+
+    /// Every colour with the number of its cells.
+    pub fn colour_counts(&self) -> BTreeMap<[u8; 3], usize> {
+        let mut counts = BTreeMap::new();
+        for cell in self.cells.pixels() {
+            *counts.entry(cell.0).or_default() += 1;
+        }
+        counts
+    }
+
+    /// The pattern with each cell's colour replaced by `colour` of it.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn recoloured(&self, colour: impl Fn([u8; 3]) -> [u8; 3]) -> Result<Self, PatternError> {
+        let mut cells = self.cells.clone();
+        cells.pixels_mut().for_each(|cell| cell.0 = colour(cell.0));
+        Self::of_cells(cells)
+    }
+
+    /// Some of its rows.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn rows_from(&self, first: u32, count: u32) -> Result<Self, PatternError> {
+        Self::of_cells(image::imageops::crop_imm(&self.cells, 0, first, self.columns(), count).to_image())
+    }
+
+    /// The picture in more cells, each divided evenly; `None` where they are not as many or the same whole multiple across and down.
+    pub fn divided(&self, [columns, rows]: [u32; 2]) -> Option<RgbImage> {
+        let fits = columns.is_multiple_of(self.columns()) && rows.is_multiple_of(self.rows());
+        let (across, down) = (columns / self.columns(), rows / self.rows());
+        (fits && across == down)
+            .then(|| RgbImage::from_fn(columns, rows, |x, y| *self.cells.get_pixel(x / across, y / down)))
+    }
+
+    /// The pattern as a PNG file with one pixel per cell.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_png(&self) -> Result<Vec<u8>, PatternError> {
+        png_of(&self.cells)
+    }
+
+    /// SHA-256, in lower-case hex, of the file this pattern was loaded from, or of its PNG if it was made here.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+}
+
+fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
+    let damaged = |reason: String| PatternError::Damaged {
+        path: path.to_owned(),
+        reason,
+    };
+    let decoder = open_png(bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
+    // The size stands in the header: a huge image is refused before its pixels take memory.
+    let (columns, rows) = decoder.dimensions();
+    if columns > MAX_CELLS || rows > MAX_CELLS {
+        return Err(PatternError::TooManyCells {
+            path: path.to_owned(),
+            columns,
+            rows,
+        });
+    }
+    DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
+}
+
+fn refuse_transparency(path: &Path, image: &DynamicImage) -> Result<(), PatternError> {
+    if !image.color().has_alpha() {
+        return Ok(());
+    }
+    // 16 bits, so that an alpha of 65534 is not rounded to opaque.
+    match image
+        .to_rgba16()
+        .enumerate_pixels()
+        .find(|(_, _, pixel)| pixel.0[3] != u16::MAX)
+    {
+        Some((column, row, _)) => Err(PatternError::Transparent {
+            path: path.to_owned(),
+            column,
+            row,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn png_of(cells: &RgbImage) -> Result<Vec<u8>, PatternError> {
+    let mut file = Cursor::new(Vec::new());
+    cells
+        .write_to(&mut file, ImageFormat::Png)
+        .map_err(|e| PatternError::Encode { reason: e.to_string() })?;
+    Ok(file.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load_bytes(bytes: &[u8]) -> Result<Pattern, PatternError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.png");
+        std::fs::write(&path, bytes).unwrap();
+        Pattern::load(&path)
+    }
+
+    fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        image.into().write_to(&mut file, ImageFormat::Png).unwrap();
+        file.into_inner()
+    }
+
+    #[test]
+    fn the_random_sequence_never_changes() {
+        let first: Vec<u8> = Pattern::random(16, 1).unwrap().cells().as_raw()[..6].to_vec();
+        assert_eq!(first, [0xe6, 0x0b, 0xa7, 0x33, 0xee, 0xf3]);
+        assert_ne!(Pattern::random(16, 1).unwrap(), Pattern::random(16, 2).unwrap());
+    }
+
+    #[test]
+    fn a_written_pattern_reads_back_with_the_same_hash() {
+        let made = Pattern::random(5, 9).unwrap();
+        assert_eq!(load_bytes(&made.to_png().unwrap()).unwrap(), made);
+    }
+
+    #[test]
+    fn opaque_alpha_is_fine_and_see_through_pixels_are_refused() {
+        let mut image = image::RgbaImage::from_pixel(3, 2, image::Rgba([10, 20, 30, 255]));
+        assert_eq!(
+            load_bytes(&png(image.clone())).unwrap().cells().get_pixel(2, 1).0,
+            [10, 20, 30]
+        );
+        image.put_pixel(2, 1, image::Rgba([10, 20, 30, 254]));
+        let error = load_bytes(&png(image)).unwrap_err();
+        assert!(
+            matches!(error, PatternError::Transparent { column: 2, row: 1, .. }),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn what_is_no_pattern_is_refused() {
+        assert!(matches!(load_bytes(b"a text file"), Err(PatternError::NotPng { .. })));
+        assert!(matches!(
+            load_bytes(&png(RgbImage::new(513, 2))),
+            Err(PatternError::TooManyCells { .. })
+        ));
+        assert!(load_bytes(&png(RgbImage::new(512, 512))).is_ok());
+        let whole = png(RgbImage::new(64, 64));
+        assert!(matches!(
+            load_bytes(&whole[..whole.len() - 20]),
+            Err(PatternError::Damaged { .. })
+        ));
+        assert!(matches!(
+            Pattern::random(0, 1),
+            Err(PatternError::BadCellCount { cells: 0 })
+        ));
+    }
+}

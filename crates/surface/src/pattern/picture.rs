@@ -1,0 +1,138 @@
+//! Any image as colours: a photo, a texture, an atlas, a pattern that was enlarged.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
+
+use super::light;
+use scaleproof_core::files;
+use scaleproof_photo::photo::{Budget, Photo, PhotoError, open_png};
+
+/// Most pixels along a side: what graphics cards take.
+const MAX_PIXELS: u32 = 16_384;
+
+/// Why an image cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("the image {path} cannot be used ({reason})", path = path.display())]
+pub struct PictureError {
+    pub path: PathBuf,
+    pub reason: String,
+}
+
+/// An opaque image in 8-bit sRGB.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    pub pixels: Arc<RgbImage>,
+    /// Of the file, hex.
+    pub sha256: String,
+    /// What was done to it, as a clause.
+    pub note: Option<String>,
+}
+
+impl Picture {
+    /// Reads what photos are read from.
+    ///
+    /// # Errors
+    /// An unreadable file, and whatever [`Picture::from_bytes`] refuses.
+    pub fn load(path: &Path) -> Result<Self, PictureError> {
+        let bad = |reason: String| PictureError {
+            path: path.to_owned(),
+            reason,
+        };
+        let photo = Photo::open(path).map_err(|e| bad(reason(e)))?;
+        Self::from_bytes(photo.bytes(), Some(1.0)).map_err(bad)
+    }
+
+    /// Decodes a PNG or JPEG. `alpha` is what its alpha is multiplied by: what is see-through then is laid on white, as paper is; `None` leaves the
+    /// colours as they are. The error is a clause.
+    ///
+    /// # Errors
+    /// A damaged file, 16-bit and CMYK images, more than [`MAX_PIXELS`] along a side.
+    pub fn from_bytes(bytes: &[u8], alpha: Option<f64>) -> Result<Self, String> {
+        let image = match image::guess_format(bytes) {
+            Ok(ImageFormat::Png) => png(bytes)?,
+            _ => jpeg(bytes)?.into(),
+        };
+        let (pixels, share) = match alpha.filter(|alpha| image.color().has_alpha() || *alpha < 1.0) {
+            Some(alpha) => on_white(image, alpha),
+            None => (image.into_rgb8(), 0.0),
+        };
+        let note = || {
+            format!(
+                "is see-through in {:.1} % of its pixels, which are laid on white",
+                100.0 * share
+            )
+        };
+        Ok(Self {
+            pixels: Arc::new(pixels),
+            sha256: files::sha256_hex(bytes),
+            note: (share > 0.0).then(note),
+        })
+    }
+
+    /// Height for a width that keeps the image's proportions.
+    pub fn height_for(&self, width: f64) -> f64 {
+        width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
+    }
+}
+
+fn png(bytes: &[u8]) -> Result<DynamicImage, String> {
+    let decoder = open_png(bytes, &Budget::FILE).map_err(|e| e.to_string())?;
+    check_size(decoder.dimensions())?;
+    let colour = decoder.color_type();
+    if colour.bytes_per_pixel() > colour.channel_count() {
+        return Err("it has 16 bits a channel, which often are no sRGB: save it with 8, as sRGB".into());
+    }
+    DynamicImage::from_decoder(decoder).map_err(|e| format!("it is damaged: {e}"))
+}
+
+fn jpeg(bytes: &[u8]) -> Result<RgbImage, String> {
+    let photo = Photo::from_bytes(Path::new(""), bytes.to_vec(), Budget::FILE).map_err(reason)?;
+    check_size((photo.width, photo.height))?;
+    if photo.is_cmyk() {
+        return Err("its colours are printing inks, CMYK, whose look the file leaves open: save it as sRGB".into());
+    }
+    photo.rgb(1).map_err(reason)
+}
+
+fn check_size((width, height): (u32, u32)) -> Result<(), String> {
+    if width.max(height) > MAX_PIXELS {
+        Err(format!(
+            "it has {width}×{height} pixels, more than {MAX_PIXELS} along a side: scale it down"
+        ))
+    } else {
+        Ok(())
+    }
+}
+
+/// Photos are copied again; other images are saved again.
+fn reason(error: PhotoError) -> String {
+    match error {
+        PhotoError::NotAnImage { .. } => "it is neither PNG nor JPEG".to_owned(),
+        PhotoError::Truncated { .. } => "it ends in the middle: save it again".to_owned(),
+        PhotoError::Damaged { reason, .. } => format!("it is damaged: {reason}"),
+        PhotoError::TooLarge { size, .. } => format!("it has {size}: scale it down"),
+        PhotoError::TooManyScans { scans, .. } => format!("it has {scans} scans, which take too long to decode"),
+        other => other.to_string(),
+    }
+}
+
+/// The colours over white, and the share of pixels that let it through.
+fn on_white(image: DynamicImage, factor: f64) -> (RgbImage, f64) {
+    let image = image.into_rgba8();
+    let mut seen_through = 0_usize;
+    let mut pixels = RgbImage::new(image.width(), image.height());
+    for (pixel, stored) in pixels.pixels_mut().zip(image.pixels()) {
+        let [r, g, b, alpha] = stored.0;
+        let share = factor * f64::from(alpha) / 255.0;
+        pixel.0 = if share >= 1.0 {
+            [r, g, b]
+        } else {
+            seen_through += 1;
+            light::rgb_of(light::linear_of([r, g, b]).map(|c| share * c + 1.0 - share))
+        };
+    }
+    let count = u64::from(image.width()) * u64::from(image.height());
+    (pixels, seen_through as f64 / count.max(1) as f64)
+}

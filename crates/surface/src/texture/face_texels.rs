@@ -1,0 +1,161 @@
+//! Texels of each triangle, as attacks on the neural mesh renderer store them (Kato et al. 2018): `n × n × n` colours a triangle.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use npyz::{NpyFile, Order};
+
+use super::{SurfacePoint, TextureError};
+use crate::mesh::Mesh;
+use scaleproof_core::files;
+
+/// A million triangles of 4 × 4 × 4 colours fit, and the usual 23,000 of 6 × 6 × 6 twenty times.
+const MOST_BYTES: u64 = 1 << 30;
+/// NumPy writes 64 to 192 bytes for such an array. The reader of headers works by recursion.
+const MOST_HEADER_BYTES: u64 = 1024;
+/// Renderers work with 2 to 8.
+const MOST_SIDE: u64 = 64;
+/// So far values may leave 0 to 1 by rounding.
+const ROUNDING: f32 = 1e-3;
+
+/// A cube of colours for each triangle.
+#[derive(Debug, Clone)]
+pub struct FaceTexels {
+    /// Of the cube.
+    side: usize,
+    /// sRGB from 0 to 1: triangle, then the places along the cube's three axes.
+    texels: Arc<[[f32; 3]]>,
+}
+
+impl FaceTexels {
+    /// Reads `[1,] triangles, n, n, n, 3` numbers: floats from 0 to 1 or bytes. Also gives the file's SHA-256.
+    ///
+    /// # Errors
+    /// An unreadable or damaged file, another shape or kind of numbers, as many triangles as another mesh has.
+    pub fn load(path: &Path, mesh: &Mesh) -> Result<(Self, String), TextureError> {
+        let bytes = files::read_at_most(path, MOST_BYTES)?;
+        match Self::parse(&bytes, mesh.triangles().len()) {
+            Ok(texels) => Ok((texels, files::sha256_hex(&bytes))),
+            Err(reason) => Err(TextureError::Unusable {
+                path: path.to_owned(),
+                reason,
+            }),
+        }
+    }
+
+    fn parse(bytes: &[u8], triangles: usize) -> Result<Self, String> {
+        let file = open(bytes)?;
+        let side = side(file.shape(), triangles)?;
+        if file.order() == Order::Fortran {
+            return Err("it is stored in Fortran order; save numpy.ascontiguousarray of it".into());
+        }
+        let values = values(file)?;
+        if values.len() != triangles * side.pow(3) * 3 {
+            return Err("it ends too early".into());
+        }
+        let is_colour = |value: &&f32| (-ROUNDING..=1.0 + ROUNDING).contains(*value);
+        if let Some(value) = values.iter().find(|value| !is_colour(value)) {
+            return Err(format!("it has the value {value}, and colours are from 0 to 1"));
+        }
+        Ok(Self {
+            side,
+            texels: values.as_chunks::<3>().0.into(),
+        })
+    }
+
+    /// Interpolated between the eight colours around a point, as the renderer does it: the share of each corner is the place along one
+    /// axis, from the first colour to the last. Colours of other triangles take no part.
+    pub(super) fn colour(&self, at: &SurfacePoint) -> [u8; 3] {
+        let places = at.within().map(|weight| weight * (self.side - 1) as f64);
+        let lower = places.map(|place| (place as usize).min(self.side.saturating_sub(2)));
+        let mut sum = [0.0; 3];
+        for corner in 0..8_usize {
+            let (mut share, mut index) = (1.0, at.triangle);
+            for axis in 0..3 {
+                let step = corner >> axis & 1;
+                let upper_share = places[axis] - lower[axis] as f64;
+                share *= if step == 1 { upper_share } else { 1.0 - upper_share };
+                index = index * self.side + (lower[axis] + step).min(self.side - 1);
+            }
+            let texel = self.texels.get(index).copied().unwrap_or([1.0; 3]);
+            (0..3).for_each(|c| sum[c] += share * f64::from(texel[c]));
+        }
+        sum.map(|value| (255.0 * value.clamp(0.0, 1.0)).round() as u8)
+    }
+
+    /// How many texels lie along an edge.
+    pub(super) fn along_edge(&self) -> usize {
+        self.side
+    }
+}
+
+/// The file with its header read.
+fn open(bytes: &[u8]) -> Result<NpyFile<&[u8]>, String> {
+    let header = match bytes {
+        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => u64::from(u16::from_le_bytes([*a, *b])),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', 2 | 3, _, a, b, c, d, ..] => {
+            u64::from(u32::from_le_bytes([*a, *b, *c, *d]))
+        }
+        _ => return Err("it is no .npy file".into()),
+    };
+    if header > MOST_HEADER_BYTES {
+        return Err(format!("its header has {header} bytes"));
+    }
+    NpyFile::new(bytes).map_err(|e| {
+        format!(
+            "its header is damaged: {}",
+            e.to_string().lines().next().unwrap_or_default()
+        )
+    })
+}
+
+/// Of the cube.
+fn side(shape: &[u64], triangles: usize) -> Result<usize, String> {
+    let (faces, side) = match *shape {
+        [1, faces, a, b, c, 3] | [faces, a, b, c, 3] if a == b && b == c && (1..=MOST_SIDE).contains(&a) => (faces, a),
+        _ => {
+            return Err(format!(
+                "its shape is {shape:?}, and textures of triangles have [1,] triangles, n, n, n, 3 numbers with n up to {MOST_SIDE}"
+            ));
+        }
+    };
+    if faces == triangles as u64 {
+        Ok(side as usize)
+    } else {
+        Err(format!(
+            "it is for a mesh of {faces} triangles and this one has {triangles}; give the mesh that it was made for"
+        ))
+    }
+}
+
+/// All numbers, 0 to 1; fewer where the file ends early.
+fn values(file: NpyFile<&[u8]>) -> Result<Vec<f32>, String> {
+    let kind = file.dtype();
+    let file = match file.try_data::<f32>() {
+        Ok(floats) => return floats.collect::<Result<_, _>>().map_err(too_early),
+        Err(file) => file,
+    };
+    let file = match file.try_data::<f64>() {
+        Ok(doubles) => {
+            return doubles
+                .map(|v| Ok(v? as f32))
+                .collect::<Result<_, _>>()
+                .map_err(too_early);
+        }
+        Err(file) => file,
+    };
+    match file.try_data::<u8>() {
+        Ok(bytes) => bytes
+            .map(|v| Ok(f32::from(v?) / 255.0))
+            .collect::<Result<_, _>>()
+            .map_err(too_early),
+        Err(_) => Err(format!(
+            "its numbers are {}, and they must be float32, float64 or uint8",
+            kind.descr()
+        )),
+    }
+}
+
+fn too_early(_: std::io::Error) -> String {
+    "it ends too early".into()
+}

@@ -1,0 +1,351 @@
+//! Images on the texture coordinates of a mesh.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use image::RgbImage;
+
+use super::{SurfacePoint, TextureError, is_paint};
+use crate::mesh::{ImageSource, Look, Mesh, TextureCoordinates, Wrap};
+use crate::pattern::light;
+use crate::pattern::picture::Picture;
+use scaleproof_core::files;
+use scaleproof_core::spelling::count;
+use scaleproof_photo::photo::Budget;
+
+/// Coordinates beyond this are damage: an image is repeated some hundred times at most.
+const MAX_COORDINATE: f64 = 1e6;
+/// So far a point is drawn to the middle of its triangle, that no border of a texel decides by rounding whether the texel beside it is taken.
+const INWARD: f64 = 1e-9;
+/// All images of a mesh, as files and decoded. One of the largest that are decoded fits.
+const MOST_BYTES: usize = 2 << 30;
+/// Where a file gives no image, no coordinates and no colour.
+const PAPER: [u8; 3] = [255; 3];
+
+/// The image of each triangle and where the triangle lies in it. Its coordinates are its own: the mesh that is painted may be another file.
+#[derive(Debug, Clone)]
+pub struct MappedImages {
+    /// Of each triangle.
+    places: Arc<[Place]>,
+    maps: Arc<[Map]>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Nowhere,
+    In { map: usize, at: TextureCoordinates },
+    Plain([u8; 3]),
+}
+
+/// An image and what lies beyond its borders.
+#[derive(Debug)]
+struct Map {
+    image: Arc<RgbImage>,
+    wrap: [Wrap; 2],
+}
+
+/// An image and where triangles lie in it.
+pub struct OnlyImage {
+    pub image: Arc<RgbImage>,
+    pub wrap: Wrap,
+    pub coordinates: Vec<TextureCoordinates>,
+}
+
+/// A texture that was read, what it was read from besides its own file, and what there is to say about it.
+pub struct Mapped {
+    pub images: MappedImages,
+    /// SHA-256 of each image, in the order of the materials.
+    pub sha256: Vec<String>,
+    /// The files of images.
+    pub files: Vec<PathBuf>,
+    /// A sentence each, without a full stop.
+    pub notes: Vec<String>,
+}
+
+impl MappedImages {
+    /// One image instead of those that the mesh's file names; it lies as they do. `paint`: the materials that are painted, all when empty.
+    ///
+    /// # Errors
+    /// An image that cannot be used, painted triangles without coordinates.
+    pub fn of_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
+        let picture = Picture::load(path)?;
+        let wraps = |look: Option<&Look>| look.map_or([Wrap::Repeat; 2], |look| look.wrap);
+        let materials = 0..mesh.materials().len();
+        let maps: Vec<_> = materials
+            .map(|material| Map {
+                image: Arc::clone(&picture.pixels),
+                wrap: wraps(mesh.look(material)),
+            })
+            .collect();
+        let by_material: Vec<_> = (0..maps.len()).map(Skin::Image).collect();
+        Ok(Mapped {
+            images: Self::new(mesh, paint, &by_material, maps)?,
+            sha256: vec![picture.sha256],
+            files: Vec::new(),
+            notes: picture
+                .note
+                .map(|note| format!("{} {note}", path.display()))
+                .into_iter()
+                .collect(),
+        })
+    }
+
+    /// The images that the mesh's own file names.
+    ///
+    /// # Errors
+    /// A painted material without image, or whose image cannot be used; painted triangles without coordinates.
+    pub fn of_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
+        let mut collected = Collected::default();
+        let mut skins = vec![Skin::None; mesh.materials().len()];
+        let mut used: Vec<usize> = mesh.triangles().iter().map(|triangle| triangle.material).collect();
+        used.sort_unstable();
+        used.dedup();
+        for material in used {
+            if is_paint(paint, material) {
+                skins[material] = collected.skin(&mesh.materials()[material], mesh.look(material))?;
+            }
+        }
+        if collected.maps.is_empty() {
+            return Err(TextureError::NoImages);
+        }
+        Ok(Mapped {
+            images: Self::new(mesh, paint, &skins, collected.maps)?,
+            sha256: collected.sha256,
+            files: collected.files,
+            notes: collected.notes,
+        })
+    }
+
+    /// `skins`: of each material.
+    fn new(mesh: &Mesh, paint: &[usize], skins: &[Skin], maps: Vec<Map>) -> Result<Self, TextureError> {
+        let place = |(i, triangle): (usize, &crate::mesh::Triangle)| match skins.get(triangle.material) {
+            Some(Skin::Plain(rgb)) => Place::Plain(*rgb),
+            Some(Skin::Image(map)) => mesh
+                .coordinates(i)
+                .map_or(Place::Nowhere, |at| Place::In { map: *map, at }),
+            _ => Place::Nowhere,
+        };
+        let places: Vec<Place> = mesh.triangles().iter().enumerate().map(place).collect();
+        let painted = mesh.triangles().iter().zip(&places);
+        let painted = painted.filter(|(triangle, _)| is_paint(paint, triangle.material));
+        let (mut all, mut missing) = (0, 0);
+        for (_, place) in painted {
+            all += 1;
+            match place {
+                Place::Nowhere => missing += 1,
+                Place::In { at, .. } => check(at)?,
+                Place::Plain(_) => {}
+            }
+        }
+        match missing {
+            0 => Ok(Self {
+                places: places.into(),
+                maps: maps.into(),
+            }),
+            _ => Err(TextureError::NoCoordinates { missing, all }),
+        }
+    }
+
+    pub(super) fn colour(&self, at: &SurfacePoint) -> [u8; 3] {
+        match self.places.get(at.triangle) {
+            Some(Place::Plain(rgb)) => *rgb,
+            Some(Place::In { map, at: corners }) => {
+                let weights = at.within().map(|weight| weight + INWARD * (1.0 / 3.0 - weight));
+                let [u, v] = [0, 1].map(|axis| (0..3).map(|i| weights[i] * corners[i][axis]).sum());
+                self.maps.get(*map).map_or(PAPER, |map| map.texel([u, v]))
+            }
+            Some(Place::Nowhere) | None => PAPER,
+        }
+    }
+
+    /// Where a triangle's corners lie in its image, in texels.
+    pub(super) fn in_cells(&self, triangle: usize) -> [[f64; 2]; 3] {
+        match self.in_image(triangle) {
+            Some((map, corners)) => {
+                corners.map(|[u, v]| [u * f64::from(map.image.width()), v * f64::from(map.image.height())])
+            }
+            None => [[0.0; 2]; 3],
+        }
+    }
+
+    /// The colour at a place in a triangle's image, in texels.
+    pub(super) fn cell(&self, triangle: usize, [across, up]: [f64; 2]) -> [u8; 3] {
+        match (self.in_image(triangle), self.places.get(triangle)) {
+            (Some((map, _)), _) => map.texel([
+                across / f64::from(map.image.width()),
+                up / f64::from(map.image.height()),
+            ]),
+            (None, Some(Place::Plain(rgb))) => *rgb,
+            _ => PAPER,
+        }
+    }
+
+    fn in_image(&self, triangle: usize) -> Option<(&Map, TextureCoordinates)> {
+        match self.places.get(triangle)? {
+            Place::In { map, at } => Some((self.maps.get(*map)?, *at)),
+            _ => None,
+        }
+    }
+
+    /// The one image of these triangles; `None` where they have several, or a plain colour.
+    pub fn only_image(&self, triangles: &[usize]) -> Option<OnlyImage> {
+        let mut only: Option<(Arc<RgbImage>, Wrap)> = None;
+        let mut coordinates = Vec::with_capacity(triangles.len());
+        for triangle in triangles {
+            let Some(Place::In { map, at }) = self.places.get(*triangle) else {
+                return None;
+            };
+            let map = self.maps.get(*map)?;
+            let (image, wrap) = only.get_or_insert_with(|| (Arc::clone(&map.image), map.wrap[0]));
+            if !Arc::ptr_eq(image, &map.image) || map.wrap != [*wrap; 2] {
+                return None;
+            }
+            coordinates.push(*at);
+        }
+        let (image, wrap) = only?;
+        Some(OnlyImage {
+            image,
+            wrap,
+            coordinates,
+        })
+    }
+
+    /// The area of a triangle in its image, in texels; `None` without an image.
+    pub(super) fn texels(&self, triangle: usize) -> Option<f64> {
+        self.in_image(triangle)?;
+        let [a, b, c] = self.in_cells(triangle);
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        Some(0.5 * doubled.abs())
+    }
+}
+
+impl Map {
+    /// The texel that a place lies in. Rows count from the top.
+    fn texel(&self, [u, v]: [f64; 2]) -> [u8; 3] {
+        let [across, up] = [self.wrap[0].within(u), self.wrap[1].within(v)];
+        let (width, height) = self.image.dimensions();
+        let index = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count.saturating_sub(1));
+        let texel = self
+            .image
+            .get_pixel_checked(index(across, width), index(1.0 - up, height));
+        texel.map_or(PAPER, |texel| texel.0)
+    }
+}
+
+/// What a material is drawn with.
+#[derive(Debug, Clone, Copy)]
+enum Skin {
+    None,
+    Plain([u8; 3]),
+    /// The index of a map.
+    Image(usize),
+}
+
+/// The images of a mesh, each decoded once.
+#[derive(Default)]
+struct Collected {
+    maps: Vec<Map>,
+    decoded: HashMap<(String, String), Arc<RgbImage>>,
+    /// Bytes of all that was read and decoded.
+    held: usize,
+    sha256: Vec<String>,
+    files: Vec<PathBuf>,
+    notes: Vec<String>,
+}
+
+impl Collected {
+    fn skin(&mut self, material: &str, look: Option<&Look>) -> Result<Skin, TextureError> {
+        let unusable = |reason: String| TextureError::Material {
+            material: material.to_owned(),
+            reason,
+        };
+        let look = look.ok_or_else(|| unusable("the file names no image for it".into()))?;
+        let Some(source) = &look.image else {
+            return Ok(Skin::Plain(light::rgb_of(look.factor)));
+        };
+        let name = match source {
+            ImageSource::Refused(reason) => return Err(unusable(reason.clone())),
+            ImageSource::Inside(..) => format!("the image of material '{material}'"),
+            ImageSource::File(path) => path.display().to_string(),
+        };
+        let key = (key_of(source), format!("{:?} {:?}", look.factor, look.alpha));
+        let image = match self.decoded.get(&key) {
+            Some(image) => Arc::clone(image),
+            None => {
+                let image = self.decode(&name, source, look).map_err(unusable)?;
+                self.decoded.insert(key, Arc::clone(&image));
+                image
+            }
+        };
+        self.maps.push(Map { image, wrap: look.wrap });
+        Ok(Skin::Image(self.maps.len() - 1))
+    }
+
+    fn decode(&mut self, name: &str, source: &ImageSource, look: &Look) -> Result<Arc<RgbImage>, String> {
+        let read;
+        let bytes = match source {
+            ImageSource::Inside(blob, range) => blob.get(range.clone()).unwrap_or_default(),
+            ImageSource::File(path) => {
+                read = files::read_at_most(path, Budget::FILE.bytes).map_err(|e| e.to_string())?;
+                self.files.push(path.clone());
+                &read
+            }
+            ImageSource::Refused(reason) => return Err(reason.clone()),
+        };
+        let picture = Picture::from_bytes(bytes, look.alpha).map_err(|reason| format!("{name}: {reason}"))?;
+        self.held += bytes.len() + picture.pixels.as_raw().len();
+        if self.held > MOST_BYTES {
+            return Err(format!("the mesh's images take more than {} MB", MOST_BYTES >> 20));
+        }
+        self.notes.extend(picture.note.map(|note| format!("{name} {note}")));
+        self.sha256.push(picture.sha256);
+        let mut pixels = picture.pixels;
+        multiply(&mut pixels, look.factor);
+        Ok(pixels)
+    }
+}
+
+/// What tells the sources of one mesh apart.
+fn key_of(source: &ImageSource) -> String {
+    match source {
+        ImageSource::Inside(blob, range) => format!("{:p} {range:?}", Arc::as_ptr(blob)),
+        ImageSource::File(path) => path.display().to_string(),
+        ImageSource::Refused(reason) => reason.clone(),
+    }
+}
+
+fn multiply(pixels: &mut Arc<RgbImage>, factor: [f64; 3]) {
+    if factor == [1.0; 3] {
+        return;
+    }
+    let tables = factor.map(|factor| {
+        let level = |v: u8| light::rgb_of([factor * light::decode(f64::from(v) / 255.0); 3])[0];
+        (0..=u8::MAX).map(level).collect::<Vec<u8>>()
+    });
+    for pixel in Arc::make_mut(pixels).pixels_mut() {
+        (0..3).for_each(|c| pixel.0[c] = tables[c][usize::from(pixel.0[c])]);
+    }
+}
+
+/// Refuses damage.
+fn check(corners: &TextureCoordinates) -> Result<(), TextureError> {
+    let bad = corners
+        .iter()
+        .flatten()
+        .find(|c| c.is_nan() || c.abs() > MAX_COORDINATE);
+    bad.map_or(Ok(()), |value| Err(TextureError::BadCoordinate { value: *value }))
+}
+
+impl TextureError {
+    pub(super) fn coverage(missing: &usize, all: &usize) -> String {
+        if missing == all {
+            "the mesh has no texture coordinates".into()
+        } else {
+            format!(
+                "{} of the paint's {all} have no texture coordinates",
+                count(*missing, "triangle")
+            )
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! What colour each point of a model's surface has: a world-aligned pattern, images on the mesh's texture coordinates, texels of each
+//! triangle, or patches placed over another texture. Whatever prints, renders or previews a painted surface asks here.
+
+mod face_texels;
+mod mapped;
+mod patches;
+mod same_shape;
+mod sides;
+mod tile;
+
+pub use face_texels::FaceTexels;
+pub use mapped::{Mapped, MappedImages};
+pub use patches::PlacedPatch;
+pub use same_shape::check_same_shape;
+pub use sides::SidePatterns;
+pub use tile::Tile;
+
+use std::path::PathBuf;
+
+use nalgebra::Point3;
+
+use crate::mesh::{Mesh, doubled_area};
+use crate::pattern::picture::PictureError;
+use scaleproof_core::files::FileError;
+
+/// Why there is no texture. Each variant says what to change.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextureError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Image(#[from] PictureError),
+    #[error("the texture {path} cannot be used: {reason}", path = path.display())]
+    Unusable { path: PathBuf, reason: String },
+    #[error("the mesh's material '{material}' cannot be painted: {reason}")]
+    Material { material: String, reason: String },
+    #[error("no material of the mesh's paint has an image; give an image, or a mesh with images")]
+    NoImages,
+    #[error(
+        "{}, so an image cannot be laid on; unwrap the mesh, or paint other faces",
+        TextureError::coverage(missing, all)
+    )]
+    NoCoordinates { missing: usize, all: usize },
+    #[error("a texture coordinate of the mesh is {value}, which is damage; unwrap the mesh again")]
+    BadCoordinate { value: f64 },
+    #[error(
+        "the textured mesh has {textured} triangles and the mesh {given}; give the mesh that the texture was made for"
+    )]
+    OtherCount { textured: usize, given: usize },
+    #[error(
+        "triangle {triangle} of the textured mesh has another shape than in the mesh; give the mesh that the texture was made for"
+    )]
+    OtherShape { triangle: usize },
+}
+
+/// A point of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Of the mesh.
+    pub triangle: usize,
+    /// Shares of its corners, which add up to 1.
+    pub weights: [f64; 3],
+}
+
+impl SurfacePoint {
+    /// Its weights on the triangle itself: a point beside it takes what lies at its border.
+    fn within(&self) -> [f64; 3] {
+        let weights = self.weights.map(|weight| weight.max(0.0));
+        let sum: f64 = weights.iter().sum();
+        weights.map(|weight| weight / sum)
+    }
+
+    /// Model frame, mm.
+    pub fn place_mm(&self, mesh: &Mesh) -> Point3<f64> {
+        let corners = mesh.corners_mm(&mesh.triangles()[self.triangle]);
+        let sum = (0..3).fold(nalgebra::Vector3::zeros(), |sum, i| {
+            sum + self.weights[i] * corners[i].coords
+        });
+        Point3::from(sum)
+    }
+}
+
+/// The colours of a surface, 8-bit sRGB.
+#[derive(Debug, Clone)]
+pub enum Texture {
+    /// One colour everywhere.
+    Flat([u8; 3]),
+    /// A pattern, repeated and aligned with the world.
+    Tile(Tile),
+    /// A pattern for each side.
+    Sides(SidePatterns),
+    /// Images on texture coordinates.
+    Images(MappedImages),
+    /// Colours of each triangle by itself.
+    Faces(FaceTexels),
+    /// Images in their places, over another texture.
+    Patches(Box<Texture>, Vec<PlacedPatch>),
+}
+
+impl Texture {
+    /// The colour of the texel, cell or pixel that a point lies in: nothing is interpolated, so that no texel takes colour from one beside it
+    /// in the image that is elsewhere on the model. Only the texels of one triangle are, as their renderer does it.
+    pub fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
+        match self {
+            Self::Flat(rgb) => *rgb,
+            Self::Tile(tile) => tile.colour(mesh, at),
+            Self::Sides(patterns) => patterns.colour(mesh, at),
+            Self::Images(images) => images.colour(at),
+            Self::Faces(texels) => texels.colour(at),
+            Self::Patches(below, patches) => {
+                // The last one lies on top.
+                let on_top = patches.iter().rev().find_map(|patch| patch.colour(mesh, at));
+                on_top.unwrap_or_else(|| below.colour(mesh, at))
+            }
+        }
+    }
+
+    /// Where a triangle's corners lie in a grid of cells of one colour each, as column and row; `None` where its colours lie in no such grid.
+    pub fn in_cells(&self, mesh: &Mesh, triangle: usize) -> Option<[[f64; 2]; 3]> {
+        match self {
+            Self::Flat(_) => Some([[0.0; 2]; 3]),
+            Self::Tile(tile) => Some(tile.in_cells(mesh, triangle)),
+            Self::Sides(patterns) => Some(patterns.in_cells(mesh, triangle)),
+            Self::Images(images) => Some(images.in_cells(triangle)),
+            Self::Faces(_) | Self::Patches(..) => None,
+        }
+    }
+
+    /// The colour of a cell of a triangle.
+    pub fn cell(&self, triangle: usize, cell: [i64; 2]) -> [u8; 3] {
+        let middle = cell.map(|number| number as f64 + 0.5);
+        match self {
+            Self::Flat(rgb) => *rgb,
+            Self::Tile(tile) => tile.cell(middle),
+            Self::Sides(patterns) => patterns.cell(triangle, middle),
+            Self::Images(images) => images.cell(triangle, middle),
+            Self::Faces(_) | Self::Patches(..) => [255; 3],
+        }
+    }
+
+    /// About how long a side of a texel is on a triangle's surface, mm: how finely the texture is to be sampled there. `None` where the
+    /// triangle has one colour.
+    pub fn texel_mm(&self, mesh: &Mesh, triangle: usize) -> Option<f64> {
+        let area_mm2 = || Some(0.5 * doubled_area(&mesh.corners_mm(mesh.triangles().get(triangle)?)).norm());
+        match self {
+            Self::Flat(_) => None,
+            Self::Tile(tile) => Some(tile.cell_mm),
+            Self::Sides(patterns) => Some(patterns.cell_mm()),
+            Self::Images(images) => {
+                let texels = images.texels(triangle).filter(|texels| *texels > 0.0)?;
+                Some((area_mm2()? / texels).sqrt())
+            }
+            // Half a square of so many texels along each side.
+            Self::Faces(texels) => Some((2.0 * area_mm2()?).sqrt() / texels.along_edge() as f64),
+            Self::Patches(below, patches) => {
+                let sides = patches.iter().map(PlacedPatch::pixel_mm);
+                sides.chain(below.texel_mm(mesh, triangle)).min_by(f64::total_cmp)
+            }
+        }
+    }
+}
+
+/// Whether a material is painted; all are when none is named.
+fn is_paint(paint: &[usize], material: usize) -> bool {
+    paint.is_empty() || paint.contains(&material)
+}

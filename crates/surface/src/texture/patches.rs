@@ -1,0 +1,46 @@
+//! Images in places of the model's sides.
+
+use std::sync::Arc;
+
+use image::RgbImage;
+
+use super::SurfacePoint;
+use crate::mesh::{Mesh, doubled_area};
+use crate::pattern::world_aligned::Side;
+
+/// An image on everything that looks to one side.
+#[derive(Debug, Clone)]
+pub struct PlacedPatch {
+    pub image: Arc<RgbImage>,
+    pub side: Side,
+    /// Its middle in the side's plane, (u, v) in mm.
+    pub at_mm: [f64; 2],
+    /// Width and height.
+    pub size_mm: (f64, f64),
+}
+
+impl PlacedPatch {
+    /// The shorter side of a pixel.
+    pub(super) fn pixel_mm(&self) -> f64 {
+        let (width, height) = self.image.dimensions();
+        (self.size_mm.0 / f64::from(width)).min(self.size_mm.1 / f64::from(height))
+    }
+
+    /// `None` beside the patch.
+    pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> Option<[u8; 3]> {
+        let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));
+        if Side::of(&normal) != self.side {
+            return None;
+        }
+        let [u, v] = self.side.project(&at.place_mm(mesh));
+        let across = (u - self.at_mm[0]) / self.size_mm.0 + 0.5;
+        let down = 0.5 - (v - self.at_mm[1]) / self.size_mm.1;
+        let pixel = |share: f64, count: u32| {
+            (0.0..1.0)
+                .contains(&share)
+                .then(|| ((share * f64::from(count)) as u32).min(count - 1))
+        };
+        let (column, row) = (pixel(across, self.image.width())?, pixel(down, self.image.height())?);
+        self.image.get_pixel_checked(column, row).map(|pixel| pixel.0)
+    }
+}

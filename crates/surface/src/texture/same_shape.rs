@@ -1,0 +1,44 @@
+//! Whether two meshes are the same thing, up to scale and place.
+
+use super::TextureError;
+use crate::mesh::{Mesh, doubled_area};
+
+/// Edges may differ by this share of a mesh's length: files are written with six digits.
+const ROUNDING: f64 = 1e-4;
+
+/// Holds a mesh that brings a texture against the one that is painted, by the lengths of their triangles' edges.
+///
+/// # Errors
+/// Another number of triangles, a triangle of another shape.
+pub fn check_same_shape(textured: &Mesh, given: &Mesh) -> Result<(), TextureError> {
+    let counts = [textured, given].map(|mesh| mesh.triangles().len());
+    if counts[0] != counts[1] {
+        return Err(TextureError::OtherCount {
+            textured: counts[0],
+            given: counts[1],
+        });
+    }
+    let scale = (area(given) / area(textured)).sqrt();
+    let limit_mm = ROUNDING * given.size_mm().into_iter().fold(0.0, f64::max);
+    let differ = |i: &usize| {
+        let [a, b] = [edges(textured, *i), edges(given, *i)];
+        // Written so that a scale that is no number differs.
+        !(0..3).all(|k| (scale * a[k] - b[k]).abs() <= limit_mm)
+    };
+    match (0..counts[0]).find(differ) {
+        Some(triangle) => Err(TextureError::OtherShape { triangle }),
+        None => Ok(()),
+    }
+}
+
+fn area(mesh: &Mesh) -> f64 {
+    let triangles = mesh.triangles().iter();
+    triangles
+        .map(|triangle| doubled_area(&mesh.corners_mm(triangle)).norm())
+        .sum()
+}
+
+fn edges(mesh: &Mesh, triangle: usize) -> [f64; 3] {
+    let [a, b, c] = mesh.corners_mm(&mesh.triangles()[triangle]);
+    [b - a, c - b, a - c].map(|edge| edge.norm())
+}

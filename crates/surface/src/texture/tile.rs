@@ -1,0 +1,64 @@
+//! A pattern that is repeated over a model, aligned with the world.
+
+use super::SurfacePoint;
+use crate::mesh::{Mesh, doubled_area};
+use crate::pattern::Pattern;
+use crate::pattern::world_aligned::{Side, WorldAligned};
+
+/// A pattern and its size on the model.
+#[derive(Debug, Clone)]
+pub struct Tile {
+    pub pattern: Pattern,
+    /// Width and height of a cell.
+    pub cell_mm: f64,
+}
+
+impl Tile {
+    /// A pattern whose repeats are this wide.
+    pub fn new(pattern: Pattern, tile_mm: f64) -> Self {
+        let cell_mm = tile_mm / f64::from(pattern.columns());
+        Self { pattern, cell_mm }
+    }
+
+    /// The width of a repeat.
+    pub fn tile_mm(&self) -> f64 {
+        self.cell_mm * f64::from(self.pattern.columns())
+    }
+
+    pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
+        self.mapped().colour_at(self.plane_mm(mesh, at))
+    }
+
+    /// Column and row of the cell that a point lies in.
+    pub fn cell_of(&self, mesh: &Mesh, at: &SurfacePoint) -> [u32; 2] {
+        self.mapped().cell_at(self.plane_mm(mesh, at))
+    }
+
+    /// Where a point lies in the plane of its triangle's side: (u, v).
+    pub fn plane_mm(&self, mesh: &Mesh, at: &SurfacePoint) -> [f64; 2] {
+        side(mesh, at.triangle).project(&at.place_mm(mesh))
+    }
+
+    /// Where a triangle's corners lie among the cells.
+    pub(super) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
+        let corners = mesh.corners_mm(&mesh.triangles()[triangle]);
+        let side = side(mesh, triangle);
+        corners.map(|p| side.project(&p).map(|mm| mm / self.cell_mm))
+    }
+
+    /// The colour at a place among the cells.
+    pub(super) fn cell(&self, place: [f64; 2]) -> [u8; 3] {
+        self.mapped().colour_at(place.map(|cells| cells * self.cell_mm))
+    }
+
+    fn mapped(&self) -> WorldAligned<'_> {
+        WorldAligned {
+            pattern: &self.pattern,
+            cell_mm: self.cell_mm,
+        }
+    }
+}
+
+fn side(mesh: &Mesh, triangle: usize) -> Side {
+    Side::of(&doubled_area(&mesh.corners_mm(&mesh.triangles()[triangle])))
+}

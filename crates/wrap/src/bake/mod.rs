@@ -1,0 +1,209 @@
+//! A texture of any kind as one image on texture coordinates, as simulators take it.
+//!
+//! The coordinates are the mesh's own where they can be kept ([`own`]), else those of its paint unwrapped anew ([`packing`]). Each texel is the mean
+//! of the colours on its place of the surface (`fill.rs`). [`write_obj`] and [`write_glb`] write the mesh with these coordinates.
+
+mod fill;
+mod glb;
+mod model;
+mod obj;
+mod own;
+mod packing;
+mod triangles;
+
+pub use glb::write as write_glb;
+pub use model::TexturedModel;
+pub use obj::write as write_obj;
+pub use own::NotKept;
+pub use triangles::TriangleImage;
+
+use image::RgbImage;
+use nalgebra::Matrix3;
+
+use crate::unwrap::{self, UnwrapError, UnwrapRequest};
+use scaleproof_surface::mesh::{Mesh, doubled_area};
+use scaleproof_surface::texture::{SurfacePoint, Texture};
+
+/// A smaller image shows no pattern, and a larger one no engine loads.
+const SIDE_PX: std::ops::RangeInclusive<u32> = 64..=8192;
+const WHOLE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Why there is no image.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    #[error("the sides of a texture's image are 64 to 8192 px, not {width} × {height}")]
+    BadSize { width: u32, height: u32 },
+    #[error("the mesh has no triangles of the paint's materials")]
+    NoPaint,
+    #[error(
+        "the paint has {charts} pieces, which do not fit into an image of {width} × {height} px; give a larger size"
+    )]
+    TooSmall { charts: usize, width: u32, height: u32 },
+    #[error(transparent)]
+    Unwrap(#[from] UnwrapError),
+}
+
+/// A triangle, or a part of one, in the image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakedFace {
+    /// Of the mesh.
+    pub triangle: usize,
+    /// The barycentric place of each corner in that triangle.
+    pub weights: [[f64; 3]; 3],
+    /// u to the right, v up, the image fills the unit square.
+    pub uv: [[f64; 2]; 3],
+}
+
+impl BakedFace {
+    /// The point with these shares of the corners.
+    fn at(&self, shares: [f64; 3]) -> SurfacePoint {
+        let weights = std::array::from_fn(|k| (0..3).map(|i| shares[i] * self.weights[i][k]).sum());
+        SurfacePoint {
+            triangle: self.triangle,
+            weights,
+        }
+    }
+}
+
+/// The image and where each part of the paint lies in it.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    pub image: RgbImage,
+    /// By triangle.
+    pub faces: Vec<BakedFace>,
+    /// Parts of the image whose paint hangs together.
+    pub charts: usize,
+    /// Why the mesh's own coordinates are not kept.
+    pub unwrapped: Option<NotKept>,
+    /// Side of a texel on the model, where it has the mean area.
+    pub texel_mm: f64,
+}
+
+/// What is baked, and how.
+pub struct BakeRequest<'a> {
+    pub mesh: &'a Mesh,
+    /// The paint's; all when empty.
+    pub materials: &'a [usize],
+    pub texture: &'a Texture,
+    /// Width, height.
+    pub size_px: [u32; 2],
+    /// Unwrap the paint even where the mesh's own coordinates could be kept.
+    pub unwrap: bool,
+}
+
+/// Bakes a texture.
+///
+/// # Errors
+/// No paint, paint that cannot be unwrapped or does not fit.
+pub fn bake(request: &BakeRequest) -> Result<Baked, BakeError> {
+    let BakeRequest { mesh, size_px, .. } = *request;
+    let [width, height] = size_px;
+    if size_px.iter().any(|px| !SIDE_PX.contains(px)) {
+        return Err(BakeError::BadSize { width, height });
+    }
+    let paint = paint(mesh, request.materials);
+    if paint.is_empty() {
+        return Err(BakeError::NoPaint);
+    }
+    let kept = if request.unwrap {
+        Err(NotKept::Asked)
+    } else {
+        own::charts(mesh, &paint)
+    };
+    let (charts, unwrapped) = match kept {
+        Ok(charts) => (charts, None),
+        Err(why) => {
+            let flat = flattened(mesh, request.materials, &paint)?;
+            let packed = packing::into_image(&flat, size_px, packing::ROOM).ok_or(BakeError::TooSmall {
+                charts: flat.len(),
+                width,
+                height,
+            })?;
+            (packed, Some(why))
+        }
+    };
+    let image = fill::fill(mesh, request.texture, &charts, size_px);
+    Ok(finished(mesh, image, charts, unwrapped))
+}
+
+fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, unwrapped: Option<NotKept>) -> Baked {
+    let count = charts.len();
+    let mut faces: Vec<BakedFace> = charts.into_iter().flatten().collect();
+    faces.sort_by_key(|face| face.triangle);
+    let (texels, mm2) = faces.iter().fold((0.0, 0.0), |(texels, mm2), face| {
+        let corners = face.weights.map(|weights| {
+            let triangle = face.triangle;
+            SurfacePoint { triangle, weights }.place_mm(mesh)
+        });
+        let [a, b, c] = face.uv;
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        (texels + 0.5 * doubled.abs(), mm2 + 0.5 * doubled_area(&corners).norm())
+    });
+    let texels = texels * f64::from(image.width()) * f64::from(image.height());
+    Baked {
+        texel_mm: (mm2 / texels.max(1.0)).sqrt(),
+        image,
+        faces,
+        charts: count,
+        unwrapped,
+    }
+}
+
+/// The indices of the paint's triangles.
+fn paint(mesh: &Mesh, materials: &[usize]) -> Vec<usize> {
+    let is_paint = |material: usize| materials.is_empty() || materials.contains(&material);
+    let all = mesh.triangles().iter().enumerate();
+    all.filter(|(_, t)| is_paint(t.material)).map(|(i, _)| i).collect()
+}
+
+/// A part of the paint, flat: each face with its corners in mm.
+type FlatChart = Vec<BakedFace>;
+
+/// The paint in pieces. What has none, as it has no area or is there twice, is a piece of its own.
+fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<FlatChart>, BakeError> {
+    let request = UnwrapRequest {
+        hidden_too: true,
+        ..UnwrapRequest::default()
+    };
+    let unwrapped = unwrap::unwrap(mesh, materials, &request, &mut |_| ())?;
+    let face = |face: unwrap::FlatFace| {
+        let mut baked = BakedFace {
+            triangle: face.triangle,
+            weights: face.weights,
+            uv: face.flat_mm,
+        };
+        // Pieces turn faces whose back is outside; the mesh's own order of corners says which side of a face is lit.
+        if Matrix3::from_fn(|r, c| face.weights[r][c]).determinant() < 0.0 {
+            baked.weights.swap(1, 2);
+            baked.uv.swap(1, 2);
+        }
+        baked
+    };
+    let mut charts: Vec<FlatChart> = unwrapped
+        .charts
+        .into_iter()
+        .map(|chart| chart.faces.into_iter().map(face).collect())
+        .collect();
+    let mut is_there = vec![false; mesh.triangles().len()];
+    for face in charts.iter().flatten() {
+        is_there[face.triangle] = true;
+    }
+    let missing = paint.iter().filter(|t| !is_there[**t]);
+    charts.extend(missing.map(|t| vec![alone(mesh, *t)]));
+    Ok(charts)
+}
+
+/// A triangle at true size.
+fn alone(mesh: &Mesh, triangle: usize) -> BakedFace {
+    let [a, b, c] = mesh.corners_mm(&mesh.triangles()[triangle]);
+    let along = b - a;
+    let x = along.try_normalize(1e-12).unwrap_or_default();
+    let to = c - a;
+    let right = to.dot(&x);
+    let up = (to - right * x).norm();
+    BakedFace {
+        triangle,
+        weights: WHOLE,
+        uv: [[0.0; 2], [along.norm(), 0.0], [right, up]],
+    }
+}

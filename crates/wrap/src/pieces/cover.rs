@@ -1,0 +1,36 @@
+//! The first page: how to put the pieces on the model, what they keep, and where each goes.
+
+use super::{PrintedPieces, exploded};
+use scaleproof_print::print::frame::PageFrame;
+use scaleproof_print::print::sheet::Sheet;
+use scaleproof_print::print::template::{Captions, cover};
+
+const STEPS: [&str; 5] = [
+    "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
+    "Cut out each piece along the inner side of its line; the texture runs on beyond it. Write its number on the back.",
+    "The views show where each number goes; grey is the back of a piece. The arrow at a number points up on the model, on pieces that look up to its front.",
+    "Letters are seams: the two edges with the same letter meet, and so do the short ticks beside them.",
+    "Fold at the fine dashes. Begin with the largest piece, then go on with its neighbours.",
+];
+const TABS_STEP: &str = "Fold the white tabs back and glue them under the edge that has the same letter.";
+
+pub fn cover(made: &PrintedPieces, frame: &PageFrame, captions: &Captions) -> Sheet {
+    let has_tabs = made
+        .cut
+        .iter()
+        .zip(&made.pieces)
+        .any(|(cut, piece)| *cut != piece.region);
+    let steps: Vec<&str> = STEPS.into_iter().chain(has_tabs.then_some(TABS_STEP)).collect();
+    let mut facts = made.facts();
+    let unseen = exploded::unseen(&made.pieces);
+    if !unseen.is_empty() {
+        let numbers: Vec<String> = unseen.iter().map(|i| (i + 1).to_string()).collect();
+        facts.push(format!(
+            "in neither view: {}; their letters say where they go",
+            numbers.join(", ")
+        ));
+    }
+    cover::first_page(frame, captions, "Pieces of a model", (&steps, &facts), |room| {
+        exploded::views(&made.pieces, None, room)
+    })
+}

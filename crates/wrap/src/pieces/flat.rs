@@ -1,0 +1,213 @@
+//! A piece in its plane: outline, border edges, creases, and which way it looks on the model.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::unwrap::{Chart, FlatFace};
+use scaleproof_print::print::raster::FlatTriangle;
+use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_surface::mesh::doubled_area;
+
+/// Edges bent by more than this are drawn.
+const FOLD_DEG: f64 = 30.0;
+/// Corners this near to each other on paper are one.
+const SAME_MM: f64 = 1e-6;
+
+/// An edge of the piece's border.
+#[derive(Debug, Clone, Copy)]
+pub struct Border {
+    /// Its ends among the points of all pieces, rising.
+    pub ends: [usize; 2],
+    /// Its ends on paper, mm.
+    pub flat: [Point; 2],
+    /// A unit vector on paper, away from the piece.
+    pub outward: Point,
+}
+
+/// A piece, its long side along x.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    pub triangles: Vec<FlatTriangle>,
+    /// The triangles' corners in space, model frame, mm.
+    pub corners: Vec<[Point3<f64>; 3]>,
+    pub region: Region,
+    pub borders: Vec<Border>,
+    /// Edges within the piece that the model bends at.
+    pub folds: Vec<[Point; 2]>,
+    pub surface_mm2: f64,
+    /// The mean of its normals and its middle, model frame.
+    pub normal: Vector3<f64>,
+    pub middle: Point3<f64>,
+    /// A unit vector on paper that points up on the model, or to its front where the piece looks up.
+    pub up: Point,
+}
+
+impl Piece {
+    pub fn new(chart: &Chart, points: &[Point3<f64>]) -> Self {
+        let turn = along_x(chart);
+        let turned = |p: Point| [turn[0] * p[0] + turn[1] * p[1], turn[0] * p[1] - turn[1] * p[0]];
+        let corners: Vec<_> = chart.faces.iter().map(|f| f.corners.map(|c| points[c])).collect();
+        let triangles: Vec<_> = chart.faces.iter().map(|f| flat_triangle(f, turned)).collect();
+        let (borders, folds) = edges(chart, &corners, &triangles);
+        let (normal, middle) = means(&corners);
+        Self {
+            region: Region::union(triangles.iter().map(|t| t.flat_mm.to_vec()).collect()),
+            up: up(&corners, &triangles, &normal),
+            surface_mm2: chart.surface_mm2,
+            triangles,
+            corners,
+            borders,
+            folds,
+            normal,
+            middle,
+        }
+    }
+}
+
+fn flat_triangle(face: &FlatFace, turned: impl Fn(Point) -> Point) -> FlatTriangle {
+    FlatTriangle {
+        flat_mm: face.flat_mm.map(turned),
+        height_mm: [0.0; 3],
+        triangle: face.triangle,
+        weights: face.weights,
+    }
+}
+
+/// The direction of the narrowest box's long side: one of the box's sides lies on an edge of the convex hull.
+fn along_x(chart: &Chart) -> Point {
+    let hull = hull(chart.faces.iter().flat_map(|f| f.flat_mm).collect());
+    let mut best = (f64::INFINITY, [1.0, 0.0]);
+    for (a, b) in hull.iter().zip(hull.iter().cycle().skip(1)) {
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        if length < SAME_MM {
+            continue;
+        }
+        let along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+        let across = [-along[1], along[0]];
+        let extent = |axis: Point| {
+            let places = hull.iter().map(|p| p[0] * axis[0] + p[1] * axis[1]);
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
+            high - low
+        };
+        let (wide, high) = (extent(along), extent(across));
+        if wide * high < best.0 {
+            best = (wide * high, if wide >= high { along } else { across });
+        }
+    }
+    best.1
+}
+
+/// The convex hull, counter-clockwise (Andrew 1979).
+fn hull(mut points: Vec<Point>) -> Vec<Point> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |points: &mut dyn Iterator<Item = &Point>| {
+        let mut chain: Vec<Point> = Vec::new();
+        for p in points {
+            while let [.., a, b] = chain[..]
+                && (b[0] - a[0]) * (p[1] - a[1]) <= (b[1] - a[1]) * (p[0] - a[0])
+            {
+                chain.pop();
+            }
+            chain.push(*p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut points.iter());
+    hull.extend(half(&mut points.iter().rev()));
+    hull
+}
+
+/// The borders, and the inner edges that are bent.
+fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]) -> (Vec<Border>, Vec<[Point; 2]>) {
+    // Of each edge, its sides: the face, and the ends on paper in the order of the edge's key.
+    let mut sides = BTreeMap::<[usize; 2], Vec<(usize, [Point; 2])>>::new();
+    for (f, face) in chart.faces.iter().enumerate() {
+        for i in 0..3 {
+            let (a, b) = (face.corners[i], face.corners[(i + 1) % 3]);
+            let (p, q) = (triangles[f].flat_mm[i], triangles[f].flat_mm[(i + 1) % 3]);
+            let (key, flat) = if a < b { ([a, b], [p, q]) } else { ([b, a], [q, p]) };
+            sides.entry(key).or_default().push((f, flat));
+        }
+    }
+    let (mut borders, mut folds) = (Vec::new(), Vec::new());
+    for (ends, mut here) in sides {
+        while let Some((face, flat)) = here.pop() {
+            let beside = here.iter().position(|(_, other)| same(&flat, other));
+            match beside.map(|i| here.swap_remove(i)) {
+                Some((other, _)) => {
+                    let bend = doubled_area(&corners[face]).angle(&doubled_area(&corners[other]));
+                    if bend.to_degrees() > FOLD_DEG {
+                        folds.push(flat);
+                    }
+                }
+                None => borders.push(Border {
+                    ends,
+                    flat,
+                    outward: outward(&flat, &triangles[face].flat_mm),
+                }),
+            }
+        }
+    }
+    (borders, folds)
+}
+
+fn same(a: &[Point; 2], b: &[Point; 2]) -> bool {
+    a.iter().zip(b).all(|(p, q)| near(*p, *q))
+}
+
+/// Whether two places on paper are one.
+pub fn near(p: Point, q: Point) -> bool {
+    (p[0] - q[0]).hypot(p[1] - q[1]) < SAME_MM
+}
+
+fn outward([a, b]: &[Point; 2], face: &[Point; 3]) -> Point {
+    let length = (b[0] - a[0]).hypot(b[1] - a[1]).max(f64::MIN_POSITIVE);
+    let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
+    let middle = [0, 1].map(|axis| face.iter().map(|p| p[axis]).sum::<f64>() / 3.0 - a[axis]);
+    let sign = if normal[0] * middle[0] + normal[1] * middle[1] > 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    normal.map(|v| sign * v)
+}
+
+fn means(corners: &[[Point3<f64>; 3]]) -> (Vector3<f64>, Point3<f64>) {
+    let (mut normal, mut middle, mut area) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+    for corners in corners {
+        let doubled = doubled_area(corners);
+        normal += doubled;
+        let share = doubled.norm();
+        middle += share / 3.0 * (corners[0].coords + corners[1].coords + corners[2].coords);
+        area += share;
+    }
+    let normal = normal.try_normalize(1e-12).unwrap_or_else(Vector3::z);
+    (normal, Point3::from(middle / f64::max(area, f64::MIN_POSITIVE)))
+}
+
+/// The gradient of the height (or of the way to the front) on paper, mean over the piece.
+fn up(corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle], normal: &Vector3<f64>) -> Point {
+    let to = if normal.z.abs() > 0.7 {
+        Vector3::x()
+    } else {
+        Vector3::z()
+    };
+    let mut sum = [0.0; 2];
+    for (corners, flat) in corners.iter().zip(triangles) {
+        let [a, b, c] = flat.flat_mm;
+        let [ha, hb, hc] = corners.map(|p| p.coords.dot(&to));
+        // Twice the area times the gradient of what is linear on the triangle.
+        sum[0] += (hb - ha) * (c[1] - a[1]) - (hc - ha) * (b[1] - a[1]);
+        sum[1] += (hc - ha) * (b[0] - a[0]) - (hb - ha) * (c[0] - a[0]);
+    }
+    let length = sum[0].hypot(sum[1]);
+    if length > 0.0 {
+        sum.map(|v| v / length)
+    } else {
+        [0.0, 1.0]
+    }
+}

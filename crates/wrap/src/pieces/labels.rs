@@ -1,0 +1,325 @@
+//! What stands beside a piece: the letters of its seams, ticks where seams end, and its number. All of it outside the ink, and apart.
+
+use super::Room;
+use super::flat::Piece;
+use super::seams::Seam;
+use scaleproof_core::geometry::distance;
+use scaleproof_print::print::buckets::{Buckets, bounds};
+use scaleproof_print::print::wrap::{Point, Region};
+
+/// Half the room of a letter, and of two letters.
+const LETTER_MM: f64 = 1.6;
+const LETTERS_MM: f64 = 2.2;
+/// Shares of these that are tried.
+const SIZES: [f64; 2] = [1.0, 0.75];
+/// The ring around a piece's number.
+pub const NUMBER_RING_MM: f64 = 3.0;
+/// The ring and the arrow at it.
+const NUMBER_MM: f64 = 4.4;
+/// Between labels, and between labels and ink.
+const CLEAR_MM: f64 = 0.3;
+/// How far from the border a label may stand.
+const FARTHEST_MM: f64 = 24.0;
+/// Between two ticks along a seam.
+const TICKS_MM: f64 = 40.0;
+/// How far ticks run out beyond the ink, at the ends of a seam and along it.
+const END_TICK_MM: f64 = 1.6;
+const TICK_MM: f64 = 0.8;
+/// Directions that a leader takes, off the one straight away from the border.
+const TURNS_DEG: [f64; 13] = [
+    0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0, 100.0, -100.0, 120.0, -120.0,
+];
+
+/// A sign beside a piece, in the piece's plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    pub text: String,
+    pub at: Point,
+    pub radius_mm: f64,
+    /// On the border: what it names.
+    pub names: Point,
+    pub is_number: bool,
+}
+
+/// All that stands beside one piece.
+#[derive(Debug, Clone, Default)]
+pub struct Signs {
+    pub labels: Vec<Label>,
+    /// From the border outwards.
+    pub ticks: Vec<[Point; 2]>,
+}
+
+/// The signs of all pieces, and the length of the seams that have no letter on one of their sides.
+pub struct AllSigns {
+    pub signs: Vec<Signs>,
+    pub unlettered_mm: f64,
+}
+
+/// `inks` is what is printed of each piece, with its bleed and tabs; `tabs` holds of each seam the side that has a tab, and the letter's
+/// distance from the border there.
+pub fn signs(
+    pieces: &[Piece],
+    seams: &[Seam],
+    inks: &[Region],
+    tabs: &[Option<(usize, f64)>],
+    room: &Room,
+) -> AllSigns {
+    let mut places: Vec<Places> = pieces
+        .iter()
+        .zip(inks)
+        .map(|(piece, ink)| Places::new(piece, ink, room))
+        .collect();
+    for seam in seams {
+        ticks(seam, pieces, &mut places, room);
+    }
+    let mut unlettered_mm = 0.0;
+    // The shortest first: the longest find room elsewhere.
+    for (seam, tab) in seams.iter().zip(tabs).rev() {
+        if !letter(seam, pieces, &mut places, *tab, room) {
+            unlettered_mm += seam.length_mm;
+        }
+    }
+    for (i, places) in places.iter_mut().enumerate() {
+        places.number(&pieces[i], i + 1, room);
+    }
+    AllSigns {
+        signs: places.into_iter().map(|p| p.signs).collect(),
+        unlettered_mm,
+    }
+}
+
+/// Puts the letter of a seam on both of its sides, smaller where it is narrow; `false` if there is no room.
+fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usize, f64)>, room: &Room) -> bool {
+    let radius_mm = match seam.letter.chars().count() {
+        1 => LETTER_MM,
+        _ => LETTERS_MM,
+    };
+    SIZES.iter().any(|size| {
+        let search = LetterSearch {
+            seam,
+            pieces,
+            tab,
+            room,
+            radius_mm: size * radius_mm,
+        };
+        search.together(places) || search.apart(places)
+    })
+}
+
+/// Looks for the places of a seam's letter.
+struct LetterSearch<'a> {
+    seam: &'a Seam,
+    pieces: &'a [Piece],
+    tab: Option<(usize, f64)>,
+    room: &'a Room,
+    radius_mm: f64,
+}
+
+impl LetterSearch<'_> {
+    /// Shares of the seam's length. The ends, too: of a slit only its mouth is open.
+    fn shares(&self) -> Vec<f64> {
+        let steps = (self.seam.length_mm / 4.0).ceil().clamp(1.0, 24.0) as usize;
+        let inner = (0..steps).map(|i| (i as f64 + 0.5) / steps as f64);
+        [0.01].into_iter().chain(inner).chain([0.99]).collect()
+    }
+
+    /// The letter on one side at a share of the seam, and how far it is from there.
+    fn find(&self, places: &[Places], side: usize, share: f64) -> Option<(f64, Label)> {
+        let place = self.seam.place(self.pieces, side, share)?;
+        let (away, at) = match self.tab {
+            Some((with_tab, mm)) if with_tab == side => {
+                (0.0, [0, 1].map(|axis| place.at[axis] + mm * place.outward[axis]))
+            }
+            _ => places[self.seam.pieces()[side]].free(place.at, place.outward, self.radius_mm, self.room)?,
+        };
+        let label = Label {
+            text: self.seam.letter.clone(),
+            at,
+            radius_mm: self.radius_mm,
+            names: place.at,
+            is_number: false,
+        };
+        Some((away, label))
+    }
+
+    /// At the same place of the seam on both sides.
+    fn together(&self, places: &mut [Places]) -> bool {
+        let [one, other] = self.seam.pieces();
+        // On one piece, both labels may want the same room.
+        let reach = 2.0 * self.radius_mm + CLEAR_MM;
+        let off_middle = |share: f64| 0.3 * (share - 0.5).abs() * self.seam.length_mm;
+        let both = self.shares().into_iter().filter_map(|share| {
+            let ((away, first), (too, second)) = (self.find(places, 0, share)?, self.find(places, 1, share)?);
+            let clear = one != other || distance(first.at, second.at) >= reach;
+            clear.then_some((away + too + off_middle(share), [first, second]))
+        });
+        let Some((_, [first, second])) = both.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return false;
+        };
+        places[one].signs.labels.push(first);
+        places[other].signs.labels.push(second);
+        true
+    }
+
+    /// Wherever there is room on each side.
+    fn apart(&self, places: &mut [Places]) -> bool {
+        let best = |places: &[Places], side: usize| {
+            let found = self
+                .shares()
+                .into_iter()
+                .filter_map(|share| self.find(places, side, share));
+            found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, label)| label)
+        };
+        let [one, other] = self.seam.pieces();
+        let Some(first) = best(places, 0) else { return false };
+        places[one].signs.labels.push(first);
+        let Some(second) = best(places, 1) else {
+            places[one].signs.labels.pop();
+            return false;
+        };
+        places[other].signs.labels.push(second);
+        true
+    }
+}
+
+/// Ticks at both ends of a seam and along it, at the same places on both sides.
+fn ticks(seam: &Seam, pieces: &[Piece], places: &mut [Places], room: &Room) {
+    let between = (seam.length_mm / TICKS_MM).round().max(1.0) as usize;
+    for i in 0..=between {
+        let is_end = i == 0 || i == between;
+        let length_mm = room.bleed_mm + if is_end { END_TICK_MM } else { TICK_MM };
+        for (side, piece) in seam.pieces().into_iter().enumerate() {
+            if let Some(place) = seam.place(pieces, side, i as f64 / between as f64) {
+                places[piece].tick(&pieces[piece].region, place.at, place.outward, length_mm);
+            }
+        }
+    }
+}
+
+/// Where there is room beside one piece.
+struct Places {
+    signs: Signs,
+    region: Region,
+    ink: Region,
+    edges: Vec<[Point; 2]>,
+    buckets: Buckets,
+    low: Point,
+    high: Point,
+}
+
+impl Places {
+    fn new(piece: &Piece, ink: &Region, room: &Room) -> Self {
+        let (low, high) = piece.region.bounds().unwrap_or_default();
+        let (low, high) = (low.map(|mm| mm - room.around_mm), high.map(|mm| mm + room.around_mm));
+        let edges: Vec<[Point; 2]> = ink.edges().map(|(a, b)| [*a, *b]).collect();
+        let reach = NUMBER_MM + CLEAR_MM;
+        Self {
+            signs: Signs::default(),
+            buckets: Buckets::new(low, high, edges.iter().map(|e| bounds(e, reach))),
+            region: piece.region.clone(),
+            ink: ink.clone(),
+            edges,
+            low,
+            high,
+        }
+    }
+
+    /// A free place for a label near a place of the border, and how far from it. In a notch, its leader may cross the bleed.
+    fn free(&self, border: Point, outward: Point, radius_mm: f64, room: &Room) -> Option<(f64, Point)> {
+        let nearest = room.bleed_mm + radius_mm + CLEAR_MM;
+        let count = (FARTHEST_MM / 0.8) as usize;
+        let find = |blocking: &Region| {
+            (0..count).map(|i| nearest + 0.8 * i as f64).find_map(|mm| {
+                TURNS_DEG.iter().find_map(|turn| {
+                    let (s, c) = turn.to_radians().sin_cos();
+                    let direction = [c * outward[0] - s * outward[1], s * outward[0] + c * outward[1]];
+                    let at = [border[0] + mm * direction[0], border[1] + mm * direction[1]];
+                    let clear = self.is_free(at, radius_mm) && self.is_open(border, at, radius_mm, (room, blocking));
+                    clear.then_some((mm, at))
+                })
+            })
+        };
+        // What crosses its neighbours' bleed is read less easily than what is far away.
+        let crossing = || find(&self.region).map(|(mm, at)| (mm + FARTHEST_MM, at));
+        find(&self.ink).or_else(crossing)
+    }
+
+    /// Whether a disc is inside the room and off all ink and signs.
+    fn is_free(&self, at: Point, radius_mm: f64) -> bool {
+        let inside =
+            (0..2).all(|axis| at[axis] - radius_mm >= self.low[axis] && at[axis] + radius_mm <= self.high[axis]);
+        let off_labels = || {
+            let labels = self.signs.labels.iter();
+            labels
+                .into_iter()
+                .all(|l| distance(l.at, at) >= l.radius_mm + radius_mm + CLEAR_MM)
+        };
+        let off_lines = || {
+            let leaders = self.signs.labels.iter().map(|l| [l.names, l.at]);
+            let mut lines = leaders.chain(self.signs.ticks.iter().copied());
+            lines.all(|line| to_line(at, line) >= radius_mm + CLEAR_MM)
+        };
+        let off_ink = || {
+            let near = self.buckets.at(at).unwrap_or_default();
+            let clear = near
+                .iter()
+                .all(|i| to_line(at, self.edges[*i as usize]) >= radius_mm + CLEAR_MM);
+            clear && !self.ink.contains(at)
+        };
+        inside && off_labels() && off_lines() && off_ink()
+    }
+
+    /// Whether a leader from the border reaches a label over nothing that blocks it.
+    fn is_open(&self, border: Point, at: Point, radius_mm: f64, (room, blocking): (&Room, &Region)) -> bool {
+        let length = distance(border, at);
+        let along = |mm: f64| [0, 1].map(|axis| border[axis] + mm / length * (at[axis] - border[axis]));
+        let from = room.bleed_mm + 2.0 * CLEAR_MM;
+        let samples = ((length - radius_mm - from) / 0.4).ceil().max(0.0) as usize;
+        (0..samples).all(|i| {
+            let p = along(from + 0.4 * i as f64);
+            let off_labels = self
+                .signs
+                .labels
+                .iter()
+                .all(|l| distance(l.at, p) >= l.radius_mm + CLEAR_MM);
+            off_labels && !blocking.contains(p)
+        })
+    }
+
+    fn tick(&mut self, region: &Region, at: Point, outward: Point, length_mm: f64) {
+        let end = [0, 1].map(|axis| at[axis] + length_mm * outward[axis]);
+        let known = self.signs.ticks.iter().any(|[start, _]| distance(*start, at) < 0.5);
+        let steps = (length_mm / 0.25) as usize;
+        let into = (1..=steps).any(|i| region.contains([0, 1].map(|axis| at[axis] + 0.25 * i as f64 * outward[axis])));
+        if !known && !into {
+            self.signs.ticks.push([at, end]);
+        }
+    }
+
+    /// The piece's number, where there is room nearest to its border.
+    fn number(&mut self, piece: &Piece, number: usize, room: &Room) {
+        let spots = piece.borders.iter().filter_map(|border| {
+            let [a, b] = border.flat;
+            let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            let (away, at) = self.free(middle, border.outward, NUMBER_MM, room)?;
+            Some((away, middle, at))
+        });
+        if let Some((_, names, at)) = spots.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            self.signs.labels.push(Label {
+                text: number.to_string(),
+                at,
+                radius_mm: NUMBER_MM,
+                names,
+                is_number: true,
+            });
+        }
+    }
+}
+
+/// From a place to a segment.
+pub fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+    let along = along.clamp(0.0, 1.0);
+    distance(p, [a[0] + along * dx, a[1] + along * dy])
+}

@@ -1,0 +1,259 @@
+//! Shapes on the fewest pages: each as low and as far left as it goes, turned as it fits, on a grid of cells that are taken or free.
+
+use scaleproof_print::print::raster::Pose;
+use scaleproof_print::print::sheet::RectMm;
+use scaleproof_print::print::wrap::{Point, Region};
+
+/// Side of a cell, and the free paper between two shapes beside what the cells take.
+const CELL_MM: f64 = 1.5;
+const GAP_MM: f64 = 1.0;
+/// Turns that are tried: multiples of this, and the shape's own box along and across.
+const TURN_DEG: f64 = 15.0;
+
+/// Where a shape lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// From 0.
+    pub page: usize,
+    pub pose: Pose,
+}
+
+/// Puts shapes onto pages that are free within `area` but for `taken`.
+///
+/// # Errors
+/// The index of the first shape that no page holds.
+pub fn nest(shapes: &[Region], area: RectMm, taken: &[RectMm]) -> Result<Vec<Place>, usize> {
+    let turns: Vec<Vec<Turned>> = shapes.iter().map(turned).collect();
+    let blank = Cells::page(area, taken);
+    let orders = [
+        order(shapes, |shape| shape.area_mm2()),
+        order(shapes, |shape| size(shape).0),
+        order(shapes, |shape| size(shape).0 * size(shape).1),
+    ];
+    let mut best: Option<(usize, usize, Vec<Place>)> = None;
+    for order in orders {
+        let (places, pages, last) = nest_in_order(&turns, &order, &blank, area)?;
+        if best.as_ref().is_none_or(|(p, l, _)| (pages, last) < (*p, *l)) {
+            best = Some((pages, last, places));
+        }
+    }
+    Ok(best.map(|(.., places)| places).unwrap_or_default())
+}
+
+/// Of the shapes, the largest first.
+fn order(shapes: &[Region], by: impl Fn(&Region) -> f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..shapes.len()).collect();
+    // What differs by rounding only keeps its order.
+    let rank = |i: &usize| (by(&shapes[*i]) * 100.0).round();
+    order.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+    order
+}
+
+fn size(shape: &Region) -> (f64, f64) {
+    let (low, high) = shape.bounds().unwrap_or_default();
+    (high[0] - low[0], high[1] - low[1])
+}
+
+/// The places, how many pages they take, and how high the last one is filled.
+fn nest_in_order(
+    turns: &[Vec<Turned>],
+    order: &[usize],
+    blank: &Cells,
+    area: RectMm,
+) -> Result<(Vec<Place>, usize, usize), usize> {
+    let mut pages: Vec<Cells> = Vec::new();
+    let mut places = vec![None; turns.len()];
+    for i in order {
+        let found = pages
+            .iter()
+            .enumerate()
+            .find_map(|(p, page)| Some((p, page.lowest(&turns[*i])?)));
+        let (p, spot) = match found {
+            Some(found) => found,
+            None => {
+                let spot = blank.lowest(&turns[*i]).ok_or(*i)?;
+                pages.push(blank.clone());
+                (pages.len() - 1, spot)
+            }
+        };
+        let turned = &turns[*i][spot.turn];
+        pages[p].take(&turned.cells, spot.column, spot.row);
+        places[*i] = Some(Place {
+            page: p,
+            pose: Pose {
+                turn: turned.turn,
+                by: [
+                    area.left_mm + CELL_MM * spot.column as f64 - turned.low[0],
+                    area.bottom_mm + CELL_MM * spot.row as f64 - turned.low[1],
+                ],
+            },
+        });
+    }
+    let last = pages.last().map_or(0, Cells::filled_rows);
+    Ok((places.into_iter().flatten().collect(), pages.len(), last))
+}
+
+/// A shape turned.
+struct Turned {
+    turn: [f64; 2],
+    /// The place of its first cell's lower left corner in the turned plane.
+    low: Point,
+    cells: Cells,
+}
+
+fn turned(shape: &Region) -> Vec<Turned> {
+    // Cells are taken whose middle lies within this of the shape, so that no ink is nearer to another's than the gap.
+    let around = shape.grown(0.5 * GAP_MM + 0.5 * std::f64::consts::SQRT_2 * CELL_MM);
+    let steps = (360.0 / TURN_DEG) as usize;
+    (0..steps)
+        .map(|i| {
+            let (s, c) = (TURN_DEG * i as f64).to_radians().sin_cos();
+            let pose = Pose {
+                turn: [c, s],
+                by: [0.0; 2],
+            };
+            let turned = around.moved(|p| pose.at(p));
+            let (low, high) = turned.bounds().unwrap_or_default();
+            Turned {
+                turn: [c, s],
+                low,
+                cells: Cells::of(&turned, low, high),
+            }
+        })
+        .collect()
+}
+
+/// Rows of cells from the bottom up, a bit each.
+#[derive(Debug, Clone)]
+struct Cells {
+    columns: usize,
+    words: usize,
+    rows: Vec<Vec<u64>>,
+}
+
+/// Where a turned shape fits.
+#[derive(Debug, Clone, Copy)]
+struct Spot {
+    turn: usize,
+    column: usize,
+    row: usize,
+}
+
+impl Cells {
+    fn blank(columns: usize, rows: usize) -> Self {
+        let words = columns.div_ceil(64).max(1);
+        Self {
+            columns,
+            words,
+            rows: vec![vec![0; words]; rows],
+        }
+    }
+
+    /// A page's free area without what is taken of it.
+    fn page(area: RectMm, taken: &[RectMm]) -> Self {
+        let count = |mm: f64| (mm / CELL_MM).floor() as usize;
+        let mut cells = Self::blank(count(area.width_mm()), count(area.height_mm()));
+        for rect in taken {
+            let span = |from: f64, to: f64, count: usize| {
+                let cell = |mm: f64| (mm / CELL_MM).clamp(0.0, count as f64);
+                cell(from).floor() as usize..cell(to).ceil() as usize
+            };
+            let columns = span(rect.left_mm - area.left_mm, rect.right_mm - area.left_mm, cells.columns);
+            for row in span(
+                rect.bottom_mm - area.bottom_mm,
+                rect.top_mm - area.bottom_mm,
+                cells.rows.len(),
+            ) {
+                columns.clone().for_each(|column| cells.set(row, column));
+            }
+        }
+        cells
+    }
+
+    /// The cells whose middle lies in a region; its box's lower left corner is that of the first cell.
+    fn of(region: &Region, low: Point, high: Point) -> Self {
+        let count = |axis: usize| ((high[axis] - low[axis]) / CELL_MM).ceil().max(1.0) as usize;
+        let mut cells = Self::blank(count(0), count(1));
+        for row in 0..cells.rows.len() {
+            let y = low[1] + (row as f64 + 0.5) * CELL_MM;
+            // Where outlines cross the row, and which way: a place is inside while the sum is not zero.
+            let crossing = |(a, b): (&Point, &Point)| {
+                let up = a[1] <= y && b[1] > y;
+                let down = b[1] <= y && a[1] > y;
+                let x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+                (up || down).then_some((x, if up { 1 } else { -1 }))
+            };
+            let mut crossings: Vec<(f64, i32)> = region.edges().filter_map(crossing).collect();
+            crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut depth = 0;
+            for pair in crossings.windows(2) {
+                depth += pair[0].1;
+                if depth != 0 {
+                    let first = ((pair[0].0 - low[0]) / CELL_MM - 0.5).ceil().max(0.0) as usize;
+                    let end = ((pair[1].0 - low[0]) / CELL_MM + 0.5).floor().max(0.0) as usize;
+                    (first..end.min(cells.columns)).for_each(|column| cells.set(row, column));
+                }
+            }
+        }
+        cells
+    }
+
+    fn set(&mut self, row: usize, column: usize) {
+        self.rows[row][column / 64] |= 1 << (column % 64);
+    }
+
+    /// The lowest place over all turns; of equally low ones the leftmost.
+    fn lowest(&self, turns: &[Turned]) -> Option<Spot> {
+        let mut best: Option<(usize, Spot)> = None;
+        for (turn, shape) in turns.iter().enumerate() {
+            let cells = &shape.cells;
+            if cells.columns > self.columns || cells.rows.len() > self.rows.len() {
+                continue;
+            }
+            // The top of a spot counts, not its foot: flat lying shapes leave more.
+            let highest = best.map_or(self.rows.len(), |(top, _)| top - 1);
+            let Some(feet) = (highest + 1).checked_sub(cells.rows.len()) else {
+                continue;
+            };
+            let spots = (0..feet).flat_map(|row| (0..=self.columns - cells.columns).map(move |column| (row, column)));
+            let mut free = spots.filter(|(row, column)| !self.meets(cells, *column, *row));
+            if let Some((row, column)) = free.next() {
+                best = Some((row + cells.rows.len(), Spot { turn, column, row }));
+            }
+        }
+        best.map(|(_, spot)| spot)
+    }
+
+    /// Whether a shape's cells at a place are taken.
+    fn meets(&self, shape: &Self, column: usize, row: usize) -> bool {
+        let (word, bit) = (column / 64, column % 64);
+        shape.rows.iter().enumerate().any(|(i, cells)| {
+            let mine = &self.rows[row + i];
+            (0..shape.words).any(|w| {
+                let low = mine.get(word + w).copied().unwrap_or(0) >> bit;
+                let high = match bit {
+                    0 => 0,
+                    _ => mine.get(word + w + 1).copied().unwrap_or(0) << (64 - bit),
+                };
+                (low | high) & cells[w] != 0
+            })
+        })
+    }
+
+    fn take(&mut self, shape: &Self, column: usize, row: usize) {
+        for (i, cells) in shape.rows.iter().enumerate() {
+            for c in 0..shape.columns {
+                if cells[c / 64] >> (c % 64) & 1 == 1 {
+                    self.set(row + i, column + c);
+                }
+            }
+        }
+    }
+
+    fn filled_rows(&self) -> usize {
+        self.rows
+            .iter()
+            .rposition(|row| row.iter().any(|word| *word != 0))
+            .map_or(0, |row| row + 1)
+    }
+}

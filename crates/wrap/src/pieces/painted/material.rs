@@ -1,0 +1,167 @@
+//! The sheet of material that a piece's stencils are cut from: the piece and a rim around it, with registration holes. Where the piece is
+//! cut into itself, the rim leaves the cut free, so that it closes on the model.
+
+use super::regions::Upright;
+use crate::pieces::flat::Piece;
+use crate::pieces::labels::{Label, Signs, to_line};
+use crate::pieces::seams::{Seam, border};
+use scaleproof_core::geometry::distance;
+use scaleproof_print::print::paint::plane::{Area, PlanePoint, units};
+use scaleproof_print::print::wrap::{Contour, Point, Region};
+
+/// Holes of a piece, and how far apart they are at least.
+const HOLES: usize = 4;
+const APART_MM: f64 = 12.0;
+/// Between places that are tried for a hole.
+const STEP_MM: f64 = 1.5;
+/// Half the room of the sign that names the paint.
+pub const TAG_MM: f64 = 2.3;
+/// Between holes and signs.
+const CLEAR_MM: f64 = 0.4;
+/// A cut of a piece into itself is closed where its sides are this near.
+const CLOSED_MM: f64 = 0.05;
+
+/// What all stencils of a piece have in common.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// The sheet before anything is cut from it, turned upright.
+    pub sheet: Area,
+    /// The middles of the registration holes, in the piece's plane.
+    pub holes: Vec<Point>,
+    /// Where the paint is named.
+    pub tag: Option<Point>,
+}
+
+/// Lengths of a piece's material, mm.
+#[derive(Debug, Clone, Copy)]
+pub struct Rim {
+    pub rim_mm: f64,
+    pub hole_mm: f64,
+    pub feature_mm: f64,
+}
+
+/// The sheet of one piece. `slit`: the rim leaves its cuts into itself free, as far as the sheet stays in one part that nowhere is
+/// narrower than the features.
+pub fn sheet((piece, pieces): (usize, &[Piece]), seams: &[Seam], upright: &Upright, rim: Rim, slit: bool) -> Area {
+    let region = upright.area(&pieces[piece].region);
+    // What is between two parts of the rim is at least this wide, or filled.
+    let closed = units(2.0 * rim.feature_mm);
+    let whole = region.grown(units(rim.rim_mm) + closed).shrunk(closed);
+    let own = seams.iter().filter(|seam| seam.pieces() == [piece; 2]);
+    let slits: Vec<Contour> = own.flat_map(|seam| gap(seam, pieces, 3.0 * rim.rim_mm)).collect();
+    if !slit || slits.is_empty() {
+        return whole;
+    }
+    let slits = upright.area(&Region::union(slits).without(&pieces[piece].region));
+    let mut open = whole.without(&slits);
+    // A scrap of the rim that hangs on nothing goes with the slit.
+    let holds_paint = |part: &Vec<_>| {
+        !Area {
+            pieces: vec![part.clone()],
+        }
+        .and(&region)
+        .is_empty()
+    };
+    open.pieces.retain(holds_paint);
+    match open.shrunk(units(0.5 * rim.feature_mm)).pieces.len() {
+        1 => open,
+        _ => whole,
+    }
+}
+
+/// What lies between the two sides of a seam of a piece with itself, and on beyond where it opens.
+fn gap(seam: &Seam, pieces: &[Piece], beyond_mm: f64) -> Vec<Contour> {
+    let sides = |i: usize| {
+        let edge = seam.edges.get(i)?;
+        Some(edge.sides.map(|id| {
+            let [a, b] = border(pieces, id).flat;
+            if edge.backwards { [b, a] } else { [a, b] }
+        }))
+    };
+    let count = seam.edges.len();
+    let between = (0..count).filter_map(sides).map(|[[a, b], [c, d]]| vec![a, b, d, c]);
+    let out = |[from, to]: [Point; 2]| {
+        let share = beyond_mm / distance(from, to).max(1e-9);
+        [0, 1].map(|axis| to[axis] + share * (to[axis] - from[axis]))
+    };
+    let first = sides(0).map(|sides| sides.map(|[a, b]| [b, a]));
+    let last = count.checked_sub(1).and_then(sides);
+    let mouth = |[one, other]: [[Point; 2]; 2]| {
+        let is_open = distance(one[1], other[1]) > CLOSED_MM;
+        is_open.then(|| vec![one[1], out(one), out(other), other[1]])
+    };
+    let mouths = [first, last].into_iter().flatten().filter_map(mouth);
+    between.chain(mouths).collect()
+}
+
+impl Material {
+    /// Finds places for holes and the paint's sign in the rim, clear of the other signs.
+    pub fn new(sheet: Area, piece: &Piece, signs: &Signs, upright: &Upright, rim: Rim) -> Self {
+        let middle = piece.region.grown(0.5 * rim.rim_mm);
+        let around: Vec<Point> = middle.contours().flat_map(along).collect();
+        let holds = |p: Point, radius: f64| {
+            (0..12).all(|i| {
+                let (s, c) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
+                let [x, y] = upright.of([p[0] + radius * c, p[1] + radius * s]);
+                sheet.contains(PlanePoint::new(units(x), units(y)))
+            })
+        };
+        let radius = 0.5 * rim.hole_mm;
+        let firm: Vec<Point> = around
+            .into_iter()
+            .filter(|p| holds(*p, radius + rim.feature_mm))
+            .collect();
+        let clear: Vec<Point> = firm.iter().copied().filter(|p| is_clear(*p, radius, signs)).collect();
+        let holes = spread(if clear.is_empty() { &firm } else { &clear });
+        let off_holes = |p: &Point| holes.iter().all(|h| distance(*p, *h) > radius + TAG_MM + CLEAR_MM);
+        let number = signs.labels.iter().find(|label| label.is_number).map(|label| label.at);
+        let to_number = |p: &Point| number.map_or(0.0, |at| distance(*p, at));
+        let nearest =
+            |places: &mut dyn Iterator<Item = Point>| places.min_by(|a, b| to_number(a).total_cmp(&to_number(b)));
+        let free = nearest(
+            &mut firm
+                .iter()
+                .copied()
+                .filter(|p| off_holes(p) && is_clear(*p, TAG_MM, signs)),
+        );
+        Self {
+            tag: free.or_else(|| nearest(&mut firm.iter().copied().filter(off_holes))),
+            sheet,
+            holes,
+        }
+    }
+}
+
+/// Places along an outline.
+fn along(outline: &Contour) -> Vec<Point> {
+    let next = outline.iter().cycle().skip(1);
+    let edges = outline.iter().zip(next);
+    edges
+        .flat_map(|(a, b)| {
+            let steps = (distance(*a, *b) / STEP_MM).ceil().max(1.0) as usize;
+            (0..steps).map(move |i| [0, 1].map(|axis| a[axis] + i as f64 / steps as f64 * (b[axis] - a[axis])))
+        })
+        .collect()
+}
+
+fn is_clear(p: Point, radius_mm: f64, signs: &Signs) -> bool {
+    let off_label = |label: &Label| distance(label.at, p) >= label.radius_mm + radius_mm + CLEAR_MM;
+    let leaders = signs.labels.iter().map(|label| [label.names, label.at]);
+    let mut lines = leaders.chain(signs.ticks.iter().copied());
+    signs.labels.iter().all(off_label) && lines.all(|line| to_line(p, line) >= radius_mm + CLEAR_MM)
+}
+
+/// A few places far from each other.
+fn spread(places: &[Point]) -> Vec<Point> {
+    let corner = |a: &&Point, b: &&Point| (a[0] + a[1]).total_cmp(&(b[0] + b[1]));
+    let mut chosen: Vec<Point> = places.iter().min_by(corner).copied().into_iter().collect();
+    while chosen.len() < HOLES {
+        let apart = |p: &Point| chosen.iter().map(|c| distance(*c, *p)).fold(f64::INFINITY, f64::min);
+        let farthest = places.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        match farthest.filter(|p| apart(p) >= APART_MM) {
+            Some(p) => chosen.push(*p),
+            None => break,
+        }
+    }
+    chosen
+}

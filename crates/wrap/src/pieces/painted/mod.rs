@@ -1,0 +1,421 @@
+//! A model in paint: for every piece a stencil of each paint but the one that is sprayed first, and its cells to paint by number.
+//!
+//! All stencils of a piece lie at one place of their sheets and are cut from one [`material`], so that its registration holes coincide. The
+//! [`regions`] of the paints are exact: the pattern's cells, cut at each triangle and laid flat with it.
+
+mod cover;
+mod material;
+mod regions;
+mod sheets;
+
+pub use material::Material;
+pub use regions::PaintedPiece;
+
+use std::collections::BTreeSet;
+use std::convert::Infallible;
+
+use super::flat::Piece;
+use super::labels::{self, Signs};
+use super::nest::Place;
+use super::seams::{self, Seam};
+use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, Room, pages};
+use crate::unwrap::{LeftOut, Unwrapped, unwrap};
+use scaleproof_core::spelling::count;
+use scaleproof_core::workers;
+use scaleproof_print::print::frame::PageFrame;
+use scaleproof_print::print::lettering::number;
+use scaleproof_print::print::paint::plane::{Area, PlaneOutline};
+use scaleproof_print::print::paint::{
+    Legend, MOST_CELLS, NoStencil, PaintArea, PaintError, Slant, check_features, check_pages, hole_mm, legend_sheets,
+    openings_and_bridges, rim_mm,
+};
+use scaleproof_print::print::printer;
+use scaleproof_print::print::sheet::{RectMm, Sheet};
+use scaleproof_print::print::template::{Captions, cell_mm, check_scale};
+use scaleproof_print::print::wrap::Region;
+use scaleproof_surface::mesh::Mesh;
+use scaleproof_surface::pattern::palette::Painted;
+use scaleproof_surface::texture::Tile;
+
+/// Smaller patches than this are rounding, mm².
+const NOTHING_MM2: f64 = 0.01;
+/// Beyond the rim: the line that is cut along.
+const BEYOND_RIM_MM: f64 = 2.0;
+
+/// Why no painted pieces were printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PaintedError {
+    #[error(transparent)]
+    Pieces(#[from] PiecesError),
+    #[error(transparent)]
+    Paint(#[from] PaintError),
+}
+
+/// What to print. Tabs, resolution and bleed of the pieces have no meaning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaintedRequest {
+    pub pieces: PiecesRequest,
+    /// The least width of bridges and openings.
+    pub min_feature_mm: f64,
+    /// Stencils as seen from their back.
+    pub mirror: bool,
+}
+
+impl PaintedRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Paint sheets of {}", self.pieces.name)
+    }
+
+    fn around_mm(&self) -> f64 {
+        AROUND_MM.max(rim_mm(self.min_feature_mm) + BEYOND_RIM_MM)
+    }
+
+    fn rim(&self) -> material::Rim {
+        material::Rim {
+            rim_mm: rim_mm(self.min_feature_mm),
+            hole_mm: hole_mm(self.min_feature_mm),
+            feature_mm: self.min_feature_mm,
+        }
+    }
+}
+
+/// What is cut for a paint from a piece's material, turned upright.
+#[derive(Debug, Clone)]
+pub struct PieceStencil {
+    pub piece: usize,
+    /// From 0, in the order of spraying.
+    pub paint: usize,
+    pub openings: Area,
+    pub bridges: Area,
+}
+
+/// The painted pieces of a model, drawn.
+#[derive(Debug, Clone)]
+pub struct PaintedPieces {
+    pub pieces: Vec<Piece>,
+    pub places: Vec<Place>,
+    pub frame: PageFrame,
+    /// In the order of spraying: the largest first.
+    pub painted: Painted,
+    /// Of each paint, on paper. The first has no stencil.
+    pub areas: Vec<PaintArea>,
+    /// Of each piece.
+    pub regions: Vec<PaintedPiece>,
+    pub materials: Vec<Material>,
+    /// Those with an opening, paint by paint.
+    pub stencils: Vec<PieceStencil>,
+    /// Parts of a paint's area that are too narrow to be cut: how many, and their area, mm².
+    pub narrow: (usize, f64),
+    pub left_out: Vec<LeftOut>,
+    pub visible_mm2: f64,
+    pub mean_stretch: f64,
+    pub stretch_99: f64,
+    pub min_feature_mm: f64,
+    /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
+    pub pages: Vec<Sheet>,
+    /// A name for each page, where it becomes a file of its own.
+    pub names: Vec<String>,
+}
+
+impl PaintedPieces {
+    /// How many sheets carry pieces, once.
+    pub fn sheets(&self) -> usize {
+        self.places.iter().map(|place| place.page + 1).max().unwrap_or(0)
+    }
+
+    pub fn surface_mm2(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.surface_mm2).sum()
+    }
+
+    /// One sentence a fact.
+    pub fn facts(&self) -> Vec<String> {
+        let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
+        let mut facts = vec![
+            format!(
+                "{} on {}, {}: {} of paint, {:.1} % of what can be seen",
+                count(self.pieces.len(), "piece"),
+                count(self.sheets(), "sheet"),
+                count(self.stencils.len(), "stencil"),
+                cm2(self.surface_mm2()),
+                100.0 * self.surface_mm2() / self.visible_mm2.max(f64::MIN_POSITIVE)
+            ),
+            format!(
+                "stretch (mm on the surface for 1 mm on paper, or the inverse): mean {:.3}, 99th percentile {:.3}",
+                self.mean_stretch, self.stretch_99
+            ),
+        ];
+        let (parts, mm2) = self.narrow;
+        if parts > 0 {
+            facts.push(format!(
+                "{} narrower than {} mm, {}, not cut: touch up by number",
+                count(parts, "part"),
+                number(self.min_feature_mm),
+                cm2(mm2)
+            ));
+        }
+        for part in self.left_out.iter().filter(|part| part.surface_mm2 >= 0.5) {
+            facts.push(format!(
+                "left out: {} {}",
+                cm2(part.surface_mm2),
+                super::reason(part.reason)
+            ));
+        }
+        facts
+    }
+
+    fn add(&mut self, name: String, sheet: Sheet) {
+        let stretch = self.frame.setup.stretch();
+        self.pages.push(printer::corrected_one(sheet, stretch));
+        self.names.push(name);
+    }
+}
+
+/// Cuts the paint of some materials of a mesh into pieces that fit on the paper with the rims of their stencils, as
+/// [`super::flattened`] does.
+///
+/// # Errors
+/// What cannot be a stencil's least width, bounds that no pieces keep, and whatever refuses the paper.
+pub fn flattened(
+    (mesh, materials): (&Mesh, &[usize]),
+    tile: &Tile,
+    request: &PaintedRequest,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Unwrapped, PaintedError> {
+    check_scale(request.pieces.scale).map_err(PaintError::from)?;
+    let template = request.pieces.template().tiled(tile.tile_mm());
+    cell_mm(&tile.pattern, &template).map_err(PaintError::from)?;
+    check_features(tile.cell_mm, tile.pattern.columns(), request.min_feature_mm)?;
+    let fits_mm = pages::fits_mm(&request.pieces, request.around_mm())?;
+    Ok(unwrap(mesh, materials, &request.pieces.unwrap(fits_mm), progress).map_err(PiecesError::from)?)
+}
+
+/// Draws the stencils of flattened pieces, and the pieces to paint by number.
+///
+/// # Errors
+/// Too many cells or pages, a shape without stencil, paper that does not hold the largest piece.
+pub fn painted_pieces(
+    mesh: &Mesh,
+    flat: &Unwrapped,
+    (tile, painted): (&Tile, &Painted),
+    request: &PaintedRequest,
+) -> Result<PaintedPieces, PaintedError> {
+    let charts = flat.charts.iter();
+    let pieces: Vec<Piece> = charts.map(|chart| Piece::new(chart, &flat.points_mm)).collect();
+    let mm2: f64 = pieces.iter().map(|piece| piece.surface_mm2).sum();
+    check_cells((mm2 / tile.cell_mm.powi(2)).ceil() as usize)?;
+    let seams = seams::seams(&pieces);
+    let all: Vec<usize> = (0..pieces.len()).collect();
+    let regions = each(&all, |i| regions::painted_piece((mesh, tile), painted, &pieces[i]));
+    let (painted, regions, order) = in_order(painted, regions);
+    let materials_and_stencils = each(&all, |i| cut((i, &pieces), &seams, &regions[i], request));
+    let (sheets, cuts): (Vec<Area>, Vec<Vec<PieceStencil>>) = materials_and_stencils
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(PaintError::from)?
+        .into_iter()
+        .unzip();
+    let signs = signs(&pieces, &seams, request);
+    let materials: Vec<Material> = all
+        .iter()
+        .zip(sheets)
+        .map(|(i, sheet)| Material::new(sheet, &pieces[*i], &signs[*i], &regions[*i].upright, request.rim()))
+        .collect();
+    let shapes: Vec<Region> = all
+        .iter()
+        .map(|i| pages::shape(&outer(&materials[*i], &regions[*i]).grown(0.3), &signs[*i]))
+        .collect();
+    let taken = |frame: &PageFrame| taken(frame, request.mirror);
+    let (frame, places) = pages::nested(&shapes, &pages::frames(&request.pieces)?, taken)?;
+    let frames = pages::sheet_frames(&frame, &shapes, &places, &request.pieces)?;
+    check_pages(painted.paints.len() - 1, frames.len())?;
+    let mut made = PaintedPieces {
+        areas: areas(&regions, &cuts, order.len()),
+        narrow: narrow(&regions, &cuts),
+        stencils: Vec::new(),
+        left_out: flat.left_out.clone(),
+        visible_mm2: flat.visible_mm2,
+        mean_stretch: flat.mean_stretch,
+        stretch_99: flat.stretch_99,
+        min_feature_mm: request.min_feature_mm,
+        pages: Vec::new(),
+        names: Vec::new(),
+        pieces,
+        places,
+        frame,
+        painted,
+        regions,
+        materials,
+    };
+    let mut stencils: Vec<PieceStencil> = cuts.into_iter().flatten().filter(|s| !s.openings.is_empty()).collect();
+    stencils.sort_by_key(|stencil| stencil.paint);
+    made.stencils = stencils;
+    draw(&mut made, (mesh, tile), &frames, &signs, request)?;
+    Ok(made)
+}
+
+/// Does something for each, in parallel.
+fn each<T: Send>(all: &[usize], one: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let made = workers::map(all, || Ok::<_, Infallible>(()), |_, i| Ok(one(*i)), || ());
+    match made {
+        Ok(made) => made,
+        Err(never) => match never {},
+    }
+}
+
+fn check_cells(cells: usize) -> Result<(), PaintError> {
+    if cells <= MOST_CELLS {
+        Ok(())
+    } else {
+        Err(PaintError::TooManyCells { cells })
+    }
+}
+
+/// The paints with the largest first, what each takes of the pieces in the same order, and that order.
+fn in_order(painted: &Painted, mut regions: Vec<PaintedPiece>) -> (Painted, Vec<PaintedPiece>, Vec<usize>) {
+    let doubled = |paint: usize| regions.iter().map(|r| r.areas[paint].doubled_area()).sum::<i128>();
+    let sums: Vec<i128> = (0..painted.paints.len()).map(doubled).collect();
+    let mut order: Vec<usize> = (0..sums.len()).collect();
+    order.sort_by_key(|paint| std::cmp::Reverse(sums[*paint]));
+    for region in &mut regions {
+        region.areas = order
+            .iter()
+            .map(|paint| std::mem::take(&mut region.areas[*paint]))
+            .collect();
+    }
+    (painted.in_order(&order), regions, order)
+}
+
+/// The material of a piece, and what is cut from it for each paint but the first.
+fn cut(
+    (piece, pieces): (usize, &[Piece]),
+    seams: &[Seam],
+    region: &PaintedPiece,
+    request: &PaintedRequest,
+) -> Result<(Area, Vec<PieceStencil>), NoStencil> {
+    let feature_mm = request.min_feature_mm;
+    let rim = request.rim();
+    let all_from = |sheet: &Area| {
+        let paints = region.areas.iter().enumerate().skip(1);
+        let one = |(paint, asked): (usize, &Area)| {
+            let (openings, bridges) = openings_and_bridges(asked, sheet, feature_mm, Slant::of_curved(feature_mm))?;
+            Ok(PieceStencil {
+                piece,
+                paint,
+                openings,
+                bridges,
+            })
+        };
+        paints.map(one).collect::<Result<Vec<_>, NoStencil>>()
+    };
+    let slit = material::sheet((piece, pieces), seams, &region.upright, rim, true);
+    let made = all_from(&slit);
+    let whole = material::sheet((piece, pieces), seams, &region.upright, rim, false);
+    if slit == whole {
+        return Ok((slit, made?));
+    }
+    // What holds together beside a slit is not enough everywhere; then the rim stays whole.
+    let is_one = |stencil: &PieceStencil| slit.without(&stencil.openings).pieces.len() == slit.pieces.len();
+    if let Ok(made) = made
+        && made.iter().all(is_one)
+    {
+        return Ok((slit, made));
+    }
+    let made = all_from(&whole)?;
+    Ok((whole, made))
+}
+
+fn signs(pieces: &[Piece], seams: &[Seam], request: &PaintedRequest) -> Vec<Signs> {
+    let inks: Vec<Region> = pieces.iter().map(|piece| piece.region.clone()).collect();
+    let room = Room {
+        bleed_mm: BLEED_MM,
+        around_mm: request.around_mm(),
+    };
+    labels::signs(pieces, seams, &inks, &vec![None; seams.len()], &room).signs
+}
+
+/// The sheet of a piece's stencils in the piece's plane.
+fn outer(material: &Material, region: &PaintedPiece) -> Region {
+    sheets::flat(&material.sheet, &region.upright)
+}
+
+/// What rulers and captions take of a page; where stencils are mirrored on it, on both sides.
+fn taken(frame: &PageFrame, mirror: bool) -> Vec<RectMm> {
+    let mut taken = pages::furniture(frame);
+    if mirror {
+        let over = |x: f64| frame.printable.left_mm + frame.printable.right_mm - x;
+        let mirrored = |r: &RectMm| RectMm::new(over(r.right_mm), r.bottom_mm, over(r.left_mm), r.top_mm);
+        taken.extend(taken.iter().map(mirrored).collect::<Vec<_>>());
+    }
+    taken
+}
+
+fn areas(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>], paints: usize) -> Vec<PaintArea> {
+    let mut areas = vec![PaintArea::default(); paints];
+    for region in regions {
+        for (sum, area) in areas.iter_mut().zip(&region.areas) {
+            sum.cells_mm2 += area.mm2();
+        }
+    }
+    for stencil in cuts.iter().flatten() {
+        areas[stencil.paint].openings_mm2 += stencil.openings.mm2();
+        areas[stencil.paint].bridges_mm2 += stencil.bridges.mm2();
+    }
+    areas
+}
+
+/// Parts of a paint's area of which nothing is cut: how many, and their area.
+fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) {
+    let key = |part: &Vec<PlaneOutline>| {
+        let part = Area {
+            pieces: vec![part.clone()],
+        };
+        let bounds = part.bounds().map(|b| [b.left, b.bottom, b.right, b.top]);
+        (bounds, part.doubled_area())
+    };
+    let mut sum = (0, 0.0);
+    for stencil in cuts.iter().flatten() {
+        let bridged: BTreeSet<_> = stencil.bridges.pieces.iter().map(key).collect();
+        for part in &regions[stencil.piece].areas[stencil.paint].pieces {
+            let mm2 = Area {
+                pieces: vec![part.clone()],
+            }
+            .mm2();
+            if mm2 > NOTHING_MM2 && bridged.contains(&key(part)) {
+                sum = (sum.0 + 1, sum.1 + mm2);
+            }
+        }
+    }
+    sum
+}
+
+fn draw(
+    made: &mut PaintedPieces,
+    (mesh, tile): (&Mesh, &Tile),
+    frames: &[PageFrame],
+    signs: &[Signs],
+    request: &PaintedRequest,
+) -> Result<(), PaintedError> {
+    let captions = Captions::of_image(&request.pieces.template(), &request.pieces.facts);
+    let first = pages::cover_frame(&made.frame, &request.pieces)?;
+    let cover = cover::cover(made, (mesh, tile), (&first, &captions), request);
+    made.add("paint".to_owned(), cover);
+    let legend = Legend {
+        painted: &made.painted,
+        areas: &made.areas,
+        whole: "all pieces",
+        notes: &[
+            "dE: CIEDE2000 of the paint against the pattern's colours. Paint 1 is sprayed on everything first, without a stencil.",
+            "Of the others, stencil and touch up make up the area. All areas are on paper.",
+        ],
+    };
+    for (i, sheet) in legend_sheets(&first, &legend, &captions).into_iter().enumerate() {
+        made.add(format!("legend{}", i + 1), sheet);
+    }
+    let drawing = sheets::Drawing::new(made, signs, &captions, request.mirror);
+    let drawn = drawing.all(frames);
+    for (name, sheet) in drawn {
+        made.add(name, sheet);
+    }
+    Ok(())
+}

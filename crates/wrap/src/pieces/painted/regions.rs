@@ -1,0 +1,230 @@
+//! What each paint takes of a piece: the cells of a world-aligned pattern, cut at every triangle and laid flat with it.
+
+use crate::pieces::flat::Piece;
+use scaleproof_print::print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, units};
+use scaleproof_print::print::raster::FlatTriangle;
+use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_surface::mesh::Mesh;
+use scaleproof_surface::pattern::palette::Painted;
+use scaleproof_surface::texture::{SurfacePoint, Tile};
+
+/// Parts of triangles are rounded, each by itself; what is nearer than this is joined. Units: 0.4 µm.
+const JOINED: i32 = 4;
+/// Corners that lie this near to a straight line are left out: 10 µm.
+const STRAIGHT: f64 = 100.0;
+/// Smaller areas are rounding, mm².
+const NOTHING_MM2: f64 = 0.002;
+
+/// A turn about the origin of a piece's plane that lays most cells upright.
+#[derive(Debug, Clone, Copy)]
+pub struct Upright {
+    /// Cosine and sine.
+    turn: Point,
+}
+
+impl Upright {
+    pub fn of(&self, [x, y]: Point) -> Point {
+        let [c, s] = self.turn;
+        [c * x - s * y, s * x + c * y]
+    }
+
+    pub fn back(&self, [x, y]: Point) -> Point {
+        let [c, s] = self.turn;
+        [c * x + s * y, c * y - s * x]
+    }
+
+    /// A region of the piece's plane, turned.
+    pub fn area(&self, region: &Region) -> Area {
+        let corner = |p: &Point| {
+            let [x, y] = self.of(*p);
+            PlanePoint::new(units(x), units(y))
+        };
+        let outlines: Vec<PlaneOutline> = region.contours().map(|c| c.iter().map(corner).collect()).collect();
+        smooth(&Area::of(&outlines))
+    }
+}
+
+/// What the paints take of a piece.
+#[derive(Debug, Clone)]
+pub struct PaintedPiece {
+    pub upright: Upright,
+    /// Of each paint, turned upright. They share borders and nothing else.
+    pub areas: Vec<Area>,
+}
+
+/// A corner of a part of a triangle: in the pattern's plane, in cells, rows counted downwards; and on paper.
+#[derive(Debug, Clone, Copy)]
+struct Corner {
+    cell: Point,
+    flat: Point,
+}
+
+/// Finds what each of the paints takes of a piece.
+pub fn painted_piece((mesh, tile): (&Mesh, &Tile), painted: &Painted, piece: &Piece) -> PaintedPiece {
+    let laid: Vec<[Corner; 3]> = piece.triangles.iter().map(|t| corners(mesh, tile, t)).collect();
+    let upright = Upright { turn: turn(&laid) };
+    let mut parts: Vec<Vec<PlaneOutline>> = vec![Vec::new(); painted.paints.len()];
+    for triangle in &laid {
+        for row in cells(triangle, 1) {
+            let strip = between(triangle, 1, row);
+            for column in cells(&strip, 0) {
+                let part = between(&strip, 0, column);
+                let repeated = |i: f64, count: u32| i.rem_euclid(f64::from(count)) as usize;
+                let [columns, rows] = [tile.pattern.columns(), tile.pattern.rows()];
+                let paint = painted.paint_at(repeated(column, columns), repeated(row, rows));
+                parts[paint].extend(outline(&part, &upright));
+            }
+        }
+    }
+    PaintedPiece {
+        upright,
+        areas: parts.iter().map(|parts| smooth(&joined(parts))).collect(),
+    }
+}
+
+fn corners(mesh: &Mesh, tile: &Tile, flat: &FlatTriangle) -> [Corner; 3] {
+    [0, 1, 2].map(|i| {
+        let at = SurfacePoint {
+            triangle: flat.triangle,
+            weights: flat.weights[i],
+        };
+        let [u, v] = tile.plane_mm(mesh, &at);
+        Corner {
+            cell: [u / tile.cell_mm, -v / tile.cell_mm],
+            flat: flat.flat_mm[i],
+        }
+    })
+}
+
+/// The turn that lays the rows of cells along x or y, in the mean over all triangles by area. A quarter turn changes nothing, so that
+/// four times the angle is what is averaged.
+fn turn(laid: &[[Corner; 3]]) -> Point {
+    let mut sum = [0.0; 2];
+    for [a, b, c] in laid {
+        let step = |p: &Corner, of: fn(&Corner) -> Point| [0, 1].map(|axis| of(p)[axis] - of(a)[axis]);
+        let (cell, flat) = (|p: &Corner| p.cell, |p: &Corner| p.flat);
+        let ([du, dv], [eu, ev]) = (step(b, cell), step(c, cell));
+        let (d, e) = (step(b, flat), step(c, flat));
+        // The way on paper of one step along the rows, but for its length.
+        let whole = du * ev - dv * eu;
+        let along = [0, 1].map(|axis| (ev * d[axis] - dv * e[axis]) * whole.signum());
+        let area = (d[0] * e[1] - d[1] * e[0]).abs();
+        let (s, c) = (4.0 * along[1].atan2(along[0])).sin_cos();
+        (sum[0], sum[1]) = (sum[0] + area * c, sum[1] + area * s);
+    }
+    let angle = -0.25 * sum[1].atan2(sum[0]);
+    [angle.cos(), angle.sin()]
+}
+
+/// The rows (axis 1) or columns (0) that an outline reaches into.
+fn cells(outline: &[Corner], axis: usize) -> impl Iterator<Item = f64> + use<> {
+    let values = outline.iter().map(|corner| corner.cell[axis]);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    let (first, end) = if low.is_finite() {
+        (low.floor(), high.ceil())
+    } else {
+        (0.0, 0.0)
+    };
+    (0..(end - first) as usize).map(move |i| first + i as f64)
+}
+
+/// The part of a convex outline in one row or column.
+fn between(outline: &[Corner], axis: usize, first: f64) -> Vec<Corner> {
+    cut(&cut(outline, axis, first, 1.0), axis, first + 1.0, -1.0)
+}
+
+/// The part of a convex outline on one side of a line (Sutherland & Hodgman 1974).
+fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
+    let inside_by = |corner: &Corner| sign * (corner.cell[axis] - limit);
+    let mut kept = Vec::with_capacity(outline.len() + 1);
+    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+        let (at_a, at_b) = (inside_by(a), inside_by(b));
+        if at_a >= 0.0 {
+            kept.push(*a);
+        }
+        if (at_a < 0.0) != (at_b < 0.0) {
+            let share = at_a / (at_a - at_b);
+            let mix = |a: Point, b: Point| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
+            kept.push(Corner {
+                cell: mix(a.cell, b.cell),
+                flat: mix(a.flat, b.flat),
+            });
+        }
+    }
+    kept
+}
+
+/// A part of a triangle on paper, counter-clockwise; `None` of nothing.
+fn outline(part: &[Corner], upright: &Upright) -> Option<PlaneOutline> {
+    let corner = |corner: &Corner| {
+        let [x, y] = upright.of(corner.flat);
+        PlanePoint::new(units(x), units(y))
+    };
+    let mut outline: PlaneOutline = part.iter().map(corner).collect();
+    let cross =
+        |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
+    let doubled: i128 = edges(&outline).map(cross).sum();
+    if doubled < 0 {
+        outline.reverse();
+    }
+    (doubled != 0).then_some(outline)
+}
+
+/// The union of parts without the slits that rounding left between them.
+fn joined(parts: &[PlaneOutline]) -> Area {
+    let grown = Area::of(parts).grown(JOINED);
+    let mut area = grown.shrunk(JOINED);
+    let is_something = |piece: &Vec<PlaneOutline>| {
+        Area {
+            pieces: vec![piece.clone()],
+        }
+        .mm2()
+            > NOTHING_MM2
+    };
+    area.pieces.retain(is_something);
+    area
+}
+
+/// An area with fewer corners: its outlines are [`straightened`].
+fn smooth(area: &Area) -> Area {
+    let outlines: Vec<PlaneOutline> = area.outlines().map(straightened).filter(|o| o.len() > 2).collect();
+    Area::of(&outlines)
+}
+
+/// A closed outline without the corners that lie near the line between those that stay (Douglas & Peucker 1973).
+fn straightened(outline: &PlaneOutline) -> PlaneOutline {
+    let Some(first) = outline.first() else {
+        return Vec::new();
+    };
+    let away = |p: &PlanePoint| f64::from(p.x - first.x).hypot(f64::from(p.y - first.y));
+    let far = |(i, p): (usize, &PlanePoint)| (i, away(p));
+    let Some((far, _)) = outline.iter().enumerate().map(far).max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return Vec::new();
+    };
+    let mut kept = vec![false; outline.len() + 1];
+    for i in [0, far, outline.len()] {
+        kept[i] = true;
+    }
+    let at = |i: usize| outline[i % outline.len()];
+    let mut open = vec![(0, far), (far, outline.len())];
+    while let Some((from, to)) = open.pop() {
+        let between = (from + 1..to).map(|i| (i, off_line(at(i), at(from), at(to))));
+        if let Some((i, _)) = between
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, off)| *off > STRAIGHT)
+        {
+            kept[i] = true;
+            open.extend([(from, i), (i, to)]);
+        }
+    }
+    (0..outline.len()).filter(|i| kept[*i]).map(at).collect()
+}
+
+fn off_line(p: PlanePoint, a: PlanePoint, b: PlanePoint) -> f64 {
+    let (dx, dy) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
+    let (px, py) = (f64::from(p.x - a.x), f64::from(p.y - a.y));
+    let along = ((px * dx + py * dy) / (dx * dx + dy * dy).max(1.0)).clamp(0.0, 1.0);
+    (px - along * dx).hypot(py - along * dy)
+}

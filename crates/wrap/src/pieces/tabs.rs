@@ -1,0 +1,156 @@
+//! Glue tabs: on one side of each seam a strip of paper that goes under the other piece.
+
+use super::flat::Piece;
+use super::seams::{Seam, SeamEdge, border};
+use scaleproof_core::geometry::distance;
+use scaleproof_print::print::wrap::{Contour, Point, Region};
+
+/// A tab that is cut back to less than this share of its length times its width does not hold.
+const LEAST_SHARE: f64 = 0.4;
+/// Shorter seams hold without a tab.
+const SHORTEST_MM: f64 = 6.0;
+/// A border that turns by more is no line to fold along.
+const BEND_DEG: f64 = 20.0;
+/// Between a tab and what else is there, for the knife.
+const GAP_MM: f64 = 0.6;
+
+/// The tabs of one piece.
+#[derive(Debug, Clone, Default)]
+pub struct Tabs {
+    pub region: Region,
+    /// Where they are folded: along the border.
+    pub folds: Vec<[Point; 2]>,
+}
+
+/// The tabs of all pieces, and of each seam the side that has one and how far from the border its letter stands.
+pub struct AllTabs {
+    pub tabs: Vec<Tabs>,
+    pub sides: Vec<Option<(usize, f64)>>,
+}
+
+/// Tabs of a width on one side of each seam, the one that has more room.
+pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> AllTabs {
+    let mut all = AllTabs {
+        tabs: vec![Tabs::default(); pieces.len()],
+        sides: vec![None; seams.len()],
+    };
+    let Some(width_mm) = width_mm else { return all };
+    let near: Vec<Region> = pieces.iter().map(|piece| piece.region.grown(GAP_MM)).collect();
+    for (seam, chosen) in seams.iter().zip(&mut all.sides) {
+        if seam.length_mm < SHORTEST_MM {
+            continue;
+        }
+        let room = |side: usize| {
+            let piece = seam.pieces()[side];
+            let strip = strip(seam, pieces, side, width_mm);
+            // What runs along the border stays; what comes near another part of the piece goes.
+            let own = Region::union(beside(&lines(seam, pieces, side), 2.0 * GAP_MM));
+            let off = strip.without(&near[piece].without(&own)).without(&pieces[piece].region);
+            off.without(&all.tabs[piece].region.grown(GAP_MM))
+        };
+        let both = [room(0), room(1)];
+        let side = usize::from(both[1].area_mm2() > both[0].area_mm2());
+        if both[side].area_mm2() < LEAST_SHARE * seam.length_mm * width_mm {
+            continue;
+        }
+        *chosen = Some((side, 0.55 * width_mm));
+        let tabs = &mut all.tabs[seam.pieces()[side]];
+        tabs.region = tabs.region.or(&both[side]);
+        tabs.folds
+            .extend(seam.edges.iter().map(|edge| border(pieces, edge.sides[side]).flat));
+    }
+    all
+}
+
+/// The strip beside a seam: straight parts with slanted ends, so that each folds by itself.
+fn strip(seam: &Seam, pieces: &[Piece], side: usize, width_mm: f64) -> Region {
+    let lines = lines(seam, pieces, side);
+    let parts = straight_parts(&lines);
+    let strips = parts.map(|part| {
+        let slant = width_mm.min(0.3 * part.iter().map(Line::length_mm).sum::<f64>());
+        let ends = [(part.first(), 1.0), (part.last(), -1.0)];
+        let ends = ends
+            .into_iter()
+            .filter_map(|(line, sign)| Some(line?.wedge(sign, slant, width_mm)));
+        Region::union(beside(part, width_mm)).without(&Region::union(ends.collect()))
+    });
+    strips.fold(Region::default(), |all, strip| all.or(&strip))
+}
+
+/// An edge of a border, in the order of its seam.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    from: Point,
+    to: Point,
+    outward: Point,
+}
+
+impl Line {
+    fn length_mm(&self) -> f64 {
+        distance(self.from, self.to)
+    }
+
+    fn along(&self) -> Point {
+        let length = self.length_mm().max(f64::MIN_POSITIVE);
+        [0, 1].map(|axis| (self.to[axis] - self.from[axis]) / length)
+    }
+
+    fn out(p: Point, outward: Point, mm: f64) -> Point {
+        [0, 1].map(|axis| p[axis] + mm * outward[axis])
+    }
+
+    /// What the slanted end of a strip loses: at the start (1) or at the end (-1).
+    fn wedge(&self, sign: f64, slant: f64, width_mm: f64) -> Contour {
+        let end = if sign > 0.0 { self.from } else { self.to };
+        let along = self.along().map(|c| sign * c);
+        let at = |a: f64, mm: f64| Self::out(Self::out(end, along, a), self.outward, mm);
+        // A little more outwards and backwards, so that nothing of the corner stays.
+        vec![
+            at(0.0, 0.0),
+            at(1.2 * slant, 1.2 * width_mm),
+            at(-width_mm, 1.2 * width_mm),
+            at(-width_mm, 0.0),
+        ]
+    }
+}
+
+/// A seam on one of its sides.
+fn lines(seam: &Seam, pieces: &[Piece], side: usize) -> Vec<Line> {
+    let line = |edge: &SeamEdge| {
+        let border = border(pieces, edge.sides[side]);
+        let [a, b] = border.flat;
+        let (from, to) = if edge.backwards { (b, a) } else { (a, b) };
+        let outward = border.outward;
+        Line { from, to, outward }
+    };
+    seam.edges.iter().map(line).collect()
+}
+
+/// Cut where the border turns by more than paper folds along.
+fn straight_parts(lines: &[Line]) -> impl Iterator<Item = &[Line]> {
+    let goes_on = |a: &Line, b: &Line| {
+        let ([ax, ay], [bx, by]) = (a.along(), b.along());
+        ax * bx + ay * by > BEND_DEG.to_radians().cos()
+    };
+    lines.chunk_by(goes_on)
+}
+
+/// A strip of quadrilaterals, and the wedges between them at corners.
+fn beside(lines: &[Line], width_mm: f64) -> Vec<Contour> {
+    let mut outlines = Vec::new();
+    for line in lines {
+        let Line { from, to, outward } = *line;
+        outlines.push(vec![
+            from,
+            to,
+            Line::out(to, outward, width_mm),
+            Line::out(from, outward, width_mm),
+        ]);
+    }
+    for pair in lines.windows(2) {
+        let corner = pair[0].to;
+        let out = |line: &Line| Line::out(corner, line.outward, width_mm);
+        outlines.push(vec![corner, out(&pair[0]), out(&pair[1])]);
+    }
+    outlines
+}

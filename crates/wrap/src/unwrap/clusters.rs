@@ -1,0 +1,46 @@
+//! First clusters: faces beside each other whose normals are almost those of the first, and which no crease parts.
+
+use nalgebra::{Point3, Vector3};
+
+use super::surface::Surface;
+use super::topology::Topology;
+use scaleproof_surface::mesh::doubled_area;
+
+/// A face at this angle is shown 1.02 times too short.
+const CONE_DEG: f64 = 11.0;
+
+/// Every face is in one.
+pub(super) fn grow(surface: &Surface, topology: &Topology, fits_mm: Option<[f64; 2]>) -> Vec<Vec<usize>> {
+    let normals: Vec<Vector3<f64>> = (0..surface.faces.len())
+        .map(|f| doubled_area(&surface.corners(f)).normalize())
+        .collect();
+    let least = CONE_DEG.to_radians().cos();
+    // In whatever way such a piece is turned, it fits.
+    let widest = fits_mm.map_or(f64::INFINITY, |[a, b]| 0.5 * a.min(b));
+    let (mut is_taken, mut clusters) = (vec![false; normals.len()], Vec::new());
+    let mut seeds: Vec<usize> = (0..normals.len()).collect();
+    seeds.sort_by(|a, b| surface.area(*b).total_cmp(&surface.area(*a)));
+    for seed in seeds {
+        if is_taken[seed] {
+            continue;
+        }
+        is_taken[seed] = true;
+        let (mut cluster, mut next) = (vec![seed], 0);
+        let centre = surface.corners(seed)[0];
+        while let Some(face) = cluster.get(next).copied() {
+            next += 1;
+            for (neighbour, _) in topology.across[face].into_iter().flatten() {
+                let near = |p: &Point3<f64>| (p - centre).norm() <= widest;
+                if !is_taken[neighbour]
+                    && normals[neighbour].dot(&normals[seed]) >= least
+                    && surface.corners(neighbour).iter().all(near)
+                {
+                    is_taken[neighbour] = true;
+                    cluster.push(neighbour);
+                }
+            }
+        }
+        clusters.push(cluster);
+    }
+    clusters
+}

@@ -1,0 +1,262 @@
+//! Cuts the paint of a mesh into few pieces of bounded stretch and flattens each one.
+//!
+//! The steps in order, one file each: the paint as a [`surface`] (corners welded, large triangles subdivided); what of it is visible
+//! ([`visibility`]); which faces lie beside each other ([`topology`]); almost flat [`clusters`]; and gluing them ([`merge`]) as long as the union,
+//! laid flat ([`patch`]), keeps its stretch, does not overlap and fits the paper ([`assembly`]). Gluing is cheapest first, so seams stay where
+//! they are needed: along creases and where the surface ends.
+
+mod assembly;
+mod borders;
+mod clusters;
+mod merge;
+mod neighbours;
+mod outline;
+mod patch;
+mod stretch;
+mod surface;
+mod topology;
+mod visibility;
+
+use nalgebra::Point3;
+
+use assembly::{Assembly, Piece};
+use neighbours::neighbours;
+use surface::{Face, Surface};
+use topology::Topology;
+
+use scaleproof_surface::mesh::Mesh;
+
+/// More triangles than this take minutes.
+pub const MAX_TRIANGLES: usize = 200_000;
+
+/// What can be asked for. No surface is flat to the last digit.
+const STRETCH: std::ops::RangeInclusive<f64> = 1.001..=2.0;
+
+/// What pieces are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnwrapRequest {
+    /// At most so many, and up to 3 % of the paint may be left out for it. `None`: as many as it takes, and no paint is left out.
+    pub most_pieces: Option<usize>,
+    /// The mean stretch over all pieces, by area, is at most this.
+    pub mean_stretch: f64,
+    /// The 99th percentile of the stretch over all pieces, by area, is at most this.
+    pub stretch_99: f64,
+    /// Each piece fits into a rectangle of this size, turned as it likes, mm; `None`: any size.
+    pub fits_mm: Option<[f64; 2]>,
+    /// Also flatten what cannot be seen from outside; otherwise it is left out.
+    pub hidden_too: bool,
+}
+
+impl Default for UnwrapRequest {
+    fn default() -> Self {
+        Self {
+            most_pieces: None,
+            mean_stretch: 1.03,
+            stretch_99: 1.2,
+            fits_mm: None,
+            hidden_too: false,
+        }
+    }
+}
+
+/// One triangle of a piece. A large triangle of the mesh is subdivided, so several faces may share it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatFace {
+    /// Of the mesh.
+    pub triangle: usize,
+    /// The barycentric place of each corner in that triangle.
+    pub weights: [[f64; 3]; 3],
+    /// Into [`Unwrapped::points_mm`]: an edge has the same two indices on both sides of a seam.
+    pub corners: [usize; 3],
+    /// Seen from outside, counter-clockwise. A piece may be cut into itself: two faces of it that share an edge lie apart
+    /// where these differ, and the edge is a seam, too.
+    pub flat_mm: [[f64; 2]; 3],
+    /// The larger of the largest singular value from surface to paper and of the inverse of the smallest; 1 or more.
+    pub stretch: f64,
+}
+
+/// One piece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    pub faces: Vec<FlatFace>,
+    pub surface_mm2: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LeftOutReason {
+    /// It cannot be seen from outside.
+    Hidden,
+    /// It has no area, or it is there twice.
+    NoArea,
+    /// Pieces beyond the number asked for, smallest first.
+    TooSmall,
+}
+
+/// Paint that no piece has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOut {
+    /// Of the mesh, each once, rising. A triangle that was subdivided may have other parts in pieces.
+    pub triangles: Vec<usize>,
+    pub surface_mm2: f64,
+    pub reason: LeftOutReason,
+}
+
+/// The pieces and what they keep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unwrapped {
+    /// Model frame.
+    pub points_mm: Vec<Point3<f64>>,
+    /// Largest first.
+    pub charts: Vec<Chart>,
+    /// One for each reason there is.
+    pub left_out: Vec<LeftOut>,
+    /// The paint that can be seen, in pieces or not; all paint where hidden paint is flattened, too.
+    pub visible_mm2: f64,
+    pub mean_stretch: f64,
+    pub stretch_99: f64,
+    pub largest_stretch: f64,
+}
+
+/// Why there are no pieces.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum UnwrapError {
+    #[error("the mesh has no paint that can be seen; check the paint's name and which way is up")]
+    NoPaint,
+    #[error("the paint has {count} triangles and is cut into pieces up to {MAX_TRIANGLES}; simplify the mesh")]
+    TooManyTriangles { count: usize },
+    #[error(
+        "the paint takes {needed} pieces of this size and stretch, and {most} are allowed; allow more pieces, more stretch or larger paper"
+    )]
+    TooFewPieces { most: usize, needed: usize },
+    #[error("a stretch of {value} cannot be asked for; {} to {} can", STRETCH.start(), STRETCH.end())]
+    BadStretch { value: f64 },
+    #[error("pieces of {} × {} mm are too small for this model", size_mm[0], size_mm[1])]
+    BadSize { size_mm: [f64; 2] },
+}
+
+/// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` hears the share that is done.
+///
+/// # Errors
+/// Nothing to cut, too much of it, and bounds that cannot be kept.
+pub fn unwrap(
+    mesh: &Mesh,
+    materials: &[usize],
+    request: &UnwrapRequest,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Unwrapped, UnwrapError> {
+    check(request)?;
+    let mut surface = Surface::of(mesh, materials, request.fits_mm)?;
+    let mut left_out = Vec::new();
+    let mut seen = visibility::seen(mesh, &surface);
+    if !request.hidden_too {
+        let is_visible = visibility::visible(&seen, &neighbours(&surface, |_, _| true));
+        left_out.extend(surface.left_out(&unmarked(&is_visible), LeftOutReason::Hidden));
+        surface.keep(&is_visible);
+        let is_kept = seen.into_iter().zip(is_visible);
+        seen = is_kept.filter_map(|(seen, is)| is.then_some(seen)).collect();
+    }
+    let topology = Topology::of(&mut surface, &seen);
+    let mut assembly = Assembly::new(&surface, &topology, request);
+    for cluster in clusters::grow(&surface, &topology, request.fits_mm) {
+        assembly.add_cluster(&cluster);
+    }
+    let has_piece: Vec<bool> = assembly.piece_of.iter().map(Option::is_some).collect();
+    left_out.extend(surface.left_out(&unmarked(&has_piece), LeftOutReason::NoArea));
+    let pieces = merge::pieces(&assembly, progress);
+    progress(1.0);
+    summary(surface, pieces, left_out, request)
+}
+
+/// The faces that are not marked.
+fn unmarked(marks: &[bool]) -> Vec<usize> {
+    (0..marks.len()).filter(|f| !marks[*f]).collect()
+}
+
+fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
+    for value in [request.mean_stretch, request.stretch_99] {
+        if !STRETCH.contains(&value) {
+            return Err(UnwrapError::BadStretch { value });
+        }
+    }
+    match request.fits_mm {
+        Some(size_mm) if size_mm.iter().any(|mm| !(1.0..1e6).contains(mm)) => Err(UnwrapError::BadSize { size_mm }),
+        _ => Ok(()),
+    }
+}
+
+/// The pieces largest first, without those that may be left out, and what they keep.
+fn summary(
+    surface: Surface,
+    mut pieces: Vec<Piece>,
+    mut left_out: Vec<LeftOut>,
+    request: &UnwrapRequest,
+) -> Result<Unwrapped, UnwrapError> {
+    pieces.sort_by(|a, b| b.sums.area.total_cmp(&a.sums.area).then(a.faces.cmp(&b.faces)));
+    let visible_mm2: f64 = pieces.iter().map(|p| p.sums.area).sum();
+    if pieces.is_empty() {
+        return Err(UnwrapError::NoPaint);
+    }
+    if let Some(most) = request.most_pieces {
+        let beyond = pieces.split_off(merge::needed(&pieces).max(most).min(pieces.len()));
+        if pieces.len() > most {
+            return Err(UnwrapError::TooFewPieces {
+                most,
+                needed: pieces.len(),
+            });
+        }
+        let faces: Vec<usize> = beyond.into_iter().flat_map(|p| p.faces).collect();
+        left_out.extend(surface.left_out(&faces, LeftOutReason::TooSmall));
+    }
+    let values = pieces.iter().flat_map(|p| p.faces.iter().zip(&p.stretch));
+    let values: Vec<(f64, f64)> = values.map(|(f, stretch)| (*stretch, surface.area(*f))).collect();
+    let covered: f64 = values.iter().map(|(_, area)| area).sum();
+    Ok(Unwrapped {
+        charts: pieces.into_iter().map(|p| chart(&surface, p)).collect(),
+        left_out,
+        visible_mm2,
+        mean_stretch: values.iter().map(|(s, area)| s * area).sum::<f64>() / covered,
+        largest_stretch: values.iter().map(|(s, _)| *s).fold(1.0, f64::max),
+        stretch_99: stretch::percentile(values, 0.99),
+        points_mm: surface.points,
+    })
+}
+
+fn chart(surface: &Surface, piece: Piece) -> Chart {
+    let parts = piece.faces.iter().zip(piece.flat).zip(piece.stretch);
+    let faces = parts.map(|((f, flat), stretch)| {
+        let Face {
+            triangle,
+            weights,
+            corners,
+        } = surface.faces[*f].clone();
+        FlatFace {
+            triangle,
+            weights,
+            corners,
+            flat_mm: flat.map(Into::into),
+            stretch,
+        }
+    });
+    Chart {
+        faces: faces.collect(),
+        surface_mm2: piece.sums.area,
+    }
+}
+
+impl Chart {
+    /// How long its outline is, slits and holes included.
+    pub fn outline_mm(&self) -> f64 {
+        let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
+        let mut sides = std::collections::BTreeMap::new();
+        for face in &self.faces {
+            for i in 0..3 {
+                let (p, q) = (face.flat_mm[i], face.flat_mm[(i + 1) % 3]);
+                let length = (p[0] - q[0]).hypot(p[1] - q[1]);
+                let ends = [key(p).min(key(q)), key(p).max(key(q))];
+                let entry = sides.entry(ends).or_insert((0, length));
+                entry.0 += 1;
+            }
+        }
+        sides.values().filter(|(n, _)| *n == 1).map(|(_, l)| l).sum()
+    }
+}

@@ -1,0 +1,68 @@
+//! Outlines on the paper: whether they cross, and whether they fit into a rectangle.
+
+use nalgebra::Vector2;
+
+use scaleproof_core::geometry::convex_hull;
+
+/// A side of an outline, with the places at its ends.
+pub(super) type Side = [(usize, Vector2<f64>); 2];
+
+/// Whether two sides without a common place cross.
+pub(super) fn is_crossing(sides: &[Side]) -> bool {
+    let extent = |s: &Side, i: usize| (s[0].1[i].min(s[1].1[i]), s[0].1[i].max(s[1].1[i]));
+    let mut order: Vec<&Side> = sides.iter().collect();
+    order.sort_by(|a, b| extent(a, 0).0.total_cmp(&extent(b, 0).0));
+    order.iter().enumerate().any(|(i, a)| {
+        let (right, (low, high)) = (extent(a, 0).1, extent(a, 1));
+        let near = order[i + 1..].iter().take_while(|b| extent(b, 0).0 <= right);
+        near.filter(|b| extent(b, 1).0 <= high && extent(b, 1).1 >= low)
+            .any(|b| do_cross(a, b))
+    })
+}
+
+fn do_cross(a: &Side, b: &Side) -> bool {
+    if a.iter().any(|(p, _)| b.iter().any(|(q, _)| p == q)) {
+        return false;
+    }
+    parts(a, b) && parts(b, a)
+}
+
+/// Whether the ends of the second lie on both sides of the first's line.
+fn parts(a: &Side, b: &Side) -> bool {
+    let beside = b.map(|(_, p)| (a[1].1 - a[0].1).perp(&(p - a[0].1)));
+    beside[0].min(beside[1]) < 0.0 && beside[0].max(beside[1]) > 0.0
+}
+
+/// How an outline lies in its smallest rectangle.
+pub(super) struct Rectangle {
+    pub area: f64,
+    /// The angle by which the outline must be turned for it.
+    pub turn: f64,
+}
+
+/// The smallest rectangle that lies along one side of the convex hull, as the smallest of all does (Freeman and Shapira 1975), and has
+/// at most this size; any that has this size where none of those does. `None` if the outline does not fit.
+pub(super) fn rectangle(points: impl Iterator<Item = Vector2<f64>>, most_mm: Option<[f64; 2]>) -> Option<Rectangle> {
+    let hull = convex_hull(points.map(Into::into).collect());
+    let fitting = |turn: f64| {
+        let (sin, cos) = turn.sin_cos();
+        let extent = |x: f64, y: f64| {
+            let at = hull.iter().map(|p| x * p[0] + y * p[1]);
+            let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            high - low
+        };
+        let (width, height) = (extent(cos, -sin), extent(sin, cos));
+        let is_fitting = most_mm.is_none_or(|most| width <= most[0] && height <= most[1]);
+        let area = width * height;
+        is_fitting.then_some(Rectangle { area, turn })
+    };
+    let smallest =
+        |turns: &mut dyn Iterator<Item = f64>| turns.filter_map(fitting).min_by(|a, b| a.area.total_cmp(&b.area));
+    let along = (0..hull.len()).map(|i| {
+        let (p, q) = (hull[i], hull[(i + 1) % hull.len()]);
+        -(q[1] - p[1]).atan2(q[0] - p[0])
+    });
+    let right_angle = std::f64::consts::FRAC_PI_2;
+    smallest(&mut along.flat_map(|angle| [angle, angle + right_angle]))
+        .or_else(|| smallest(&mut (0..180).map(|deg| f64::from(deg).to_radians())))
+}

@@ -1,0 +1,167 @@
+//! What of the paint can be seen from outside, and which side of it: z-buffers of the whole mesh from around and above.
+
+use nalgebra::{Point3, Vector3};
+
+use super::neighbours::Neighbours;
+use super::surface::Surface;
+use scaleproof_surface::mesh::{Mesh, doubled_area};
+
+/// Elevations of the views and how many stand around at each. A person looks at a model on a table slightly from below, too.
+const VIEWS: [(f64, usize); 5] = [(-10.0, 12), (10.0, 12), (32.0, 12), (58.0, 8), (90.0, 1)];
+/// Pixels along the mesh's longest side.
+const PIXELS: f64 = 700.0;
+/// A face of which no view shows this share is hidden.
+const LEAST_SHARE: f64 = 0.15;
+/// One between visible faces is visible from this share on, so that borders have no teeth.
+const LEAST_BETWEEN: f64 = 0.02;
+/// A view that sees a face flatter than this, as the cosine of the angle to its normal, does not show it: a floor from just below.
+const LEAST_COSINE: f64 = 0.2;
+/// What lies this close behind another is at the same place, in pixels.
+const SAME_DEPTH: f64 = 0.02;
+
+/// How each face was seen.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Seen {
+    /// The largest share of it that one view shows; not a number if it is too small for all of them.
+    pub share: f64,
+    /// Pixels in all views that show the side it is wound to, less those that show its back.
+    pub front_px: i64,
+}
+
+/// How the views see each face.
+pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
+    let mut seen = vec![
+        Seen {
+            share: f64::NAN,
+            front_px: 0
+        };
+        surface.faces.len()
+    ];
+    let (low, high) = mesh.bounds_mm();
+    let pixel = (high - low).amax() / PIXELS;
+    for (elevation, around) in VIEWS {
+        for i in 0..around {
+            let azimuth = 360.0 * i as f64 / around as f64;
+            let mut view = View::new(&[low, high], azimuth, elevation, pixel);
+            for triangle in mesh.triangles() {
+                view.draw(&mesh.corners_mm(triangle));
+            }
+            for (face, seen) in seen.iter_mut().enumerate() {
+                view.look(&surface.corners(face), seen);
+            }
+        }
+    }
+    seen
+}
+
+/// Which faces are visible. One that is too small for all views is.
+pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
+    let is_shown: Vec<bool> = seen
+        .iter()
+        .map(|s| s.share.is_nan() || s.share >= LEAST_SHARE)
+        .collect();
+    let is_between = |f: usize| beside[f].iter().flatten().filter(|(g, _)| is_shown[*g]).count() >= 2;
+    (0..seen.len())
+        .map(|f| is_shown[f] || (seen[f].share >= LEAST_BETWEEN && is_between(f)))
+        .collect()
+}
+
+/// An orthographic view: for each pixel how near the nearest surface is.
+struct View {
+    /// To the right, up and towards the viewer, in pixels.
+    axes: [Vector3<f64>; 3],
+    origin: [f64; 2],
+    size: [usize; 2],
+    nearest: Vec<f64>,
+}
+
+impl View {
+    fn new(bounds: &[Point3<f64>; 2], azimuth_deg: f64, elevation_deg: f64, pixel: f64) -> Self {
+        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+        let (up, level) = elevation_deg.to_radians().sin_cos();
+        let towards = Vector3::new(level * cos, level * sin, up);
+        let right = Vector3::new(-sin, cos, 0.0);
+        let axes = [right, towards.cross(&right), towards].map(|a| a / pixel);
+        let corner = |i: usize| Point3::from([0, 1, 2].map(|k| bounds[i >> k & 1][k]));
+        let extent = |a: usize| {
+            let at = (0..8).map(|i| axes[a].dot(&corner(i).coords));
+            at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
+        };
+        let (x, y) = (extent(0), extent(1));
+        let size = [x, y].map(|(low, high)| (high - low).ceil() as usize + 2);
+        Self {
+            axes,
+            // Off the pixels' centres, which the edges of a box would meet otherwise.
+            origin: [x.0 - 0.63, y.0 - 0.59],
+            size,
+            nearest: vec![f64::NEG_INFINITY; size[0] * size[1]],
+        }
+    }
+
+    fn project(&self, p: &Point3<f64>) -> [f64; 3] {
+        let [x, y, z] = [0, 1, 2].map(|a| self.axes[a].dot(&p.coords));
+        [x - self.origin[0], y - self.origin[1], z]
+    }
+
+    fn draw(&mut self, corners: &[Point3<f64>; 3]) {
+        let corners = corners.map(|p| self.project(&p));
+        let nearest = &mut self.nearest;
+        pixels(&corners, self.size, |at, depth| nearest[at] = nearest[at].max(depth));
+    }
+
+    fn look(&self, corners: &[Point3<f64>; 3], seen: &mut Seen) {
+        let normal = doubled_area(corners);
+        let is_grazed = normal.dot(&self.axes[2]).abs() < LEAST_COSINE * normal.norm() * self.axes[2].norm();
+        let corners = corners.map(|p| self.project(&p));
+        let (mut covered, mut shown) = (0_u32, 0_u32);
+        pixels(&corners, self.size, |at, depth| {
+            covered += 1;
+            shown += u32::from(!is_grazed && depth >= self.nearest[at] - SAME_DEPTH);
+        });
+        if covered > 0 {
+            seen.share = seen.share.max(f64::from(shown) / f64::from(covered));
+            seen.front_px += i64::from(shown) * if doubled(&corners) > 0.0 { 1 } else { -1 };
+        }
+    }
+}
+
+fn doubled([a, b, c]: &[[f64; 3]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// Calls with the index and the depth at each pixel whose centre the triangle covers.
+fn pixels(corners: &[[f64; 3]; 3], size: [usize; 2], mut each: impl FnMut(usize, f64)) {
+    let area = doubled(corners);
+    if area.abs() < 1e-9 {
+        return;
+    }
+    let [a, b, c] = corners;
+    // Depth is a linear function of the pixel.
+    let slope = |i: usize, j: usize| {
+        let (p, q) = (b[2] - a[2], c[2] - a[2]);
+        (p * (c[j] - a[j]) - q * (b[j] - a[j])) / area * if i == 0 { 1.0 } else { -1.0 }
+    };
+    let (by_x, by_y) = (slope(0, 1), slope(1, 0));
+    let lowest = |k: usize| a[k].min(b[k]).min(c[k]).ceil().max(0.0) as usize;
+    let highest = |k: usize| a[k].max(b[k]).max(c[k]).floor();
+    let last = highest(1);
+    let mut y = lowest(1);
+    while y < size[1] && y as f64 <= last {
+        let at = y as f64;
+        let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            if (p[1] - at) * (q[1] - at) > 0.0 {
+                continue;
+            }
+            let share = if p[1] == q[1] { 0.0 } else { (at - p[1]) / (q[1] - p[1]) };
+            let x = p[0] + share * (q[0] - p[0]);
+            (from, to) = (from.min(x), to.max(x));
+        }
+        let mut x = from.ceil().max(0.0) as usize;
+        while x < size[0] && x as f64 <= to {
+            each(y * size[0] + x, a[2] + by_x * (x as f64 - a[0]) + by_y * (at - a[1]));
+            x += 1;
+        }
+        y += 1;
+    }
+}

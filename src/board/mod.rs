@@ -1,8 +1,0 @@
-//! Calibration boards: the file that describes one, and where its corners are, for whoever prints or finds it.
-
-mod corners;
-mod definition;
-
-pub(crate) use corners::Marker;
-
-pub(crate) use definition::{Definition, DefinitionError};

@@ -1,7 +1,0 @@
-//! A plan that was fixed before the photos, and in what a comparison differs from it.
-
-mod deviations;
-mod plan;
-mod views;
-
-pub(crate) use plan::{SealedDetector, SealedPlan, Stopping};

@@ -1,0 +1,80 @@
+//! The tests of several crates together and of the program: one integration test, linked once, with a module for each file of this folder. Unit
+//! tests stand beside the code.
+
+mod common;
+// What fuzzing calls.
+#[path = "../fuzz/entry.rs"]
+mod fuzz_entry;
+
+mod advise;
+mod advise_regret;
+mod architecture;
+#[cfg(feature = "attack")]
+mod attack_dtn;
+mod attack_evaluate;
+mod attack_frames;
+mod attack_import;
+#[cfg(feature = "attack")]
+mod attack_judge;
+mod attack_models;
+#[cfg(feature = "attack")]
+mod attack_onnx;
+#[cfg(feature = "attack")]
+mod attack_onnx_exact;
+mod attack_photos;
+mod attack_run;
+mod average_precision;
+mod calibrate;
+mod camera;
+mod capture;
+mod capture_camera;
+mod capture_decided;
+mod capture_page;
+mod chart;
+mod colour;
+mod compare;
+mod corruptions;
+mod demo;
+mod detector_heads;
+mod detector_proposals;
+mod detectors;
+mod detectors_validate;
+mod diagnosis;
+mod docs;
+mod figures;
+mod folders;
+mod headline;
+mod hostile;
+mod import;
+mod jpeg;
+mod locate;
+mod manners;
+mod package;
+mod parsers;
+mod pattern_import;
+mod pose_doubt;
+mod print_board;
+mod print_paint;
+mod print_painted_pieces;
+mod print_pieces;
+mod print_printer;
+mod print_svg;
+mod print_tags;
+mod print_template;
+mod print_wrap;
+mod program_detectors;
+mod program_gradients;
+mod protocols;
+mod ranking;
+mod report;
+mod results_outside;
+mod scale;
+mod score;
+mod sequential;
+mod solvers;
+mod survey;
+mod tag_detectors;
+mod texture;
+mod texture_bake;
+mod truth;
+mod unwrap;
