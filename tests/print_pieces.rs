@@ -593,7 +593,7 @@ fn what_the_program_says_of_pieces() {
     let first = text_of(Path::new(&path("w.pdf")), 1);
     let first = first.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        first.contains("Letters are seams")
+        first.contains("Matching letters mark edges to be joined")
             && first.contains("grey is the back of a piece")
             && first.contains("100.0 % of what can be seen"),
         "{first}"

@@ -13,7 +13,7 @@ use super::enlarged::{note_enlarged, picture};
 use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
 use scaleproof_core::files;
-use scaleproof_print::print::lettering::number;
+use scaleproof_plot::lettering::number;
 use scaleproof_print::print::printer::PrinterFile;
 use scaleproof_surface::pattern::fate::{PatternFate, fate};
 use scaleproof_surface::pattern::gamut::PRINTABLE_DELTA_E;

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use super::compare::inside;
 use super::{CommandResult, Outcome, progress};
-use scaleproof_core::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_core::{files, spelling};
+use scaleproof_plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use scaleproof_pose::scene::Scene;
 use scaleproof_score::score;
 use scaleproof_score::score::SequentialPlan;

@@ -1,6 +1,6 @@
 //! Lengths that were probably meant in another unit, or in another order: a note, never a refusal.
 
-use scaleproof_print::print::lettering::number;
+use scaleproof_plot::lettering::number;
 
 /// The longest vehicle on a road, an articulated bus, is 25 m long.
 const LONGEST_VEHICLE_MM: f64 = 25_000.0;

@@ -1,4 +1,4 @@
-//! Plain tools that know nothing of photos or models: geometry, statistics, average precision, least squares, files, workers, small charts.
+//! Plain tools that know nothing of photos or models: geometry, statistics, average precision, least squares, files, workers.
 //!
 //! ```
 //! use scaleproof_core::statistics::{holm, mcnemar_p};
@@ -13,7 +13,6 @@ pub mod ap;
 pub mod files;
 pub mod geometry;
 pub mod least_squares;
-pub mod plot;
 pub mod spelling;
 pub mod statistics;
 pub mod workers;

@@ -34,7 +34,7 @@ pub(super) struct RunArgs {
     /// Step size of Adam, in sRGB of 0 to 1
     #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
     rate: f64,
-    /// Confidence at which the loss lets go of a box: 0.5 is DTA's own loss, which stops at a miss; AP counts boxes down to 0.001
+    /// Confidence below which the loss stops penalising a box: 0.5 is DTA's own loss, which stops at a miss; AP counts boxes down to 0.001
     #[arg(
         long,
         value_name = "CONFIDENCE",

@@ -10,7 +10,7 @@ use super::{PaperArgs, write_files, write_json};
 use crate::cli::model::Model;
 use crate::cli::progress;
 use crate::cli::texture::NamedTexture;
-use scaleproof_print::print::lettering;
+use scaleproof_plot::lettering;
 use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
 use scaleproof_wrap::unwrap::LeftOut;

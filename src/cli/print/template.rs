@@ -10,7 +10,7 @@ use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
 use crate::cli::{enlarged, progress, units};
 use scaleproof_core::spelling;
-use scaleproof_print::print::lettering;
+use scaleproof_plot::lettering;
 use scaleproof_print::print::output::{SheetFormat, SheetOutput};
 use scaleproof_print::print::paper::{self, Orientation};
 use scaleproof_print::print::template::{

@@ -13,7 +13,7 @@ use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::texture::{NamedTexture, TextureArgs};
 use crate::cli::{progress, units};
-use scaleproof_print::print::lettering;
+use scaleproof_plot::lettering;
 use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
 
 /// Strip that neighbouring sheets of a panel share where nothing is said.

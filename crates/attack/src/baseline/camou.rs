@@ -73,7 +73,7 @@ struct Answered {
     score: f64,
 }
 
-/// Searches until no more may be asked. The pattern must have six cells a side or more.
+/// Searches until the query budget is exhausted. The pattern must have six cells a side or more.
 ///
 /// # Errors
 /// A detector that cannot look.
@@ -122,7 +122,7 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> 
     Ok(best)
 }
 
-/// All of them in the same views; `None` when no more may be asked.
+/// All of them in the same views; `None` when the query budget is exhausted.
 fn ask(
     oracle: &mut BlackBox,
     config: &SearchConfig,

@@ -22,7 +22,7 @@ pub const FIRST_ROUND: u64 = POPULATION as u64 * VIEWS as u64;
 /// Between two judgements, in generations.
 const NOTED_EVERY: u32 = 4;
 
-/// Searches until no more may be asked.
+/// Searches until the query budget is exhausted.
 ///
 /// # Errors
 /// A detector that cannot look.

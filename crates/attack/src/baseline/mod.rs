@@ -128,7 +128,7 @@ impl<'a> BlackBox<'a> {
         Ok(self.answers.get(self.asked - 1).copied())
     }
 
-    /// The mean score of a pattern over some views, each with a draw of its own; `None` when no more may be asked.
+    /// The mean score of a pattern over some views, each with a draw of its own; `None` when the query budget is exhausted.
     ///
     /// # Errors
     /// Those of [`BlackBox::score`].

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::finished::RenderedFigures;
 use crate::run::history::History;
-use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 
 /// A run, and what its pattern does in rendered photos.
 #[derive(Debug, Clone, PartialEq, Serialize)]

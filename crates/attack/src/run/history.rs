@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::RunError;
 use super::judge::HeldOutFigures;
 use scaleproof_core::files;
-use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::scene::Classes;
 
 /// The name of the file in the folder of a run.

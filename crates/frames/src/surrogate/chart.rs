@@ -6,8 +6,8 @@ use serde::Serialize;
 use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
-use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use scaleproof_core::workers::fastest;
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]

@@ -63,7 +63,7 @@ impl Plan {
                 parts.push(Part::Framework(Segment::new(graph, others, values)));
             }
             if steps.left.len() == before {
-                return Err("its steps wait for each other".into());
+                return Err("the graph has a cycle".into());
             }
         }
         let outputs: Vec<Slot> = graph.outputs.iter().map(|(_, slot)| *slot).collect();

@@ -212,7 +212,7 @@ fn concat_whole(axis: usize, inputs: &Inputs) -> Result<Value> {
 }
 
 /// Parts of some axes, with steps. Ends may lie beyond, and count from the end when negative.
-fn cut(config: &SliceConfig) -> Operator {
+fn slice(config: &SliceConfig) -> Operator {
     let numbers = |input: &SliceInput| setting!(SliceInput, input);
     let [starts, ends] = [&config.starts, &config.ends].map(numbers);
     let [axes, steps] = [&config.axes, &config.steps].map(|input| input.as_ref().map(numbers));
@@ -347,7 +347,7 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
         Node::Unsqueeze(n) => unsqueeze(setting!(UnsqueezeConfig, &n.config)),
         Node::Transpose(n) => transpose(&n.config.perm),
         Node::Concat(n) => concat(n.config.axis),
-        Node::Slice(n) => cut(&n.config),
+        Node::Slice(n) => slice(&n.config),
         Node::Split(n) => {
             let sizes = n.config.split_sizes.as_ref();
             let sizes = sizes.map(|sizes| setting!(SplitSizesInput, sizes));

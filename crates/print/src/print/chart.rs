@@ -1,12 +1,12 @@
 //! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
 
 use super::SheetError;
-use super::lettering::{number, size};
 use super::page::{FreePage, Media};
 use super::printer::Printer;
 use super::shapes::{TagPlacement, black_modules};
 use super::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet};
 use crate::colour_chart::layout::{ChartKind, ChartLayout, ChartTag, FAMILY, PATCH_MM, TAG_MM};
+use scaleproof_plot::lettering::{number, size};
 use scaleproof_pose::tags::TagImage;
 
 /// Why no chart was printed.

@@ -2,11 +2,11 @@
 
 use super::date::Date;
 use super::frame::{PageFrame, PageSetup};
-use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
 use super::paper::{Paper, Stock};
 use super::printer::{self, Printer};
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use super::{SheetError, ruler};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
 
 /// The square with its diagonals.
 pub const SQUARE_MM: f64 = 100.0;

@@ -3,12 +3,12 @@
 //! Everything is planned in the millimetres that come out on paper. A printer that stretches is answered last, by
 //! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
 
-use super::lettering::size;
 use super::paper::Paper;
 use super::printer::Printer;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::{SheetError, ruler};
 use scaleproof_core::geometry::length;
+use scaleproof_plot::lettering::size;
 
 /// Free strip around the content in which crop marks stand.
 pub const CROP_STRIP_MM: f64 = 5.5;

@@ -1,7 +1,7 @@
 //! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] makes files of them by [`pdf`] or [`svg`].
 //!
 //! One file or folder per kind of print, each with its request and its error: [`template`], [`paint`], [`wrap`], [`patch`], [`tags`], `board`,
-//! [`chart`], [`check`]; [`figure`] makes PDFs of charts. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
+//! [`chart`], [`check`]. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `shapes`.
 
 #[cfg(feature = "full")]
 pub mod board;
@@ -9,9 +9,7 @@ pub mod buckets;
 pub mod chart;
 pub mod check;
 pub mod date;
-pub mod figure;
 pub mod frame;
-pub mod lettering;
 pub mod output;
 mod pack;
 pub mod page;
@@ -32,6 +30,7 @@ pub mod wrap;
 
 use scaleproof_core::geometry::length::BadLength;
 use scaleproof_core::spelling;
+use scaleproof_plot::pdf::PdfError;
 
 /// Why there is no sheet, whatever would be printed on it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -71,6 +70,6 @@ pub enum SheetError {
     },
     #[error("this needs more than {most} sheets; use larger paper, less overlap or a smaller size")]
     TooManySheets { most: usize },
-    #[error("the PDF could not be put together: {reason}")]
-    Pdf { reason: String },
+    #[error(transparent)]
+    Pdf(#[from] PdfError),
 }

@@ -2,12 +2,12 @@
 
 use super::SheetError;
 use super::frame::{PageFrame, PageSetup};
-use super::lettering::{fitting_size_mm, printable};
 use super::paper::{MAX_SIDE_MM, Orientation, Stock};
 use super::printer::{Printer, corrected_one};
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use super::template::layout::{cut_from_roll, roll_page};
 use super::template::rulers;
+use scaleproof_plot::lettering::{fitting_size_mm, printable};
 
 /// Border of the paper that office printers do not reach.
 pub const MARGIN_MM: f64 = 5.0;

@@ -270,7 +270,7 @@ const EDGE_LINE_MM: f64 = 0.1;
 impl PanelPatch {
     /// Size, place and hash, for the caption.
     fn fact(&self) -> String {
-        let number = super::lettering::number;
+        let number = scaleproof_plot::lettering::number;
         format!(
             "{} × {} mm on the {} panel at {}, {} mm, sha256 {}",
             number(self.size_mm.0),

@@ -7,16 +7,17 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use image::RgbImage;
-use lopdf::{Dictionary, Document, Object, StringFormat};
+use lopdf::{Dictionary, Document, Object};
 use printpdf::{
     Color, CurTransMat, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode,
     PdfDocument, PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem, TextMatrix,
     WindingOrder, XObject, XObjectId, XObjectTransform,
 };
 
+use super::SheetError;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
-use super::{SheetError, lettering};
-use scaleproof_core::files;
+use scaleproof_plot::lettering;
+use scaleproof_plot::pdf::{PdfError, bytes_of, name};
 
 /// Writes the sheets as the pages of one PDF.
 ///
@@ -43,8 +44,8 @@ pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, SheetError> {
         ..PdfSaveOptions::default()
     };
     let mut document = pdf.to_lopdf_document(&options, &mut Vec::new());
-    finish(&mut document, title, sheets).map_err(|e| SheetError::Pdf { reason: e.to_string() })?;
-    bytes_of(document)
+    finish(&mut document, title, sheets).map_err(|e| PdfError { reason: e.to_string() })?;
+    Ok(bytes_of(document)?)
 }
 
 fn blank_page(sheet: &Sheet) -> PdfPage {
@@ -84,25 +85,6 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
         document.set_object(old, info);
     }
     Ok(())
-}
-
-/// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
-pub(super) fn bytes_of(mut document: Document) -> Result<Vec<u8>, SheetError> {
-    let failed = |e: std::io::Error| SheetError::Pdf { reason: e.to_string() };
-    document.compress();
-    document.trailer.remove(b"ID");
-    let mut bytes = Vec::new();
-    document.save_to(&mut bytes).map_err(failed)?;
-    let hash = files::sha256_hex(&bytes).into_bytes()[..32].to_vec();
-    let id = Object::String(hash, StringFormat::Literal);
-    document.trailer.set("ID", vec![id.clone(), id]);
-    bytes.clear();
-    document.save_to(&mut bytes).map_err(failed)?;
-    Ok(bytes)
-}
-
-pub(super) fn name(text: &str) -> Object {
-    Object::Name(text.as_bytes().to_vec())
 }
 
 fn corners(area: RectMm) -> Vec<Object> {

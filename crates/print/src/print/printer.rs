@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::lettering::number;
 use super::ruler;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use scaleproof_core::files;
 use scaleproof_core::geometry::length::shown;
+use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::printed::PrintedColours;
 
 /// What the rulers of every sheet measure on a perfect printer.

@@ -1,7 +1,7 @@
 //! The 100 mm rulers every page carries: printers stretch one axis without saying so, and a ruler shows it.
 
-use super::lettering::CAP_HEIGHT;
 use super::sheet::{Mark, PointMm, TextAnchor};
+use scaleproof_plot::lettering::CAP_HEIGHT;
 
 /// Length of every ruler.
 pub const LENGTH_MM: f64 = 100.0;

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use image::{ImageFormat, RgbImage};
 
-use super::lettering::{self, FAMILY};
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
+use scaleproof_plot::lettering::{self, FAMILY};
 
 /// Writes one sheet. The same sheet gives the same text.
 pub fn write(title: &str, sheet: &Sheet) -> String {

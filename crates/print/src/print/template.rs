@@ -15,10 +15,10 @@ pub use layout::LayoutRequest;
 pub use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
 
 use super::date::Date;
-use super::lettering::number;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::{SheetError, printer};
 use scaleproof_core::geometry::length::{SCALES, shown};
+use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::picture::Picture;
 

@@ -2,10 +2,10 @@
 
 use super::{ReportError, certainty, html};
 use crate::score::{Comparison, Scores};
-use scaleproof_core::plot::{Drawing, Explained, figure};
 use scaleproof_core::spelling;
 use scaleproof_detect::Speeds;
-use scaleproof_print::print::figure::pdf_of_svg;
+use scaleproof_plot::chart_pdf::pdf_of_svg;
+use scaleproof_plot::{Drawing, Explained, figure};
 
 /// The chart that a report has only when times are given.
 const AGAINST_TIME: &str = "ap_against_time";

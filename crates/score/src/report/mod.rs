@@ -30,7 +30,7 @@ use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::{Manifest, Speeds, coco_results};
-use scaleproof_print::print::SheetError;
+use scaleproof_plot::pdf::PdfError;
 
 pub use comparison::{comparison_json, comparison_table, write_comparison};
 pub use counted::counted;
@@ -55,7 +55,7 @@ pub enum ReportError {
     #[error("the report could not be put together: {0}")]
     Csv(#[from] ::csv::Error),
     #[error(transparent)]
-    Figure(#[from] SheetError),
+    Figure(#[from] PdfError),
 }
 
 /// A table with a header, for spreadsheets.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{ReportError, csv_of, protocol};
 use crate::score::{BASE_LOST, CorruptedRow, Difference, Finding, Robustness, SEVERITIES, Scores, Survival};
-use scaleproof_core::plot::distinct;
+use scaleproof_plot::distinct;
 
 /// The file of every comparison at every severity.
 pub(super) const NAME: &str = "robustness.csv";

@@ -6,8 +6,8 @@ use super::figures::FigureAdvice;
 use super::result::{Advice, CameraVerdict, Choice, PoseAdvice, Verdict};
 use super::table::{camera, findings, in_words, unreadable};
 use super::way::Question;
-use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use scaleproof_core::spelling::{count, digits};
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use scaleproof_score::score::Finding;
 
 /// The whole page.

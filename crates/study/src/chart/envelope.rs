@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use scaleproof_core::geometry::{BoxPx, Rigid};
-use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use scaleproof_core::statistics::median;
 use scaleproof_core::workers::fastest;
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_session::envelope::EnvelopeShape;
 

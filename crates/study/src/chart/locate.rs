@@ -5,9 +5,9 @@ use serde::Serialize;
 
 use super::MeasureError;
 use scaleproof_core::geometry::angle;
-use scaleproof_core::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::fastest;
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::{Camera, FittedCamera, SizeError};
 use scaleproof_pose::locate::{self, Solver, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};

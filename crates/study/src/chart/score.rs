@@ -3,8 +3,8 @@
 use maud::html;
 use serde::Serialize;
 
-use scaleproof_core::plot::{Drawing, Explained, colour, figure};
 use scaleproof_core::workers::stopwatch::{Stage, StageMs};
+use scaleproof_plot::{Drawing, Explained, colour, figure};
 use scaleproof_score::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
 use scaleproof_session::session::{PhotoEntry, Session};
 

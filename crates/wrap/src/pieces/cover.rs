@@ -9,7 +9,7 @@ const STEPS: [&str; 5] = [
     "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
     "Cut out each piece along the inner side of its line; the texture runs on beyond it. Write its number on the back.",
     "The views show where each number goes; grey is the back of a piece. The arrow at a number points up on the model, on pieces that look up to its front.",
-    "Letters are seams: the two edges with the same letter meet, and so do the short ticks beside them.",
+    "Matching letters mark edges to be joined: the two edges with the same letter meet, and so do the short ticks beside them.",
     "Fold at the fine dashes. Begin with the largest piece, then go on with its neighbours.",
 ];
 const TABS_STEP: &str = "Fold the white tabs back and glue them under the edge that has the same letter.";

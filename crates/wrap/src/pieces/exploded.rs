@@ -6,7 +6,7 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
 use super::flat::Piece;
-use scaleproof_print::print::lettering::CAP_HEIGHT;
+use scaleproof_plot::lettering::CAP_HEIGHT;
 use scaleproof_print::print::sheet::{Mark, PointMm, RectMm, TextAnchor, WHITE};
 
 /// From where the two views look: azimuth from the front, elevation.

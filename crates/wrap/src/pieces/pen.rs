@@ -4,7 +4,7 @@ use super::BLEED_MM;
 use super::flat::Piece;
 use super::labels::{Label, NUMBER_RING_MM};
 use scaleproof_core::geometry::distance;
-use scaleproof_print::print::lettering::{CAP_HEIGHT, fitting_size_mm};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 use scaleproof_print::print::raster::Pose;
 use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, TextAnchor, WHITE};
 use scaleproof_print::print::wrap::Point;

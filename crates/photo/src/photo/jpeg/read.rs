@@ -23,16 +23,16 @@ const HUFFMAN: u8 = 0xC4;
 const RESTART_INTERVAL: u8 = 0xDD;
 
 const SHORT: JpegError = JpegError::Damaged("a segment is too short");
-const WRONG_TABLE: JpegError = JpegError::Damaged("one of its tables cannot be");
+const WRONG_TABLE: JpegError = JpegError::Damaged("invalid Huffman or quantisation table");
 const WRONG_SCAN: JpegError = JpegError::Damaged("a scan's header cannot be");
 const NO_DATA: JpegError = JpegError::Damaged("it has no data for one of its colours");
 
 /// Tables as they stand at some place of the file.
 #[derive(Default)]
 struct Tables {
-    steps: [Option<[u16; 64]>; 4],
-    means: [Option<HuffmanTable>; 4],
-    others: [Option<HuffmanTable>; 4],
+    quantisation: [Option<[u16; 64]>; 4],
+    dc: [Option<HuffmanTable>; 4],
+    ac: [Option<HuffmanTable>; 4],
     restart_interval: usize,
 }
 
@@ -57,7 +57,7 @@ impl Coefficients {
         for segment in Segments::of(bytes) {
             let Segment { marker, content, data } = segment.ok_or(JpegError::Truncated)?;
             match marker {
-                QUANTIZATION => tables.read_steps(content)?,
+                QUANTIZATION => tables.read_quantisation(content)?,
                 HUFFMAN => tables.read_codes(content)?,
                 RESTART_INTERVAL => {
                     tables.restart_interval = u16::from_be_bytes(*content.first_chunk().ok_or(SHORT)?).into();
@@ -68,7 +68,7 @@ impl Coefficients {
                     for (index, ..) in &scan.components {
                         let table = usize::from(frame.components[*index].table);
                         if !std::mem::replace(&mut is_read[*index], true) {
-                            all.components[*index].steps = tables.steps[table].ok_or(WRONG_TABLE)?;
+                            all.components[*index].steps = tables.quantisation[table].ok_or(WRONG_TABLE)?;
                         }
                     }
                     scan::decode(&scan, data, &mut all.components)?;
@@ -106,11 +106,11 @@ fn groups(frame: &Frame) -> [usize; 2] {
 
 impl Tables {
     /// DQT (B.2.4.1).
-    fn read_steps(&mut self, mut content: &[u8]) -> Result<(), JpegError> {
+    fn read_quantisation(&mut self, mut content: &[u8]) -> Result<(), JpegError> {
         while let Some((head, rest)) = content.split_first() {
             let bytes = if head >> 4 == 0 { 64 } else { 128 };
             let (steps, rest) = rest.split_at_checked(bytes).ok_or(SHORT)?;
-            let to = self.steps.get_mut(usize::from(head & 15)).ok_or(WRONG_TABLE)?;
+            let to = self.quantisation.get_mut(usize::from(head & 15)).ok_or(WRONG_TABLE)?;
             *to = Some(std::array::from_fn(|i| match bytes {
                 64 => steps[i].into(),
                 _ => u16::from_be_bytes([steps[2 * i], steps[2 * i + 1]]),
@@ -126,11 +126,7 @@ impl Tables {
             let counts: &[u8; 16] = rest.first_chunk().ok_or(SHORT)?;
             let count = counts.iter().map(|n| usize::from(*n)).sum();
             let (symbols, rest) = rest[16..].split_at_checked(count).ok_or(SHORT)?;
-            let kind = if head >> 4 == 0 {
-                &mut self.means
-            } else {
-                &mut self.others
-            };
+            let kind = if head >> 4 == 0 { &mut self.dc } else { &mut self.ac };
             let to = kind.get_mut(usize::from(head & 15)).ok_or(WRONG_TABLE)?;
             *to = Some(HuffmanTable::new(counts, symbols).ok_or(WRONG_TABLE)?);
             content = rest;
@@ -148,9 +144,9 @@ impl Tables {
             if components.iter().any(|(other, ..)| *other == index) {
                 return Err(WRONG_SCAN);
             }
-            let mean = self.means.get(usize::from(tables >> 4)).and_then(Option::as_ref);
-            let other = self.others.get(usize::from(tables & 15)).and_then(Option::as_ref);
-            components.push((index, mean, other));
+            let dc = self.dc.get(usize::from(tables >> 4)).and_then(Option::as_ref);
+            let ac = self.ac.get(usize::from(tables & 15)).and_then(Option::as_ref);
+            components.push((index, dc, ac));
         }
         let &[first, last, bits] = content
             .get(1 + 2 * count..)

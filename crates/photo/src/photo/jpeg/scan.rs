@@ -21,7 +21,7 @@ pub(super) struct Scan<'a> {
     pub most_values: usize,
 }
 
-/// Which of the frame's components, with the tables for its means and its other coefficients.
+/// Which of the frame's components, with the Huffman tables of its DC and AC coefficients.
 pub(super) type ScanComponent<'a> = (usize, Option<&'a HuffmanTable>, Option<&'a HuffmanTable>);
 
 /// Which part of the coefficients a scan has.
@@ -70,7 +70,7 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
         }
         let mut bits = Bits::of(&bytes);
         let mut state = State {
-            means: [0; 4],
+            last_dc: [0; 4],
             empty_blocks: 0,
         };
         for group in first..(first + interval).min(groups) {
@@ -90,8 +90,8 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
 
 /// What is carried from block to block within an interval.
 struct State {
-    /// The last mean of each component of the scan.
-    means: [i32; 4],
+    /// The last DC coefficient of each component of the scan.
+    last_dc: [i32; 4],
     /// Blocks that still have nothing new.
     empty_blocks: u32,
 }
@@ -106,7 +106,7 @@ impl State {
         components: &mut [Component],
     ) -> Result<(), JpegError> {
         let is_one = scan.components.len() == 1;
-        for (nth, (index, mean_table, table)) in scan.components.iter().enumerate() {
+        for (nth, (index, dc_table, table)) in scan.components.iter().enumerate() {
             let component = &mut components[*index];
             let [across, down] = if is_one {
                 [1, 1]
@@ -119,7 +119,7 @@ impl State {
                     match scan.part {
                         Part::Whole => self.whole(
                             nth,
-                            mean_table.ok_or(NO_TABLE)?,
+                            dc_table.ok_or(NO_TABLE)?,
                             table.ok_or(NO_TABLE)?,
                             bits,
                             component,
@@ -132,7 +132,7 @@ impl State {
                             if refines {
                                 *value |= i16::from(bits.bit()) << low
                             } else {
-                                *value = self.mean(nth, mean_table.ok_or(NO_TABLE)?, bits)? << low
+                                *value = self.dc(nth, dc_table.ok_or(NO_TABLE)?, bits)? << low
                             }
                         }
                         Part::Progressive {
@@ -156,16 +156,16 @@ impl State {
         Ok(())
     }
 
-    /// The mean of the next block, as a difference from the one before (F.2.2.1).
+    /// The DC coefficient of the next block, as a difference from the one before (F.2.2.1).
     #[inline(always)]
-    fn mean(&mut self, nth: usize, table: &HuffmanTable, bits: &mut Bits) -> Result<i16, JpegError> {
+    fn dc(&mut self, nth: usize, table: &HuffmanTable, bits: &mut Bits) -> Result<i16, JpegError> {
         match table.coefficient(bits) {
-            Coefficient::Value { zeros: 0, value } => self.means[nth] += value,
+            Coefficient::Value { zeros: 0, value } => self.last_dc[nth] += value,
             Coefficient::None(0) => {}
             _ => return Err(NO_CODE),
         }
-        // Samples of 8 bits have means up to 1024; what goes far beyond comes of damage.
-        match self.means[nth] {
+        // Samples of 8 bits have DC coefficients up to 1024; what goes far beyond comes of damage.
+        match self.last_dc[nth] {
             mean @ -2048..=2047 => Ok(mean as i16),
             _ => Err(NO_PICTURE),
         }
@@ -176,13 +176,13 @@ impl State {
     fn whole(
         &mut self,
         nth: usize,
-        mean_table: &HuffmanTable,
+        dc_table: &HuffmanTable,
         table: &HuffmanTable,
         bits: &mut Bits,
         component: &mut Component,
         (block, most): (usize, usize),
     ) -> Result<(), JpegError> {
-        let mean = self.mean(nth, mean_table, bits)?;
+        let mean = self.dc(nth, dc_table, bits)?;
         let mut others = component.others(most)?;
         let mut place = 1;
         while place < 64 {

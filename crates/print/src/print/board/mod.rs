@@ -6,12 +6,12 @@ mod draw;
 pub use scaleproof_pose::board::Definition;
 
 use super::SheetError;
-use super::lettering::size;
 use super::page::{FreePage, Media};
 use super::printer::Printer;
 use super::shapes::OutlineMm;
 use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
 use scaleproof_core::geometry::length::BadLength;
+use scaleproof_plot::lettering::size;
 use scaleproof_pose::board::DefinitionError;
 use scaleproof_pose::tags::DictionaryError;
 

@@ -2,9 +2,9 @@
 
 use super::{PaintArea, PaintRequest};
 use crate::print::frame::PageFrame;
-use crate::print::lettering::{CAP_HEIGHT, number, printable, shortened};
 use crate::print::sheet::{BLACK, Fill, Mark, RectMm, Sheet, TextAnchor};
 use crate::print::template::{Captions, rulers};
+use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened};
 use scaleproof_surface::pattern::palette::{Painted, UsedPaint};
 
 const TEXT_MM: f64 = 2.8;

@@ -15,13 +15,13 @@ pub use legend::{Legend, sheets as legend_sheets, swatch};
 pub use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stencil};
 pub use stencil_sheet::{OPENING, cross, disc, hole_mm, mirrored};
 
-use super::lettering::number;
 use super::sheet::Sheet;
 use super::template::cover::cover;
 use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
 use super::{SheetError, printer};
 use regions::CellGrid;
 use scaleproof_core::geometry::length::shown;
+use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Painted;
 

@@ -3,9 +3,9 @@
 use super::plane::mm;
 use super::regions::CellGrid;
 use super::stencil_sheet::registration;
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
 use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use crate::print::template::{Captions, SheetLayout, SheetPlan, around, guides};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 
 const BORDER_MM: f64 = 0.2;
 const NUMBER_MM: f64 = 4.0;

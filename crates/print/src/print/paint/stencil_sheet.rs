@@ -3,9 +3,9 @@
 
 use super::plane::{PlaneOutline, mm};
 use super::{PaintRequest, Stencil};
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Paint;
 

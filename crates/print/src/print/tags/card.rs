@@ -2,9 +2,9 @@
 
 use super::piece::{CutPiece, cut_line};
 use super::{Instead, TagPrintError, family_name, image_of};
-use crate::print::lettering::{fitting_size_mm, number};
 use crate::print::shapes::{TagPlacement, black_modules};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, TextAnchor};
+use scaleproof_plot::lettering::{fitting_size_mm, number};
 use scaleproof_pose::scene::Tag;
 use scaleproof_pose::tags::TagImage;
 

@@ -7,11 +7,11 @@ use nalgebra::Vector3;
 
 use super::window::{GroundWindow, bounds, grown, union};
 use super::{TagPrintError, captions, family_name};
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use crate::print::page::{FreePage, Media};
 use crate::print::paper::Orientation;
 use crate::print::shapes::{OutlineMm, stroke, stroked};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use scaleproof_pose::scene::{Scene, Tag};
 
 const GREY: Srgb8 = [110, 110, 110];

@@ -5,7 +5,6 @@ use super::mat::GREY;
 use super::piece::PiecePage;
 use super::window::{GroundWindow, bounds, union};
 use super::{Arrangement, TagPrintError, captions};
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use crate::print::page::{FreePage, Media};
 use crate::print::paper::Orientation;
 use crate::print::shapes::{OutlineMm, stroked};
@@ -13,6 +12,7 @@ use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Text
 use crate::print::template::cover::{CHECK_MM, scale_check, steps};
 use crate::print::template::layout::ROLL_COVER_MM;
 use scaleproof_core::spelling::count;
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use scaleproof_pose::scene::Scene;
 
 const TITLE_MM: f64 = 5.0;

@@ -7,9 +7,9 @@ use super::arrange::Arrangement;
 use super::tent::Tent;
 use super::window::{GroundWindow, bounds, grown, union};
 use super::{TagPrintError, image_of};
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, overlap, stroke, stroked};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use scaleproof_pose::scene::{ScaleModel, Scene, Tag};
 
 pub const GREY: Srgb8 = [110, 110, 110];

@@ -4,10 +4,10 @@
 use super::captions;
 use super::ground::Ground;
 use super::window::GroundWindow;
-use crate::print::lettering::width_mm;
 use crate::print::page::{FreePage, Media};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::{SheetPlan, guides};
+use scaleproof_plot::lettering::width_mm;
 use scaleproof_pose::scene::Scene;
 
 /// The pages of the mat, row by row from the top left.

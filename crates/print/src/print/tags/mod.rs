@@ -23,10 +23,10 @@ pub use ground::Ground;
 use std::fmt;
 
 use super::SheetError;
-use super::lettering::number;
 use super::page::Media;
 use super::sheet::{RectMm, Sheet};
 use scaleproof_core::spelling::count;
+use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::{Scene, Tag, TagFamily};
 use scaleproof_pose::tags::TagImage;
 

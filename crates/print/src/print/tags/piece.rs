@@ -1,11 +1,11 @@
 //! What is cut out of shared pages: tent cards, plain cards and place strips.
 
 use super::{Instead, LINE_MM, TagPrintError};
-use crate::print::lettering::size;
 use crate::print::pack::{self, Spot};
 use crate::print::page::{FreePage, Media};
 use crate::print::paper::Stock;
 use crate::print::sheet::{Mark, PointMm, RectMm};
+use scaleproof_plot::lettering::size;
 
 type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 

@@ -4,8 +4,8 @@ use super::Instead;
 use super::ground::Ground;
 use super::piece::{CutPiece, cut_line};
 use super::strip::{PlaceStrip, WIDTH_MM};
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
 use crate::print::sheet::{Mark, PointMm, TextAnchor};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 
 const NAME_MM: f64 = 6.0;
 const TEXT_MM: f64 = 2.4;

@@ -3,9 +3,9 @@
 use super::piece::CutPiece;
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
-use crate::print::lettering::{fitting_size_mm, number};
 use crate::print::shapes::{TagPlacement, black_modules};
 use crate::print::sheet::{BLACK, Mark, PointMm, TextAnchor};
+use scaleproof_plot::lettering::{fitting_size_mm, number};
 
 const TEXT_MM: f64 = 3.0;
 const TITLE_MM: f64 = 7.0;

@@ -3,8 +3,8 @@
 use super::furniture::{self, Captions};
 use super::layout::SheetLayout;
 use crate::print::frame::PageFrame;
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
 use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
 
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.8;

@@ -4,9 +4,9 @@
 use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
 use crate::print::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable, shortened, width_mm};
 use crate::print::ruler;
 use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Srgb8, TextAnchor, WHITE};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable, shortened, width_mm};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::picture::Picture;
 

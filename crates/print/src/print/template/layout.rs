@@ -5,11 +5,11 @@
 
 use crate::print::SheetError;
 use crate::print::frame::{PageFrame, PageSetup};
-use crate::print::lettering::size;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
 use crate::print::printer::Printer;
 use crate::print::sheet::RectMm;
 use scaleproof_core::geometry::length;
+use scaleproof_plot::lettering::size;
 
 /// More sheets than this are a mistake in the numbers, not a plan.
 pub const MAX_SHEETS: usize = 400;

@@ -4,10 +4,10 @@ use super::lines::moved;
 use super::seams::PanelSeams;
 use super::{Panel, Point, Wrap};
 use crate::print::frame::PageFrame;
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
 use crate::print::printer;
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{Captions, cover};
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 use scaleproof_surface::pattern::world_aligned::Side;
 
 const LINE_MM: f64 = 0.15;

@@ -7,13 +7,13 @@ use super::panel::Face;
 use super::region::Region;
 use super::seams::{CLEAR_MM, SeamMark, seams};
 use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
-use crate::print::lettering::CAP_HEIGHT;
 use crate::print::raster::{self, FlatPaint, FlatTriangle, PixelGrid, Pose};
 use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::{
     Captions, PatternStamp, SheetPlan, TemplateRequest, cell_mm, check_scale, furniture, layout,
 };
 use crate::print::{SheetError, printer};
+use scaleproof_plot::lettering::CAP_HEIGHT;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::world_aligned::Side;

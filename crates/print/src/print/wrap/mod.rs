@@ -19,13 +19,13 @@ pub use region::{Contour, Point, Region};
 
 use super::SheetError;
 use super::date::Date;
-use super::lettering::number;
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest};
 use scaleproof_core::spelling::count;
+use scaleproof_plot::lettering::number;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 use scaleproof_surface::texture::Texture;

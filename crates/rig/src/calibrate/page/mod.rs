@@ -5,7 +5,7 @@ mod charts;
 use maud::{Markup, html};
 
 use super::{Calibration, numbers};
-use scaleproof_core::plot::plain_page;
+use scaleproof_plot::plain_page;
 
 /// The whole page.
 pub fn page(found: &Calibration) -> String {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{notes, number, round, sequential, shell};
 use crate::report::{certainty, counted, p_value, paired};
 use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
-use scaleproof_core::plot::Drawing;
+use scaleproof_plot::Drawing;
 
 const PLOT: f64 = 300.0;
 const LEFT: f64 = 200.0;

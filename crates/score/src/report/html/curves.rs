@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{colour, round, variants};
 use crate::score::{Curves, HitRateFrom, Scores, curves};
-use scaleproof_core::plot::Drawing;
+use scaleproof_plot::Drawing;
 
 const SIDE: f64 = 180.0;
 

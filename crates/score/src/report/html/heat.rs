@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::shade::{ink, shade};
 use super::{number, side, summary, variants};
 use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
-use scaleproof_core::plot::Drawing;
+use scaleproof_plot::Drawing;
 use scaleproof_pose::scene::Bin;
 
 const LEFT: f64 = 66.0;

@@ -23,9 +23,9 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::report::counted;
 use crate::score::{EvaluatedDetector, Scores, Summary};
-use scaleproof_core::plot::html_page;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_detect::{ForeignKind, Speeds};
+use scaleproof_plot::html_page;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{colour, round, summary, variants};
 use crate::score::{BinFigures, Scores};
-use scaleproof_core::plot::Drawing;
+use scaleproof_plot::Drawing;
 
 const RADIUS: f64 = 88.0;
 

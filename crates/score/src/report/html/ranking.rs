@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{colour, number, round, variants};
 use crate::report::ranking::{found, note, tau};
 use crate::score::{RankingRow, Scores};
-use scaleproof_core::plot::Drawing;
+use scaleproof_plot::Drawing;
 
 const HEIGHT: f64 = 130.0;
 const WIDTH: f64 = 120.0;

@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use super::{number, round};
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
-use scaleproof_core::plot::Drawing;
 use scaleproof_core::spelling;
+use scaleproof_plot::Drawing;
 
 const SIDE: f64 = 180.0;
 /// With fewer detections the error says little.

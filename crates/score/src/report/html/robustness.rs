@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{colour, round, variants};
 use crate::report::robustness::{heading, survival_table};
 use crate::score::{CorruptedRow, Finding, Robustness, Scores};
-use scaleproof_core::plot::{Drawing, distinct};
+use scaleproof_plot::{Drawing, distinct};
 
 const SIDE: [f64; 2] = [180.0, 120.0];
 /// Of the last severity.

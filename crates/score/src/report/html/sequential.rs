@@ -6,7 +6,7 @@ use super::{colour, number, round};
 use crate::report::p_value;
 use crate::report::sequential::{SHOWN_FROM, figures, found, note, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};
-use scaleproof_core::plot::Drawing;
+use scaleproof_plot::Drawing;
 
 const SIDE: [f64; 2] = [220.0, 120.0];
 /// Base-10 logarithms of the evidence that a chart reaches from and to.

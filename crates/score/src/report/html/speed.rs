@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use super::{colour, round, summary, variants};
 use crate::score::Scores;
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_core::plot::{Drawing, PlotAxis, Scale, tick_label};
 use scaleproof_core::spelling;
 use scaleproof_detect::{Speed, Speeds};
+use scaleproof_plot::{Drawing, PlotAxis, Scale, tick_label};
 
 const PLOT: (f64, f64) = (430.0, 250.0);
 const RADIUS: f64 = 4.5;

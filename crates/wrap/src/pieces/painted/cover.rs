@@ -2,8 +2,8 @@
 
 use super::{PaintedPieces, PaintedRequest};
 use crate::pieces::exploded;
+use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened};
 use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::lettering::{CAP_HEIGHT, number, printable, shortened};
 use scaleproof_print::print::paint::swatch;
 use scaleproof_print::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use scaleproof_print::print::template::{Captions, cover};

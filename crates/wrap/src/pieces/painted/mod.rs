@@ -22,8 +22,8 @@ use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, Room, pages};
 use crate::unwrap::{LeftOut, Unwrapped, unwrap};
 use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
+use scaleproof_plot::lettering::number;
 use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::lettering::number;
 use scaleproof_print::print::paint::plane::{Area, PlaneOutline};
 use scaleproof_print::print::paint::{
     Legend, MOST_CELLS, NoStencil, PaintArea, PaintError, Slant, check_features, check_pages, hole_mm, legend_sheets,

@@ -1,11 +1,26 @@
 //! Small SVG charts and plain pages, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
 //!
 //! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
+//!
+//! - here: charts ([`scatter()`], [`panels()`]) and pages;
+//! - [`chart_pdf`]: such a chart as a PDF for a paper;
+//! - [`lettering`]: how wide text is, of charts and sheets alike; [`pdf`]: what all PDFs have.
+//!
+//! ```
+//! use scaleproof_plot::chart_pdf::pdf_of_svg;
+//!
+//! let svg = "<svg width='90' height='60'><rect x='5' y='5' width='20' height='10' fill='#0072b2'/></svg>";
+//! assert!(pdf_of_svg("a bar", svg)?.starts_with(b"%PDF"));
+//! # Ok::<(), scaleproof_plot::pdf::PdfError>(())
+//! ```
 
 mod axis;
+pub mod chart_pdf;
 mod drawing;
+pub mod lettering;
 mod page;
 mod panels;
+pub mod pdf;
 mod scatter;
 
 pub use axis::{PlotAxis, Scale, tick_label};

@@ -9,8 +9,8 @@ use std::fmt::Write;
 use lopdf::{Dictionary, Document, Object, Stream};
 use roxmltree::Node;
 
-use super::pdf::{self, font, name};
-use super::{SheetError, lettering};
+use crate::lettering;
+use crate::pdf::{self, PdfError, name};
 
 /// CSS pixels to points.
 const POINTS: f64 = 0.75;
@@ -19,8 +19,8 @@ const POINTS: f64 = 0.75;
 ///
 /// # Errors
 /// An SVG that is none, or has something that none of our charts has.
-pub fn pdf_of_svg(title: &str, svg: &str) -> Result<Vec<u8>, SheetError> {
-    let failed = |reason: String| SheetError::Pdf { reason };
+pub fn pdf_of_svg(title: &str, svg: &str) -> Result<Vec<u8>, PdfError> {
+    let failed = |reason: String| PdfError { reason };
     let parsed = roxmltree::Document::parse(svg).map_err(|e| failed(e.to_string()))?;
     let root = parsed.root_element();
     let [width, height] = ["width", "height"].map(|side| number(root, side, 0.0));
@@ -152,7 +152,7 @@ impl Page {
 
     fn document(self, title: &str) -> Document {
         let mut document = Document::with_version("1.7");
-        let font = font::font(&mut document);
+        let font = pdf::font(&mut document);
         let font = document.add_object(font);
         let states = self.opacities.iter().map(|hundredths| {
             let share = Object::Real(*hundredths as f32 / 100.0);

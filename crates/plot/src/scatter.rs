@@ -215,7 +215,7 @@ fn legend(cloud: &Cloud) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::Scale;
+    use crate::Scale;
 
     #[test]
     fn a_mark_is_filled_by_its_share() {

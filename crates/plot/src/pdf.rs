@@ -1,0 +1,86 @@
+//! What every PDF of this program has: the one font, embedded, and an identifier that is made from the content.
+
+use lopdf::{Dictionary, Document, Object, Stream, StringFormat};
+
+use crate::lettering;
+use scaleproof_core::files;
+
+/// A PDF that could not be put together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("the PDF could not be put together: {reason}")]
+pub struct PdfError {
+    /// Of the library that writes it.
+    pub reason: String,
+}
+
+/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `crates/core/fonts`.
+const FILE: &[u8] = scaleproof_core::FONT;
+/// With the tag of a subset (ISO 32000-1, 9.6.4).
+const NAME: &str = "LATINA+DejaVuSans";
+
+/// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
+pub fn bytes_of(mut document: Document) -> Result<Vec<u8>, PdfError> {
+    let failed = |e: std::io::Error| PdfError { reason: e.to_string() };
+    document.compress();
+    document.trailer.remove(b"ID");
+    let mut bytes = Vec::new();
+    document.save_to(&mut bytes).map_err(failed)?;
+    let hash = files::sha256_hex(&bytes).into_bytes()[..32].to_vec();
+    let id = Object::String(hash, StringFormat::Literal);
+    document.trailer.set("ID", vec![id.clone(), id]);
+    bytes.clear();
+    document.save_to(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}
+
+/// A PDF name object.
+pub fn name(text: &str) -> Object {
+    Object::Name(text.as_bytes().to_vec())
+}
+
+/// A simple TrueType font (ISO 32000-1, 9.6.3) and its descriptor (9.8).
+pub fn font(document: &mut Document) -> Dictionary {
+    let length = Dictionary::from_iter([("Length1", Object::Integer(FILE.len() as i64))]);
+    let file = document.add_object(Stream::new(length, FILE.to_vec()));
+    // From the font's head, hhea and glyf tables, in thousandths of the em.
+    let descriptor = document.add_object(Dictionary::from_iter([
+        ("Type", name("FontDescriptor")),
+        ("FontName", name(NAME)),
+        ("Flags", Object::Integer(NONSYMBOLIC)),
+        (
+            "FontBBox",
+            [-1021, -463, 1793, 1232].map(Object::Integer).to_vec().into(),
+        ),
+        ("ItalicAngle", Object::Integer(0)),
+        ("Ascent", Object::Integer(928)),
+        ("Descent", Object::Integer(-236)),
+        ("CapHeight", Object::Integer(729)),
+        ("StemV", Object::Integer(87)),
+        ("FontFile2", Object::Reference(file)),
+    ]));
+    let widths = (FIRST..=LAST).map(|code| Object::Integer(width(code)));
+    Dictionary::from_iter([
+        ("Type", name("Font")),
+        ("Subtype", name("TrueType")),
+        ("BaseFont", name(NAME)),
+        ("Encoding", name("WinAnsiEncoding")),
+        ("FirstChar", Object::Integer(FIRST.into())),
+        ("LastChar", Object::Integer(LAST.into())),
+        ("Widths", widths.collect::<Vec<_>>().into()),
+        ("FontDescriptor", Object::Reference(descriptor)),
+    ])
+}
+
+const FIRST: u8 = 0x20;
+const LAST: u8 = 0xff;
+/// Font flag 6: the font's letters are those of the standard Latin set (ISO 32000-1, table 123).
+const NONSYMBOLIC: i64 = 1 << 5;
+
+/// The advance of a WinAnsi code. It agrees with Latin-1 but for 0x80 to 0x9f, of which only the ellipsis is ever written.
+fn width(code: u8) -> i64 {
+    match code {
+        0x85 => lettering::thousandths('…').into(),
+        0x7f..=0xa0 => 0,
+        _ => lettering::thousandths(char::from(code)).into(),
+    }
+}
