@@ -1,6 +1,8 @@
 //! From a photo to a detector's input tensor, and from its coordinates back to the photo's.
 
 use fast_image_resize as fir;
+use fir::images::{TypedImage, TypedImageRef};
+use fir::pixels::U8x3;
 use image::RgbImage;
 
 use super::linear;
@@ -136,11 +138,13 @@ fn resize(photo: &RgbImage, size: [u32; 2], kernel: Kernel) -> Result<Vec<u8>, R
 }
 
 fn antialiased(photo: &RgbImage, [width, height]: [u32; 2]) -> Result<Vec<u8>, ResizeError> {
-    let source = fir::images::ImageRef::new(photo.width(), photo.height(), photo.as_raw(), fir::PixelType::U8x3)?;
-    let mut resized = fir::images::Image::new(width, height, fir::PixelType::U8x3);
+    let source = TypedImageRef::<U8x3>::from_buffer(photo.width(), photo.height(), photo.as_raw())?;
+    let mut pixels = vec![0; 3 * width as usize * height as usize];
+    let mut resized = TypedImage::<U8x3>::from_buffer(width, height, &mut pixels)?;
     let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(fir::FilterType::Bilinear));
-    fir::Resizer::new().resize(&source, &mut resized, &options)?;
-    Ok(resized.into_vec())
+    // By the type of its pixels: `resize` would compile the loops for every type there is.
+    fir::Resizer::new().resize_typed(&source, &mut resized, &options)?;
+    Ok(pixels)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Pictures made smaller and encoded, to be shown.
 
 use fast_image_resize as fir;
+use fir::images::{TypedImage, TypedImageRef};
+use fir::pixels::U8x3;
 use image::RgbImage;
 
 /// The picture at another size: bilinear, each pixel the mean of all that it stands for. An empty picture stays.
@@ -15,12 +17,13 @@ pub fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
 
 fn resized(picture: &RgbImage, [width, height]: [u32; 2], filter: fir::FilterType) -> RgbImage {
     let resized = || {
-        let pixels = picture.as_raw();
-        let from = fir::images::ImageRef::new(picture.width(), picture.height(), pixels, fir::PixelType::U8x3).ok()?;
-        let mut to = fir::images::Image::new(width, height, fir::PixelType::U8x3);
+        let from = TypedImageRef::<U8x3>::from_buffer(picture.width(), picture.height(), picture.as_raw()).ok()?;
+        let mut pixels = vec![0; 3 * width as usize * height as usize];
+        let mut to = TypedImage::<U8x3>::from_buffer(width, height, &mut pixels).ok()?;
         let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(filter));
-        fir::Resizer::new().resize(&from, &mut to, &options).ok()?;
-        RgbImage::from_raw(width, height, to.into_vec())
+        // By the type of its pixels: `resize` would compile the loops for every type there is.
+        fir::Resizer::new().resize_typed(&from, &mut to, &options).ok()?;
+        RgbImage::from_raw(width, height, pixels)
     };
     if picture.dimensions() == (width, height) {
         picture.clone()
