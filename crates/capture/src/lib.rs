@@ -1,7 +1,7 @@
 //! Guided capture: sources of frames, the gates a photo must pass, guidance, and the page in a browser.
 //!
 //! ```
-//! use scaleproof_capture::capture::guidance::{usual, viewpoints_of};
+//! use scaleproof_capture::capture::{usual, viewpoints_of};
 //! use scaleproof_pose::scene::Bins;
 //!
 //! // Once round the model at 45° steps.
