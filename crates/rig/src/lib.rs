@@ -9,7 +9,7 @@
 //! let photo = Path::new("../../captures/skyline/normal_000.jpg").to_owned();
 //! let (seen, unused) = calibrate::look(&[photo], &board, || ());
 //! assert!(seen.is_empty() && unused.len() == 1, "the photo of the model shows no board");
-//! # Ok::<(), scaleproof_core::files::FileError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod calibrate;
