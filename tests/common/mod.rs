@@ -6,6 +6,8 @@ pub(crate) mod rendered;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+pub use scaleproof_core::files::environment::variable;
+
 pub fn home() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -23,11 +25,6 @@ pub fn shared(path: &str) -> PathBuf {
     let file = Path::new(&root).join(path);
     assert!(file.exists(), "the shared material lacks {}", file.display());
     file
-}
-
-/// An environment variable; one that is set to nothing counts as unset.
-pub fn variable(name: &str) -> Option<std::ffi::OsString> {
-    std::env::var_os(name).filter(|value| !value.is_empty())
 }
 
 /// The number that an environment variable holds.
