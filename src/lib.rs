@@ -22,8 +22,8 @@
 //! ```
 
 #![deny(missing_docs)]
-// What only commands of the feature `full` use is kept without it: it is small, and a mark on each of its items would be more than it.
-#![cfg_attr(not(feature = "full"), allow(dead_code, unused_imports))]
+#[macro_use]
+extern crate scaleproof_terminal;
 
 mod cli;
 
@@ -50,20 +50,16 @@ pub use scaleproof_score::score::{
 pub use scaleproof_session::session::{Conditions, PhotoEntry, Session, SessionError};
 pub use scaleproof_surface::pattern::{Pattern, PatternError};
 
-#[cfg(feature = "attack")]
-pub use burn::tensor::Device as TensorDevice;
-#[cfg(feature = "attack")]
-pub use scaleproof_attack::run::augmentation::Eot;
-#[cfg(feature = "attack")]
-pub use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
-#[cfg(feature = "attack")]
-pub use scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError};
 #[cfg(feature = "full")]
 pub use scaleproof_frames::frames::{FrameSet, FramesError};
 #[cfg(feature = "attack")]
-pub use scaleproof_frames::surrogate::projection::Grid;
-#[cfg(feature = "attack")]
-pub use scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector};
+pub use {
+    scaleproof_attack::run::augmentation::Eot,
+    scaleproof_attack::run::view_set::{TextureMapping, ViewSet},
+    scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
+    scaleproof_frames::surrogate::projection::Grid,
+    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector},
+};
 
 /// The program `scaleproof`.
 #[doc(hidden)]

@@ -1,21 +1,8 @@
 //! One file per subcommand: arguments in, library call, text out.
 
-#[macro_use]
-mod say;
-
 mod advice;
-#[cfg(feature = "full")]
-mod advise;
 mod at_hand;
-#[cfg(feature = "full")]
-mod attack;
-#[cfg(feature = "full")]
-mod calibrate;
 mod camera;
-#[cfg(feature = "full")]
-mod capture;
-#[cfg(feature = "full")]
-mod chart;
 mod choice;
 mod colour;
 mod compare;
@@ -26,7 +13,11 @@ mod demo;
 mod detectors;
 mod enlarged;
 mod failing_alike;
-mod interrupt;
+#[cfg(feature = "full")]
+mod full;
+#[cfg(not(feature = "full"))]
+#[path = "light.rs"]
+mod full;
 mod locate;
 mod merge;
 mod mistakes;
@@ -37,17 +28,12 @@ mod pattern;
 mod patterns;
 mod plan;
 mod print;
-mod progress;
 mod results;
 mod scene;
 mod score;
 mod session;
 mod sessions;
-#[cfg(feature = "full")]
-mod survey;
 mod texture;
-#[cfg(feature = "full")]
-mod textures;
 mod units;
 
 use std::error::Error;
@@ -57,7 +43,7 @@ use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use say::Visible;
+use scaleproof_terminal::{Visible, progress};
 
 /// Print an adversarial pattern at 1:10, photograph the model, and get numbers you can defend.
 #[derive(Parser)]
@@ -72,22 +58,12 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    #[cfg(feature = "full")]
-    Advise(advise::Args),
-    #[cfg(feature = "full")]
-    Attack(attack::Args),
-    #[cfg(feature = "full")]
-    Calibrate(calibrate::Args),
     Demo(demo::Args),
     Print(print::Args),
     Scene(scene::Args),
     Pattern(pattern::Args),
-    #[cfg(feature = "full")]
-    Texture(textures::Args),
     Camera(camera::Args),
     Colour(colour::Args),
-    #[cfg(feature = "full")]
-    Capture(capture::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
     Session(session::Args),
@@ -95,10 +71,8 @@ enum Command {
     Merge(merge::Args),
     Compare(compare::Args),
     Plan(plan::Args),
-    #[cfg(feature = "full")]
-    Survey(survey::Args),
-    #[cfg(feature = "full")]
-    Chart(chart::Args),
+    #[command(flatten)]
+    Full(full::Command),
     Completions(completions::Args),
     #[command(hide = true)]
     Manuals(completions::ManualsArgs),
@@ -117,8 +91,6 @@ type CommandResult = Result<Outcome>;
 
 /// The advice of each command that has some.
 const ADVICE: &[advice::Advise] = &[
-    #[cfg(feature = "full")]
-    attack::advice,
     compare::advice,
     criteria::advice,
     detectors::advice,
@@ -130,15 +102,13 @@ const ADVICE: &[advice::Advise] = &[
     results::advice,
     score::advice,
     session::advice,
-    #[cfg(feature = "full")]
-    survey::advice,
     texture::advice,
 ];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub(crate) fn main() -> ExitCode {
     keep_to_ourselves();
-    keep_refusals_quiet();
+    full::keep_refusals_quiet();
     scaleproof_core::workers::memory::keep();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     // Results name files in JSON, which is UTF-8.
@@ -154,7 +124,7 @@ pub(crate) fn main() -> ExitCode {
         Err(help_or_version) => help_or_version.exit(),
     };
     if cli.quiet {
-        say::be_quiet();
+        scaleproof_terminal::be_quiet();
     }
     // A file that goes to standard output is alone there.
     let out: &mut dyn Write = match output::goes_to_standard_output(&command, &matches) {
@@ -163,20 +133,12 @@ pub(crate) fn main() -> ExitCode {
         Ok(false) => &mut Visible(std::io::stdout().lock()),
     };
     let result = match cli.command {
-        #[cfg(feature = "full")]
-        Command::Attack(args) => attack::run(args, out),
-        #[cfg(feature = "full")]
-        Command::Calibrate(args) => calibrate::run(args, out),
         Command::Demo(args) => demo::run(args, out),
         Command::Print(args) => print::run(args, out),
         Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
-        #[cfg(feature = "full")]
-        Command::Texture(args) => textures::run(&args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
-        #[cfg(feature = "full")]
-        Command::Capture(args) => capture::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Session(args) => session::run(args, out),
@@ -184,12 +146,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),
         Command::Plan(args) => plan::run(args, out),
-        #[cfg(feature = "full")]
-        Command::Advise(args) => advise::run(&args, out),
-        #[cfg(feature = "full")]
-        Command::Survey(args) => survey::run(args, out),
-        #[cfg(feature = "full")]
-        Command::Chart(args) => chart::run(args, out),
+        Command::Full(command) => full::run(command, out),
         Command::Completions(args) => completions::run(&args, out),
         Command::Manuals(args) => completions::run_manuals(&args, out),
     };
@@ -216,19 +173,6 @@ fn refuse(sentence: &str) -> ExitCode {
 fn keep_to_ourselves() {
     // SAFETY: no other thread has been started yet that could read the environment.
     unsafe { std::env::set_var("ORT_DISABLE_TELEMETRY", "1") };
-}
-
-/// Libraries that panic on a damaged network are caught where they are called; nobody needs to read of it.
-fn keep_refusals_quiet() {
-    #[cfg(feature = "attack")]
-    {
-        let usual = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |about| {
-            if !scaleproof_gradients::is_refusing() {
-                usual(about);
-            }
-        }));
-    }
 }
 
 /// False for help and version, also when help is shown because nothing was asked.

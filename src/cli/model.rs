@@ -17,22 +17,22 @@ pub(crate) struct ModelArgs {
     pub mesh: Option<PathBuf>,
     /// The materials that are the paint; all without it
     #[arg(long, value_name = "NAME", num_args = 1.., conflicts_with = "faces")]
-    material: Vec<String>,
+    pub(super) material: Vec<String>,
     /// The triangles that are the paint: a file with their numbers, counted from 0 in the mesh file's order, white space between them
     #[arg(long, value_name = "FILE")]
-    faces: Option<PathBuf>,
+    pub(super) faces: Option<PathBuf>,
     /// The scene whose model this is: its size is held against the mesh's
     #[arg(long, value_name = "TOML")]
     pub scene: Option<PathBuf>,
     /// Scale the mesh to this length from front to rear, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    length_mm: Option<f64>,
+    pub(super) length_mm: Option<f64>,
     /// Where the front is in the mesh file: +x, -x, +y, -y, +z or -z [default: +z in a .glb, else +x]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    mesh_front: Option<String>,
+    pub(super) mesh_front: Option<String>,
     /// Where the top is in the mesh file [default: +y in a .glb, else +z]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    mesh_up: Option<String>,
+    pub(super) mesh_up: Option<String>,
     /// The model is 1:SCALE (named in the captions) [default: the scene's, else 10]
     #[arg(long, allow_negative_numbers = true)]
     pub scale: Option<f64>,
@@ -119,26 +119,6 @@ impl ModelArgs {
             up: axis(&self.mesh_up)?,
             length_mm: self.length_mm,
         })
-    }
-
-    /// What was said about the mesh besides its file, as arguments again.
-    pub(crate) fn described(&self) -> String {
-        let mut text = String::new();
-        if !self.material.is_empty() {
-            text += &format!(" --material {}", self.material.join(" "));
-        }
-        if let Some(faces) = &self.faces {
-            text += &format!(" --faces {}", faces.display());
-        }
-        if let Some(length_mm) = self.length_mm {
-            text += &format!(" --length-mm {length_mm}");
-        }
-        for (key, axis) in [("front", &self.mesh_front), ("up", &self.mesh_up)] {
-            if let Some(axis) = axis {
-                text += &format!(" --mesh-{key} {axis}");
-            }
-        }
-        text
     }
 }
 

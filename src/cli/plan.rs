@@ -1,6 +1,5 @@
 //! `scaleproof plan`: how many photos show a drop?
 
-#[cfg(feature = "full")]
 mod sealed;
 
 use std::io::Write;
@@ -28,7 +27,6 @@ pub(super) struct Args {
     /// The scene whose bins are photographed: a table of places, photos and the smallest drop they show.
     #[arg(long, value_name = "TOML", conflicts_with = "bins")]
     scene: Option<PathBuf>,
-    #[cfg(feature = "full")]
     #[command(flatten)]
     sealing: sealed::Sealing,
     /// With --scene: places that are planned.
@@ -59,7 +57,6 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    #[cfg(feature = "full")]
     if let (Some(scene), Some(path)) = (&args.scene, &args.sealing.seal) {
         let beside = sealed::Beside {
             scene,

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::interrupt;
+use super::full;
 use scaleproof_detect::{
     Manifest, OutsideError, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
     ResultsRequest,
@@ -18,16 +18,16 @@ pub(super) struct Results {
     /// Detections of another program, under a name of your choice: a COCO results list (.json), or a folder with YOLO's text files, one a
     /// photo; see `scaleproof session export` for what to run it on. Once for each detector.
     #[arg(long = "results", value_name = "NAME=FILE")]
-    results: Vec<String>,
+    pub(super) results: Vec<String>,
     /// With --results: the COCO file whose images the results number.
     #[arg(long, value_name = "JSON", requires = "results")]
-    images: Option<PathBuf>,
+    pub(super) images: Option<PathBuf>,
     /// With --results: what the numbers of its classes mean: a COCO file with `categories`, the `names` of a YOLO data set's YAML file, or a text file of names, one a line; COCO's own
     /// when left out.
     #[arg(long, value_name = "FILE", requires = "results")]
-    categories: Option<PathBuf>,
+    pub(super) categories: Option<PathBuf>,
     #[command(flatten)]
-    programs: Programs,
+    pub(super) programs: Programs,
 }
 
 /// Detectors that are programs.
@@ -67,7 +67,7 @@ impl Programs {
     /// Starts them. From then on an interruption ends them before it ends this program.
     pub(super) fn started(&self, programs: Vec<ProgramSpec>) -> Result<Vec<ProgramDetector>, ProgramError> {
         if !programs.is_empty() {
-            interrupt::end_programs_first();
+            full::end_programs_first();
         }
         let limit = Duration::from_secs(self.detector_timeout);
         programs
@@ -78,14 +78,6 @@ impl Programs {
 }
 
 impl Results {
-    /// None but programs.
-    pub(super) fn of_programs(programs: Programs) -> Results {
-        Results {
-            programs,
-            ..Results::default()
-        }
-    }
-
     pub(super) fn are_given(&self) -> bool {
         !self.results.is_empty()
     }

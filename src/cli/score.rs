@@ -92,7 +92,7 @@ impl Judging {
 pub(super) struct Effort {
     /// Threads to use; one a core when left out.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
     /// Folder that keeps what was found in each photo, by content, so that a later or interrupted run need not look again; the
     /// user's cache when left out. It may be deleted at any time.
     #[arg(long, value_name = "DIR")]
@@ -100,11 +100,6 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// As many as were requested.
-    pub(super) fn threads(&self) -> Option<u32> {
-        self.threads.map(u32::from)
-    }
-
     pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options> {
         self.options_with(detectors, TagDetectorChoice::default())
     }

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use super::model::Model;
 use scaleproof_core::files;
-use scaleproof_print::print::patch::PanelPatch;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{Card, card, says_sides};
 use scaleproof_surface::texture::{
-    FaceTexels, Mapped, MappedImages, PlacedPatch, SidePatterns, Texture, TextureError, Tile, check_same_shape,
+    FaceTexels, Mapped, MappedImages, SidePatterns, Texture, TextureError, Tile, check_same_shape,
 };
 
 /// The pattern or texture.
@@ -163,17 +162,6 @@ fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped, Box<dyn Error>> {
     Ok(MappedImages::of_mesh(&textured, &paint)?)
 }
 
-/// Finished textures in their places, over another texture.
-pub(crate) fn with_patches(below: Texture, patches: &[PanelPatch]) -> Texture {
-    let placed = patches.iter().map(|patch| PlacedPatch {
-        image: patch.image.shared(),
-        side: patch.side,
-        at_mm: patch.at_mm,
-        size_mm: patch.size_mm,
-    });
-    Texture::Patches(Box::new(below), placed.collect())
-}
-
 fn is_mesh(path: &Path) -> bool {
     ["obj", "glb", "ply"].contains(&extension(path).as_str())
 }
@@ -199,4 +187,5 @@ pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 #[cfg(test)]
+#[path = "tests/texture.rs"]
 mod tests;

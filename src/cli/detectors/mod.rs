@@ -15,12 +15,10 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use crate::cli::{CommandResult, Outcome, Result, advice, progress};
-#[cfg(feature = "full")]
-use scaleproof_detect::FetchError;
+use crate::cli::{CommandResult, Outcome, Result, advice, full};
 use scaleproof_detect::{
-    self as detect, Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError,
-    registered, registered_names,
+    Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError, registered,
+    registered_names,
 };
 use scaleproof_photo::photo::Photo;
 use scaleproof_score::score::EvaluatedDetectorError;
@@ -36,9 +34,8 @@ pub(super) struct Args {
 enum Command {
     /// Every known detector: licence, origin, and where its weights lie.
     List(ListArgs),
-    /// Download weights, verify their SHA-256, go on with a broken download.
-    #[cfg(feature = "full")]
-    Fetch(FetchArgs),
+    #[command(flatten)]
+    Full(full::DetectorsCommand),
     /// Run every detector whose weights are present on some photos and print what it finds.
     Check(check::Args),
     /// Write the manifest of a detector of your own from its ONNX file, or say what the file does not tell.
@@ -59,7 +56,7 @@ enum Command {
 pub(super) struct Folder {
     /// Folder with weights; looked up before $SCALEPROOF_DETECTORS, $SCALEPROOF_SHARED/detectors and the user's cache.
     #[arg(long = "detectors", value_name = "DIR")]
-    weights_folder: Option<PathBuf>,
+    pub(super) weights_folder: Option<PathBuf>,
 }
 
 impl Folder {
@@ -113,18 +110,6 @@ struct ListArgs {
     json: bool,
 }
 
-#[cfg(feature = "full")]
-#[derive(clap::Args)]
-struct FetchArgs {
-    /// Which detectors; all when none is named.
-    names: Vec<String>,
-    #[command(flatten)]
-    folder: Folder,
-    /// One JSON object a line.
-    #[arg(long)]
-    json: bool,
-}
-
 /// What to do about an error of the library.
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     match error.downcast_ref() {
@@ -143,10 +128,6 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
         Some(WeightsError::NoCache) => return Some(", or name a folder by --detectors".into()),
         _ => {}
     }
-    #[cfg(feature = "full")]
-    if let Some(FetchError::Taken { .. }) = error.downcast_ref() {
-        return Some(", or fetch into another folder by --detectors".into());
-    }
     if let Some(ManifestError::NoManifest { network, .. }) = error.downcast_ref() {
         return Some(format!("run `scaleproof detectors add {}` first", network.display()));
     }
@@ -162,8 +143,7 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.command {
         Command::List(args) => list(args, out),
-        #[cfg(feature = "full")]
-        Command::Fetch(args) => fetch(args, out),
+        Command::Full(command) => full::detectors(command, out),
         Command::Check(args) => check::run(args, out),
         Command::Add(args) => add::run(args, out),
         Command::Speed(args) => speed::run(args, out),
@@ -222,45 +202,12 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-#[cfg(feature = "full")]
-fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
-    let folders = WeightFolders::new(args.folder.weights_folder);
-    for manifest in chosen(&args.names)? {
-        let path = fetch_one(&manifest, &folders)?;
-        if args.json {
-            writeln!(out, "{}", serde_json::json!({ "name": manifest.name, "path": path }))?
-        } else {
-            writeln!(out, "{:<14} {}", manifest.name, path.display())?
-        }
-    }
-    Ok(Outcome::Done)
-}
-
 /// The weights of a detector: those already there when they are the right ones, else downloaded.
 pub(super) fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
     if let Ok(path) = folders.checked(manifest) {
         return Ok(path);
     }
-    download(manifest, folders)
-}
-
-#[cfg(not(feature = "full"))]
-fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {
-    let name = &manifest.name;
-    Err(format!("the weights of {name} are not here; `./run detectors fetch` gets them").into())
-}
-
-#[cfg(feature = "full")]
-fn download(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
-    let bar = progress::bytes(&manifest.name);
-    let fetched = detect::fetch(manifest, &folders.download_folder()?, &|done, total| {
-        if let Some(total) = total {
-            bar.set_length(total);
-        }
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
-    Ok(fetched?)
+    full::download(manifest, folders)
 }
 
 /// The named detectors, or all whose weights are here.

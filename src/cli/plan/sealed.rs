@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use super::super::criteria::Reading;
 use super::super::patterns::named;
 use super::super::{CommandResult, Outcome, Result, detectors};
-use scaleproof_capture::capture::{usual, viewpoints_of};
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene};
@@ -147,7 +146,7 @@ fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<Stri
 
 /// The bins that are photographed.
 fn views(sealing: &Sealing, bins: &Bins) -> Result<Vec<[f64; 3]>> {
-    let (pitch, distance) = usual(bins);
+    let (pitch, distance) = bins.usual_view();
     let of = |given: &[f64], usual: f64, all: &[f64], what: &str| -> Result<Vec<f64>> {
         if let Some(odd) = given
             .iter()
@@ -160,7 +159,7 @@ fn views(sealing: &Sealing, bins: &Bins) -> Result<Vec<[f64; 3]>> {
     };
     let pitches = of(&sealing.pitch_deg, pitch, &bins.pitch_deg, "pitch-deg")?;
     let distances = of(&sealing.distance_mm, distance, &bins.distance_mm, "distance-mm")?;
-    let views = viewpoints_of(bins, &pitches, &distances);
+    let views = bins.viewpoints(&pitches, &distances);
     Ok(views
         .iter()
         .map(|v| [v.azimuth_deg, v.pitch_deg, v.distance_mm])

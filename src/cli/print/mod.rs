@@ -1,7 +1,5 @@
 //! `scaleproof print`: sheets for the printer.
 
-#[cfg(feature = "full")]
-mod board;
 mod chart;
 mod check;
 mod paint;
@@ -21,7 +19,7 @@ use clap::Subcommand;
 use serde_json::Value;
 
 use super::enlarged::note_enlarged;
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, full};
 use scaleproof_core::files;
 use scaleproof_print::print::SheetError;
 use scaleproof_print::print::date::Date;
@@ -51,9 +49,8 @@ enum What {
     Patch(patch::PatchArgs),
     /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
     Tags(tags::TagsArgs),
-    /// Print a calibration board, and write the file that describes it
-    #[cfg(feature = "full")]
-    Board(board::BoardArgs),
+    #[command(flatten)]
+    Full(full::PrintCommand),
     /// A chart of colours, fewer on smaller paper, to be photographed for `colour read`
     Chart(chart::ChartArgs),
     /// One page that shows whether the printer keeps lengths
@@ -69,8 +66,7 @@ pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Wrap(args) => wrap::run(&args, out),
         What::Patch(args) => patch::run(&args, out),
         What::Tags(args) => tags::run(&args, out),
-        #[cfg(feature = "full")]
-        What::Board(args) => board::run(&args, out),
+        What::Full(command) => full::print(command, out),
         What::Chart(args) => chart::run(&args, out),
         What::Check(args) => check::run(&args, out),
         What::Verify(args) => verify::run(&args, out),
@@ -90,7 +86,7 @@ macro_rules! value_names {
         }
     };
 }
-use value_names;
+pub(super) use value_names;
 
 value_names!(sheet_format -> SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
 
@@ -148,23 +144,23 @@ fn same_place(a: &Path, b: &Path) -> bool {
 
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
-struct CutSheetArgs {
+pub(super) struct CutSheetArgs {
     /// a4, a3, letter, tabloid, or WxH in mm; tags also on a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
     /// Correct the sizes by this file of `print verify`
     #[arg(long, value_name = "TOML")]
-    printer: Option<PathBuf>,
+    pub(super) printer: Option<PathBuf>,
     /// The file to write
     #[arg(short, long, alias = "out", value_name = "FILE")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_parser = sheet_format())]
     format: Option<SheetFormat>,
 }
 
 impl CutSheetArgs {
-    fn media(&self) -> Result<Media, Box<dyn Error>> {
+    pub(super) fn media(&self) -> Result<Media, Box<dyn Error>> {
         Ok(Media {
             paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,
@@ -172,7 +168,7 @@ impl CutSheetArgs {
     }
 
     /// One sheet as the file to write.
-    fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>, Box<dyn Error>> {
+    pub(super) fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>, Box<dyn Error>> {
         Ok(self
             .output()?
             .files(title, &["1".to_owned()], std::slice::from_ref(sheet))?)

@@ -9,6 +9,7 @@ mod file;
 mod ring;
 mod tag;
 mod viewpoint;
+mod views;
 mod write;
 
 pub use bins::{Bin, Bins};

@@ -1,0 +1,176 @@
+//! `scaleproof advise`: how little does a session need?
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::cli::{
+    CommandResult, Outcome, Result, at_hand, detectors, progress, results, score as score_command, sessions,
+};
+use scaleproof_core::{files, workers};
+use scaleproof_photo::photo::Photo;
+use scaleproof_score::score::{self, EvaluatedDetector, Scores};
+use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_session::session::Session;
+use scaleproof_study::advise::{self, Advice, FigureAdvice, Sample};
+
+/// Say which tag detector, solver, camera model, how many tags and which resolution are enough for a session, and whether findings depend on the definition of AP or on the box behind the truth.
+///
+/// No truth is needed: a tag is left out of each pose, and its corners are predicted. Advised is the smallest way that loses no photo, moves none to another bin, and predicts no worse than the most
+/// accurate one.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Args {
+    /// The session's folder.
+    session: PathBuf,
+    /// Detector whose findings are looked at; once for each, or a list with commas; none when none is named, unless --recorded is given.
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: detectors::Folder,
+    #[command(flatten)]
+    results: results::Results,
+    /// Look at the detections stored in the session instead of running detectors.
+    #[arg(long)]
+    recorded: bool,
+    /// The texture that the others are held against.
+    #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
+    base: String,
+    #[command(flatten)]
+    effort: score_command::Effort,
+    /// Folder for advice.html, advice.json and advice.toml, which `score --settings` takes.
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Print advice.json instead of the tables.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(in crate::cli) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+    let session = sessions::session(&args.session)?;
+    check(args, &session)?;
+    files::check_writable(&args.output)?;
+    let samples = samples(&session)?;
+    let unreadable = session.photos.len() - samples.len();
+    let poses = poses(&session, &samples)?;
+    let figures = figures(args, &session)?;
+    let advice = Advice {
+        session: session.name.clone(),
+        unreadable,
+        poses,
+        figures,
+    };
+    let json = serde_json::to_string_pretty(&advice)? + "\n";
+    let page = args.output.join("advice.html");
+    let settings = args.output.join("advice.toml");
+    files::replace_all_atomically(&[
+        (page.clone(), advise::page(&advice).into_bytes()),
+        (args.output.join("advice.json"), json.clone().into_bytes()),
+        (settings.clone(), advise::settings(&advice).into_bytes()),
+    ])?;
+    if args.json {
+        write!(out, "{json}")?
+    } else {
+        writeln!(
+            out,
+            "{}\n\npage: {}\nsettings: {}",
+            advise::table(&advice),
+            page.display(),
+            settings.display()
+        )?
+    }
+    Ok(Outcome::Done)
+}
+
+/// Finds out before anything is measured what cannot work.
+fn check(args: &Args, session: &Session) -> Result<()> {
+    let real = |path: &std::path::Path| path.canonicalize().ok();
+    if real(&args.output).is_some() && real(&args.output) == real(&session.folder) {
+        return Err(format!(
+            "the advice would be written among the photos in {}: name another folder with -o",
+            args.output.display()
+        )
+        .into());
+    }
+    session.known_camera()?;
+    if !looks(args) {
+        return Ok(());
+    }
+    let variants: BTreeSet<&str> = session.photos.iter().map(|photo| photo.variant.as_str()).collect();
+    if !variants.contains(args.base.as_str()) || variants.len() < 2 {
+        let all = variants.into_iter().collect::<Vec<_>>().join(", ");
+        return Err(format!(
+            "findings need photos of `{}` and of another texture, and the session has {all}: name the base with --base, or leave the detectors out",
+            args.base
+        )
+        .into());
+    }
+    Ok(())
+}
+
+/// Whether detections are looked at.
+fn looks(args: &Args) -> bool {
+    !args.detectors.is_empty() || args.recorded || args.results.are_given()
+}
+
+fn poses(session: &Session, samples: &[Sample]) -> Result<advise::PoseAdvice> {
+    let camera = session.known_camera()?;
+    let bar = progress::photos("measuring", samples.len());
+    let advice = advise::advise_poses(samples, &session.scene, camera, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(advice)
+}
+
+/// The photos, decoded; those that cannot be are noted and left out.
+fn samples(session: &Session) -> Result<Vec<Sample>> {
+    let bar = progress::photos("reading", session.photos.len());
+    let read = workers::map(
+        &session.photos,
+        || Ok(()),
+        |(), entry| -> Result<_, std::convert::Infallible> {
+            let decoded = Photo::open(&session.photo_path(entry)).and_then(|photo| {
+                Ok(Sample {
+                    file: entry.file.clone(),
+                    luma: photo.luma()?,
+                    turned_deg: photo.turned_deg,
+                })
+            });
+            Ok(decoded)
+        },
+        || bar.inc(1),
+    );
+    bar.finish_and_clear();
+    let Ok(read) = read;
+    let mut samples = Vec::new();
+    for decoded in read {
+        match decoded {
+            Ok(sample) => samples.push(sample),
+            Err(e) => say!("note: left out: {e}"),
+        }
+    }
+    Ok(samples)
+}
+
+/// What the findings depend on; none where no detector looks.
+fn figures(args: &Args, session: &Session) -> Result<Option<FigureAdvice>> {
+    if !looks(args) {
+        return Ok(None);
+    }
+    let one = std::slice::from_ref(session);
+    let detectors = at_hand::evaluated(one, &args.detectors, args.recorded, &args.folder, &args.results)?;
+    let options = args.effort.options(&detectors)?;
+    let scored = |session: Session, detectors: Vec<EvaluatedDetector>| -> Result<Scores> {
+        let scores = score_command::score_with_progress(vec![session], detectors, &options)?;
+        Ok(scores.against(&args.base))
+    };
+    let scores = scored(session.clone(), detectors.clone())?;
+    score_command::caution(&scores);
+    let by_box = match session.scene.model.envelope.name() {
+        "box" => None,
+        _ => {
+            let mut boxed = session.clone();
+            boxed.outline = EnvelopeShape::of_box(&session.scene.model);
+            Some(scored(boxed, detectors)?)
+        }
+    };
+    Ok(Some(advise::advise_figures(&scores, by_box.as_ref(), &args.base)?))
+}

@@ -1,0 +1,117 @@
+//! `scaleproof attack`: frames, the models that predict them, and patterns against detectors.
+
+mod advice;
+mod baseline;
+mod chart;
+mod colours;
+mod demo;
+mod device;
+mod evaluate;
+mod history;
+mod import;
+mod judge;
+#[cfg(feature = "attack")]
+mod networks;
+#[cfg(not(feature = "attack"))]
+#[path = "attack/no_networks.rs"]
+mod networks;
+mod on_frames;
+mod photos;
+mod render;
+mod run;
+
+pub(in crate::cli) use advice::advice;
+pub(in crate::cli) use networks::keep_refusals_quiet;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+
+use crate::cli::{CommandResult, Outcome};
+pub(in crate::cli) use render::{azimuths, size};
+use scaleproof_core::spelling::count;
+use scaleproof_frames::frames::FrameSet;
+
+/// From frames of a painted model to a pattern that detectors do not see it in
+#[derive(clap::Args)]
+pub(in crate::cli) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Render(Box<render::RenderArgs>),
+    Import(import::ImportArgs),
+    Photos(photos::PhotosArgs),
+    Check(CheckArgs),
+    Colours(colours::ColoursArgs),
+    Chart(chart::ChartArgs),
+    Evaluate(Box<evaluate::EvaluateArgs>),
+    #[command(flatten)]
+    Networks(networks::Command),
+    Run(Box<run::RunArgs>),
+    Baseline(Box<baseline::BaselineArgs>),
+    Judge(Box<judge::JudgeArgs>),
+    History(history::HistoryArgs),
+    Demo(demo::DemoArgs),
+}
+
+/// Read every image of frames and hold them against their list
+#[derive(clap::Args)]
+struct CheckArgs {
+    /// A folder of frames
+    #[arg(value_name = "FRAMES")]
+    frames: PathBuf,
+    /// Print a JSON object instead of the sentence
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `scaleproof attack …`.
+pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match args.what {
+        What::Render(args) => render::run(&args, out),
+        What::Import(args) => import::run(&args, out),
+        What::Photos(args) => photos::run(&args, out),
+        What::Check(args) => check(&args, out),
+        What::Colours(args) => colours::run(&args, out),
+        What::Chart(args) => chart::run(&args, out),
+        What::Evaluate(args) => evaluate::run(&args, out),
+        What::Networks(command) => networks::run(command, out),
+        What::Run(args) => run::run(&args, out),
+        What::Baseline(args) => baseline::run(&args, out),
+        What::Judge(args) => judge::run(&args, out),
+        What::History(args) => history::run(&args, out),
+        What::Demo(args) => demo::run(&args, out),
+    }
+}
+
+/// What a command that wrote frames ends with.
+fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
+    if json {
+        writeln!(out, "{}", serde_json::json!({ "file": list, "frames": frames }))?
+    } else {
+        writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?
+    }
+    Ok(Outcome::Done)
+}
+
+fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
+    let set = FrameSet::open(&args.frames)?;
+    for frame in &set.list.frames {
+        set.check_images(frame)?;
+    }
+    let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
+    if args.json {
+        writeln!(
+            out,
+            "{}",
+            serde_json::json!({"frames": frames, "size_px": [width, height]})
+        )?
+    } else {
+        writeln!(out, "{frames} frames of {width}×{height} px are whole")?
+    }
+    Ok(Outcome::Done)
+}

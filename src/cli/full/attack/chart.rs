@@ -1,0 +1,62 @@
+//! `scaleproof attack chart`: surrogate renderers against each other.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::networks;
+use super::render::hex;
+use crate::cli::{CommandResult, Outcome, progress};
+use scaleproof_core::files;
+use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};
+use scaleproof_frames::surrogate::renderer::NeuralRenderer;
+
+/// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
+#[derive(clap::Args)]
+pub(super) struct ChartArgs {
+    /// A folder of frames
+    #[arg(value_name = "FRAMES")]
+    frames: PathBuf,
+    /// The colours models are fitted to, as hex: the first two, the first three, …
+    #[arg(long, value_name = "HEX", num_args = 2..=8, default_values = ["000000", "ffffff", "808080"])]
+    reference: Vec<String>,
+    #[command(flatten)]
+    trained: networks::Trained,
+    /// Folder for the charts (SVG) and its numbers (JSON)
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Print renderers.json instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
+    files::check_writable(&args.output)?;
+    let set = FrameSet::open(&args.frames)?;
+    let references = args
+        .reference
+        .iter()
+        .map(|text| hex(text))
+        .collect::<Result<Vec<_>, _>>()?;
+    let bar = progress::frames("measuring", views(&set.list.frames).len());
+    let networks = args.trained.renderers()?;
+    let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
+    let rows = measure(&set, &references, &networks, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let json = numbers(&set, &args.reference, &rows)?;
+    let mut new = vec![
+        (args.output.join("renderers.json"), json.clone().into_bytes()),
+        (args.output.join("renderers.svg"), draw(&rows).into_bytes()),
+    ];
+    new.extend(draw_training(&rows).map(|svg| (args.output.join("training.svg"), svg.into_bytes())));
+    files::replace_all_atomically(&new)?;
+    if args.json {
+        writeln!(out, "{json}")?;
+        return Ok(Outcome::Done);
+    }
+    write!(out, "{}", table(&rows))?;
+    for (path, _) in &new {
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(Outcome::Done)
+}

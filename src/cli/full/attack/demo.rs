@@ -1,0 +1,119 @@
+//! `scaleproof attack demo`: from stored frames to a pattern, its template and its score.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::device::OnDevice;
+use super::on_frames::{Looking, OnFrames};
+use super::run::{METHOD, Settings, optimise};
+use crate::cli::demo::{home, print_template};
+use crate::cli::detectors::Folder;
+use crate::cli::results::Programs;
+use crate::cli::{CommandResult, Outcome};
+use scaleproof_attack::result::PATTERN;
+use scaleproof_attack::run::judge::judge;
+use scaleproof_attack::run::view_set::TextureMapping;
+use scaleproof_attack::run::weights::Against;
+use scaleproof_attack::run::{CellColours, Rgb, of_pattern, srgb};
+use scaleproof_attack::setup::Setup;
+use scaleproof_gradients::Boxes;
+use scaleproof_surface::pattern::Pattern;
+
+const FRAMES: &str = "captures/skyline_attack";
+const DETECTOR: &str = "yolox_nano";
+const CELLS: u32 = 16;
+const TILE_MM: f64 = 240.0;
+
+/// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
+/// minutes on two cores
+#[derive(clap::Args)]
+pub(super) struct DemoArgs {
+    /// Folder for the pattern, its card, its history and its template
+    #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/attack_demo")]
+    output: PathBuf,
+    #[command(flatten)]
+    folder: Folder,
+}
+
+pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
+    let on = OnFrames {
+        looking: Looking {
+            frames: vec![home().join(FRAMES)],
+            detector: vec![DETECTOR.to_owned()],
+            folder: args.folder.clone(),
+            programs: Programs::default(),
+            class: "car".parse()?,
+            tile_mm: Some(TILE_MM),
+            mapping: TextureMapping::default(),
+            device: OnDevice::default(),
+            json: false,
+        },
+        cells: Some(CELLS),
+        seed: 1,
+        output: args.output.clone(),
+    };
+    let setup = on.open(METHOD, true, &TextureMapping::World.usual_eot())?;
+    let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
+    writeln!(
+        out,
+        "1. {} views of the model become a pattern against {DETECTOR}; {held_out} are held out",
+        views
+    )?;
+    let settings = Settings {
+        steps: 60,
+        batch: 5,
+        learning_rate: 0.05,
+        boxes: Boxes::default(),
+        floor: 0.001,
+        against: Against::default(),
+        hard: 0.0,
+        eot: on.mapping.usual_eot(),
+        smooth: 0.0,
+        near: None,
+        printer: None,
+        colours: CellColours::Free,
+        range: [0, 255],
+    };
+    let config = settings.config(&on, &setup);
+    let (cells, entries) = optimise(&on, &setup, &config)?;
+    on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
+    writeln!(out, "\n2. The pattern becomes a printable sheet")?;
+    let png = args.output.join(PATTERN);
+    print_template(
+        &Pattern::load(&png)?,
+        PATTERN,
+        TILE_MM,
+        &args.output.join("template.pdf"),
+        out,
+    )?;
+    writeln!(out, "\n3. {DETECTOR} looks at the held-out views")?;
+    table(&setup, &cells, out)?;
+    writeln!(
+        out,
+        "\nThese are images as the surrogate renderer predicts them. What counts are new ones: `attack render --pattern {}` needs the model's mesh, \
+         a camera needs the printed model.",
+        png.display()
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// The pattern beside a grey model and a random pattern.
+fn table(setup: &Setup, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let grey = srgb(&vec![[128; 3]; cells.len()]);
+    let random = of_pattern(&Pattern::random(CELLS, 1)?);
+    writeln!(
+        out,
+        "{:<10} {:>7} {:>9} {:>16}",
+        "pattern", "AP@0.5", "hit rate", "mean confidence"
+    )?;
+    for (name, cells) in [("grey", grey.as_slice()), ("random", &random), ("attack", cells)] {
+        let judged = judge(&setup.view_set, &setup.detectors, cells)?;
+        writeln!(
+            out,
+            "{name:<10} {:>7.2} {:>9.2} {:>16.2}",
+            judged.ap50, judged.hit_rate, judged.mean_confidence
+        )?;
+    }
+    Ok(())
+}

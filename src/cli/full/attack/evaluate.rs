@@ -1,0 +1,280 @@
+//! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::render::{MESH, azimuths, cache, hex, named, size, textured, viewpoints};
+use crate::cli::detectors::{self, Folder};
+use crate::cli::model::{Model, ModelArgs};
+use crate::cli::print::tile_mm;
+use crate::cli::results::Programs;
+use crate::cli::score::{Effort, caution, score_with_progress};
+use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{at_hand, patterns};
+use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
+use scaleproof_core::files;
+use scaleproof_detect::Manifest;
+use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
+use scaleproof_pose::scene::Classes;
+use scaleproof_score::report;
+use scaleproof_score::score::{
+    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
+};
+use scaleproof_session::session::Session;
+use scaleproof_surface::pattern::Pattern;
+
+/// Judge patterns on the model: render them at the paper's viewpoints under other lights, and score the detectors on the photos
+///
+/// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
+#[derive(clap::Args)]
+#[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
+pub(super) struct EvaluateArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
+    #[arg(long, value_name = "HEX|original")]
+    normal: String,
+    /// Patterns and their names: PNG files with one pixel per cell, mapped onto the model as `print wrap` prints them
+    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required_unless_present = "textures")]
+    patterns: Vec<String>,
+    /// Width of one repeat of the patterns on the model, in mm; without it, what each pattern's card says
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tile_mm: Option<f64>,
+    /// Textures and their names, as in car.obj or NAME=car.obj: images for the mesh's texture coordinates, .obj, .glb or .ply files with images of
+    /// their own, or .npy files with the texels of each triangle
+    #[arg(long = "texture", value_name = "[NAME=]FILE", num_args = 1..)]
+    textures: Vec<String>,
+    /// The detectors that the patterns were made against: table 1 has them, table 2 the others; all are in table 1 without it
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    target: Vec<String>,
+    /// Detector to score; several may be named; all whose weights are here when none is
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+    #[command(flatten)]
+    programs: Programs,
+    /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90;
+    /// take others than the patterns were made under
+    #[arg(long, value_name = "LIGHT", num_args = 1.., default_values = ["courtyard", "sunrise@60"])]
+    light: Vec<String>,
+    /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every30
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "every30", allow_negative_numbers = true)]
+    azimuth_deg: Vec<String>,
+    #[arg(long, value_name = "DEG", num_args = 1.., default_values = ["0", "15", "30"], allow_negative_numbers = true)]
+    pitch_deg: Vec<f64>,
+    #[arg(long, value_name = "MM", num_args = 1.., default_values = ["900", "1200", "1500"], allow_negative_numbers = true)]
+    distance_mm: Vec<f64>,
+    /// Width and height of the photos in pixels, as in 320 or 320x240
+    #[arg(long, value_name = "PX", default_value = "320x240")]
+    size_px: String,
+    /// Horizontal field of view
+    #[arg(long, value_name = "DEG", default_value_t = 40.0, allow_negative_numbers = true)]
+    field_of_view_deg: f64,
+    /// Roughness of the paint's coat: 0 reflects like glass, 1 is matt
+    #[arg(long, default_value_t = ROUGHNESS, allow_negative_numbers = true)]
+    roughness: f64,
+    /// Panorama paths a pixel, before the noise is cleaned away
+    #[arg(long, default_value_t = 8)]
+    samples: u32,
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    class: Classes,
+    #[command(flatten)]
+    effort: Effort,
+    /// The tables as one JSON object instead of the text
+    #[arg(long)]
+    json: bool,
+    /// Folder for the photos (a session, in `session`), evaluation.html, .csv and .tex, differences.csv, and the report of `score` in `score`
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
+    args.mesh_file()?;
+    let model = args.model.load()?;
+    let paints = args.paints(&model)?;
+    let worn = args.worn(&paints)?;
+    let variants: Vec<String> = paints.iter().map(|(name, _)| name.clone()).collect();
+    let paints = paints.into_iter().map(|(_, paint)| paint).collect();
+    let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
+    // What is missing for the scores is said before the long work.
+    let detectors = args.detectors()?;
+    files::check_writable(&args.output)?;
+    let folder = args.output.join("session");
+    render(&evaluation, &folder)?;
+    args.write_session(&evaluation, &folder)?;
+    let mut scores = args.scores(&folder, detectors)?;
+    scores.patterns = worn;
+    let tables = report::Evaluation {
+        comparisons: comparisons(&scores, &variants)?,
+        scores: &scores,
+        patterns: variants,
+        targets: args.target.clone(),
+    };
+    report::write(&args.output.join("score"), &scores, None)?;
+    let page = report::write_evaluation(&args.output, &tables)?;
+    caution(&scores);
+    if args.json {
+        let line = serde_json::json!({
+            "classes": args.class, "patterns": tables.patterns, "targets": tables.targets, "results": scores.summaries,
+            "comparisons": tables.comparisons, "page": page,
+        });
+        writeln!(out, "{line}")?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(out, "{}", report::evaluation_tables(&tables))?;
+    writeln!(out, "page: {}", page.display())?;
+    Ok(Outcome::Done)
+}
+
+fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
+    let bar = progress::frames("rendering", evaluation.photos().len());
+    let python = || blender::find(&cache(), progress::announce);
+    let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    rendered
+}
+
+/// Each variant against those after it.
+fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, Box<dyn Error>> {
+    let names: Vec<&str> = variants.iter().map(String::as_str).collect();
+    let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
+    Ok(compared.collect::<Result<_, _>>()?)
+}
+
+impl EvaluateArgs {
+    /// What the model wears, with its names: the plain model's, then patterns and textures in the order of the command.
+    fn paints(&self, model: &Model) -> Result<Vec<(String, RenderPaint)>, Box<dyn Error>> {
+        let normal = match self.normal.as_str() {
+            "original" => RenderPaint::Original,
+            text => RenderPaint::Flat(hex(text)?),
+        };
+        let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
+        for text in &self.patterns {
+            let (name, file) = patterns::named(text)?;
+            let pattern = Pattern::load(file)?;
+            let tile_mm = tile_mm(self.tile_mm, file, &pattern)?;
+            paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
+        }
+        for text in &self.textures {
+            let (name, path) = named(text);
+            paints.push((name.clone(), textured(name, path, model)?));
+        }
+        Ok(paints)
+    }
+
+    /// What the report shows of the paints that are patterns.
+    fn worn(&self, paints: &[(String, RenderPaint)]) -> Result<Vec<WornPattern>, Box<dyn Error>> {
+        let files = self.patterns.iter().map(|text| patterns::named(text));
+        let files: Vec<(&str, &Path)> = files.collect::<Result<_, _>>()?;
+        let file_of = |name: &str| {
+            files
+                .iter()
+                .find(|(own, _)| *own == name)
+                .map_or(Path::new(""), |(_, file)| file)
+        };
+        let worn = paints.iter().filter_map(|(name, paint)| match paint {
+            RenderPaint::Pattern(_, pattern, tile_mm) => {
+                Some(patterns::shown(name, file_of(name), pattern, Some(*tile_mm)))
+            }
+            _ => None,
+        });
+        worn.collect()
+    }
+
+    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
+        let mesh_file = self.mesh_file()?;
+        let lights = self.light.iter().map(|text| text.parse());
+        Ok(RenderRequest {
+            turn: self.model.placement()?.rotation(&mesh_file)?,
+            mesh: model.mesh,
+            materials: model.materials,
+            lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
+            viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
+            colours,
+            size_px: size(&self.size_px)?,
+            field_of_view_deg: self.field_of_view_deg,
+            roughness: self.roughness,
+            samples: self.samples,
+            denoise: true,
+            seed: self.seed,
+            factor: 1,
+            threads: self.effort.threads.map_or(0, u32::from),
+            made_by: String::new(),
+            mesh_file,
+        })
+    }
+
+    fn mesh_file(&self) -> Result<PathBuf, String> {
+        let file = self.model.mesh.clone();
+        file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
+    }
+
+    /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
+    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>), Box<dyn Error>> {
+        let (networks, programs) = self.programs.among(&self.detectors)?;
+        let manifests = if networks.is_empty() && !programs.is_empty() {
+            Vec::new()
+        } else {
+            detectors::present(&networks, &self.folder.folders()?)?
+        };
+        for manifest in &manifests {
+            manifest.counted(self.class.labels())?;
+        }
+        let started = self.programs.started(programs)?.into_iter();
+        let programs: Vec<EvaluatedDetector> = started
+            .map(|program| EvaluatedDetector::program(program, &self.class))
+            .collect::<Result<_, _>>()?;
+        let names = || {
+            manifests
+                .iter()
+                .chain(programs.iter().map(|p| &p.manifest))
+                .map(|m| m.name.as_str())
+        };
+        at_hand::check_names(names())?;
+        match self.target.iter().find(|target| names().all(|name| name != *target)) {
+            Some(target) => {
+                let names = names().collect::<Vec<_>>().join(", ");
+                Err(format!("the target '{target}' is not among the detectors that are scored: {names}").into())
+            }
+            None => Ok((manifests, programs)),
+        }
+    }
+
+    /// # Errors
+    /// A photo that cannot be scored: the tables would miss it on one side.
+    fn scores(
+        &self,
+        folder: &Path,
+        (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>),
+    ) -> Result<Scores, Box<dyn Error>> {
+        let sessions = vec![Session::open(folder)?];
+        let mut detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
+        detectors.extend(programs);
+        let options = self.effort.options(&detectors)?;
+        let scores = score_with_progress(sessions, detectors, &options)?;
+        match scores.not_scored.first() {
+            None => Ok(scores),
+            Some(photo) => {
+                let path = folder.join(&photo.file);
+                let reason = &photo.reason;
+                Err(format!(
+                    "{} was not scored, so that the tables would not be whole: {reason}",
+                    path.display()
+                )
+                .into())
+            }
+        }
+    }
+
+    /// The scene and the list of photos.
+    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
+        let mesh = self.mesh_file()?;
+        let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
+    }
+}

@@ -1,0 +1,177 @@
+//! `scaleproof attack history`: several methods on one chart.
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::cli::print::card_fault;
+use crate::cli::{CommandResult, Outcome};
+use scaleproof_attack::evaluate::finished::figures_of;
+use scaleproof_attack::evaluate::time_chart::{self, RenderedRun};
+use scaleproof_attack::result;
+use scaleproof_attack::run::history::{History, draw};
+use scaleproof_core::files;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::card::{self, CardError};
+
+/// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
+#[derive(clap::Args)]
+pub(super) struct HistoryArgs {
+    /// Folders of results
+    #[arg(value_name = "DIR", required = true)]
+    results: Vec<PathBuf>,
+    /// What `attack evaluate` wrote of the same patterns: a second chart has AP@0.5 in its photos against the time of each run
+    #[arg(long, value_name = "DIR")]
+    evaluation: Option<PathBuf>,
+    /// Folder for the charts (SVG) and their numbers (JSON)
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// The histories as one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
+    let histories = args
+        .results
+        .iter()
+        .map(|folder| History::load(folder))
+        .collect::<Result<Vec<_>, _>>()?;
+    args.refuse_twice()?;
+    if let Some(unjudged) = histories.iter().position(|history| history.last_judged().is_none()) {
+        let folder = args.results[unjudged].display();
+        return Err(format!("the history of {folder} has no figures of held-out views: make the pattern again").into());
+    }
+    if let Some(other) = histories
+        .iter()
+        .position(|history| !history.is_comparable(&histories[0]))
+    {
+        return Err(format!(
+            "{} and {} were made with other frames, detectors or classes, so their figures cannot stand on one chart",
+            args.results[0].display(),
+            args.results[other].display()
+        )
+        .into());
+    }
+    let rendered = args.rendered(&histories)?;
+    files::check_writable(&args.output)?;
+    if !args.json {
+        table(&histories, out)?;
+        rendered_table(&rendered, out)?;
+    }
+    let at = |name: &str| args.output.join(name);
+    let mut new = vec![
+        (at("attack.json"), serde_json::to_vec_pretty(&histories)?),
+        (at("attack.svg"), draw(&histories).into_bytes()),
+    ];
+    if !rendered.is_empty() {
+        new.push((at("rendered.json"), serde_json::to_vec_pretty(&rendered)?));
+        new.push((at("rendered.svg"), time_chart::draw(&rendered).into_bytes()));
+    }
+    files::replace_all_atomically(&new)?;
+    if rendered.is_empty() {
+        // Those of an earlier call would pass for these results'.
+        ["rendered.json", "rendered.svg"]
+            .iter()
+            .try_for_each(|name| files::remove(&at(name)))?;
+    }
+    if args.json {
+        let path = |i: usize| new.get(i).map(|(path, _)| path);
+        let line = serde_json::json!({
+            "histories": histories, "numbers": path(0), "chart": path(1), "rendered": rendered, "rendered_chart": path(3),
+        });
+        writeln!(out, "{line}")?;
+        return Ok(Outcome::Done);
+    }
+    for (path, _) in &new {
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+impl HistoryArgs {
+    /// What the evaluation says of each run's pattern; nothing without one.
+    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, Box<dyn Error>> {
+        let Some(evaluation) = &self.evaluation else {
+            return Ok(Vec::new());
+        };
+        let runs = self.results.iter().zip(histories);
+        runs.map(|(folder, history)| {
+            let pattern = folder.join(result::PATTERN);
+            check_own(&pattern)?;
+            let figures = figures_of(evaluation, (&pattern, history.tile_mm), history.classes.as_ref())?;
+            Ok(RenderedRun::new(history, figures))
+        })
+        .collect()
+    }
+
+    fn refuse_twice(&self) -> Result<(), Box<dyn Error>> {
+        let mut known = HashMap::new();
+        for folder in &self.results {
+            if let Some(first) = known.insert(files::whole_path(folder)?, folder) {
+                let (first, again) = (first.display(), folder.display());
+                return Err(format!("{first} and {again} are the same result: name it once").into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The pattern of a result is the one that its card was written for, and no texture.
+fn check_own(path: &Path) -> Result<(), String> {
+    let pattern = Pattern::load(path).map_err(|e| e.to_string())?;
+    match card::card(path, &pattern) {
+        Ok(card) if card.sides => Err(format!(
+            "{} has cells for each side, which evaluations hold as a texture: --evaluation shows repeated patterns alone",
+            path.display()
+        )),
+        Ok(_) | Err(CardError::None { .. }) => Ok(()),
+        Err(e) => Err(card_fault(&e)),
+    }
+}
+
+fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}",
+        "method", "seed", "tile mm", "images", "seconds", "AP@0.5", "hit rate", "confidence"
+    )?;
+    for history in histories {
+        if let Some((entry, judged)) = history.last_judged() {
+            writeln!(
+                out,
+                "{:<10} {:>5} {:>8} {:>9} {:>8.0} {:>7.2} {:>9.2} {:>11.2}",
+                history.method,
+                history.seed,
+                history.tile_mm,
+                entry.queries,
+                entry.wall_s,
+                judged.ap50,
+                judged.hit_rate,
+                judged.mean_confidence
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn rendered_table(runs: &[RenderedRun], out: &mut dyn Write) -> std::io::Result<()> {
+    if !runs.is_empty() {
+        writeln!(
+            out,
+            "\nrendered:\n{:<10} {:>5} {:>9} {:>8}  {:<15} {:>6} {:>7} {:>9}",
+            "method", "seed", "images", "seconds", "detector", "photos", "AP@0.5", "hit rate"
+        )?;
+    }
+    for run in runs {
+        for of in &run.rendered {
+            writeln!(
+                out,
+                "{:<10} {:>5} {:>9} {:>8.0}  {:<15} {:>6} {:>7.2} {:>9.2}",
+                run.method, run.seed, run.queries, run.wall_s, of.detector, of.photos, of.ap50, of.hit_rate
+            )?;
+        }
+    }
+    Ok(())
+}

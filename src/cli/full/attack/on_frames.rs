@@ -1,0 +1,353 @@
+//! What `attack run`, `attack baseline` and `attack demo` share: frames, detectors, and the files of a result.
+
+use std::error::Error;
+use std::io::Write;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::device::OnDevice;
+use super::networks;
+use crate::cli::choice::one_of;
+use crate::cli::detectors::Folder;
+use crate::cli::enlarged::note_enlarged;
+use crate::cli::print::card_fault;
+use crate::cli::progress;
+use crate::cli::results::Programs;
+use scaleproof_attack::result;
+use scaleproof_attack::run::augmentation::Eot;
+use scaleproof_attack::run::history::{Entry, History, TILES_MM};
+use scaleproof_attack::run::view_set::TextureMapping;
+use scaleproof_attack::run::{AttackConfig, Rgb};
+use scaleproof_attack::setup::Setup;
+use scaleproof_core::files;
+use scaleproof_core::spelling::count;
+use scaleproof_detect::{Manifest, ProgramDetector};
+use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_gradients::WhiteBox;
+use scaleproof_gradients::program::ProgramWhiteBox;
+use scaleproof_pose::scene::Classes;
+use scaleproof_surface::pattern::card::{self, CardError};
+use scaleproof_surface::pattern::{MAX_CELLS, Pattern, PatternError};
+
+/// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons.md).
+const TILE_MM: f64 = 118.0;
+/// Cells along each side where nothing says another number: the fewest that are not shown to leave more than others do
+/// (docs/guide/reference/measured.md).
+const CELLS: u32 = 24;
+
+/// What looks at what.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Looking {
+    /// Folders of frames, each view in three flat colours or more; several to see several models at once
+    #[arg(value_name = "FRAMES", required = true)]
+    pub frames: Vec<PathBuf>,
+    /// The detectors to be misled; several at once as in yolox_nano,nanodet_m; a program as in 'exec:python3 mine.py'
+    #[arg(
+        long = "detector",
+        value_name = "NAME",
+        value_delimiter = ',',
+        default_value = "yolox_nano"
+    )]
+    pub detector: Vec<String>,
+    #[command(flatten)]
+    pub folder: Folder,
+    #[command(flatten)]
+    pub programs: Programs,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    pub class: Classes,
+    /// Width of one repeat on the model, in mm [default: as the card of a pattern says that is there already; else 118]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub tile_mm: Option<f64>,
+    /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
+    /// (DTA)
+    #[arg(long = "laying", default_value = "world", value_parser = one_of(TextureMapping::ALL.map(|mapping| (mapping, mapping.name()))))]
+    pub mapping: TextureMapping,
+    #[command(flatten)]
+    pub device: OnDevice,
+    /// One JSON object instead of the text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What looks at what, and the pattern to be made: its cells, its seed and its folder.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct OnFrames {
+    #[command(flatten)]
+    pub looking: Looking,
+    /// Cells along each side [default: 24; of a pattern that is there already, its own]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
+    pub cells: Option<u32>,
+    /// Seed of what is random; one seed gives one pattern
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the pattern, its card and its history; an interrupted run there is gone on with
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+impl Deref for OnFrames {
+    type Target = Looking;
+
+    fn deref(&self) -> &Looking {
+        &self.looking
+    }
+}
+
+impl Looking {
+    /// Width of one repeat on the model.
+    pub(super) fn tile_mm(&self) -> f64 {
+        self.tile_mm.unwrap_or(TILE_MM)
+    }
+
+    /// Width of one repeat of patterns that are there already, mm: as asked for, else as their cards say. Those without a card are repeated as
+    /// the others are.
+    ///
+    /// # Errors
+    /// Cards that say different widths; a damaged card, or one of another pattern.
+    pub(super) fn tile_mm_of(&self, patterns: &[(&Path, &Pattern)]) -> Result<f64, String> {
+        if let Some(given) = self.tile_mm {
+            return Ok(given);
+        }
+        let mut known: Option<(&Path, f64)> = None;
+        for (path, pattern) in patterns {
+            let tile_mm = match card::card(path, pattern) {
+                Ok(card) => card.tile_mm,
+                Err(CardError::None { .. }) => continue,
+                Err(e) => return Err(card_fault(&e)),
+            };
+            match known {
+                Some((first, other)) if other != tile_mm => {
+                    return Err(format!(
+                        "{} repeats every {other} mm (so says its card) and {} every {tile_mm} mm: judge them apart, or give --tile-mm for both",
+                        first.display(),
+                        path.display()
+                    ));
+                }
+                _ => known = Some((path, tile_mm)),
+            }
+        }
+        Ok(known.map_or(TILE_MM, |(_, tile_mm)| tile_mm))
+    }
+
+    /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
+    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+        check_tile(self.tile_mm())?;
+        let (networks, programs) = self.programs.among(&self.detector)?;
+        let (mut detectors, mut names) = match (networks.is_empty(), programs.is_empty()) {
+            (true, false) => WhiteBoxes::default(),
+            _ => networks::white_boxes(&networks, &self.folder, &self.class, self.device.device)?,
+        };
+        for program in self.programs.started(programs)? {
+            let (name, detector) = program_box(program, &self.class, differentiates)?;
+            detectors.push(detector);
+            names.push(name);
+        }
+        let frames = open_frames(&self.frames)?;
+        let texture = (cells, self.tile_mm(), self.mapping);
+        let bar = progress::frames(
+            "reading views",
+            frames.iter().map(|set| views(&set.list.frames).len()).sum(),
+        );
+        let detectors = (detectors, names, self.class.clone());
+        let setup = Setup::open(frames, texture, eot, detectors, || bar.inc(1));
+        bar.finish_and_clear();
+        Ok(setup?)
+    }
+}
+
+impl OnFrames {
+    /// Cells along each side.
+    pub(super) fn cells(&self) -> u32 {
+        self.cells.unwrap_or(CELLS)
+    }
+
+    /// As [`Looking::open`], with a folder for what the method makes.
+    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+        self.check_cells()?;
+        self.refuse_other_methods(method)?;
+        files::check_writable(&self.output)?;
+        self.looking.open(self.cells(), differentiates, eot)
+    }
+
+    /// Refuses a folder with what another method found, or with a pattern of unknown origin; what this method made may be made again.
+    fn refuse_other_methods(&self, method: &str) -> Result<(), String> {
+        match History::load(&self.output) {
+            Ok(held) if held.method != method => Err(format!(
+                "{} holds what {} made: give another folder for {method}",
+                self.output.display(),
+                held.method
+            )),
+            Err(_) if self.output.join(result::PATTERN).exists() => Err(format!(
+                "{} holds a pattern without its history, which would be written over: give another folder",
+                self.output.display()
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// The sides' patterns lie below each other in one file.
+    fn check_cells(&self) -> Result<(), String> {
+        let [_, rows] = self.mapping.grid(self.cells());
+        if rows > MAX_CELLS {
+            Err(format!(
+                "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
+                self.cells(),
+                self.mapping.name(),
+                MAX_CELLS * self.cells() / rows
+            ))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Writes the result of a method, and says what it is.
+    pub(super) fn write(
+        &self,
+        setup: &Setup,
+        (method, cells, entries): (&str, &[Rgb], Vec<Entry>),
+        config: Option<&AttackConfig>,
+        out: &mut dyn Write,
+    ) -> Result<(), Box<dyn Error>> {
+        let history = setup.history(method, self.seed, entries);
+        let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
+        if self.json {
+            return self.write_json(&history, Some(&path), out);
+        }
+        let [columns, rows] = self.mapping.grid(self.cells());
+        writeln!(
+            out,
+            "{}: {columns} × {rows} cells, tile {} mm",
+            path.display(),
+            self.tile_mm()
+        )?;
+        say_figures(setup, &history, &self.class, out)
+    }
+
+    /// The result for programs: what `history.json` ends with, and where the pattern is.
+    pub(super) fn write_json(
+        &self,
+        history: &History,
+        pattern: Option<&Path>,
+        out: &mut dyn Write,
+    ) -> Result<(), Box<dyn Error>> {
+        let predicted = history.last_judged().map(|(_, figures)| figures);
+        let queries = history.queries();
+        let line = json!({
+            "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells(), "classes": self.class,
+            "detectors": history.detectors, "pattern": pattern, "queries": queries, "predicted": predicted,
+        });
+        Ok(writeln!(out, "{line}")?)
+    }
+}
+
+/// What the held-out views say, and that they are predictions.
+pub(super) fn say_figures(
+    setup: &Setup,
+    history: &History,
+    class: &Classes,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    if let Some((entry, figures)) = history.last_judged() {
+        let which = if setup.view_set.holds_out() {
+            "it was not made with"
+        } else {
+            "it was made with (too few to hold any out)"
+        };
+        writeln!(
+            out,
+            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
+             counts as the model: {class}",
+            figures.ap50,
+            figures.hit_rate,
+            figures.mean_confidence,
+            count(figures.views, "view"),
+            count(entry.queries as usize, "image"),
+            entry.wall_s
+        )?;
+    }
+    if setup.view_set.unseen > 0 {
+        writeln!(
+            out,
+            "left out, as the model's paint is not seen: {}",
+            count(setup.view_set.unseen, "view")
+        )?;
+    }
+    Ok(())
+}
+
+/// Opens folders of frames.
+///
+/// # Errors
+/// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
+pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<FrameSet>, Box<dyn Error>> {
+    let mut opened = Vec::<FrameSet>::new();
+    for folder in folders {
+        let set = FrameSet::open(folder)?;
+        if let Some(same) = opened.iter().find(|known| known.sha256 == set.sha256) {
+            let first = same.folder.display();
+            return Err(format!("{first} and {} are the same frames: name them once", folder.display()).into());
+        }
+        opened.push(set);
+    }
+    Ok(opened)
+}
+
+fn check_tile(tile_mm: f64) -> Result<(), String> {
+    if TILES_MM.contains(&tile_mm) {
+        Ok(())
+    } else {
+        Err(format!(
+            "--tile-mm is {tile_mm}: give the width of one repeat on the model, {} to {} mm",
+            TILES_MM.start(),
+            TILES_MM.end()
+        ))
+    }
+}
+
+/// The pattern of a file, with a note where it is another one, enlarged.
+pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
+    let pattern = Pattern::load(path)?;
+    note_enlarged(path, &pattern);
+    Ok(pattern)
+}
+
+/// The pattern of a file, which must be square.
+pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+    let pattern = pattern_of(path)?;
+    if pattern.columns() == pattern.rows() {
+        Ok(pattern)
+    } else {
+        Err(format!(
+            "{} has {}×{} cells; the attack's baselines are square",
+            path.display(),
+            pattern.columns(),
+            pattern.rows()
+        )
+        .into())
+    }
+}
+
+/// Detectors, and the name and hash of each.
+pub(super) type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
+
+/// A program, and its name and hash.
+fn program_box(
+    program: ProgramDetector,
+    class: &Classes,
+    differentiates: bool,
+) -> Result<(String, Box<dyn WhiteBox>), Box<dyn Error>> {
+    let manifest = Manifest::of_foreign(program.card());
+    if let Some(fault) = manifest.class_map_fault() {
+        return Err(format!("the manifest of {} is not valid: {fault}", manifest.name).into());
+    }
+    let labels = manifest.counted(class.labels())?;
+    let sha256: String = manifest.weights.sha256.chars().take(12).collect();
+    let name = format!("{} {sha256}", manifest.name);
+    Ok((
+        name,
+        Box::new(ProgramWhiteBox::open(program, manifest, labels, differentiates)?),
+    ))
+}

@@ -1,0 +1,310 @@
+//! `scaleproof attack render`: frames from Blender Cycles.
+
+use std::collections::HashSet;
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::cli::model::{Model, ModelArgs};
+use crate::cli::print::tile_mm;
+use crate::cli::texture::load_texture;
+use crate::cli::{CommandResult, progress};
+use scaleproof_core::geometry::angle::wrap_360;
+use scaleproof_frames::frames::render::{
+    Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, check_folder, render,
+};
+use scaleproof_frames::frames::{FrameSet, FramesError, LIST, light};
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_surface::pattern::Pattern;
+use scaleproof_wrap::bake::TriangleImage;
+
+/// What `--mesh` is to commands that render it.
+pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply";
+
+/// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
+#[derive(clap::Args)]
+#[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90
+    #[arg(long, value_name = "LIGHT", num_args = 1.., default_value = "forest")]
+    light: Vec<String>,
+    /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every45
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "every45", allow_negative_numbers = true)]
+    azimuth_deg: Vec<String>,
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "15", allow_negative_numbers = true)]
+    pitch_deg: Vec<f64>,
+    #[arg(long, value_name = "MM", num_args = 1.., default_value = "1000", allow_negative_numbers = true)]
+    distance_mm: Vec<f64>,
+    /// Flat colours as hex sRGB, as in 808080
+    #[arg(long, value_name = "HEX", num_args = 1..)]
+    flat: Vec<String>,
+    /// Patterns: PNG files with one pixel per cell, mapped onto the model as `print wrap` prints them
+    #[arg(long, value_name = "PNG", num_args = 1.., requires = "tile_mm")]
+    pattern: Vec<PathBuf>,
+    /// Width of one repeat of the patterns on the model, in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tile_mm: Option<f64>,
+    /// Textures, as in car.obj or NAME=car.obj: images for the mesh's texture coordinates, .obj, .glb or .ply files with images of their own, or
+    /// .npy files with the texels of each triangle
+    #[arg(long, value_name = "[NAME=]FILE", num_args = 1..)]
+    texture: Vec<String>,
+    /// Width and height of the frames in pixels, as in 256 or 256x192
+    #[arg(long, value_name = "PX", default_value = "256")]
+    size_px: String,
+    /// Horizontal field of view
+    #[arg(long, value_name = "DEG", default_value_t = 50.0, allow_negative_numbers = true)]
+    field_of_view_deg: f64,
+    /// Roughness of the paint's coat: 0 reflects like glass, 1 is matt
+    #[arg(long, default_value_t = ROUGHNESS, allow_negative_numbers = true)]
+    roughness: f64,
+    /// Panorama paths a pixel
+    #[arg(long, default_value_t = 64)]
+    samples: u32,
+    /// Clean the noise away (Open Image Denoise): 8 paths a pixel are then enough for an attack, but light no longer adds up exactly
+    #[arg(long)]
+    denoise: bool,
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Points along each side of a pixel at which the paint's position is kept
+    #[arg(long, default_value_t = 2)]
+    position_factor: u32,
+    /// Threads of Blender; 0 is all
+    #[arg(long, default_value_t = 0)]
+    threads: u32,
+    /// Folder for the frames; what is there already is kept
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
+    let plan = RenderPlan::new(args.request()?)?;
+    check_folder(&args.output)?;
+    scaleproof_core::files::check_writable(&args.output)?;
+    let python = blender::find(&cache(), progress::announce)?;
+    let bar = progress::frames("rendering", plan.frames().len());
+    let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    finished?;
+    note_unusable(&args.output)?;
+    super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
+}
+
+/// Says at once what would stop the commands that take the frames, as a view that shows no paint. A frame of each view is looked at.
+fn note_unusable(folder: &Path) -> Result<(), FramesError> {
+    let set = FrameSet::open(folder)?;
+    let mut views = HashSet::new();
+    let mut firsts = set.list.frames.iter().filter(|frame| views.insert(&frame.paint_mask));
+    if let Some(fault) = firsts.find_map(|frame| set.check_images(frame).err()) {
+        say!("note: {fault}");
+    }
+    Ok(())
+}
+
+/// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
+pub(super) fn cache() -> PathBuf {
+    match scaleproof_core::files::environment::variable("SCALEPROOF_HOME") {
+        Some(home) => Path::new(&home).join(".cache"),
+        None => dirs::cache_dir().unwrap_or_else(std::env::temp_dir).join("scaleproof"),
+    }
+}
+
+impl RenderArgs {
+    fn request(&self) -> Result<RenderRequest, Box<dyn Error>> {
+        let mesh_file = self
+            .model
+            .mesh
+            .clone()
+            .ok_or("a model without a mesh cannot be rendered: give --mesh")?;
+        let model = self.model.load()?;
+        let viewpoints = viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
+        Ok(RenderRequest {
+            turn: self.model.placement()?.rotation(&mesh_file)?,
+            colours: self.colours(&model)?,
+            mesh: model.mesh,
+            materials: model.materials,
+            lights: self
+                .light
+                .iter()
+                .map(|text| text.parse())
+                .collect::<Result<Vec<Panorama>, _>>()?,
+            viewpoints,
+            size_px: size(&self.size_px)?,
+            field_of_view_deg: self.field_of_view_deg,
+            roughness: self.roughness,
+            samples: self.samples,
+            denoise: self.denoise,
+            seed: self.seed,
+            factor: self.position_factor,
+            threads: self.threads,
+            made_by: self.made_by(&mesh_file),
+            mesh_file,
+        })
+    }
+
+    fn colours(&self, model: &Model) -> Result<Vec<RenderPaint>, Box<dyn Error>> {
+        let mut colours = Vec::new();
+        for text in &self.flat {
+            colours.push(RenderPaint::Flat(hex(text)?));
+        }
+        for path in &self.pattern {
+            let name = path
+                .file_stem()
+                .map(|s| s.to_string_lossy().into_owned())
+                .unwrap_or_default();
+            let pattern = Pattern::load(path)?;
+            let tile_mm = tile_mm(self.tile_mm, path, &pattern)?;
+            colours.push(RenderPaint::Pattern(name, pattern, tile_mm));
+        }
+        for text in &self.texture {
+            let (name, path) = named(text);
+            colours.push(textured(name, path, model)?);
+        }
+        Ok(colours)
+    }
+
+    /// The arguments that decide about the pixels, with files by their names only.
+    fn made_by(&self, mesh_file: &Path) -> String {
+        let name = |path: &Path| {
+            path.file_name()
+                .map(|n| n.to_string_lossy().into_owned())
+                .unwrap_or_default()
+        };
+        let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+        let mut text = format!(
+            "attack render --mesh {}{} --light {} --azimuth-deg {} --pitch-deg {} --distance-mm {}",
+            name(mesh_file),
+            described(&self.model),
+            self.light.join(" "),
+            self.azimuth_deg.join(" "),
+            numbers(&self.pitch_deg),
+            numbers(&self.distance_mm),
+        );
+        if !self.flat.is_empty() {
+            text += &format!(" --flat {}", self.flat.join(" "));
+        }
+        if let (false, Some(tile_mm)) = (self.pattern.is_empty(), self.tile_mm) {
+            let names: Vec<String> = self.pattern.iter().map(|p| name(p)).collect();
+            text += &format!(" --pattern {} --tile-mm {tile_mm}", names.join(" "));
+        }
+        if !self.texture.is_empty() {
+            let names = self.texture.iter().map(|text| name(named(text).1));
+            text += &format!(" --texture {}", names.collect::<Vec<_>>().join(" "));
+        }
+        if self.roughness != ROUGHNESS {
+            text += &format!(" --roughness {}", self.roughness);
+        }
+        if self.denoise {
+            text += " --denoise";
+        }
+        text + &format!(
+            " --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
+            self.size_px, self.field_of_view_deg, self.samples, self.seed, self.position_factor
+        )
+    }
+}
+
+/// A texture's name and file; without a name it is called as its file is.
+pub(super) fn named(text: &str) -> (String, &Path) {
+    let path = Path::new(text);
+    match text.split_once('=') {
+        Some((name, file)) if !path.exists() => (name.to_owned(), Path::new(file)),
+        _ => (
+            path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            path,
+        ),
+    }
+}
+
+/// A texture on the model.
+pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint, Box<dyn Error>> {
+    let texture = load_texture(path, model)?.texture;
+    let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
+    Ok(RenderPaint::Texture(name, Arc::new(image)))
+}
+
+/// Every combination.
+pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
+    let mut all = Vec::new();
+    for &distance_mm in distances {
+        for &pitch_deg in pitches {
+            for &azimuth_deg in azimuths {
+                all.push(Viewpoint {
+                    azimuth_deg,
+                    pitch_deg,
+                    distance_mm,
+                });
+            }
+        }
+    }
+    all
+}
+
+pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
+    let bad = |text: &String| {
+        format!(
+            "azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step of a whole part of the circle, as in every45"
+        )
+    };
+    let mut all = Vec::new();
+    for text in texts {
+        match text.strip_prefix("every") {
+            Some(step) => {
+                let step: f64 = step.parse().map_err(|_| bad(text))?;
+                let count = 360.0 / step;
+                if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
+                    return Err(bad(text).into());
+                }
+                all.extend((0..count.round() as usize).map(|i| i as f64 * step));
+            }
+            None => {
+                let degrees = text
+                    .parse()
+                    .ok()
+                    .filter(|d: &f64| d.is_finite())
+                    .ok_or_else(|| bad(text))?;
+                all.push(wrap_360(degrees));
+            }
+        }
+    }
+    Ok(all)
+}
+
+pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    match (width.parse(), height.parse()) {
+        (Ok(width), Ok(height)) => Ok([width, height]),
+        _ => Err(format!("the size '{text}' is not understood; write pixels, as in 256 or 256x192").into()),
+    }
+}
+
+/// A colour as six hexadecimal digits.
+pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
+    light::of_hex(text)
+        .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
+}
+
+/// What was said about a mesh besides its file, as arguments again.
+pub(super) fn described(model: &ModelArgs) -> String {
+    let mut text = String::new();
+    if !model.material.is_empty() {
+        text += &format!(" --material {}", model.material.join(" "));
+    }
+    if let Some(faces) = &model.faces {
+        text += &format!(" --faces {}", faces.display());
+    }
+    if let Some(length_mm) = model.length_mm {
+        text += &format!(" --length-mm {length_mm}");
+    }
+    for (key, axis) in [("front", &model.mesh_front), ("up", &model.mesh_up)] {
+        if let Some(axis) = axis {
+            text += &format!(" --mesh-{key} {axis}");
+        }
+    }
+    text
+}

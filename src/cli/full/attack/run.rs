@@ -1,0 +1,265 @@
+//! `scaleproof attack run`: a pattern against detectors.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+
+use super::on_frames::{OnFrames, pattern_of};
+use crate::cli::choice::one_of;
+use crate::cli::{CommandResult, Outcome, progress};
+use scaleproof_attack::run::augmentation::Eot;
+use scaleproof_attack::run::history::Entry;
+use scaleproof_attack::run::printer::PrinterMap;
+use scaleproof_attack::run::weights::Against;
+use scaleproof_attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_image};
+use scaleproof_attack::setup::Setup;
+use scaleproof_core::files;
+use scaleproof_gradients::Boxes;
+use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
+
+/// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
+#[derive(clap::Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    on: OnFrames,
+    /// Steps of Adam
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: u32,
+    /// Views a step
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    batch: u32,
+    /// Step size of Adam, in sRGB of 0 to 1
+    #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
+    rate: f64,
+    /// Confidence below which the loss stops penalising a box: 0.5 is DTA's own loss, which stops at a miss; AP counts boxes down to 0.001
+    #[arg(
+        long,
+        value_name = "CONFIDENCE",
+        default_value_t = 0.0003,
+        allow_negative_numbers = true
+    )]
+    floor: f64,
+    /// Which boxes on the model count: the most confident one (DTA), all by the sum of their odds, or all weighted with their overlap
+    #[arg(long, default_value = "strongest", value_parser = one_of(Boxes::ALL.map(|boxes| (boxes, boxes.name()))))]
+    loss: Boxes,
+    /// Of several detectors: what is made small, their mean loss or that of the one that still sees the model best
+    #[arg(long, default_value = "mean", value_parser = one_of(Against::ALL.map(|against| (against, against.name()))))]
+    against: Against,
+    /// Share of a step's views that are drawn for how well the model is still seen in them
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_negative_numbers = true)]
+    hard: f64,
+    /// What happens to images at random besides the usual (a little brightness, contrast, size, place and noise): several as in blur,shift; `none`
+    /// for nothing at all
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = PossibleValuesParser::new(Eot::KINDS.map(|(name, _)| name).into_iter().chain(["none"])))]
+    augment: Vec<String>,
+    /// Weight of the differences between neighbouring cells
+    #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
+    smooth: f64,
+    /// Optimise the pattern as this printer prints it: the file that `colour read` put the printer's colours in
+    #[arg(long, value_name = "TOML", conflicts_with = "palette")]
+    printer: Option<PathBuf>,
+    /// Keep the pattern near this one: a PNG file of as many cells, or of a half, a third, …: a coarse pattern to be refined
+    #[arg(long, value_name = "PNG", requires = "near_weight")]
+    near: Option<PathBuf>,
+    /// How strongly: the weight of the mean squared distance
+    #[arg(long, value_name = "WEIGHT", requires = "near", allow_negative_numbers = true)]
+    near_weight: Option<f64>,
+    /// The pattern has the colours of this palette alone: a TOML file of [[paint]] tables
+    #[arg(long, value_name = "TOML")]
+    palette: Option<PathBuf>,
+    /// The pattern has at most so many colours of its own choice, 2 to 24
+    #[arg(long, value_name = "N", conflicts_with_all = ["palette", "printer"], allow_negative_numbers = true)]
+    paints: Option<i64>,
+    /// Darkest and lightest value of a cell, 8-bit sRGB
+    #[arg(long, num_args = 2, value_names = ["DARKEST", "LIGHTEST"], default_values = ["0", "255"])]
+    range: Vec<u8>,
+}
+
+/// What histories and cards call the attack.
+pub(super) const METHOD: &str = "dta";
+
+pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
+    let settings = args.settings()?;
+    let setup = args.on.open(METHOD, true, &settings.eot)?;
+    let config = settings.config(&args.on, &setup);
+    let (cells, entries) = optimise(&args.on, &setup, &config)?;
+    args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
+    Ok(Outcome::Done)
+}
+
+/// Runs the attack with a bar that shows where it stands.
+pub(super) fn optimise(
+    on: &OnFrames,
+    setup: &Setup,
+    config: &AttackConfig,
+) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+    let bar = progress::steps("attacking", config.steps as usize);
+    let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
+    let finished = attack.run(&on.output, |done, entry| {
+        bar.set_position(u64::from(done));
+        if let Some(confidence) = entry.confidence {
+            bar.set_message(format!("confidence {confidence:.2}"));
+        }
+    });
+    bar.finish_and_clear();
+    Ok(finished?)
+}
+
+/// What of a run frames and detectors do not say.
+pub(super) struct Settings {
+    pub steps: u32,
+    pub batch: u32,
+    pub learning_rate: f64,
+    pub boxes: Boxes,
+    pub floor: f64,
+    pub against: Against,
+    pub hard: f64,
+    pub eot: Eot,
+    pub smooth: f64,
+    pub near: Option<Near>,
+    pub printer: Option<PrinterMap>,
+    pub colours: CellColours,
+    pub range: [u8; 2],
+}
+
+impl Settings {
+    pub(super) fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
+        AttackConfig {
+            cells: on.cells(),
+            tile_mm: on.tile_mm(),
+            steps: self.steps,
+            batch: self.batch,
+            learning_rate: self.learning_rate,
+            boxes: self.boxes,
+            floor: self.floor,
+            against: self.against,
+            hard: self.hard,
+            seed: on.seed,
+            mapping: on.mapping,
+            eot: self.eot,
+            smooth: self.smooth,
+            near: self.near,
+            printer: self.printer,
+            colours: self.colours,
+            range: self.range,
+            frames_sha256: setup.frames_sha256.clone(),
+            detectors: setup.detector_names.clone(),
+            classes: setup.classes.clone(),
+        }
+    }
+}
+
+impl RunArgs {
+    fn settings(&self) -> Result<Settings, Box<dyn Error>> {
+        if !(1e-6..=1.0).contains(&self.rate) {
+            return Err(format!("--rate is {:e}: give a number from 0.000001 to 1", self.rate).into());
+        }
+        if !(1e-6..=0.5).contains(&self.floor) {
+            return Err(format!("--floor is {:e}: give a confidence from 0.000001 to 0.5", self.floor).into());
+        }
+        if !(0.0..=1.0).contains(&self.hard) {
+            return Err(format!("--hard is {}: give a share from 0 to 1", self.hard).into());
+        }
+        for (name, weight) in [
+            ("smooth", self.smooth),
+            ("near-weight", self.near_weight.unwrap_or(0.0)),
+        ] {
+            if !(0.0..=1e6).contains(&weight) {
+                return Err(format!("--{name} is {weight:e}: give a weight from 0 to 1000000").into());
+            }
+        }
+        let range = match self.range[..] {
+            [low, high] if low < high => [low, high],
+            _ => return Err("--range must be a darkest value and a lighter one, as in 20 240".into()),
+        };
+        if self.palette.is_some() && range != [0, 255] {
+            return Err("--range goes with colours of the pattern's own choice: leave it out, or take the paints that are not wanted out of --palette".into());
+        }
+        Ok(Settings {
+            steps: self.steps,
+            batch: self.batch,
+            learning_rate: self.rate,
+            boxes: self.loss,
+            floor: self.floor,
+            against: self.against,
+            hard: self.hard,
+            eot: self.eot()?,
+            smooth: self.smooth,
+            near: self.near()?,
+            printer: self.printer()?,
+            colours: self.colours()?,
+            range,
+        })
+    }
+
+    fn eot(&self) -> Result<Eot, Box<dyn Error>> {
+        let mut eot = self.on.mapping.usual_eot();
+        if self.augment.iter().any(|name| name == "none") {
+            return match self.augment.len() {
+                1 => Ok(Eot::NONE),
+                _ => Err("--augment none goes with no other: leave the others out".into()),
+            };
+        }
+        for (name, add) in Eot::KINDS {
+            if self.augment.iter().any(|asked| asked == name) {
+                add(&mut eot);
+            }
+        }
+        Ok(eot)
+    }
+
+    fn near(&self) -> Result<Option<Near>, Box<dyn Error>> {
+        let (Some(path), Some(weight)) = (&self.near, self.near_weight) else {
+            return Ok(None);
+        };
+        let pattern = pattern_of(path)?;
+        let grid = self.on.mapping.grid(self.on.cells());
+        let cells = pattern.divided(grid).ok_or_else(|| {
+            format!(
+                "{} has {}×{} cells, and here are {}×{}: give one of as many, or of a half, a third, … across and down alike",
+                path.display(),
+                pattern.columns(),
+                pattern.rows(),
+                grid[0],
+                grid[1]
+            )
+        })?;
+        Ok(Some(Near {
+            weight,
+            cells: of_image(&cells),
+        }))
+    }
+
+    fn printer(&self) -> Result<Option<PrinterMap>, Box<dyn Error>> {
+        let Some(path) = &self.printer else {
+            return Ok(None);
+        };
+        let Some(colours) = PrinterFile::load(path)?.colours else {
+            return Err(format!(
+                "{} has no colours: add them with `scaleproof colour read`",
+                path.display()
+            )
+            .into());
+        };
+        let sha256 = files::sha256_hex(&files::read(path)?);
+        Ok(Some(PrinterMap::new(colours.gamut(), sha256)))
+    }
+
+    fn colours(&self) -> Result<CellColours, Box<dyn Error>> {
+        match (&self.palette, self.paints) {
+            (Some(path), _) => {
+                let palette = Palette::load(path)?;
+                let paints = palette.paints().iter().map(|paint| paint.rgb);
+                Ok(CellColours::Palette(paints.collect()))
+            }
+            (None, Some(asked)) => match usize::try_from(asked) {
+                Ok(count) if (2..=MAX_PAINTS).contains(&count) => Ok(CellColours::Own(count)),
+                _ => Err(PaletteError::BadCount { asked }.into()),
+            },
+            (None, None) => Ok(CellColours::Free),
+        }
+    }
+}

@@ -1,0 +1,511 @@
+//! `scaleproof capture`: walk round the model once and have every view.
+
+mod decided;
+mod interrupt;
+mod page;
+mod terminal;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use self::decided::Question;
+use self::interrupt::Interruptible;
+use self::terminal::TerminalLog;
+use crate::cli::{CommandResult, Outcome, Result};
+use scaleproof_capture::capture::{
+    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store, Target, Tolerance,
+    Watch, live::list_cameras, pair, usual, viewpoints_of,
+};
+use scaleproof_capture::page::{CaptureInfo, Page};
+use scaleproof_core::spelling::count;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Bin, Bins, Scene, Viewpoint};
+use scaleproof_pose::tags::TagDetectorChoice;
+
+/// Guide a photographer round the model: photos of every required view are taken into a session, the others get a sentence of advice.
+///
+/// Originals are never changed. A capture that was stopped goes on where it was when it is called again with the same session. Exit code
+/// 0 when every view is there, else 2.
+#[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(in crate::cli) struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    guided: Option<GuidedArgs>,
+    // Not inside `GuidedArgs`: clap takes a group with another in it for absent.
+    #[command(flatten)]
+    wanted: ViewArgs,
+    #[command(flatten)]
+    decided: decided::Args,
+    #[command(flatten)]
+    browser: page::Args,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// List the cameras of this machine
+    ListCameras(ListArgs),
+}
+
+#[derive(clap::Args)]
+struct ListArgs {
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+struct GuidedArgs {
+    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
+    /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = source)]
+    source: Option<SourceName>,
+    /// What stands on the table: scene.toml
+    #[arg(long)]
+    scene: PathBuf,
+    /// Camera file, see `scaleproof camera`
+    #[arg(long)]
+    camera: PathBuf,
+    /// The texture on the model
+    #[arg(long, value_name = "NAME")]
+    variant: String,
+    /// Where the photos are taken; photos of one place are not independent
+    #[arg(long, value_name = "NAME")]
+    place: String,
+    /// The session's folder; one that is there already is gone on with
+    #[arg(short, long, value_name = "SESSION")]
+    output: PathBuf,
+    /// First take back the photos of a bin, named by its azimuth, or by azimuth/pitch/distance as in 90/15/850
+    #[arg(long, value_name = "BIN", value_parser = meant)]
+    redo: Option<RedoBin>,
+    /// First take back the photo that was accepted last
+    #[arg(long, conflicts_with = "redo")]
+    undo: bool,
+    /// Never wait: end when all photos of the watched folder were seen
+    #[arg(long)]
+    headless: bool,
+    /// One JSON object a line
+    #[arg(long)]
+    json: bool,
+    /// Replay in an order shuffled by this seed, instead of the session's
+    #[arg(long, value_name = "SEED")]
+    shuffle: Option<u64>,
+    /// Replay so many photos a second, instead of as fast as possible
+    #[arg(long, value_name = "N", value_parser = pace)]
+    fps: Option<Duration>,
+}
+
+/// Which views are required: every azimuth bin at some pitches and distances, or another session's viewpoints.
+#[derive(clap::Args)]
+struct ViewArgs {
+    /// Pitches of the scene's bins [default: the one nearest to 15°]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pitch_deg: Vec<f64>,
+    /// Distances of the scene's bins [default: the middle one]
+    #[arg(long, value_name = "MM,…", value_delimiter = ',')]
+    distance_mm: Vec<f64>,
+    /// The viewpoints of this session's normal photos, instead of bins
+    #[arg(long, value_name = "SESSION", conflicts_with_all = ["pitch_deg", "distance_mm"])]
+    pair_with: Option<PathBuf>,
+    /// How far the azimuth may be off [default: a sixth of the bins' step, 8 at most; 3 with --pair-with]
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    azimuth_tolerance_deg: Option<f64>,
+    /// How far the pitch may be off [default: 6; 3 with --pair-with]
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pitch_tolerance_deg: Option<f64>,
+    /// How far the distance may be off [default: a tenth of the nearest; a twentieth with --pair-with]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    distance_tolerance_mm: Option<f64>,
+}
+
+/// The bins that --redo names.
+#[derive(Debug, Clone)]
+struct RedoBin {
+    azimuth_deg: f64,
+    pitch_and_distance: Option<[f64; 2]>,
+}
+
+/// The last line of `--json`.
+#[derive(Serialize)]
+struct CaptureSummary {
+    targets: usize,
+    filled: usize,
+    open: Vec<Viewpoint>,
+}
+
+pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match (args.command, args.guided) {
+        (Some(Command::ListCameras(args)), _) => list(&args, out),
+        (None, Some(guided)) => guide(&guided, (&args.wanted, &args.decided), &args.browser, out),
+        (None, None) => Err("say where photos come from with --source (see --help)".into()),
+    }
+}
+
+fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
+    let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
+    if args.json {
+        let named = cameras.iter().map(|camera| {
+            let source = format!("camera:{}", camera.number);
+            serde_json::json!({ "source": source, "name": camera.name, "description": camera.description })
+        });
+        writeln!(out, "{}", serde_json::json!({ "cameras": named.collect::<Vec<_>>() }))?;
+        return Ok(Outcome::Done);
+    }
+    if cameras.is_empty() {
+        writeln!(
+            out,
+            "no camera is there: plug one in, or watch the folder of a phone (--source watch:DIR)"
+        )?;
+    }
+    for camera in cameras {
+        writeln!(
+            out,
+            "camera:{}  {}  ({})",
+            camera.number, camera.name, camera.description
+        )?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn guide(
+    args: &GuidedArgs,
+    (wanted, decided): (&ViewArgs, &decided::Args),
+    browser: &page::Args,
+    out: &mut dyn Write,
+) -> CommandResult {
+    check_names(args)?;
+    let scene = Scene::open(&args.scene)?;
+    let camera = Camera::open(&args.camera)?;
+    let guidance = wanted.guidance(&scene.bins)?;
+    let source = match &args.source {
+        Some(SourceName::Upload) if !browser.page => {
+            return Err("photos are sent to the page: add --page, or --page --lan for phones".into());
+        }
+        Some(name) => open_source(name, args, &camera)?,
+        None => None,
+    };
+    let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
+    let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
+    let page = if browser.page {
+        let at_once = || std::process::exit(130);
+        Some(Page::open(browser.port, browser.lan, &args.output, at_once).map_err(page::advised)?)
+    } else {
+        None
+    };
+    let question = decided.question(args.output.clone(), &args.variant, &args.place)?;
+    let store = Store::open(&args.output, &args.scene, &args.camera, &args.variant)?;
+    let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
+    take_back(args, &scene, &mut capture, out)?;
+    begin(args, &capture, out)?;
+    match (page, source) {
+        (Some(page), source) => {
+            let about = CaptureInfo {
+                variant: args.variant.clone(),
+                place: args.place.clone(),
+                source: args.source.as_ref().map_or("none", SourceName::kind),
+                is_stream,
+                is_paired: wanted.pair_with.is_some(),
+            };
+            page::introduce(&page, args.json, out)?;
+            let is_decided = page::follow(
+                page,
+                (&mut capture, &scene),
+                source,
+                &about,
+                question.as_ref(),
+                TerminalLog::new(args.json, is_stream, out),
+            )?;
+            if is_decided {
+                return enough(&capture, args.json, out);
+            }
+        }
+        (None, Some(source)) => {
+            let terminal = TerminalLog::new(args.json, is_stream, out);
+            let is_decided = follow(source, (args, question.as_ref()), &mut capture, terminal)?;
+            if is_decided {
+                return enough(&capture, args.json, out);
+            }
+        }
+        (None, None) => {}
+    }
+    finish(&capture, args.json, out)
+}
+
+/// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
+fn check_names(args: &GuidedArgs) -> Result<(), String> {
+    for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
+        if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
+            return Err(format!(
+                "{what} is {name:?}: give a name without blanks around it or control characters"
+            ));
+        }
+    }
+    let same = |folder: &std::path::Path| {
+        let whole = |p: &std::path::Path| p.canonicalize().ok();
+        whole(folder).is_some() && whole(folder) == whole(&args.output)
+    };
+    match &args.source {
+        Some(name) if name.folder().is_some_and(same) => Err(format!(
+            "{} is both the source and the session: capture into another folder",
+            args.output.display()
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// `None` for photos that only browsers send.
+fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<Option<Box<dyn FrameSource + Send>>> {
+    match name {
+        SourceName::Replay(folder) => {
+            let pace = args.fps.unwrap_or_default();
+            let replay = Replay::open(folder, &args.variant, args.shuffle, pace).map_err(|e| match e {
+                SourceError::NoSuchVariant { .. } => format!("{e} with --variant"),
+                e => e.to_string(),
+            })?;
+            Ok(Some(Box::new(replay)))
+        }
+        _ if args.shuffle.is_some() || args.fps.is_some() => {
+            Err("--shuffle and --fps are for replay: sources: leave them out".into())
+        }
+        SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
+        SourceName::Camera(number) => Ok(Some(Box::new(LiveCamera::open(*number, camera)?))),
+        SourceName::Upload => Ok(None),
+    }
+}
+
+fn take_back(args: &GuidedArgs, scene: &Scene, capture: &mut Capture, out: &mut dyn Write) -> Result<()> {
+    let photos = match (&args.redo, args.undo) {
+        (Some(meant), _) => capture.redo(scene, |bin| meant.names(bin))?,
+        (None, true) => capture.undo()?.into_iter().collect(),
+        (None, false) => return Ok(()),
+    };
+    if photos.is_empty() {
+        say!("note: there is no photo of {} to take back", args.variant);
+    }
+    let mut terminal = TerminalLog::new(args.json, false, out);
+    photos.iter().try_for_each(|photo| terminal.taken_back(photo))?;
+    Ok(())
+}
+
+/// Says what the capture waits for, before anything happens; programs read it in the summary.
+fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
+    let guidance = capture.guidance();
+    let (all, open) = (guidance.targets().len(), guidance.open().count());
+    let (Some(first), Some(source)) = (guidance.open().next(), &args.source) else {
+        return Ok(());
+    };
+    if args.json {
+        return Ok(());
+    }
+    let views = if open == all {
+        format!("{} to take; start {}", count(all, "view"), place(&first.viewpoint))
+    } else {
+        format!(
+            "{open} of {} still open; go on {}",
+            count(all, "view"),
+            place(&first.viewpoint)
+        )
+    };
+    let how = match source {
+        SourceName::Watch(folder) if args.headless => format!("looking at the photos in {}", folder.display()),
+        SourceName::Watch(folder) => format!("copy photos into {}; Ctrl-C ends", folder.display()),
+        SourceName::Replay(folder) => format!("replaying the photos of {}", folder.display()),
+        SourceName::Camera(_) => "walk round the model with the camera; Ctrl-C ends".to_owned(),
+        SourceName::Upload => "send photos to the page".to_owned(),
+    };
+    writeln!(out, "{views}; {how}")?;
+    out.flush()
+}
+
+/// Where to stand, as people say it.
+fn place(v: &Viewpoint) -> String {
+    let side = match v.azimuth_deg.round().rem_euclid(360.0) {
+        0.0 => "in front of the model".to_owned(),
+        90.0 => "at the model's left side".to_owned(),
+        180.0 => "behind the model".to_owned(),
+        270.0 => "at the model's right side".to_owned(),
+        azimuth => format!("at {azimuth:.0}° round the model"),
+    };
+    format!("{side} ({:.0}° up, {:.0} mm away)", v.pitch_deg, v.distance_mm)
+}
+
+/// Shows the capture every frame until all views are there, the question is decided, the source ends, or somebody presses Ctrl-C. Whether it is decided.
+fn follow(
+    source: Box<dyn FrameSource + Send>,
+    (args, question): (&GuidedArgs, Option<&Question>),
+    capture: &mut Capture,
+    mut terminal: TerminalLog,
+) -> Result<bool> {
+    let mut is_decided = asked(question, capture, &mut terminal)?;
+    let mut source = Interruptible::new(source);
+    let mut settings = None;
+    while !is_decided && !capture.guidance().is_finished() {
+        let Some((frame, set)) = source.next()? else { break };
+        if settings != set {
+            settings = set;
+            settings.iter().for_each(|settings| terminal.set(settings));
+            capture.set_camera_settings(settings.clone());
+        }
+        let answer = capture.see(&frame)?;
+        terminal.seen(&frame.name, &answer, capture.guidance())?;
+        if answer.verdict.is_ok() {
+            is_decided = asked(question, capture, &mut terminal)?;
+        }
+    }
+    if source.was_interrupted() {
+        say!("stopped; the same command with -o {} goes on", args.output.display());
+    }
+    Ok(is_decided)
+}
+
+/// Looks at the pairs, says what they say, and whether they are enough.
+fn asked(question: Option<&Question>, capture: &Capture, terminal: &mut TerminalLog) -> Result<bool> {
+    let Some(question) = question else { return Ok(false) };
+    let standing = question.ask(capture.guidance())?;
+    terminal.standing(&standing)?;
+    Ok(standing.is_decided)
+}
+
+/// The end of a capture whose question is decided: open views are not needed.
+fn enough(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
+    let guidance = capture.guidance();
+    let (all, open) = (guidance.targets().len(), guidance.open().count());
+    if json {
+        writeln!(
+            out,
+            "{}",
+            serde_json::json!({"targets": all, "filled": all - open, "decided": true})
+        )?
+    } else {
+        writeln!(out, "decided; {} of {} not needed", open, count(all, "view"))?
+    }
+    Ok(Outcome::Done)
+}
+
+fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
+    let guidance = capture.guidance();
+    let open: Vec<&Target> = guidance.open().collect();
+    let (all, filled) = (guidance.targets().len(), guidance.targets().len() - open.len());
+    if json {
+        let summary = CaptureSummary {
+            targets: all,
+            filled,
+            open: open.iter().map(|target| target.viewpoint).collect(),
+        };
+        writeln!(out, "{}", serde_json::to_string(&summary)?)?;
+    } else if open.is_empty() {
+        writeln!(out, "all {all} views are there")?;
+    } else {
+        let names: Vec<String> = open.iter().map(|target| name(target)).collect();
+        writeln!(out, "{filled} of {all} views are there; open: {}", names.join(", "))?;
+    }
+    Ok(if open.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeInputBad
+    })
+}
+
+/// A target as people name it.
+fn name(target: &Target) -> String {
+    let v = &target.viewpoint;
+    format!("{:.0}°/{:.0}°/{:.0} mm", v.azimuth_deg, v.pitch_deg, v.distance_mm)
+}
+
+impl ViewArgs {
+    fn guidance(&self, bins: &Bins) -> Result<Guidance> {
+        let (viewpoints, tolerance) = match &self.pair_with {
+            Some(session) => {
+                let (viewpoints, faults) = pair::viewpoints(session, TagDetectorChoice::default())?;
+                faults.iter().for_each(|fault| say!("note: no target for {fault}"));
+                let tolerance = Tolerance::of_pairs(&viewpoints);
+                (viewpoints, tolerance)
+            }
+            None => {
+                let usual = usual(bins);
+                let pitches = chosen("--pitch-deg", &self.pitch_deg, usual.0, &bins.pitch_deg)?;
+                let distances = chosen("--distance-mm", &self.distance_mm, usual.1, &bins.distance_mm)?;
+                (
+                    viewpoints_of(bins, &pitches, &distances),
+                    Tolerance::of_bins(bins, &distances),
+                )
+            }
+        };
+        let tolerance = Tolerance {
+            azimuth_deg: self.azimuth_tolerance_deg.unwrap_or(tolerance.azimuth_deg),
+            pitch_deg: self.pitch_tolerance_deg.unwrap_or(tolerance.pitch_deg),
+            distance_mm: self.distance_tolerance_mm.unwrap_or(tolerance.distance_mm),
+        };
+        Ok(Guidance::at(&viewpoints, tolerance, bins))
+    }
+}
+
+/// What was named, each of it a centre of the scene's bins and once; the usual one when nothing was.
+fn chosen(option: &str, named: &[f64], usual: f64, centres: &[f64]) -> Result<Vec<f64>, String> {
+    if named.is_empty() {
+        return Ok(vec![usual]);
+    }
+    if let Some(wrong) = named.iter().find(|value| !centres.contains(value)) {
+        let centres: Vec<String> = centres.iter().map(f64::to_string).collect();
+        return Err(format!(
+            "{option} {wrong} is no bin of the scene: give some of {}",
+            centres.join(", ")
+        ));
+    }
+    Ok(centres
+        .iter()
+        .copied()
+        .filter(|centre| named.contains(centre))
+        .collect())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = text
+        .parse::<f64>()
+        .ok()
+        .filter(|value| *value > 0.0 && value.is_finite());
+    value.ok_or_else(|| "give a number above 0".into())
+}
+
+fn source(text: &str) -> Result<SourceName, String> {
+    text.parse().map_err(|error| match error {
+        SourceError::Unknown { .. } => format!("{error} (--page)"),
+        error => error.to_string(),
+    })
+}
+
+fn pace(text: &str) -> Result<Duration, String> {
+    let fps = positive(text)?;
+    Duration::try_from_secs_f64(1.0 / fps).map_err(|_| "give a larger number".into())
+}
+
+fn meant(text: &str) -> Result<RedoBin, String> {
+    let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    let numbers: Option<Vec<f64>> = text.split('/').map(number).collect();
+    match numbers.as_deref() {
+        Some([azimuth_deg]) => Ok(RedoBin {
+            azimuth_deg: *azimuth_deg,
+            pitch_and_distance: None,
+        }),
+        Some([azimuth_deg, pitch, distance]) => Ok(RedoBin {
+            azimuth_deg: *azimuth_deg,
+            pitch_and_distance: Some([*pitch, *distance]),
+        }),
+        _ => Err("name a bin by its azimuth, or by azimuth/pitch/distance as in 90/15/850".into()),
+    }
+}
+
+impl RedoBin {
+    fn names(&self, bin: &Bin) -> bool {
+        let [pitch_deg, distance_mm] = self.pitch_and_distance.unwrap_or([bin.pitch_deg, bin.distance_mm]);
+        *bin == Bin {
+            azimuth_deg: self.azimuth_deg,
+            pitch_deg,
+            distance_mm,
+        }
+    }
+}

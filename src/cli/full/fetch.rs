@@ -1,0 +1,53 @@
+//! `scaleproof detectors fetch`: weights from where they are published.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::cli::detectors::{Folder, chosen, fetch_one};
+use crate::cli::{CommandResult, Outcome, Result, progress};
+use scaleproof_detect::{FetchError, Manifest, WeightFolders, fetch};
+
+/// Download weights, verify their SHA-256, go on with a broken download.
+#[derive(clap::Args)]
+pub(in crate::cli) struct FetchArgs {
+    /// Which detectors; all when none is named.
+    names: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+    /// One JSON object a line.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
+    let folders = WeightFolders::new(args.folder.weights_folder);
+    for manifest in chosen(&args.names)? {
+        let path = fetch_one(&manifest, &folders)?;
+        if args.json {
+            writeln!(out, "{}", serde_json::json!({ "name": manifest.name, "path": path }))?
+        } else {
+            writeln!(out, "{:<14} {}", manifest.name, path.display())?
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// Downloads the weights of a detector, with a bar.
+pub(in crate::cli) fn download(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
+    let bar = progress::bytes(&manifest.name);
+    let fetched = fetch(manifest, &folders.download_folder()?, &|done, total| {
+        if let Some(total) = total {
+            bar.set_length(total);
+        }
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    Ok(fetched?)
+}
+
+/// What to do about an error of a download.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    matches!(error.downcast_ref(), Some(FetchError::Taken { .. }))
+        .then(|| ", or fetch into another folder by --detectors".into())
+}

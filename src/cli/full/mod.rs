@@ -1,0 +1,72 @@
+//! What only a program with the feature `full` has. Without it, `light.rs` stands here.
+
+mod advise;
+mod attack;
+mod board;
+mod calibrate;
+mod capture;
+mod chart;
+mod fetch;
+mod interrupt;
+mod survey;
+mod textures;
+
+use std::io::Write;
+
+use clap::Subcommand;
+
+use super::CommandResult;
+use super::advice::Advise;
+
+pub(super) use attack::keep_refusals_quiet;
+pub(super) use fetch::download;
+pub(super) use interrupt::end_programs_first;
+
+#[derive(Subcommand)]
+pub(super) enum Command {
+    Advise(advise::Args),
+    Attack(attack::Args),
+    Calibrate(calibrate::Args),
+    Texture(textures::Args),
+    Capture(capture::Args),
+    Survey(survey::Args),
+    Chart(chart::Args),
+}
+
+/// The advice of each of these commands that has some.
+pub(super) const ADVICE: &[Advise] = &[attack::advice, fetch::advice, survey::advice];
+
+pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Advise(args) => advise::run(&args, out),
+        Command::Attack(args) => attack::run(args, out),
+        Command::Calibrate(args) => calibrate::run(args, out),
+        Command::Texture(args) => textures::run(&args, out),
+        Command::Capture(args) => capture::run(args, out),
+        Command::Survey(args) => survey::run(args, out),
+        Command::Chart(args) => chart::run(args, out),
+    }
+}
+
+/// More of `scaleproof print …`.
+#[derive(Subcommand)]
+pub(super) enum PrintCommand {
+    /// Print a calibration board, and write the file that describes it
+    Board(board::BoardArgs),
+}
+
+pub(super) fn print(command: PrintCommand, out: &mut dyn Write) -> CommandResult {
+    let PrintCommand::Board(args) = command;
+    board::run(&args, out)
+}
+
+/// More of `scaleproof detectors …`.
+#[derive(Subcommand)]
+pub(super) enum DetectorsCommand {
+    Fetch(fetch::FetchArgs),
+}
+
+pub(super) fn detectors(command: DetectorsCommand, out: &mut dyn Write) -> CommandResult {
+    let DetectorsCommand::Fetch(args) = command;
+    fetch::run(args, out)
+}

@@ -1,0 +1,239 @@
+//! `scaleproof survey`: where do the tags stand that were placed by hand?
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::cli::{CommandResult, Outcome, advice, print, progress, scene};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::{Scene, TagFamily};
+use scaleproof_print::print::tags::arrange;
+use scaleproof_rig::survey::{
+    LeftOutReason, PhotoReport, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey,
+};
+
+/// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
+///
+/// Only the sizes of the tags are needed, and some tags whose place is known: a printed ground mat, or one tag. Exit code 2
+/// when a file is bad or the photos do not say where the tags stand; nothing is written then.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Args {
+    /// Photos (JPEG or PNG) of the tags from all sides; each shows tags that others show too
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// Camera file: OpenCV or ROS camera_info YAML
+    #[arg(long)]
+    camera: PathBuf,
+    /// Scene file with the model, the bins, and where the fixed tags stand; of other tags only the size is used
+    #[arg(long)]
+    scene: PathBuf,
+    /// Tags that keep their place of the scene file: `mat` for all that lie on the ground (the printed ground mat), or ids as in 0,5
+    #[arg(long, value_name = "mat|ID,…")]
+    fixed: String,
+    /// Outer edge of the tags' black borders in mm, as in 50, or 0-7:50,8-15:40; without it those of the scene file
+    #[arg(long, value_name = "MM|ID-ID:MM,…", allow_hyphen_values = true)]
+    sizes: Option<Sizes>,
+    /// Family of the tags that --fixed and --sizes name
+    #[arg(long, default_value = "tag36h11", value_parser = scene::family)]
+    family: TagFamily,
+    /// The scene file to write
+    #[arg(short, long, alias = "out", value_name = "TOML")]
+    output: PathBuf,
+    /// A JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let scene = for_output(Scene::open(&args.scene)?, &args)?;
+    let camera = Camera::open(&args.camera)?;
+    let fixed = fixed(&args, &scene)?;
+    let bar = progress::photos("finding tags", args.photos.len());
+    let found = look(&args.photos, &scene, args.family, &camera, || bar.inc(1));
+    bar.finish_and_clear();
+    let SurveyPhotos { photos, cautions } = found?;
+    let given = SurveyInput {
+        scene: &scene,
+        fixed: &fixed,
+        sizes: args.sizes.as_ref(),
+        family: args.family,
+    };
+    let busy = progress::busy("adjusting");
+    let found = survey(&photos, &given, &camera)?;
+    busy.finish_and_clear();
+    let text = found.scene.to_toml();
+    // The reader's checks are the checks.
+    Scene::parse(&text, &args.output)?;
+    let mut inputs: Vec<_> = args.photos.iter().map(|p| Some(p.as_path())).collect();
+    inputs.extend([Some(args.scene.as_path()), Some(args.camera.as_path())]);
+    print::write_files(&[(args.output.clone(), text.into_bytes())], &inputs)?;
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&json(&found))?)?;
+    } else {
+        write_tables(&found, out)?;
+        writeln!(out, "{}: {} tags", args.output.display(), found.scene.tags.len())?;
+    }
+    cautions.iter().for_each(|caution| say!("note: {caution}"));
+    Ok(Outcome::Done)
+}
+
+/// The scene with its mesh named so that a scene file in the output's folder finds it.
+fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
+    let (from, to) = (args.scene.parent(), args.output.parent());
+    if let (Some(mesh), true) = (scene.model.envelope.mesh(), from != to) {
+        let place = std::path::absolute(from.unwrap_or(Path::new("")).join(mesh))?;
+        scene.model.envelope = scene.model.envelope.with_mesh(|_| place);
+    }
+    Ok(scene)
+}
+
+/// What to do about an error of the library, or about a tag that is left out.
+pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    let advice = match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(SurveyError::NothingToSurvey), _) => "give their sizes with --sizes, and uncover them",
+        (Some(SurveyError::TwoSizes { .. }), _) => " in --sizes: correct one of them",
+        (_, Some(LeftOutReason::NoSize)) => "name it in --sizes",
+        _ => return None,
+    };
+    Some(advice.into())
+}
+
+/// The fixed tags by family and id.
+fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
+    if args.fixed == "mat" {
+        let mat: Vec<_> = arrange(scene).flat.iter().map(|t| (t.family, t.id)).collect();
+        return if mat.is_empty() {
+            Err(format!(
+                "{} has no tag that lies on the ground: name the fixed tags by id",
+                args.scene.display()
+            ))
+        } else {
+            Ok(mat)
+        };
+    }
+    let id = |text: &str| text.trim().parse().map(|id| (args.family, id));
+    let ids: Result<Vec<_>, _> = args.fixed.split(',').map(id).collect();
+    ids.map_err(|_| format!("--fixed `{}` is neither `mat` nor tag ids as in 0,5", args.fixed))
+}
+
+#[derive(Serialize)]
+struct SurveyJson<'a> {
+    noise_px: f64,
+    edge_shift_px: f64,
+    tags: Vec<TagJson>,
+    left_out: Vec<LeftOutJson>,
+    photos: &'a [PhotoReport],
+}
+
+#[derive(Serialize)]
+struct TagJson {
+    id: u32,
+    family: TagFamily,
+    size_mm: f64,
+    fixed: bool,
+    photos: usize,
+    centre_mm: [f64; 3],
+    right: [f64; 3],
+    up: [f64; 3],
+    sigma_mm: Option<f64>,
+    sigma_deg: Option<f64>,
+    shift_mm: Option<f64>,
+    shift_deg: Option<f64>,
+    /// What weakens it.
+    cautions: Vec<&'static str>,
+}
+
+/// That a tag rests on one photo.
+const ONE_PHOTO: &str = "one_photo";
+
+#[derive(Serialize)]
+struct LeftOutJson {
+    id: u32,
+    family: TagFamily,
+    code: &'static str,
+    reason: String,
+}
+
+fn json(found: &Survey) -> SurveyJson<'_> {
+    let tag = |(report, tag): (&TagReport, &scaleproof_pose::scene::Tag)| TagJson {
+        id: tag.id,
+        family: tag.family,
+        size_mm: tag.size_mm,
+        fixed: report.is_fixed,
+        photos: report.photos,
+        centre_mm: tag.centre_mm.coords.into(),
+        right: tag.right.into(),
+        up: tag.up.into(),
+        sigma_mm: tag.sigma.map(|s| s.mm),
+        sigma_deg: tag.sigma.map(|s| s.deg),
+        shift_mm: report.shift.map(|(mm, _)| mm),
+        shift_deg: report.shift.map(|(_, deg)| deg),
+        cautions: rests_on_one_photo(report).then_some(ONE_PHOTO).into_iter().collect(),
+    };
+    SurveyJson {
+        noise_px: found.noise_px,
+        edge_shift_px: found.edge_shift_px,
+        tags: found.tags.iter().zip(&found.scene.tags).map(tag).collect(),
+        left_out: found
+            .left_out
+            .iter()
+            .map(|l| LeftOutJson {
+                id: l.id,
+                family: l.family,
+                code: l.reason.code(),
+                reason: advice::sentence(&l.reason),
+            })
+            .collect(),
+        photos: &found.photos,
+    }
+}
+
+fn rests_on_one_photo(report: &TagReport) -> bool {
+    !report.is_fixed && report.photos == 1
+}
+
+fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:>5} {:>7} {:>12} {:>10} {:>24}",
+        "tag", "photos", "±σ place", "±σ turn", "from the given place"
+    )?;
+    for (report, tag) in found.tags.iter().zip(&found.scene.tags) {
+        let (place, turn) = match tag.sigma {
+            Some(sigma) => (format!("{:.3} mm", sigma.mm), format!("{:.3}°", sigma.deg)),
+            None => ("fixed".to_owned(), String::new()),
+        };
+        let shift = report.shift.filter(|_| !report.is_fixed);
+        let shift = shift
+            .map(|(mm, deg)| format!("{mm:.2} mm, {deg:.2}°"))
+            .unwrap_or_default();
+        writeln!(
+            out,
+            "{:>5} {:>7} {place:>12} {turn:>10} {shift:>24}",
+            tag.id, report.photos
+        )?;
+    }
+    let once = found.tags.iter().filter(|report| rests_on_one_photo(report));
+    let once: Vec<String> = once.map(|report| report.id.to_string()).collect();
+    if !once.is_empty() {
+        writeln!(
+            out,
+            "caution: only one photo each shows tags {}, so that nothing checks their size, or that they did not move",
+            once.join(", ")
+        )?;
+    }
+    for left in &found.left_out {
+        writeln!(out, "left out: tag {} {}", left.id, advice::sentence(&left.reason))?;
+    }
+    for photo in found.photos.iter().filter(|p| p.tags.is_empty()) {
+        writeln!(out, "not used: {}, which shows no tag that helps", photo.name)?;
+    }
+    let used = found.photos.iter().filter(|p| !p.tags.is_empty()).count();
+    writeln!(
+        out,
+        "{used} photos, corners within ±{:.2} px (σ), all tag edges {:.2} px too far in",
+        found.noise_px, found.edge_shift_px
+    )
+}

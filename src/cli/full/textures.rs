@@ -1,0 +1,253 @@
+//! `scaleproof texture`: textures as images for simulators, and as previews.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use image::{GenericImage, Rgb, RgbImage};
+use serde_json::json;
+
+use super::attack::{azimuths, size};
+use crate::cli::model::{Model, ModelArgs};
+use crate::cli::print::patch::{PlaceArgs, asked};
+use crate::cli::print::write_files;
+use crate::cli::texture::TextureArgs;
+use crate::cli::{CommandResult, Outcome, progress, units};
+use scaleproof_core::files;
+use scaleproof_frames::frames::encode_rgb;
+use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
+use scaleproof_print::print::patch::PanelPatch;
+use scaleproof_surface::texture::{MappedImages, PlacedPatch, Texture};
+use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
+
+/// What has no colour of its own in a preview.
+const GREY: [u8; 3] = [96; 3];
+/// Below patches alone.
+const PAPER: [u8; 3] = [255; 3];
+/// Images side by side on one preview.
+const COLUMNS: usize = 4;
+
+/// Textures as images for simulators, and as previews
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Write a pattern or texture as one image on texture coordinates, and the mesh that uses it: for CARLA, Unreal, Unity or Blender
+    ///
+    /// The mesh's own coordinates are kept where they can hold an image; where they are missing, overlap or leave the image, the paint is
+    /// unwrapped anew. Beside the image come a .obj in the frame and unit of the mesh's file, its .mtl, and a .glb.
+    Bake(Box<BakeArgs>),
+    /// Draw the model in a pattern or texture from all around, without Blender
+    Show(Box<ShowArgs>),
+}
+
+/// A painted model.
+#[derive(clap::Args)]
+struct PaintedArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    texture: TextureArgs,
+    #[command(flatten)]
+    places: PlaceArgs,
+}
+
+#[derive(clap::Args)]
+struct BakeArgs {
+    #[command(flatten)]
+    painted: PaintedArgs,
+    /// Width and height of the image in pixels, as in 2048 or 2448x2432
+    #[arg(long, value_name = "PX", default_value = "2048")]
+    size: String,
+    /// Unwrap the paint anew even where the mesh's own coordinates can be kept
+    #[arg(long)]
+    unwrap: bool,
+    /// The image; the .obj, .mtl and .glb beside it are called the same
+    #[arg(short, long, value_name = "PNG")]
+    output: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+struct ShowArgs {
+    #[command(flatten)]
+    painted: PaintedArgs,
+    /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every45
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "every45", allow_negative_numbers = true)]
+    azimuth_deg: Vec<String>,
+    #[arg(long, value_name = "DEG", default_value_t = 20.0, allow_negative_numbers = true)]
+    pitch_deg: f64,
+    /// Width and height of each view in pixels, as in 480x360
+    #[arg(long, value_name = "PX", default_value = "480x360")]
+    size_px: String,
+    /// One .png with all views, or a folder for an image of each
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `scaleproof texture …`.
+pub(crate) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+    match &args.what {
+        What::Bake(args) => run_bake(args, out),
+        What::Show(args) => run_show(args, out),
+    }
+}
+
+impl PaintedArgs {
+    fn load(&self) -> Result<(Model, Texture), Box<dyn Error>> {
+        let model = self.model.load_or(self.texture.mesh())?;
+        if self.places.patch.is_empty() {
+            let texture = self.texture.load(&model)?.texture;
+            return Ok((model, texture));
+        }
+        let below = match self.texture.file() {
+            None => Texture::Flat(PAPER),
+            Some(_) => self.texture.load(&model)?.texture,
+        };
+        Ok((model, with_patches(below, &asked(&self.places)?)))
+    }
+
+    fn inputs(&self) -> Vec<Option<&Path>> {
+        let mut inputs = vec![
+            self.model.mesh.as_deref(),
+            self.model.scene.as_deref(),
+            self.texture.file(),
+        ];
+        inputs.extend(self.places.patch.iter().map(|path| Some(path.as_path())));
+        inputs
+    }
+}
+
+fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
+    let (model, texture) = args.painted.load()?;
+    let request = BakeRequest {
+        mesh: &model.mesh,
+        materials: &model.materials,
+        texture: &texture,
+        size_px: size(&args.size)?,
+        unwrap: args.unwrap,
+    };
+    let busy = progress::busy("baking");
+    let baked = bake(&request)?;
+    busy.finish_and_clear();
+    let png = encode_rgb(&baked.image)?;
+    let textured = TexturedModel::new(&model.mesh, &model.materials, &baked, &png);
+    let turn = match &model.file {
+        Some(file) => args.painted.model.placement()?.rotation(file)?,
+        None => nalgebra::Matrix3::identity(),
+    };
+    let glb = write_glb(&model.mesh, &textured, &turn);
+    let mut files = vec![(args.output.clone(), png)];
+    files.extend(write_obj(&model.mesh, &textured, &args.output));
+    files.push((args.output.with_extension("glb"), glb));
+    write_files(&files, &args.painted.inputs())?;
+    if model.file.is_some() {
+        units::note(units::turned(model.mesh.size_mm()));
+    }
+    let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    if args.json {
+        let answer = json!({
+            "files": names, "size_px": request.size_px, "charts": baked.charts, "texel_mm": baked.texel_mm,
+            "unwrapped": baked.unwrapped.map(|why| why.to_string()),
+        });
+        writeln!(out, "{answer}")?;
+        return Ok(Outcome::Done);
+    }
+    let (width, height) = baked.image.dimensions();
+    let coordinates = match baked.unwrapped {
+        None => "on the mesh's own texture coordinates".to_owned(),
+        Some(why) => format!("on new texture coordinates, {why}"),
+    };
+    writeln!(
+        out,
+        "{}: {width} × {height} px {coordinates}; {} charts, {:.2} mm a texel",
+        names[0], baked.charts, baked.texel_mm
+    )?;
+    writeln!(out, "the mesh that uses it: {}", names[1..].join(", "))?;
+    Ok(Outcome::Done)
+}
+
+fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
+    let (model, texture) = args.painted.load()?;
+    let size_px = size(&args.size_px)?;
+    let azimuths = azimuths(&args.azimuth_deg)?;
+    let rest = rest(&model);
+    let is_paint = |material: &usize| model.materials.is_empty() || model.materials.contains(material);
+    let materials = 0..model.mesh.materials().len();
+    let shaded = ShadedModel {
+        mesh: &model.mesh,
+        textures: materials.map(|m| if is_paint(&m) { &texture } else { &rest }).collect(),
+    };
+    let bar = progress::steps("drawing", azimuths.len());
+    let (mut views, mut distance_mm) = (Vec::new(), 0.0);
+    for azimuth_deg in &azimuths {
+        let (view, from_mm) = shaded.turned(*azimuth_deg, args.pitch_deg, size_px)?;
+        views.push(view);
+        distance_mm = from_mm;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let is_one = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let files = if is_one || files::is_standard_output(&args.output) {
+        vec![(args.output.clone(), encode_rgb(&side_by_side(&views)?)?)]
+    } else {
+        let named = azimuths.iter().zip(&views);
+        let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
+        named.map(file).collect::<Result<Vec<_>, Box<dyn Error>>>()?
+    };
+    write_files(&files, &args.painted.inputs())?;
+    if args.json {
+        let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
+        let answer = json!({
+            "files": names, "azimuth_deg": azimuths, "pitch_deg": args.pitch_deg, "distance_mm": distance_mm,
+            "field_of_view_deg": FIELD_OF_VIEW_DEG,
+        });
+        writeln!(out, "{answer}")?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(out, "{}: {} views", args.output.display(), views.len())?;
+    Ok(Outcome::Done)
+}
+
+/// What is not paint: as the mesh's file has it, else grey.
+fn rest(model: &Model) -> Texture {
+    let is_rest = |material: &usize| !model.materials.contains(material);
+    let materials: Vec<usize> = (0..model.mesh.materials().len()).filter(is_rest).collect();
+    match MappedImages::of_mesh(&model.mesh, &materials) {
+        Ok(mapped) if !materials.is_empty() => Texture::Images(mapped.images),
+        _ => Texture::Flat(GREY),
+    }
+}
+
+/// Views in rows.
+fn side_by_side(views: &[RgbImage]) -> Result<RgbImage, Box<dyn Error>> {
+    let (width, height) = views.first().map_or((1, 1), RgbImage::dimensions);
+    let columns = views.len().clamp(1, COLUMNS);
+    let rows = views.len().div_ceil(columns);
+    let mut all = RgbImage::from_pixel(width * columns as u32, height * rows as u32, Rgb([255; 3]));
+    for (i, view) in views.iter().enumerate() {
+        all.copy_from(view, (i % columns) as u32 * width, (i / columns) as u32 * height)?;
+    }
+    Ok(all)
+}
+
+/// Finished textures in their places, over another texture.
+fn with_patches(below: Texture, patches: &[PanelPatch]) -> Texture {
+    let placed = patches.iter().map(|patch| PlacedPatch {
+        image: patch.image.shared(),
+        side: patch.side,
+        at_mm: patch.at_mm,
+        size_mm: patch.size_mm,
+    });
+    Texture::Patches(Box::new(below), placed.collect())
+}

@@ -1,0 +1,35 @@
+//! In place of `full`, in a program without that feature: no further command.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Subcommand;
+
+use super::advice::Advise;
+use super::{CommandResult, Result};
+use scaleproof_detect::{Manifest, WeightFolders};
+
+#[derive(Subcommand)]
+pub(super) enum Command {}
+
+pub(super) type PrintCommand = Command;
+pub(super) type DetectorsCommand = Command;
+
+pub(super) const ADVICE: &[Advise] = &[];
+
+pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {
+    match command {}
+}
+
+pub(super) use run as print;
+pub(super) use run as detectors;
+
+pub(super) fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {
+    let name = &manifest.name;
+    Err(format!("the weights of {name} are not here; `./run detectors fetch` gets them").into())
+}
+
+pub(super) fn keep_refusals_quiet() {}
+
+/// Without a runtime that hears of Ctrl-C, programs end with their standard input.
+pub(super) fn end_programs_first() {}

@@ -1,0 +1,23 @@
+//! Tests of `cli/advice.rs`.
+
+use super::*;
+use scaleproof_detect::WeightsError;
+use scaleproof_score::score::{EvaluatedDetectorError, ScoreError};
+
+#[test]
+fn what_the_library_leaves_out_the_commands_add() {
+    let missing = WeightsError::Missing {
+        name: "a".into(),
+        file: "a.onnx".into(),
+        remedy: "fetch them".into(),
+    };
+    let wrapped = EvaluatedDetectorError::from(missing);
+    assert_eq!(
+        sentence(&wrapped),
+        "no weights for a: fetch them, or name a folder with a.onnx by --detectors"
+    );
+    let (file, detector) = ("1.jpg".into(), "a".into());
+    let recorded = ScoreError::NotRecorded { file, detector };
+    assert!(sentence(&recorded).ends_with("of a: run without --recorded, or record them again with --record"));
+    assert_eq!(sentence(&ScoreError::NoSession), "no session to score");
+}
