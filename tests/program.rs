@@ -1,7 +1,8 @@
 //! The tests of several crates together and of the program: one integration test, linked once, with a module for each file of this folder. Unit
 //! tests stand beside the code.
 
-mod common;
+use scaleproof_testing as common;
+
 // What fuzzing calls.
 #[path = "../fuzz/entry.rs"]
 mod fuzz_entry;

@@ -105,3 +105,7 @@ fn doubt(squares: (u32, u32), square_mm: f64) -> Option<String> {
         format!("the board is {size} mm: were the squares in cm? That is --square-mm {meant}")
     })
 }
+
+#[cfg(test)]
+#[path = "../tests/board.rs"]
+mod tests;

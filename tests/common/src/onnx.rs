@@ -1,5 +1,4 @@
 //! Just enough of ONNX's protobuf (onnx.proto3) to write small networks: with constant answers whatever the image, or node by node.
-#![allow(dead_code)] // each test file uses its part
 
 /// ONNX's numbers for element types.
 const FLOAT: u64 = 1;

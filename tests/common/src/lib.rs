@@ -1,15 +1,16 @@
-//! What several test files need: paths, the program, and bad input made from good.
+//! What tests of the program and of several crates need: paths, the program, networks, rendered photos, and bad input made from good.
 
 pub mod onnx;
-pub(crate) mod rendered;
+pub mod rendered;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 pub use scaleproof_core::files::environment::variable;
 
+/// The project's folder.
 pub fn home() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
 /// The stored session.

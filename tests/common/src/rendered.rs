@@ -19,7 +19,7 @@ const TABLE: f64 = 150.0;
 const BODY: f64 = 90.0;
 
 /// Photos from these viewpoints, in their order.
-pub(crate) fn photos(scene: &Scene, camera: &Camera, viewpoints: &[Viewpoint]) -> Vec<GrayImage> {
+pub fn photos(scene: &Scene, camera: &Camera, viewpoints: &[Viewpoint]) -> Vec<GrayImage> {
     let cards: Vec<Card> = scene.tags.iter().map(Card::of).collect();
     let rays = rays(camera);
     let photo = |view: &Viewpoint| {
