@@ -226,7 +226,7 @@ fn the_cause_is_named_and_no_other() {
     }
 }
 
-/// A set of photos each, or as many as `SCALEPROOF_SETS` says, for `docs/lessons.md`.
+/// A set of photos each, or as many as `SCALEPROOF_SETS` says, for `docs/lessons/poses.md`.
 #[test]
 fn no_other_cause_is_named_however_large_the_fault() {
     let sets = common::number("SCALEPROOF_SETS").unwrap_or(1);

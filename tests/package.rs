@@ -1,6 +1,6 @@
 //! The archive, up to its packing: does the folder run by itself, and is everything in it that belongs there?
 //!
-//! Whether it runs on bare systems is tried by hand (`docs/lessons.md`); here it runs with nothing but the C library from outside.
+//! Whether it runs on bare systems is tried by hand (`docs/lessons/building.md`); here it runs with nothing but the C library from outside.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
 use crate::common;

@@ -102,7 +102,7 @@ pub struct Prediction {
     /// `−ln(1 − C)`, the term of DTA's attack loss (CVPR 2022, eq. 7), finite for every C.
     pub loss: f64,
     /// No class that does not count has a higher score in this box, so that scoring reports it as the model and not as something else. True for all
-    /// of a pass that keeps its backward pass: an attack on nothing but what is reported lets go too early (`docs/lessons.md`).
+    /// of a pass that keeps its backward pass: an attack on nothing but what is reported lets go too early (`docs/lessons/attack.md`).
     pub is_reported: bool,
 }
 

@@ -13,7 +13,7 @@ use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
 /// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
-/// detectors see it reduced. Table in `docs/lessons.md`.
+/// detectors see it reduced. Table in `docs/lessons/capture.md`.
 pub const MAX_BLUR_PX: f64 = 1.5;
 
 /// Paper darker or lighter than this, of 255, is under- or overexposed: white paper is the lightest thing that must still have a tone.

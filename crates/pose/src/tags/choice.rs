@@ -12,7 +12,7 @@ use scaleproof_core::spelling;
 /// A tag detector that can be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum TagDetectorChoice {
-    /// The fast finders first, the others for what they missed; corners fitted at full size. The default: `docs/lessons.md`.
+    /// The fast finders first, the others for what they missed; corners fitted at full size. The default: `docs/lessons/poses.md`.
     #[default]
     Cascade,
     /// C AprilTag on a reduced image, corners fitted at full size.

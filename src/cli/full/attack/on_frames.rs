@@ -31,7 +31,7 @@ use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::card::{self, CardError};
 use scaleproof_surface::pattern::{MAX_CELLS, Pattern, PatternError};
 
-/// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons.md).
+/// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons/attack.md).
 const TILE_MM: f64 = 118.0;
 /// Cells along each side where nothing says another number: the fewest that are not shown to leave more than others do
 /// (docs/guide/reference/measured.md).

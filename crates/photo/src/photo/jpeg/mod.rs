@@ -1,7 +1,7 @@
 //! JPEGs (ITU-T T.81): their data is read once into coefficients, of which pixels are made at the size and place that somebody needs.
 //!
 //! Sequential and progressive images of 8 bits with Huffman codes, as cameras write them. Why not a library: none keeps the coefficients
-//! small, and those that are fast fill what damaged data leaves open; see `docs/lessons.md`.
+//! small, and those that are fast fill what damaged data leaves open; see `docs/lessons/photos.md`.
 
 mod bits;
 mod coefficients;
