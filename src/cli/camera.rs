@@ -1,5 +1,8 @@
 //! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -62,7 +65,7 @@ struct GuessArgs {
 pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Convert(args) => convert(&args, out)?,
-        What::Show(args) if args.json => writeln!(out, "{}", json(&Camera::open(&args.file)?))?,
+        What::Show(args) if args.json => answer(&json(&Camera::open(&args.file)?), out)?,
         What::Show(args) => show(&Camera::open(&args.file)?, out)?,
         What::Guess(args) => guess(&args, out)?,
     }
@@ -102,17 +105,35 @@ fn field_deg(side: u32, focal_px: f64) -> f64 {
     2.0 * (f64::from(side) / 2.0 / focal_px).atan().to_degrees()
 }
 
-/// What [`show`] says, for programs.
-fn json(camera: &Camera) -> serde_json::Value {
-    serde_json::json!({
-        "size_px": [camera.width, camera.height],
-        "focal_px": [camera.fx, camera.fy],
-        "centre_px": [camera.cx, camera.cy],
-        "sigma_px": camera.sigma_px,
-        "field_of_view_deg": [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)],
-        "distortion": camera.distortion(),
-        "guessed_focal_percent": camera.guess.map(|guess| guess.focal_percent),
-    })
+/// `camera show --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Answer {
+    /// Width and height.
+    size_px: [u32; 2],
+    /// fx, fy.
+    focal_px: [f64; 2],
+    /// cx, cy.
+    centre_px: [f64; 2],
+    /// Standard deviations of fx, fy, cx, cy.
+    sigma_px: Option<[f64; 4]>,
+    /// Across and down, without distortion.
+    field_of_view_deg: [f64; 2],
+    /// k1, k2, p1, p2, k3, k4, k5, k6.
+    distortion: [f64; 8],
+    /// How far a guessed focal length may be off.
+    guessed_focal_percent: Option<f64>,
+}
+
+fn json(camera: &Camera) -> Answer {
+    Answer {
+        size_px: [camera.width, camera.height],
+        focal_px: [camera.fx, camera.fy],
+        centre_px: [camera.cx, camera.cy],
+        sigma_px: camera.sigma_px,
+        field_of_view_deg: [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)],
+        distortion: *camera.distortion(),
+        guessed_focal_percent: camera.guess.map(|guess| guess.focal_percent),
+    }
 }
 
 fn show(camera: &Camera, out: &mut dyn Write) -> std::io::Result<()> {

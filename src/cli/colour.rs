@@ -1,5 +1,6 @@
 //! `scaleproof colour`: what the printer makes of colours, read in a photo of the chart.
 
+use schemars::JsonSchema;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +45,7 @@ struct ReadArgs {
 }
 
 /// A photo in `--json`.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct PhotoLine {
     file: String,
     sha256: String,
@@ -54,10 +55,11 @@ struct PhotoLine {
     delta_e_from_mean: f64,
 }
 
-/// `--json`.
-#[derive(Serialize)]
-struct Answer<'a> {
+/// `colour read --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer<'a> {
     photos: Vec<PhotoLine>,
+    /// The table `[colour]` of printer.toml.
     colour: &'a PrintedColours,
 }
 

@@ -1,5 +1,7 @@
 //! `scaleproof demo`: the whole way on the stored session, from pattern to report.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -42,14 +44,27 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         return Ok(Outcome::Done);
     }
     let made = make(&args, &mut std::io::sink())?;
-    let files = serde_json::json!({
-        "pattern": made.pattern,
-        "template": made.template,
-        "report": made.report,
-        "summary": args.output.join("summary.json"),
-    });
-    writeln!(out, "{files}")?;
+    let answer = Answer {
+        pattern: made.pattern,
+        template: made.template,
+        report: made.report,
+        summary: args.output.join("summary.json"),
+    };
+    crate::cli::answer::answer(&answer, out)?;
     Ok(Outcome::Done)
+}
+
+/// `demo --json`: the paths of what the demo made.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Answer {
+    /// The pattern's image.
+    pattern: PathBuf,
+    /// The print template.
+    template: PathBuf,
+    /// The page of the report.
+    report: PathBuf,
+    /// The `summary.json` of the stored session.
+    summary: PathBuf,
 }
 
 /// What the demo has made.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::advice::Advise;
+use super::schemas::Named;
 use super::{CommandResult, Result};
 use scaleproof_detect::{Manifest, WeightFolders};
 
@@ -27,6 +28,10 @@ pub(super) use run as detectors;
 pub(super) fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {
     let name = &manifest.name;
     Err(format!("the weights of {name} are not here; `./run detectors fetch` gets them").into())
+}
+
+pub(super) fn schemas() -> Vec<Named> {
+    Vec::new()
 }
 
 pub(super) fn keep_refusals_quiet() {}

@@ -2,6 +2,7 @@
 
 mod overlay;
 
+use schemars::JsonSchema;
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::Write;
@@ -48,29 +49,38 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// One line of `--json`.
-#[derive(Serialize)]
+/// `locate --json`: one object a line for each photo, in the order given.
+#[derive(Serialize, JsonSchema)]
 #[allow(non_snake_case)]
-struct OutputLine {
+pub(in crate::cli) struct OutputLine {
+    /// As it was given.
     file: String,
+    /// `located`, `abstained` or `unreadable`.
     status: &'static str,
     /// Why there is no pose, as a sentence.
     reason: Option<String>,
     /// Why there is no pose, as a word for programs.
     code: Option<&'static str>,
+    /// The viewpoint, with the next two.
     azimuth_deg: Option<f64>,
     pitch_deg: Option<f64>,
     distance_mm: Option<f64>,
     /// Standard deviations of the three, from corner noise alone.
     sigma: Option<Sigma>,
+    /// The bin of the scene.
     bin: Option<Bin>,
+    /// That the bin is the right one, 0 to 1.
     bin_probability: Option<f64>,
     warnings: Vec<Warning>,
+    /// Ids of the tags that the pose rests on.
     tags: Vec<u32>,
+    /// Tags that were seen and not used, and why.
     ignored_tags: Vec<IgnoredTag>,
+    /// Reprojection error, root mean square.
     rms_px: Option<f64>,
+    /// The pose, mm, row by row.
     T_camera_model: Option<[[f64; 4]; 4]>,
-    /// Photo width by camera file width.
+    /// Width of the photo over that of the camera file's image; also of photos without a pose, where the camera fits them.
     camera_scale: Option<f64>,
     /// Clockwise, with the photo, as EXIF says.
     camera_turned_deg: Option<u32>,

@@ -1,6 +1,7 @@
 //! One file per subcommand: arguments in, library call, text out.
 
 mod advice;
+mod answer;
 mod at_hand;
 mod camera;
 mod choice;
@@ -30,6 +31,7 @@ mod plan;
 mod print;
 mod results;
 mod scene;
+mod schemas;
 mod score;
 mod session;
 mod sessions;
@@ -76,6 +78,8 @@ enum Command {
     Completions(completions::Args),
     #[command(hide = true)]
     Manuals(completions::ManualsArgs),
+    #[command(hide = true)]
+    Schemas(schemas::Args),
 }
 
 /// What a finished command says to the shell.
@@ -149,6 +153,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Full(command) => full::run(command, out),
         Command::Completions(args) => completions::run(&args, out),
         Command::Manuals(args) => completions::run_manuals(&args, out),
+        Command::Schemas(args) => schemas::run(&args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
 //! `scaleproof pattern`: make patterns, and check what a printer makes of them.
 
+use schemars::JsonSchema;
 use std::error::Error;
 use std::ffi::OsStr;
 use std::io::Write;
@@ -7,10 +8,10 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use serde::Serialize;
-use serde_json::json;
 
+use super::answer::write_json;
 use super::enlarged::{note_enlarged, picture};
-use super::print::{write_files, write_json};
+use super::print::write_files;
 use super::{CommandResult, Outcome};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
@@ -89,12 +90,12 @@ struct CheckArgs {
 }
 
 /// `pattern check --json`.
-#[derive(Serialize)]
-struct Answer {
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
     pattern_sha256: String,
     cells: usize,
     distinct_colours: usize,
-    /// Between neighbouring cells.
+    /// Median between neighbouring cells (CIEDE2000).
     contrast_delta_e_median: f64,
     /// Between neighbouring cells as printed; `null` without a printer.
     printed_contrast_delta_e_median: Option<f64>,
@@ -116,13 +117,42 @@ fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
     let new = [(args.output.clone(), pattern.to_png()?)];
     files::write_all_atomically(&new)?;
     if args.json {
-        let facts = json!({ "cells": args.cells, "seed": args.seed, "pattern_sha256": pattern.sha256() });
+        let facts = Random {
+            cells: args.cells,
+            seed: args.seed,
+            pattern_sha256: pattern.sha256().to_owned(),
+        };
         write_json(&new, facts, out)?;
         return Ok(Outcome::Done);
     }
     let (path, cells) = (args.output.display(), args.cells);
     writeln!(out, "{path}: {cells} × {cells} random cells, seed {}", args.seed)?;
     Ok(Outcome::Done)
+}
+
+/// `pattern random --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Random {
+    /// Along each side.
+    cells: u32,
+    seed: u64,
+    /// Of the PNG, 64 hex digits.
+    pattern_sha256: String,
+}
+
+/// `pattern import --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Imported {
+    /// Cells across.
+    columns: u32,
+    /// Cells down.
+    rows: u32,
+    /// Width and height of a cell in the image.
+    pixels_per_cell: [f64; 2],
+    /// Columns and rows of the grid that the image enlarges, if it is one.
+    enlarged_grid: Option<[u32; 2]>,
+    /// Of the PNG, 64 hex digits.
+    pattern_sha256: String,
 }
 
 fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
@@ -154,13 +184,13 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
         );
     }
     if args.json {
-        let facts = json!({
-            "columns": columns,
-            "rows": rows,
-            "pixels_per_cell": pixels,
-            "enlarged_grid": grid,
-            "pattern_sha256": pattern.sha256(),
-        });
+        let facts = Imported {
+            columns,
+            rows,
+            pixels_per_cell: pixels,
+            enlarged_grid: grid,
+            pattern_sha256: pattern.sha256().to_owned(),
+        };
         write_json(&new, facts, out)?;
         return Ok(Outcome::Done);
     }

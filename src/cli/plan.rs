@@ -1,7 +1,10 @@
 //! `scaleproof plan`: how many photos show a drop?
 
-mod sealed;
+pub(super) mod sealed;
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -82,11 +85,16 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let bins = usize::from(args.bins);
     let pairs = score::pairs_needed(args.base_rate, drop, args.power, 0.05 / bins as f64)?;
     if args.json {
-        let plan = serde_json::json!({
-            "pairs": pairs * bins, "pairs_per_bin": pairs, "bins": bins, "photos": 2 * pairs * bins, "base_rate": args.base_rate,
-            "drop": drop, "power": args.power,
-        });
-        writeln!(out, "{plan}")?;
+        let plan = PairsNeeded {
+            pairs: pairs * bins,
+            pairs_per_bin: pairs,
+            bins,
+            photos: 2 * pairs * bins,
+            base_rate: args.base_rate,
+            drop,
+            power: args.power,
+        };
+        answer(&plan, out)?;
         return Ok(Outcome::Done);
     }
     let each = if bins > 1 {
@@ -106,6 +114,49 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         args.power
     )?;
     Ok(Outcome::Done)
+}
+
+/// `plan --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct PairsNeeded {
+    /// Pairs of photos in all.
+    pairs: usize,
+    /// Pairs in each bin.
+    pairs_per_bin: usize,
+    /// As requested, like the last three.
+    bins: usize,
+    /// One of each texture at each place and bin.
+    photos: usize,
+    base_rate: f64,
+    drop: f64,
+    power: f64,
+}
+
+/// `plan --scene --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct PlacesNeeded {
+    /// Of the scene.
+    bins: usize,
+    /// As requested, like the next three.
+    base_rate: f64,
+    power: f64,
+    planned_places: usize,
+    drop: Option<f64>,
+    /// For that drop.
+    places_needed: Option<usize>,
+    table: Vec<PlacesRow>,
+}
+
+/// What so many places show.
+#[derive(Serialize, JsonSchema)]
+struct PlacesRow {
+    places: usize,
+    /// Of each texture.
+    photos_per_bin: usize,
+    pairs: usize,
+    photos: usize,
+    /// The smallest drop that is shown with this power.
+    smallest_drop: Option<f64>,
 }
 
 /// A plan that stops when it knows, beside the fixed one.
@@ -214,16 +265,23 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
     rows.retain(|row| *row <= 2 * planned.max(places.unwrap_or(planned)).max(3));
     let drop = |places: usize| score::smallest_drop_by_place(places, bins, args.base_rate, args.power);
     if args.json {
-        let row = |places: &usize| {
-            serde_json::json!({
-                "places": places, "photos_per_bin": places, "pairs": places * bins, "photos": 2 * places * bins, "smallest_drop": drop(*places),
-            })
+        let row = |places: usize| PlacesRow {
+            places,
+            photos_per_bin: places,
+            pairs: places * bins,
+            photos: 2 * places * bins,
+            smallest_drop: drop(places),
         };
-        let plan = serde_json::json!({
-            "bins": bins, "base_rate": args.base_rate, "power": args.power, "planned_places": planned, "drop": args.drop,
-            "places_needed": places, "table": rows.iter().map(row).collect::<Vec<_>>(),
-        });
-        writeln!(out, "{plan}")?;
+        let plan = PlacesNeeded {
+            bins,
+            base_rate: args.base_rate,
+            power: args.power,
+            planned_places: planned,
+            drop: args.drop,
+            places_needed: places,
+            table: rows.into_iter().map(row).collect(),
+        };
+        answer(&plan, out)?;
         return Ok(Outcome::Done);
     }
     writeln!(

@@ -1,12 +1,13 @@
 //! `scaleproof scene`: make a scene file.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Subcommand, ValueEnum};
-use serde_json::json;
 
-use super::print::write_json;
+use super::answer::write_json;
 use super::{CommandResult, Outcome, units};
 use scaleproof_core::{files, spelling};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
@@ -150,7 +151,8 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
     files::write_all_atomically(&new)?;
     units::note(doubt);
     if args.json {
-        write_json(&new, json!({ "tags": scene.tags.len() }), out)?;
+        let tags = scene.tags.len();
+        write_json(&new, Answer { tags }, out)?;
         return Ok(Outcome::Done);
     }
     let (count, radius) = (args.tags, args.radius_mm);
@@ -160,4 +162,11 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
         path.display()
     )?;
     Ok(Outcome::Done)
+}
+
+/// `scene new --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Answer {
+    /// How many.
+    tags: usize,
 }

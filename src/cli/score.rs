@@ -1,5 +1,8 @@
 //! `scaleproof score`: how well do detectors see the model in these sessions?
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -185,7 +188,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if let Some(shard) = args.shard {
         let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
         if args.json {
-            writeln!(out, "{}", serde_json::json!({"shard": shard.to_string(), "file": path}))?
+            let shard = shard.to_string();
+            answer(&WrittenShard { shard, file: path }, out)?
         } else {
             writeln!(out, "shard {shard}: {}", path.display())?
         }
@@ -310,4 +314,13 @@ pub(super) fn caution(scores: &Scores) {
     for caution in &scores.cautions {
         say!("note: {caution}");
     }
+}
+
+/// `score --shard --json`.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct WrittenShard {
+    /// Which of how many, as in `2/3`.
+    shard: String,
+    /// The path of what it saw.
+    file: PathBuf,
 }

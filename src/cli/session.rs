@@ -5,6 +5,8 @@ mod import;
 mod new;
 mod show;
 
+use crate::cli::schemas::Named;
+use schemars::schema_for;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::Write;
@@ -79,4 +81,14 @@ fn in_words(path: &Path, photos: &[PhotoEntry], folder: &Path) -> String {
         spelling::choose(photos.len(), "it", "them"),
         quoted(&folder.display().to_string())
     )
+}
+
+/// The schemas of what these commands print.
+pub(super) fn schemas() -> Vec<Named> {
+    vec![
+        ("session-export", schema_for!(export::Exported)),
+        ("session-import", schema_for!(import::ImportedSession)),
+        ("session-new", schema_for!(new::Answer)),
+        ("session-show", schema_for!(show::Page)),
+    ]
 }

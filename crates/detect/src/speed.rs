@@ -14,7 +14,7 @@ use scaleproof_core::files::{self, FileError};
 pub(super) const ROUNDS: u32 = 20;
 
 /// Times of some detectors on one machine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Speeds {
     /// The machine, as its owner names it.
@@ -36,7 +36,7 @@ pub struct Speeds {
 }
 
 /// Time of one detector: from the decoded photo to its boxes, resize and suppression included.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Speed {
     pub detector: String,

@@ -1,5 +1,8 @@
 //! `scaleproof detectors add`: from an ONNX file to a manifest of the user's own.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -100,10 +103,14 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     let registered = args.register.then(|| register(&path)).transpose()?;
     if args.json {
-        let line = serde_json::json!({
-            "name": manifest.name, "manifest": path, "family": proposal.family.name(), "registered": registered, "notes": notes,
-        });
-        writeln!(out, "{line}")?;
+        let added = Added {
+            name: &manifest.name,
+            manifest: &path,
+            family: proposal.family.name(),
+            registered: registered.as_deref(),
+            notes: &notes,
+        };
+        answer(&added, out)?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "manifest: {}", path.display())?;
@@ -189,4 +196,19 @@ fn name(model: &Path) -> Result<String> {
     let name: String = stem.trim_start_matches('.').chars().map(plain).collect();
     let taken = name.is_empty() || Manifest::all()?.iter().any(|m| m.name == name);
     Ok(if taken { format!("own_{name}") } else { name })
+}
+
+/// `detectors add --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Added<'a> {
+    /// Of the new detector.
+    name: &'a str,
+    /// The manifest that was written.
+    manifest: &'a Path,
+    /// The family whose head it has.
+    family: &'a str,
+    /// Where it is on your own list, with `--register`.
+    registered: Option<&'a Path>,
+    /// What to compare with the program that the weights come from.
+    notes: &'a [String],
 }

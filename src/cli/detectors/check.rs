@@ -1,5 +1,6 @@
 //! `scaleproof detectors check`: what do the detectors find in some photos?
 
+use schemars::JsonSchema;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -29,17 +30,18 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// One line of `check --json`.
-#[derive(Serialize)]
-struct DetectionLine<'a> {
+/// `detectors check --json`: one object a line for each detection.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct DetectionLine<'a> {
     detector: &'a str,
     file: String,
     label: &'a str,
     /// Where the manifest's `[class_map]` has another name for the label.
     #[serde(skip_serializing_if = "Option::is_none")]
     counts_as: Option<&'a str>,
+    /// Confidence, 0 to 1.
     score: f64,
-    /// x1, y1, x2, y2.
+    /// Left, top, right, bottom, pixels.
     box_px: BoxPx,
 }
 

@@ -9,6 +9,11 @@ mod validate;
 
 pub(crate) use scaleproof_detect::choose as chosen;
 
+use crate::cli::answer::answer;
+use crate::cli::schemas::Named;
+use schemars::JsonSchema;
+use schemars::schema_for;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
@@ -165,6 +170,22 @@ fn all() -> Result<Vec<Manifest>> {
     Ok(all)
 }
 
+/// `detectors list --json`: one object a line for each known detector.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Listed {
+    /// Of the manifest, like the next five.
+    name: String,
+    title: String,
+    licence: String,
+    origin: String,
+    url: String,
+    sha256: String,
+    /// Where the weights are; `null` when they are not here, or not the described file.
+    path: Option<PathBuf>,
+    /// Whether it is on your own list (`detectors register`, `detectors add --register`).
+    registered: bool,
+}
+
 fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
     if !args.json {
@@ -177,11 +198,17 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
     for m in all()? {
         let checked = folders.checked(&m);
         if args.json {
-            let line = serde_json::json!({
-                "name": m.name, "title": m.title, "licence": m.licence, "origin": m.origin, "url": m.weights.url,
-                "sha256": m.weights.sha256, "path": checked.ok(), "registered": m.folder.is_some(),
-            });
-            writeln!(out, "{line}")?;
+            let listed = Listed {
+                registered: m.folder.is_some(),
+                name: m.name,
+                title: m.title,
+                licence: m.licence,
+                origin: m.origin,
+                url: m.weights.url,
+                sha256: m.weights.sha256,
+                path: checked.ok(),
+            };
+            answer(&listed, out)?;
         } else {
             let place = match checked {
                 Ok(path) => path.display().to_string(),
@@ -221,4 +248,14 @@ pub(super) fn present(names: &[String], folders: &WeightFolders) -> Result<Vec<M
     } else {
         Ok(manifests)
     }
+}
+
+/// The schemas of what these commands print.
+pub(super) fn schemas() -> Vec<Named> {
+    vec![
+        ("detectors-add", schema_for!(add::Added)),
+        ("detectors-check", schema_for!(check::DetectionLine)),
+        ("detectors-list", schema_for!(Listed)),
+        ("detectors-validate", schema_for!(validate::Validated)),
+    ]
 }

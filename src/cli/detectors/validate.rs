@@ -1,5 +1,6 @@
 //! `scaleproof detectors validate`: does a detector reach the figure that its origin states?
 
+use schemars::JsonSchema;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -43,33 +44,43 @@ const CLOSE: f64 = 0.01;
 /// A change explains a difference when it gains this much, beyond the chance of the photos too.
 const LEAST_GAIN: f64 = 0.02;
 
-#[derive(Serialize)]
-struct Validated {
+/// `detectors validate --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Validated {
     detector: String,
     photos: usize,
+    /// Boxes that count.
     boxes: usize,
+    /// Different labels among them.
     labels: usize,
     /// Categories whose names are no label of the detector.
     left_out: Vec<String>,
+    /// Over all photos and labels.
     averages: Averages,
+    /// Of `--published`, else of the manifest.
     published_ap: Option<f64>,
+    /// `null` when the AP is within 0.01 of the published one.
     trials: Option<Trials>,
 }
 
-#[derive(Serialize)]
+/// The manifest with one thing changed at a time.
+#[derive(Serialize, JsonSchema)]
 struct Trials {
+    /// Photos of the trials.
     photos: usize,
+    /// Averages of these photos.
     as_the_manifest_says: Averages,
     changed: Vec<Trial>,
     /// Of the changes that gain enough, the one that reaches the most.
     explained_by: Option<String>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Trial {
+    /// What was changed.
     change: String,
     averages: Averages,
-    /// Beyond chance; `None` with too few photos.
+    /// Lower end of the 95 % interval of its gain in AP@[.5:.95]; `null` with fewer than six photos.
     least_gain: Option<f64>,
 }
 

@@ -23,6 +23,11 @@ mod run;
 pub(in crate::cli) use advice::advice;
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
+use crate::cli::answer::answer;
+use crate::cli::schemas::Named;
+use schemars::JsonSchema;
+use schemars::schema_for;
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -88,10 +93,29 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
+/// `attack render --json`, `attack import --json` and `attack colours --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct WrittenFrames {
+    /// The path of `frames.json`.
+    file: PathBuf,
+    /// How many frames it lists.
+    frames: usize,
+}
+
+/// `attack check --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct CheckedFrames {
+    /// How many there are, all whole.
+    frames: usize,
+    /// Their width and height.
+    size_px: [u32; 2],
+}
+
 /// What a command that wrote frames ends with.
 fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
     if json {
-        writeln!(out, "{}", serde_json::json!({ "file": list, "frames": frames }))?
+        let file = list.to_owned();
+        answer(&WrittenFrames { file, frames }, out)?
     } else {
         writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?
     }
@@ -105,13 +129,25 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     }
     let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
     if args.json {
-        writeln!(
-            out,
-            "{}",
-            serde_json::json!({"frames": frames, "size_px": [width, height]})
-        )?
+        let size_px = [width, height];
+        answer(&CheckedFrames { frames, size_px }, out)?
     } else {
         writeln!(out, "{frames} frames of {width}×{height} px are whole")?
     }
     Ok(Outcome::Done)
+}
+
+/// The schemas of what these commands print.
+pub(in crate::cli) fn schemas() -> Vec<Named> {
+    let mut all = vec![
+        ("attack-check", schema_for!(CheckedFrames)),
+        ("attack-evaluate", schema_for!(evaluate::Evaluated)),
+        ("attack-frames", schema_for!(WrittenFrames)),
+        ("attack-history", schema_for!(history::Histories)),
+        ("attack-judge", schema_for!(judge::Judgement)),
+        ("attack-photos", schema_for!(photos::FramesOfPhotos)),
+        ("attack-run", schema_for!(on_frames::Made)),
+    ];
+    all.extend(networks::schemas());
+    all
 }

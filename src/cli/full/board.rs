@@ -1,11 +1,12 @@
 //! `scaleproof print board`: a calibration board and the file that describes it.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
-use serde_json::json;
-
-use crate::cli::print::{CutSheetArgs, value_names, write_files, write_json};
+use crate::cli::answer::write_json;
+use crate::cli::print::{CutSheetArgs, value_names, write_files};
 use crate::cli::{CommandResult, Outcome, units};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
@@ -78,13 +79,26 @@ pub(crate) fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     write_files(&files, &[args.sheets.printer.as_deref()])?;
     units::note(doubt(args.squares, args.square_mm));
     if args.json {
-        let facts = json!({ "board": line, "definition": definition_path.display().to_string() });
+        let definition = definition_path.display().to_string();
+        let facts = Answer {
+            board: line,
+            definition,
+        };
         write_json(&files, facts, out)?;
         return Ok(Outcome::Done);
     }
     let (pdf, definition) = (files[0].0.display(), definition_path.display());
     writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
     Ok(Outcome::Done)
+}
+
+/// `print board --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    /// The board in a line.
+    board: String,
+    /// The path of its file.
+    definition: String,
 }
 
 /// The error with the options that mend it.

@@ -5,6 +5,8 @@ mod interrupt;
 mod page;
 mod terminal;
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -130,11 +132,25 @@ struct RedoBin {
 }
 
 /// The last line of `--json`.
-#[derive(Serialize)]
-struct CaptureSummary {
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct CaptureSummary {
+    /// How many views are required.
     targets: usize,
+    /// How many of them are there.
     filled: usize,
+    /// The views that are still open.
     open: Vec<Viewpoint>,
+}
+
+/// The last line of `--json` of a capture that the answer ended (`--until-decided`).
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Decided {
+    /// How many views are required.
+    targets: usize,
+    /// How many of them are there.
+    filled: usize,
+    /// Always true.
+    decided: bool,
 }
 
 pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
@@ -148,11 +164,13 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
     let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
     if args.json {
-        let named = cameras.iter().map(|camera| {
-            let source = format!("camera:{}", camera.number);
-            serde_json::json!({ "source": source, "name": camera.name, "description": camera.description })
+        let named = cameras.into_iter().map(|camera| NamedCamera {
+            source: format!("camera:{}", camera.number),
+            name: camera.name,
+            description: camera.description,
         });
-        writeln!(out, "{}", serde_json::json!({ "cameras": named.collect::<Vec<_>>() }))?;
+        let cameras = named.collect();
+        answer(&Cameras { cameras }, out)?;
         return Ok(Outcome::Done);
     }
     if cameras.is_empty() {
@@ -169,6 +187,21 @@ fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
         )?;
     }
     Ok(Outcome::Done)
+}
+
+/// `capture list-cameras --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Cameras {
+    cameras: Vec<NamedCamera>,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct NamedCamera {
+    /// What `--source` takes, such as `camera:0`.
+    source: String,
+    /// As the camera calls itself.
+    name: String,
+    description: String,
 }
 
 fn guide(
@@ -375,11 +408,12 @@ fn enough(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
     let guidance = capture.guidance();
     let (all, open) = (guidance.targets().len(), guidance.open().count());
     if json {
-        writeln!(
-            out,
-            "{}",
-            serde_json::json!({"targets": all, "filled": all - open, "decided": true})
-        )?
+        let decided = Decided {
+            targets: all,
+            filled: all - open,
+            decided: true,
+        };
+        answer(&decided, out)?
     } else {
         writeln!(out, "decided; {} of {} not needed", open, count(all, "view"))?
     }
@@ -508,4 +542,17 @@ impl RedoBin {
             distance_mm,
         }
     }
+}
+
+/// `capture --json`: one object a line for each frame, for what else happens, and one at the end.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "each line is printed as its own type")]
+pub(in crate::cli) enum Line<'a> {
+    Page(page::Address),
+    Frame(terminal::FrameLine<'a>),
+    TakenBack(terminal::TakenBack),
+    Standing(terminal::StandingLine),
+    Decided(Decided),
+    End(CaptureSummary),
 }

@@ -1,5 +1,9 @@
 //! `scaleproof chart`: methods against each other, on the same photos.
 
+use crate::cli::answer::write_json;
+use crate::cli::schemas::Named;
+use schemars::JsonSchema;
+use schemars::schema_for;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +12,7 @@ use serde::Serialize;
 
 use crate::cli::detectors::Folder;
 use crate::cli::results::Results;
-use crate::cli::{CommandResult, Outcome, Result, at_hand, print, progress};
+use crate::cli::{CommandResult, Outcome, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::locate::locate_photo;
@@ -136,8 +140,8 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The numbers of a chart, with what they were measured with.
-#[derive(Serialize)]
-struct ChartNumbers<'a, R> {
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct ChartNumbers<'a, R> {
     scaleproof: &'static str,
     session: &'a str,
     /// File name and SHA-256.
@@ -372,7 +376,8 @@ impl ChartOutput {
         }
         files::replace_all_atomically(&new)?;
         if is_json {
-            print::write_json(&new, serde_json::from_str(&self.numbers)?, out)?;
+            let numbers: serde_json::Value = serde_json::from_str(&self.numbers)?;
+            write_json(&new, numbers, out)?;
             return Ok(Outcome::Done);
         }
         writeln!(out, "{}", self.table)?;
@@ -381,4 +386,15 @@ impl ChartOutput {
         }
         Ok(Outcome::Done)
     }
+}
+
+/// The schemas of what these commands print and write.
+pub(in crate::cli) fn schemas() -> Vec<Named> {
+    vec![
+        ("chart-capture", schema_for!(ChartNumbers<capture::CaptureRow>)),
+        ("chart-envelope", schema_for!(ChartNumbers<envelope_chart::EnvelopeRow>)),
+        ("chart-locate", schema_for!(ChartNumbers<locate::LocateRow>)),
+        ("chart-score", schema_for!(ChartNumbers<score_chart::ScoreRow>)),
+        ("chart-stability", schema_for!(ChartNumbers<stability::SweepStep>)),
+    ]
 }

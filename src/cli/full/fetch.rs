@@ -1,5 +1,8 @@
 //! `scaleproof detectors fetch`: weights from where they are published.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,12 +23,21 @@ pub(in crate::cli) struct FetchArgs {
     json: bool,
 }
 
+/// `detectors fetch --json`: one object a line for each detector.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Fetched {
+    name: String,
+    /// Where the weights now are.
+    path: PathBuf,
+}
+
 pub(super) fn run(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
     let folders = WeightFolders::new(args.folder.weights_folder);
     for manifest in chosen(&args.names)? {
         let path = fetch_one(&manifest, &folders)?;
         if args.json {
-            writeln!(out, "{}", serde_json::json!({ "name": manifest.name, "path": path }))?
+            let name = manifest.name;
+            answer(&Fetched { name, path }, out)?
         } else {
             writeln!(out, "{:<14} {}", manifest.name, path.display())?
         }

@@ -11,6 +11,9 @@ mod interrupt;
 mod survey;
 mod textures;
 
+use crate::cli::answer::Written;
+use crate::cli::schemas::Named;
+use schemars::schema_for;
 use std::io::Write;
 
 use clap::Subcommand;
@@ -69,4 +72,20 @@ pub(super) enum DetectorsCommand {
 pub(super) fn detectors(command: DetectorsCommand, out: &mut dyn Write) -> CommandResult {
     let DetectorsCommand::Fetch(args) = command;
     fetch::run(args, out)
+}
+
+/// The schemas of what these commands print.
+pub(super) fn schemas() -> Vec<Named> {
+    let mut all = vec![
+        ("capture", schema_for!(capture::Line)),
+        ("capture-list-cameras", schema_for!(capture::Cameras)),
+        ("detectors-fetch", schema_for!(fetch::Fetched)),
+        ("print-board", schema_for!(Written<board::Answer>)),
+        ("survey", schema_for!(survey::SurveyJson)),
+        ("texture-bake", schema_for!(Written<textures::Baked>)),
+        ("texture-show", schema_for!(Written<textures::Shown>)),
+    ];
+    all.extend(attack::schemas());
+    all.extend(chart::schemas());
+    all
 }

@@ -1,5 +1,6 @@
 //! `scaleproof survey`: where do the tags stand that were placed by hand?
 
+use schemars::JsonSchema;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -118,37 +119,46 @@ fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
     ids.map_err(|_| format!("--fixed `{}` is neither `mat` nor tag ids as in 0,5", args.fixed))
 }
 
-#[derive(Serialize)]
-struct SurveyJson<'a> {
+/// `survey --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct SurveyJson<'a> {
+    /// Standard deviation of a corner coordinate, from the residuals.
     noise_px: f64,
+    /// How far all tag edges were found too far in; taken out of the result.
     edge_shift_px: f64,
     tags: Vec<TagJson>,
     left_out: Vec<LeftOutJson>,
+    /// In the order given.
     photos: &'a [PhotoReport],
 }
 
-#[derive(Serialize)]
+/// A tag that stands in the scene.
+#[derive(Serialize, JsonSchema)]
 struct TagJson {
+    /// As in scene.toml, like family, size, pose and their standard deviations, which fixed tags lack.
     id: u32,
     family: TagFamily,
     size_mm: f64,
     fixed: bool,
+    /// Photos that its pose rests on.
     photos: usize,
     centre_mm: [f64; 3],
     right: [f64; 3],
     up: [f64; 3],
     sigma_mm: Option<f64>,
     sigma_deg: Option<f64>,
+    /// From the pose in the given scene, when it has one; so is the next.
     shift_mm: Option<f64>,
     shift_deg: Option<f64>,
-    /// What weakens it.
+    /// What weakens it: `one_photo`, a single photo shows it.
     cautions: Vec<&'static str>,
 }
 
 /// That a tag rests on one photo.
 const ONE_PHOTO: &str = "one_photo";
 
-#[derive(Serialize)]
+/// A seen tag that is not in the scene.
+#[derive(Serialize, JsonSchema)]
 struct LeftOutJson {
     id: u32,
     family: TagFamily,

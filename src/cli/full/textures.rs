@@ -1,12 +1,14 @@
 //! `scaleproof texture`: textures as images for simulators, and as previews.
 
+use crate::cli::answer::write_json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use image::{GenericImage, Rgb, RgbImage};
-use serde_json::json;
 
 use super::attack::{azimuths, size};
 use crate::cli::model::{Model, ModelArgs};
@@ -156,11 +158,13 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
     }
     let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
     if args.json {
-        let answer = json!({
-            "files": names, "size_px": request.size_px, "charts": baked.charts, "texel_mm": baked.texel_mm,
-            "unwrapped": baked.unwrapped.map(|why| why.to_string()),
-        });
-        writeln!(out, "{answer}")?;
+        let facts = Baked {
+            size_px: request.size_px,
+            charts: baked.charts,
+            texel_mm: baked.texel_mm,
+            unwrapped: baked.unwrapped.map(|why| why.to_string()),
+        };
+        write_json(&files, facts, out)?;
         return Ok(Outcome::Done);
     }
     let (width, height) = baked.image.dimensions();
@@ -207,16 +211,43 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     };
     write_files(&files, &args.painted.inputs())?;
     if args.json {
-        let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-        let answer = json!({
-            "files": names, "azimuth_deg": azimuths, "pitch_deg": args.pitch_deg, "distance_mm": distance_mm,
-            "field_of_view_deg": FIELD_OF_VIEW_DEG,
-        });
-        writeln!(out, "{answer}")?;
+        let facts = Shown {
+            azimuth_deg: azimuths,
+            pitch_deg: args.pitch_deg,
+            distance_mm,
+            field_of_view_deg: FIELD_OF_VIEW_DEG,
+        };
+        write_json(&files, facts, out)?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "{}: {} views", args.output.display(), views.len())?;
     Ok(Outcome::Done)
+}
+
+/// `texture bake --json`; `files` are the image, the `.obj`, the `.mtl`, images of other materials, the `.glb`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Baked {
+    /// Width and height.
+    size_px: [u32; 2],
+    /// Parts of the image whose paint hangs together.
+    charts: usize,
+    /// Side of a texel on the model, where it has the mean area.
+    texel_mm: f64,
+    /// Why the mesh's own texture coordinates are not kept.
+    unwrapped: Option<String>,
+}
+
+/// `texture show --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Shown {
+    /// Of the views, in their order.
+    azimuth_deg: Vec<f64>,
+    /// Of all of them.
+    pitch_deg: f64,
+    /// From the camera to the middle of the box around the model, at which all look.
+    distance_mm: f64,
+    /// Horizontal.
+    field_of_view_deg: f64,
 }
 
 /// What is not paint: as the mesh's file has it, else grey.

@@ -1,5 +1,8 @@
 //! `plan --seal`: what is decided before the photos are taken.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -46,6 +49,17 @@ pub(super) struct Sealing {
     camera: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
+}
+
+/// `plan --seal --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Sealed {
+    /// The path of the plan.
+    plan: PathBuf,
+    /// SHA-256 of what it says.
+    seal: String,
+    /// Photos that it asks for.
+    photos: usize,
 }
 
 /// What the options beside it say.
@@ -99,11 +113,8 @@ pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dy
     let photos = plan.photos();
     let seal = plan.write(path)?;
     if beside.as_json {
-        writeln!(
-            out,
-            "{}",
-            serde_json::json!({"plan": path, "seal": seal, "photos": photos})
-        )?
+        let plan = path.to_owned();
+        answer(&Sealed { plan, seal, photos }, out)?
     } else {
         writeln!(
             out,

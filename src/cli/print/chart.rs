@@ -1,8 +1,8 @@
 //! `scaleproof print chart`: the colours to photograph.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
-
-use serde_json::json;
 
 use super::{CutSheetArgs, write_files, write_json};
 use crate::cli::{CommandResult, Outcome};
@@ -29,7 +29,8 @@ pub(crate) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         made.layout.patches.len(),
     );
     if args.json {
-        let facts = json!({ "chart": made.layout.kind.name(), "patches": patches, "levels": levels });
+        let chart = made.layout.kind.name();
+        let facts = Answer { chart, patches, levels };
         write_json(&files, facts, out)?;
         return Ok(Outcome::Done);
     }
@@ -39,4 +40,14 @@ pub(crate) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
          PHOTO -o printer.toml"
     )?;
     Ok(Outcome::Done)
+}
+
+/// `print chart --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    /// The layout.
+    chart: &'static str,
+    patches: usize,
+    /// Levels of a channel.
+    levels: usize,
 }

@@ -1,8 +1,8 @@
 //! `scaleproof print check`: the page that measures a printer.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
-
-use serde_json::json;
 
 use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use scaleproof_print::print::check::{CheckRequest, check};
@@ -30,7 +30,8 @@ pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         .files("Printer check", &["check".to_owned()], &sheets)?;
     write_files(&files, &[args.paper.printer.as_deref()])?;
     if args.json {
-        write_json(&files, json!({ "next": request.printer.verify_command() }), out)?;
+        let next = request.printer.verify_command();
+        write_json(&files, Answer { next }, out)?;
         return Ok(Outcome::Done);
     }
     for (path, _) in files {
@@ -42,4 +43,11 @@ pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         )?;
     }
     Ok(Outcome::Done)
+}
+
+/// `print check --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    /// The command to run with what was measured.
+    next: String,
 }

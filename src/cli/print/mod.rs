@@ -11,13 +11,16 @@ pub(crate) mod template;
 mod verify;
 pub(crate) mod wrap;
 
+use crate::cli::answer::Written;
+use crate::cli::schemas::Named;
+use schemars::schema_for;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use serde_json::Value;
 
+use super::answer::write_json;
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Outcome, full};
 use scaleproof_core::files;
@@ -100,12 +103,6 @@ fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput,
 
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
-
-/// Prints one JSON object whose `files` are those that were written.
-pub(super) fn write_json(files: &[NewFile], mut facts: Value, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
-    facts["files"] = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    Ok(writeln!(out, "{facts}")?)
-}
 
 /// Writes all files, or none, and none over an input.
 pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<(), Box<dyn Error>> {
@@ -239,4 +236,20 @@ impl PaperArgs {
 
 fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {
     Ok(file.map(Printer::load).transpose()?.unwrap_or(Printer::EXACT))
+}
+
+/// The schemas of what these commands print.
+pub(super) fn schemas() -> Vec<Named> {
+    vec![
+        ("print-chart", schema_for!(Written<chart::Answer>)),
+        ("print-check", schema_for!(Written<check::Answer>)),
+        ("print-patch", schema_for!(Written<patch::Answer>)),
+        ("print-tags", schema_for!(Written<tags::Answer>)),
+        ("print-template", schema_for!(Written<template::Answer>)),
+        ("print-template-paints", schema_for!(Written<paint::Answer>)),
+        ("print-verify", schema_for!(Written<verify::Answer>)),
+        ("print-wrap", schema_for!(Written<pieces::PiecesAnswer>)),
+        ("print-wrap-paints", schema_for!(Written<painted::Answer>)),
+        ("print-wrap-panels", schema_for!(Written<wrap::PanelsAnswer>)),
+    ]
 }

@@ -1,10 +1,10 @@
 //! The paint mode of `scaleproof print template`, and what `print wrap` shares with it: sheets to paint by number, and stencils.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-use serde_json::json;
 
 use super::{CommandResult, Outcome, write_files, write_json};
 use crate::cli::progress;
@@ -120,32 +120,62 @@ pub(super) fn advised(error: PaintError) -> String {
     }
 }
 
-/// `--json`.
-fn facts(painted: &Painted, made: &PaintSheets) -> serde_json::Value {
-    let mut facts = paint_facts(painted, &made.areas);
-    facts["sheets"] = json!(made.layout.sheets.len());
-    facts
+/// `print template --paints --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    sheets: usize,
+    #[serde(flatten)]
+    paints: PaintsAnswer,
 }
 
-/// The paints and their areas, as JSON.
-pub(super) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> serde_json::Value {
-    let paints = painted.paints.iter().zip(areas).map(|(used, area)| {
-        json!({
-            "name": used.paint.name,
-            "hex": used.paint.hex(),
-            "cells_mm2": area.cells_mm2,
-            "openings_mm2": area.openings_mm2,
-            "bridges_mm2": area.bridges_mm2,
-            "delta_e_mean": used.mean_delta_e,
-            "delta_e_max": used.max_delta_e,
-        })
+fn facts(painted: &Painted, made: &PaintSheets) -> Answer {
+    Answer {
+        sheets: made.layout.sheets.len(),
+        paints: paint_facts(painted, &made.areas),
+    }
+}
+
+/// The paints and their areas.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct PaintsAnswer {
+    /// In the order of spraying.
+    paints: Vec<PaintAnswer>,
+    /// Of all cells, from the pattern's colours (CIEDE2000).
+    delta_e_mean: f64,
+    delta_e_max: f64,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct PaintAnswer {
+    name: String,
+    hex: String,
+    /// Area of its cells.
+    cells_mm2: f64,
+    /// Area of the stencils' openings.
+    openings_mm2: f64,
+    /// Area of the bridges over its cells, which is left to the brush.
+    bridges_mm2: f64,
+    /// From the pattern's colours (CIEDE2000).
+    delta_e_mean: f64,
+    delta_e_max: f64,
+}
+
+pub(super) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> PaintsAnswer {
+    let paints = painted.paints.iter().zip(areas).map(|(used, area)| PaintAnswer {
+        name: used.paint.name.clone(),
+        hex: used.paint.hex(),
+        cells_mm2: area.cells_mm2,
+        openings_mm2: area.openings_mm2,
+        bridges_mm2: area.bridges_mm2,
+        delta_e_mean: used.mean_delta_e,
+        delta_e_max: used.max_delta_e,
     });
-    let (mean, max) = painted.delta_e();
-    json!({
-        "paints": paints.collect::<Vec<_>>(),
-        "delta_e_mean": mean,
-        "delta_e_max": max,
-    })
+    let (delta_e_mean, delta_e_max) = painted.delta_e();
+    PaintsAnswer {
+        paints: paints.collect(),
+        delta_e_mean,
+        delta_e_max,
+    }
 }
 
 fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Write) -> std::io::Result<()> {

@@ -1,12 +1,12 @@
 //! The paint mode of `scaleproof print wrap`: stencils of every piece, and pieces to paint by number.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use serde_json::{Value, json};
-
-use super::paint::{self, Paints, paint_facts, table};
+use super::paint::{self, Paints, PaintsAnswer, paint_facts, table};
 use super::{pieces, write_files, write_json};
 use crate::cli::model::Model;
 use crate::cli::progress;
@@ -75,33 +75,67 @@ fn advised(error: PaintedError) -> String {
     }
 }
 
-/// `--json`.
-fn facts(model: &Model, made: &PaintedPieces) -> Value {
-    let pieces = made
-        .pieces
-        .iter()
-        .zip(&made.places)
-        .enumerate()
-        .map(|(i, (piece, place))| {
-            let paints = made.stencils.iter().filter(|stencil| stencil.piece == i);
-            json!({
-                "piece": i + 1,
-                "sheet": place.page + 1,
-                "surface_mm2": piece.surface_mm2,
-                "flat_mm2": piece.region.area_mm2(),
-                "stencils": paints.map(|stencil| stencil.paint + 1).collect::<Vec<_>>(),
-            })
-        });
-    let mut facts = paint_facts(&made.painted, &made.areas);
-    facts["model_size_mm"] = json!(model.mesh.size_mm());
-    facts["pieces"] = pieces.collect();
-    facts["sheets"] = json!(made.sheets());
-    facts["narrow_parts"] = json!(made.narrow.0);
-    facts["narrow_mm2"] = json!(made.narrow.1);
-    facts["surface_mm2"] = json!(made.surface_mm2());
-    facts["visible_mm2"] = json!(made.visible_mm2);
-    facts["left_out"] = pieces::left_out(&made.left_out);
-    facts["mean_stretch"] = json!(made.mean_stretch);
-    facts["stretch_99"] = json!(made.stretch_99);
-    facts
+/// `print wrap --paints --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    #[serde(flatten)]
+    paints: PaintsAnswer,
+    /// Length, width, height.
+    model_size_mm: [f64; 3],
+    pieces: Vec<StencilledPiece>,
+    /// Sheets that carry pieces, for each paint.
+    sheets: usize,
+    /// Parts that are too narrow to be cut.
+    narrow_parts: usize,
+    narrow_mm2: f64,
+    /// Of all pieces.
+    surface_mm2: f64,
+    /// Paint that can be seen from outside.
+    visible_mm2: f64,
+    left_out: Vec<pieces::LeftOutPaint>,
+    /// mm on the surface for 1 mm on paper, or the inverse: mean by area, and 99th percentile.
+    mean_stretch: f64,
+    stretch_99: f64,
+}
+
+/// A piece of the model's surface, and its stencils.
+#[derive(Serialize, JsonSchema)]
+struct StencilledPiece {
+    /// Its number, from 1.
+    piece: usize,
+    /// The sheet it is on, from 1.
+    sheet: usize,
+    /// Area of the surface.
+    surface_mm2: f64,
+    /// Area on paper.
+    flat_mm2: f64,
+    /// The paints that it has a stencil of, from 1.
+    stencils: Vec<usize>,
+}
+
+fn facts(model: &Model, made: &PaintedPieces) -> Answer {
+    let pieces = made.pieces.iter().zip(&made.places).enumerate();
+    let pieces = pieces.map(|(i, (piece, place))| {
+        let stencils = made.stencils.iter().filter(|stencil| stencil.piece == i);
+        StencilledPiece {
+            piece: i + 1,
+            sheet: place.page + 1,
+            surface_mm2: piece.surface_mm2,
+            flat_mm2: piece.region.area_mm2(),
+            stencils: stencils.map(|stencil| stencil.paint + 1).collect(),
+        }
+    });
+    Answer {
+        paints: paint_facts(&made.painted, &made.areas),
+        model_size_mm: model.mesh.size_mm(),
+        pieces: pieces.collect(),
+        sheets: made.sheets(),
+        narrow_parts: made.narrow.0,
+        narrow_mm2: made.narrow.1,
+        surface_mm2: made.surface_mm2(),
+        visible_mm2: made.visible_mm2,
+        left_out: pieces::left_out(&made.left_out),
+        mean_stretch: made.mean_stretch,
+        stretch_99: made.stretch_99,
+    }
 }

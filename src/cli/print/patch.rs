@@ -1,10 +1,10 @@
 //! `scaleproof print patch`: finished patch textures on the panels of a model.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-use serde_json::json;
 
 use super::wrap::SheetArgs;
 use super::{CommandResult, Outcome, value_names, write_files, write_json};
@@ -79,11 +79,15 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     }
     if args.json {
         let patches = wanted.iter().zip(&made.off_panel);
-        let patches = patches.map(|(patch, off)| {
-            let (width, height) = patch.size_mm;
-            json!({ "name": patch.name, "panel": patch.side.name(), "at_mm": patch.at_mm, "size_mm": [width, height], "off_panel_share": off })
+        let patches = patches.map(|(patch, off)| PatchAnswer {
+            name: patch.name.clone(),
+            panel: patch.side.name(),
+            at_mm: patch.at_mm,
+            size_mm: patch.size_mm.into(),
+            off_panel_share: *off,
         });
-        write_json(&files, json!({ "patches": patches.collect::<Vec<_>>() }), out)?;
+        let patches = patches.collect();
+        write_json(&files, Answer { patches }, out)?;
         return Ok(Outcome::Done);
     }
     writeln!(
@@ -93,6 +97,25 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
         count(made.pages.len(), "page")
     )?;
     Ok(Outcome::Done)
+}
+
+/// `print patch --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    patches: Vec<PatchAnswer>,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct PatchAnswer {
+    name: String,
+    /// The side of the model.
+    panel: &'static str,
+    /// Right of the model's middle, and up from the ground.
+    at_mm: [f64; 2],
+    /// Width and height.
+    size_mm: [f64; 2],
+    /// Share of the patch beside its panel.
+    off_panel_share: f64,
 }
 
 /// The patches as they were requested: the options belong together in order.

@@ -1,10 +1,10 @@
 //! `scaleproof print wrap` without `--panels`: the model in pieces.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
-
-use serde_json::json;
 
 use super::{PaperArgs, write_files, write_json};
 use crate::cli::model::Model;
@@ -127,30 +127,85 @@ pub(super) fn advised(error: PiecesError) -> String {
     format!("{error}{advice}")
 }
 
-/// `--json`.
-fn facts(model: &Model, made: &PrintedPieces) -> serde_json::Value {
-    let pieces = made.pieces.iter().zip(&made.places).enumerate().map(|(i, (piece, place))| {
-        json!({ "piece": i + 1, "sheet": place.page + 1, "surface_mm2": piece.surface_mm2, "flat_mm2": piece.region.area_mm2() })
-    });
-    json!({
-        "model_size_mm": model.mesh.size_mm(),
-        "pieces": pieces.collect::<Vec<_>>(),
-        "sheets": made.sheets(),
-        "page_mm": [made.frame.page.width_mm, made.frame.page.height_mm],
-        "seams": made.seams.len(),
-        "unlettered_mm": made.unlettered_mm,
-        "cut_mm": made.cut_mm(),
-        "surface_mm2": made.surface_mm2(),
-        "visible_mm2": made.visible_mm2,
-        "left_out": left_out(&made.left_out),
-        "mean_stretch": made.mean_stretch,
-        "stretch_99": made.stretch_99,
-        "largest_stretch": made.largest_stretch,
-    })
+/// `print wrap --json`. Lengths over others are mm on the surface for 1 mm on paper, or the inverse.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct PiecesAnswer {
+    /// Length, width, height.
+    model_size_mm: [f64; 3],
+    pieces: Vec<PieceAnswer>,
+    /// Sheets that carry pieces.
+    sheets: usize,
+    /// Width and height of a page.
+    page_mm: [f64; 2],
+    seams: usize,
+    /// Length of the seams without a letter on one of their pieces.
+    unlettered_mm: f64,
+    /// Length of all that is cut.
+    cut_mm: f64,
+    /// Of all pieces.
+    surface_mm2: f64,
+    /// Paint that can be seen from outside.
+    visible_mm2: f64,
+    left_out: Vec<LeftOutPaint>,
+    /// Mean by area.
+    mean_stretch: f64,
+    /// 99th percentile.
+    stretch_99: f64,
+    largest_stretch: f64,
 }
 
-/// Paint that is on no piece, as JSON.
-pub(super) fn left_out(parts: &[LeftOut]) -> serde_json::Value {
-    let part = |part: &LeftOut| json!({ "surface_mm2": part.surface_mm2, "triangles": part.triangles.len(), "reason": reason(part.reason) });
+/// A piece of the model's surface.
+#[derive(Serialize, JsonSchema)]
+struct PieceAnswer {
+    /// Its number, from 1.
+    piece: usize,
+    /// The sheet it is on, from 1.
+    sheet: usize,
+    /// Area of the surface.
+    surface_mm2: f64,
+    /// Area on paper.
+    flat_mm2: f64,
+}
+
+/// Paint on no piece.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct LeftOutPaint {
+    surface_mm2: f64,
+    triangles: usize,
+    reason: &'static str,
+}
+
+fn facts(model: &Model, made: &PrintedPieces) -> PiecesAnswer {
+    let pieces = made.pieces.iter().zip(&made.places).enumerate();
+    let pieces = pieces.map(|(i, (piece, place))| PieceAnswer {
+        piece: i + 1,
+        sheet: place.page + 1,
+        surface_mm2: piece.surface_mm2,
+        flat_mm2: piece.region.area_mm2(),
+    });
+    PiecesAnswer {
+        model_size_mm: model.mesh.size_mm(),
+        pieces: pieces.collect(),
+        sheets: made.sheets(),
+        page_mm: [made.frame.page.width_mm, made.frame.page.height_mm],
+        seams: made.seams.len(),
+        unlettered_mm: made.unlettered_mm,
+        cut_mm: made.cut_mm(),
+        surface_mm2: made.surface_mm2(),
+        visible_mm2: made.visible_mm2,
+        left_out: left_out(&made.left_out),
+        mean_stretch: made.mean_stretch,
+        stretch_99: made.stretch_99,
+        largest_stretch: made.largest_stretch,
+    }
+}
+
+/// Paint that is on no piece, and why.
+pub(super) fn left_out(parts: &[LeftOut]) -> Vec<LeftOutPaint> {
+    let part = |part: &LeftOut| LeftOutPaint {
+        surface_mm2: part.surface_mm2,
+        triangles: part.triangles.len(),
+        reason: reason(part.reason),
+    };
     parts.iter().map(part).collect()
 }

@@ -1,11 +1,12 @@
 //! `scaleproof print tags`: tent cards, ground mat and plain cards of a scene.
 
+use crate::cli::answer::write_json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
-use serde_json::{Value, json};
-
-use super::{CutSheetArgs, NewFile, write_files};
+use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
@@ -46,7 +47,7 @@ pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     let files = args.sheets.output()?.files(&title, &made.names, &made.sheets)?;
     write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
     if args.json {
-        writeln!(out, "{}", json(&made, &files))?;
+        write_json(&files, facts(&made), out)?;
         return Ok(Outcome::Done);
     }
     let sheets = count(made.sheets.len(), "sheet");
@@ -82,38 +83,74 @@ fn noted(note: &TagNote) -> String {
     format!("{note}{option}")
 }
 
-/// What was written.
-fn json(made: &TagSheets, files: &[NewFile]) -> Value {
-    let files: Vec<_> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    let sheet = |(name, sheet): (&String, &scaleproof_print::print::sheet::Sheet)| json!({ "name": name, "width_mm": sheet.width_mm, "height_mm": sheet.height_mm });
-    let sheets: Vec<_> = made.names.iter().zip(&made.sheets).map(sheet).collect();
-    let cards = made
-        .cut_out
-        .iter()
-        .map(|card| json!({ "name": card.name, "sheet": made.names.get(card.sheet) }));
-    json!({
-        "files": files,
-        "sheets": sheets,
-        "cards": cards.collect::<Vec<_>>(),
-        "mat": made.ground.as_ref().map(mat),
-        "notes": made.notes.iter().map(noted).collect::<Vec<_>>(),
-    })
+/// `print tags --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    /// The pages in their order.
+    sheets: Vec<SheetAnswer>,
+    /// What is cut out.
+    cards: Vec<CardAnswer>,
+    /// The ground mat.
+    mat: Option<MatAnswer>,
+    notes: Vec<String>,
 }
 
-fn mat(ground: &Ground) -> Value {
-    let paper = ground.paper;
-    let strips: Vec<_> = ground
-        .strips
-        .iter()
-        .map(|strip| format!("strip T{}", strip.tent + 1))
-        .collect();
-    json!({
-        "size_mm": [paper.width_mm(), paper.height_mm()],
-        "rows": ground.layout.rows,
-        "columns": ground.layout.columns,
-        "sheets": ground.names(),
-        "tags": ground.mat.tags.iter().map(|(id, _)| id).collect::<Vec<_>>(),
-        "cut_tags": ground.cut_tags,
-        "strips": strips,
-    })
+#[derive(Serialize, JsonSchema)]
+struct SheetAnswer {
+    name: String,
+    width_mm: f64,
+    height_mm: f64,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct CardAnswer {
+    /// `T1` a tent card, `id 4` a plain card, `strip T1` a place strip.
+    name: String,
+    /// The sheet it is on.
+    sheet: Option<String>,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct MatAnswer {
+    /// Width and height.
+    size_mm: [f64; 2],
+    rows: usize,
+    columns: usize,
+    sheets: Vec<String>,
+    /// Ids of the tags on it.
+    tags: Vec<u32>,
+    /// Tags that a seam runs through.
+    cut_tags: Vec<u32>,
+    strips: Vec<String>,
+}
+
+/// What was drawn.
+fn facts(made: &TagSheets) -> Answer {
+    let sheets = made.names.iter().zip(&made.sheets).map(|(name, sheet)| SheetAnswer {
+        name: name.clone(),
+        width_mm: sheet.width_mm,
+        height_mm: sheet.height_mm,
+    });
+    let cards = made.cut_out.iter().map(|card| CardAnswer {
+        name: card.name.clone(),
+        sheet: made.names.get(card.sheet).cloned(),
+    });
+    Answer {
+        sheets: sheets.collect(),
+        cards: cards.collect(),
+        mat: made.ground.as_ref().map(mat),
+        notes: made.notes.iter().map(noted).collect(),
+    }
+}
+
+fn mat(ground: &Ground) -> MatAnswer {
+    MatAnswer {
+        size_mm: [ground.paper.width_mm(), ground.paper.height_mm()],
+        rows: ground.layout.rows,
+        columns: ground.layout.columns,
+        sheets: ground.names(),
+        tags: ground.mat.tags.iter().map(|(id, _)| *id).collect(),
+        cut_tags: ground.cut_tags.clone(),
+        strips: (ground.strips.iter().map(|strip| format!("strip T{}", strip.tent + 1))).collect(),
+    }
 }

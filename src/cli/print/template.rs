@@ -1,10 +1,10 @@
 //! `scaleproof print template`: a repeated pattern, tiled.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-use serde_json::json;
 
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
@@ -98,7 +98,7 @@ fn run_pattern(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
             &[Some(path), args.paper.printer.as_deref()],
         )?;
         if args.json {
-            write_json(&files, facts(&made, "cell_mm"), out)?;
+            write_json(&files, facts(&made, Grain::CellMm), out)?;
         } else {
             writeln!(out, "{}", summary(&files[0].0, &made))?;
         }
@@ -131,7 +131,7 @@ fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
         &[Some(path), args.paper.printer.as_deref()],
     )?;
     if args.json {
-        write_json(&files, facts(&made, "pixel_mm"), out)?;
+        write_json(&files, facts(&made, Grain::PixelMm), out)?;
     } else {
         let dpi = 25.4 / made.cell_mm;
         writeln!(
@@ -204,17 +204,39 @@ fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateReq
     })
 }
 
-/// `--json`.
-fn facts(made: &Template, grain: &str) -> serde_json::Value {
+/// `print template --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    sheets: usize,
+    /// How the sheets lie.
+    rows: usize,
+    columns: usize,
+    /// Width and height of a page.
+    page_mm: [f64; 2],
+    #[serde(flatten)]
+    grain: Grain,
+}
+
+/// The smallest thing on paper.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Grain {
+    /// Side of a cell of a pattern, mm.
+    CellMm(f64),
+    /// With `--texture`: width of a printed pixel, mm.
+    PixelMm(f64),
+}
+
+fn facts(made: &Template, grain: fn(f64) -> Grain) -> Answer {
     let layout = &made.layout;
     let page = layout.frame.page;
-    json!({
-        "sheets": layout.sheets.len(),
-        "rows": layout.rows,
-        "columns": layout.columns,
-        "page_mm": [page.width_mm, page.height_mm],
-        grain: made.cell_mm,
-    })
+    Answer {
+        sheets: layout.sheets.len(),
+        rows: layout.rows,
+        columns: layout.columns,
+        page_mm: [page.width_mm, page.height_mm],
+        grain: grain(made.cell_mm),
+    }
 }
 
 pub(crate) fn summary(output: &Path, made: &Template) -> String {

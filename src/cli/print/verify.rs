@@ -1,9 +1,9 @@
 //! `scaleproof print verify`: from two measured lengths to a printer file.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
-
-use serde_json::json;
 
 use super::{CommandResult, Outcome, write_json};
 use scaleproof_core::files;
@@ -56,10 +56,18 @@ pub(crate) fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
     let new = [(args.output.clone(), file.to_toml()?.into_bytes())];
     files::write_all_atomically(&new)?;
     if args.json {
-        write_json(&new, json!({ "correction": printer.caption() }), out)?;
+        let correction = printer.caption();
+        write_json(&new, Answer { correction }, out)?;
         return Ok(Outcome::Done);
     }
     let output = args.output.display();
     writeln!(out, "{output}: {}; print with --printer {output}", printer.caption())?;
     Ok(Outcome::Done)
+}
+
+/// `print verify --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    /// The correction in words.
+    correction: String,
 }

@@ -1,6 +1,11 @@
 //! `scaleproof session export`: the photos of a session with their truth boxes, for other programs.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io::Write;
+use std::path::Path;
 use std::path::PathBuf;
 
 use super::by_variant_of;
@@ -57,11 +62,15 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     })?;
     let variants = by_variant_of(scores.photos.iter().map(|photo| photo.variant.as_str()));
     if args.json {
-        let written = serde_json::json!({
-            "folder": args.output, "file": file, "photos": scores.photos.len(), "variants": variants,
-            "not_exported": scores.not_scored.len(), "copied": args.copy,
-        });
-        writeln!(out, "{written}")?;
+        let exported = Exported {
+            folder: &args.output,
+            file: &file,
+            photos: scores.photos.len(),
+            variants,
+            not_exported: scores.not_scored.len(),
+            copied: args.copy,
+        };
+        answer(&exported, out)?;
         return Ok(Outcome::Done);
     }
     let place = |path: &std::path::Path| quoted(&path.display().to_string());
@@ -78,4 +87,21 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         place(&args.session)
     )?;
     Ok(Outcome::Done)
+}
+
+/// `session export --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Exported<'a> {
+    /// Where everything is.
+    folder: &'a Path,
+    /// The file in it that names everything.
+    file: &'a Path,
+    /// Photos that were written.
+    photos: usize,
+    /// Photos by variant.
+    variants: BTreeMap<&'a str, usize>,
+    /// Photos that could not be located.
+    not_exported: usize,
+    /// Whether the photos were copied.
+    copied: bool,
 }

@@ -1,7 +1,11 @@
 //! `scaleproof session import`: boxes and viewpoints from elsewhere become a session.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::collections::BTreeSet;
 use std::io::Write;
+use std::path::Path;
 use std::path::PathBuf;
 
 use super::{by_variant, in_words};
@@ -53,12 +57,15 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let variants = by_variant(photos);
     let conditions: BTreeSet<&String> = photos.iter().flat_map(|photo| photo.conditions.keys()).collect();
     if args.json {
-        let made = serde_json::json!({
-            "session": args.photos, "file": imported.path, "photos": photos.len(), "variants": variants,
-            "without_box": imported.without_box,
-            "conditions": conditions,
-        });
-        writeln!(out, "{made}")?;
+        let answer = ImportedSession {
+            session: &args.photos,
+            file: &imported.path,
+            photos: photos.len(),
+            variants,
+            without_box: &imported.without_box,
+            conditions,
+        };
+        crate::cli::answer::answer(&answer, out)?;
     } else {
         writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?;
         if !conditions.is_empty() {
@@ -67,4 +74,21 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         }
     }
     Ok(Outcome::Done)
+}
+
+/// `session import --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct ImportedSession<'a> {
+    /// The folder.
+    session: &'a Path,
+    /// The `session.json` in it.
+    file: &'a Path,
+    /// How many.
+    photos: usize,
+    /// Photos by variant.
+    variants: BTreeMap<&'a str, usize>,
+    /// Photos that the file names without a box of the model.
+    without_box: &'a [String],
+    /// Names of the conditions that were kept.
+    conditions: BTreeSet<&'a String>,
 }

@@ -1,5 +1,9 @@
 //! `scaleproof session new`: folders of photos become a session.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -43,15 +47,36 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     .write()?;
     let variants = by_variant(&made.photos);
     if args.json {
-        let made = serde_json::json!({
-            "session": args.folder, "file": made.path, "photos": made.photos.len(), "variants": variants,
-            "place": args.about.place(), "copied": args.copy,
-        });
-        writeln!(out, "{made}")?;
+        let new = Answer {
+            session: &args.folder,
+            file: &made.path,
+            photos: made.photos.len(),
+            variants,
+            place: args.about.place(),
+            copied: args.copy,
+        };
+        answer(&new, out)?;
     } else {
         writeln!(out, "{}", in_words(&made.path, &made.photos, &args.folder))?
     }
     Ok(Outcome::Done)
+}
+
+/// `session new --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer<'a> {
+    /// The folder.
+    session: &'a Path,
+    /// The `session.json` in it.
+    file: &'a Path,
+    /// How many.
+    photos: usize,
+    /// Photos by variant.
+    variants: BTreeMap<&'a str, usize>,
+    /// Of all photos.
+    place: &'a str,
+    /// Whether the photos were copied into the session.
+    copied: bool,
 }
 
 fn folders(args: &Args) -> Result<Vec<PhotoFolder>> {

@@ -1,5 +1,6 @@
 //! `scaleproof session show`: what is in a session, on one screen.
 
+use schemars::JsonSchema;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::io::Write;
@@ -28,8 +29,8 @@ pub(super) struct Args {
 }
 
 /// All of `--json`.
-#[derive(Serialize)]
-struct Page {
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Page {
     #[serde(flatten)]
     contents: Contents,
     recordings: Vec<Stored>,
@@ -38,7 +39,7 @@ struct Page {
 }
 
 /// A detector's recording.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Stored {
     detector: String,
     /// Photos of the session that it has detections of.

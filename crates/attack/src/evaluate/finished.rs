@@ -9,7 +9,7 @@ use scaleproof_core::files;
 use scaleproof_pose::scene::Classes;
 
 /// The figures of one detector on the photos of a pattern.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RenderedFigures {
     pub detector: String,
     pub photos: usize,

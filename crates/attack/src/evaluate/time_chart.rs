@@ -7,7 +7,7 @@ use crate::run::history::History;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 
 /// A run, and what its pattern does in rendered photos.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RenderedRun {
     pub method: String,
     pub seed: u64,

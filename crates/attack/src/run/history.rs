@@ -15,7 +15,7 @@ use scaleproof_pose::scene::Classes;
 pub const FILE: &str = "history.json";
 
 /// After a step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Entry {
     pub step: u32,
     /// Images looked at so far, those of judging not counted.
@@ -54,7 +54,7 @@ impl Entry {
 }
 
 /// The history of one method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct History {
     pub scaleproof: String,
     /// As `dta` or `er`.

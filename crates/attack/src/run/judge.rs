@@ -13,7 +13,7 @@ use scaleproof_detect::{CandidateBox, SCORE_FLOOR, suppress};
 use scaleproof_gradients::{Prediction, WhiteBox, strongest};
 
 /// Means over views and detectors.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct HeldOutFigures {
     pub views: usize,
     /// As `score` computes it by default.

@@ -45,7 +45,7 @@ const BRIGHT_MEAN: f64 = 230.0;
 const HOPELESS_BLUR_PX: f64 = 3.5;
 
 /// What was measured of a frame, for its sidecar.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measures {
     /// Standard deviation of the blur on the tags' borders; absent when none could be fitted.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A box in image pixels, corner to corner, counted from the top-left corner of the image: its first pixel is the box 0, 0, 1, 1.
 /// Written as `[x1, y1, x2, y2]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(from = "[f64; 4]", into = "[f64; 4]")]
 pub struct BoxPx {
     /// Left edge.

@@ -20,7 +20,7 @@ pub const FEWEST_CLUSTERS: usize = 6;
 pub const ALIKE: f64 = 1e-12;
 
 /// A 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Interval {
     pub low: f64,
     pub high: f64,

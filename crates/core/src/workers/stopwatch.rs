@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 /// A part of the work on a photo.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// The file, its hash, and the luma for the tags.

@@ -10,14 +10,14 @@ use crate::scene::{Scene, Tag};
 use crate::tags::SeenTag;
 
 /// A tag that was seen but that the pose does not rest on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 pub struct IgnoredTag {
     pub id: u32,
     pub why: Ignored,
 }
 
 /// Why a seen tag was left out. From `WrongId` on, the other tags' pose says so.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Ignored {
     /// The scene has no tag of this family and id.

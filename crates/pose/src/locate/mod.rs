@@ -66,7 +66,7 @@ pub struct Located {
 }
 
 /// What weakens an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Warning {
     /// The camera stood so near to the edge of its bin that it may be the next one.

@@ -24,7 +24,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 const HUBER_SIGMAS: f64 = 2.0;
 
 /// Standard deviations of a viewpoint.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Sigma {
     /// Of the azimuth, degrees.
     pub azimuth_deg: f64,

@@ -20,7 +20,7 @@ pub struct Bins {
 }
 
 /// One bin, named by its centre. Bins are sorted by azimuth, pitch and distance.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
 pub struct Bin {
     /// Centre, degrees.
     pub azimuth_deg: f64,

@@ -10,11 +10,11 @@ const MOST: usize = 32;
 const LONGEST: usize = 100;
 
 /// The labels that count as the model, at least one, each once, in alphabetical order. A file has one as a string and several as a list.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Classes(Vec<String>);
 
-#[derive(Deserialize, Serialize)]
+#[derive(Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "the class is a label, as in \"car\", or a list of labels, as in [\"car\", \"truck\"]"

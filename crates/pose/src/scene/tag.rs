@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use scaleproof_core::geometry::{Rigid, rigid};
 
 /// The AprilTag families a scene may use, by their usual names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum TagFamily {
     /// 30 tags of 4 × 4 bits.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use scaleproof_core::geometry::angle::wrap_360;
 
 /// Where the camera stood, seen from the model's target point.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Viewpoint {
     /// 0° looks at the front, counter-clockwise from above (90° = the model's left side), in [0, 360).

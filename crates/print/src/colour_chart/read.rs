@@ -47,7 +47,7 @@ pub struct ChartReading {
 }
 
 /// How good a photo is for reading.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Quality {
     /// Pixels a side of the smallest patch.
     pub patch_px: f64,

@@ -96,7 +96,7 @@ pub struct LeftOutTag {
 }
 
 /// What one photo gave.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PhotoReport {
     #[serde(rename = "file")]
     pub name: String,

@@ -11,7 +11,7 @@ use scaleproof_core::statistics::{median, wilson_95};
 use scaleproof_pose::scene::{Bin, Bins};
 
 /// A share of photos with its 95 % Wilson interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Rate {
     /// Photos that count.
     pub count: usize,
@@ -24,7 +24,7 @@ pub struct Rate {
 /// The numbers of a group of photos, and how many photos they rest on. [`super::Criteria::definitions`] says what each one is.
 ///
 /// Every photo is in exactly one of `hit_rate`, `misclassification_rate` and `disappearance_rate`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Figures {
     pub photos: usize,
     /// By the run's definition of AP.
@@ -51,7 +51,7 @@ pub struct Figures {
 }
 
 /// Base figures minus these figures.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Drop {
     pub ap50: f64,
     pub hit_rate: f64,
@@ -60,7 +60,7 @@ pub struct Drop {
 }
 
 /// Attack success rates: 1 − these figures ÷ base figures; absent where the base's is 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Asr {
     pub ap50: Option<f64>,
     pub mar50: Option<f64>,
@@ -68,7 +68,7 @@ pub struct Asr {
 }
 
 /// The figures of the photos of one value of a condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ConditionFigures {
     pub condition: String,
     pub value: String,
@@ -80,7 +80,7 @@ pub struct ConditionFigures {
 }
 
 /// The figures of one azimuth bin, over all its pitches and distances.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinFigures {
     pub azimuth_deg: f64,
     /// Absent when the bin has no photo.
@@ -89,7 +89,7 @@ pub struct BinFigures {
 }
 
 /// The figures of one bin of azimuth × pitch × distance.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CellFigures {
     #[serde(flatten)]
     pub bin: Bin,
@@ -99,7 +99,7 @@ pub struct CellFigures {
 }
 
 /// The figures of the photos of one place.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlaceFigures {
     /// Absent for the photos whose session names no place.
     pub place: Option<String>,
@@ -109,7 +109,7 @@ pub struct PlaceFigures {
 }
 
 /// One detector on one variant.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Summary {
     pub detector: String,
     pub variant: String,

@@ -12,7 +12,7 @@ use scaleproof_pose::scene::{Bins, Classes, TagFamily};
 pub type Look = Result<String, PhotoError>;
 
 /// A session in short, for people and programs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Contents {
     /// Name of the session's folder.
     pub session: String,
@@ -28,7 +28,7 @@ pub struct Contents {
     pub unreadable: Vec<UnreadablePhoto>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SceneInShort {
     pub model: String,
     /// The label that detectors should give.
@@ -45,7 +45,7 @@ pub struct SceneInShort {
     pub tag_families: Vec<&'static str>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinsInShort {
     pub count: usize,
     /// Step from one to the next.
@@ -56,7 +56,7 @@ pub struct BinsInShort {
     pub distance_mm: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CameraInShort {
     pub width_px: u32,
     pub height_px: u32,
@@ -67,14 +67,14 @@ pub struct CameraInShort {
     pub guessed_within_percent: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PhotoGroup {
     pub variant: String,
     pub place: Option<String>,
     pub photos: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct UnreadablePhoto {
     pub file: String,
     /// A sentence.

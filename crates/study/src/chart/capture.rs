@@ -16,7 +16,7 @@ use scaleproof_pose::tags::{CornersBy, TagDetectorChoice};
 pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
 
 /// One tag detector, judging frames one way.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CaptureRow {
     pub tag_detector: &'static str,
     /// As frames of a running camera, which a faster search sees first, rather than as photos.

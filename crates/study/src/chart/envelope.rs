@@ -22,7 +22,7 @@ pub struct LocatedSample {
 }
 
 /// One envelope and what it measured.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct EnvelopeRow {
     /// `box`, `hull` or `mesh`.
     pub envelope: &'static str,
@@ -40,7 +40,7 @@ pub struct EnvelopeRow {
 }
 
 /// The truth box of one photo.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BoxFit {
     pub file: String,
     /// Absent with a reason.

@@ -14,7 +14,7 @@ use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
 
 /// How much of the camera file's lens model is used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LensTerms {
     Pinhole,
@@ -63,7 +63,7 @@ impl PhotoSample {
 }
 
 /// One combination and what it measured.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LocateRow {
     pub tag_detector: &'static str,
     pub solver: &'static str,

@@ -9,7 +9,7 @@ use scaleproof_score::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_p
 use scaleproof_session::session::{PhotoEntry, Session};
 
 /// One detector on a session.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ScoreRow {
     pub detector: String,
     /// From the `tags`, or `given` where the session says where the model is.
@@ -23,7 +23,7 @@ pub struct ScoreRow {
 }
 
 /// What one stage of the work takes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct StageTime {
     pub stage: Stage,
     pub ms: f64,

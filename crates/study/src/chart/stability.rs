@@ -75,7 +75,7 @@ impl SweepKind {
 }
 
 /// What one method did at one amount of one condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SweepStep {
     pub sweep: &'static str,
     pub unit: &'static str,

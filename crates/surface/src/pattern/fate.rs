@@ -6,7 +6,7 @@ use super::gamut::{Gamut, PRINTABLE_DELTA_E};
 use super::printed::PrintedColours;
 
 /// A colour of a pattern on a printer.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ColourFate {
     pub wanted_rgb: [u8; 3],
     /// How many cells have it.
@@ -23,7 +23,7 @@ pub struct ColourFate {
 }
 
 /// A pattern on a printer.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PatternFate {
     /// Non-printability score: mean over cells of the distance to the nearest measured colour, Euclidean in sRGB with channels
     /// from 0 to 1; 0 is printable, √3 the most there could be. The minimum-distance form in use since; Sharif et al. 2016,

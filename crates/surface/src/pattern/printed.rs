@@ -37,7 +37,7 @@ pub enum ColoursError {
 }
 
 /// One requested colour, and what came out.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PrintedColour {
     pub asked_rgb: [u8; 3],
@@ -50,7 +50,7 @@ pub struct PrintedColour {
 }
 
 /// A printer's measured colours; as `[colour]`, the content of a printer file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PrintedColours {
     pub chart: String,

@@ -1,5 +1,9 @@
 //! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
+use crate::cli::answer::answer;
+use scaleproof_score::score::Summary;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -119,11 +123,15 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
     if args.json {
-        let line = serde_json::json!({
-            "classes": args.class, "patterns": tables.patterns, "targets": tables.targets, "results": scores.summaries,
-            "comparisons": tables.comparisons, "page": page,
-        });
-        writeln!(out, "{line}")?;
+        let evaluated = Evaluated {
+            classes: &args.class,
+            patterns: &tables.patterns,
+            targets: &tables.targets,
+            results: &scores.summaries,
+            comparisons: &tables.comparisons,
+            page: &page,
+        };
+        answer(&evaluated, out)?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "{}", report::evaluation_tables(&tables))?;
@@ -277,4 +285,20 @@ impl EvaluateArgs {
         let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
         Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }
+}
+
+/// `attack evaluate --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Evaluated<'a> {
+    /// The labels that count as the model.
+    classes: &'a Classes,
+    patterns: &'a [String],
+    /// The detectors that the patterns were made against.
+    targets: &'a [String],
+    /// As in `summary.json`.
+    results: &'a [Summary],
+    /// As in `comparison.json`.
+    comparisons: &'a [Comparison],
+    /// The path of the page.
+    page: &'a Path,
 }

@@ -1,5 +1,8 @@
 //! `scaleproof attack history`: several methods on one chart.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::collections::HashMap;
 use std::error::Error;
 use std::io::Write;
@@ -78,16 +81,33 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
     }
     if args.json {
         let path = |i: usize| new.get(i).map(|(path, _)| path);
-        let line = serde_json::json!({
-            "histories": histories, "numbers": path(0), "chart": path(1), "rendered": rendered, "rendered_chart": path(3),
-        });
-        writeln!(out, "{line}")?;
+        let histories = Histories {
+            histories: &histories,
+            numbers: path(0),
+            chart: path(1),
+            rendered: &rendered,
+            rendered_chart: path(3),
+        };
+        answer(&histories, out)?;
         return Ok(Outcome::Done);
     }
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;
     }
     Ok(Outcome::Done)
+}
+
+/// `attack history --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Histories<'a> {
+    /// The same list as in `attack.json`.
+    histories: &'a [History],
+    /// The path of `attack.json`.
+    numbers: Option<&'a PathBuf>,
+    chart: Option<&'a PathBuf>,
+    /// With `--evaluation`, the same list as in `rendered.json`.
+    rendered: &'a [RenderedRun],
+    rendered_chart: Option<&'a PathBuf>,
 }
 
 impl HistoryArgs {

@@ -1,12 +1,14 @@
 //! `scaleproof attack judge`: patterns on every view of frames, as the surrogate renderer predicts them.
 
+use crate::cli::answer::answer;
+use scaleproof_pose::scene::Classes;
+use schemars::JsonSchema;
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
 use nalgebra::Point3;
 use serde::Serialize;
-use serde_json::json;
 
 use super::on_frames::{Looking, pattern_of};
 use super::render::{hex, named};
@@ -87,8 +89,13 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
     let judged = judged?;
     let rows = rows(&setup, &judged);
     if args.on.json {
-        let answer = json!({ "views": views.len(), "tile_mm": tile_mm, "classes": args.on.class, "results": rows });
-        writeln!(out, "{answer}")?;
+        let judgement = Judgement {
+            views: views.len(),
+            tile_mm,
+            classes: &args.on.class,
+            results: rows,
+        };
+        answer(&judgement, out)?;
         return Ok(Outcome::Done);
     }
     table(&setup, &rows, out)?;
@@ -198,21 +205,39 @@ fn drop(plain: &SeenByDetector, seen: &SeenByDetector) -> (f64, Option<[f64; 2]>
 }
 
 /// A pattern and a detector.
-#[derive(Serialize)]
+/// `attack judge --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Judgement<'a> {
+    /// How many were looked at.
+    views: usize,
+    /// The width of one repeat of all patterns.
+    tile_mm: f64,
+    /// The labels that count as the model.
+    classes: &'a Classes,
+    /// Detector by detector, the plain model first.
+    results: Vec<Row<'a>>,
+}
+
+/// A pattern as a detector sees it.
+#[derive(Serialize, JsonSchema)]
 struct Row<'a> {
     detector: &'a str,
     pattern: &'a str,
+    /// Over all views, as predicted, like the next two.
     ap50: f64,
     hit_rate: f64,
     mean_confidence: f64,
     worst_direction: WorstDirection,
-    /// Of the mean confidence, from the plain model's.
+    /// By how much the confidence is below that of the plain model in the same views, in the mean.
     drop: f64,
+    /// Its 95 % interval over the views.
     drop_95: Option<[f64; 2]>,
 }
 
-#[derive(Serialize)]
+/// Of eight directions around the model, the one in which it is seen best.
+#[derive(Serialize, JsonSchema)]
 struct WorstDirection {
+    /// Its middle.
     azimuth_deg: f64,
     mean_confidence: f64,
 }

@@ -2,6 +2,8 @@
 
 mod train_dtn;
 
+use crate::cli::schemas::Named;
+use schemars::schema_for;
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
@@ -102,4 +104,9 @@ pub(in crate::cli) fn keep_refusals_quiet() {
             usual(about);
         }
     }));
+}
+
+/// The schemas of what these commands print.
+pub(super) fn schemas() -> Vec<Named> {
+    vec![("attack-train-dtn", schema_for!(train_dtn::TrainedNetwork))]
 }

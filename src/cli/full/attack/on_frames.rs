@@ -5,10 +5,12 @@ use std::io::Write;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::device::OnDevice;
 use super::networks;
+use crate::cli::answer::answer;
 use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
@@ -18,6 +20,7 @@ use crate::cli::results::Programs;
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::{Entry, History, TILES_MM};
+use scaleproof_attack::run::judge::HeldOutFigures;
 use scaleproof_attack::run::view_set::TextureMapping;
 use scaleproof_attack::run::{AttackConfig, Rgb};
 use scaleproof_attack::setup::Setup;
@@ -233,14 +236,38 @@ impl OnFrames {
         pattern: Option<&Path>,
         out: &mut dyn Write,
     ) -> Result<(), Box<dyn Error>> {
-        let predicted = history.last_judged().map(|(_, figures)| figures);
-        let queries = history.queries();
-        let line = json!({
-            "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells(), "classes": self.class,
-            "detectors": history.detectors, "pattern": pattern, "queries": queries, "predicted": predicted,
-        });
-        Ok(writeln!(out, "{line}")?)
+        let made = Made {
+            method: &history.method,
+            seed: history.seed,
+            tile_mm: history.tile_mm,
+            cells: self.cells(),
+            classes: &self.class,
+            detectors: &history.detectors,
+            pattern,
+            queries: history.queries(),
+            predicted: history.last_judged().map(|(_, figures)| figures),
+        };
+        answer(&made, out)
     }
+}
+
+/// `attack run --json` and `attack baseline … --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Made<'a> {
+    /// As in `history.json`, like the others without a remark.
+    method: &'a str,
+    seed: u64,
+    tile_mm: f64,
+    /// Along each side.
+    cells: u32,
+    /// The labels that count as the model.
+    classes: &'a Classes,
+    detectors: &'a [String],
+    /// The path of the PNG; `null` for patches.
+    pattern: Option<&'a Path>,
+    queries: u64,
+    /// On held-out views, predicted and not rendered.
+    predicted: Option<HeldOutFigures>,
 }
 
 /// What the held-out views say, and that they are predictions.

@@ -1,11 +1,13 @@
 //! `scaleproof attack photos`: frames from photos of the real model in flat colours.
 
+use crate::cli::answer::answer;
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::render::hex;
 use crate::cli::{CommandResult, Outcome, progress};
@@ -91,7 +93,7 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     files::replace_all_atomically(&made.files)?;
     let list = args.output.join(LIST);
     if args.json {
-        writeln!(out, "{}", summary(&list, &made, &left_out))?
+        answer(&summary(&list, &made, &left_out), out)?
     } else {
         writeln!(
             out,
@@ -104,26 +106,68 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// `--json`.
-fn summary(list: &Path, made: &PhotoFrames, left_out_before: &[LeftOutPhoto]) -> Value {
-    let view = |view: &PhotoView| {
-        let others = view.others.iter().map(|(photo, turn_deg, light_factors)| {
-            json!({ "photo": photo, "turn_deg": turn_deg, "light_factors": light_factors })
-        });
-        json!({
-            "name": view.name,
-            "reference": view.reference,
-            "others": others.collect::<Vec<_>>(),
-            "paint_seen_by_all": view.kept,
-        })
+/// `attack photos --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct FramesOfPhotos<'a> {
+    /// The path of `frames.json`.
+    file: &'a Path,
+    /// How many frames it lists.
+    frames: usize,
+    views: Vec<FramedView<'a>>,
+    left_out: Vec<LeftOut<'a>>,
+}
+
+/// A view that became frames.
+#[derive(Serialize, JsonSchema)]
+struct FramedView<'a> {
+    name: &'a str,
+    /// The photo that the others are mapped onto.
+    reference: &'a str,
+    others: Vec<MappedPhoto<'a>>,
+    /// Share of the paint that every photo of the view shows, 0 to 1.
+    paint_seen_by_all: f64,
+}
+
+/// Another photo of a view.
+#[derive(Serialize, JsonSchema)]
+struct MappedPhoto<'a> {
+    photo: &'a str,
+    /// The angle between the two cameras.
+    turn_deg: f64,
+    /// By which its red, green and blue light are multiplied to have the exposure of the reference.
+    light_factors: [f64; 3],
+}
+
+/// A photo or view that makes no frames, and why.
+#[derive(Serialize, JsonSchema)]
+struct LeftOut<'a> {
+    what: &'a str,
+    reason: &'a str,
+}
+
+fn summary<'a>(list: &'a Path, made: &'a PhotoFrames, left_out_before: &'a [LeftOutPhoto]) -> FramesOfPhotos<'a> {
+    let view = |view: &'a PhotoView| FramedView {
+        name: &view.name,
+        reference: &view.reference,
+        others: (view.others.iter())
+            .map(|(photo, turn_deg, light_factors)| MappedPhoto {
+                photo,
+                turn_deg: *turn_deg,
+                light_factors: *light_factors,
+            })
+            .collect(),
+        paint_seen_by_all: view.kept,
     };
-    let left_out = left_out_before.iter().chain(&made.left_out);
-    json!({
-        "file": list,
-        "frames": made.frames,
-        "views": made.views.iter().map(view).collect::<Vec<_>>(),
-        "left_out": left_out.map(|left| json!({ "what": left.what, "reason": left.reason })).collect::<Vec<_>>(),
-    })
+    let left_out = left_out_before.iter().chain(&made.left_out).map(|left| LeftOut {
+        what: &left.what,
+        reason: &left.reason,
+    });
+    FramesOfPhotos {
+        file: list,
+        frames: made.frames,
+        views: made.views.iter().map(view).collect(),
+        left_out: left_out.collect(),
+    }
 }
 
 fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {

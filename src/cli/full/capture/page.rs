@@ -1,5 +1,8 @@
 //! `scaleproof capture --page`: the same capture in a browser.
 
+use crate::cli::answer::answer;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::cell::RefCell;
 use std::error::Error;
 use std::io::{IsTerminal, Write};
@@ -25,10 +28,18 @@ pub(super) struct Args {
     pub lan: bool,
 }
 
+/// The first line of `capture --page --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Address {
+    /// The address of the page.
+    page: String,
+}
+
 /// Says where the page is: the address for answers, what concerns people beside it.
-pub(super) fn introduce(page: &Page, json: bool, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn introduce(page: &Page, json: bool, out: &mut dyn Write) -> Result<()> {
     if json {
-        writeln!(out, "{}", serde_json::json!({ "page": page.address }))?
+        let page = page.address.clone();
+        answer(&Address { page }, out)?
     } else {
         writeln!(out, "page: {}", page.address)?
     }

@@ -1,5 +1,6 @@
 //! What the terminal shows of a capture: a line for each thing that happens.
 
+use schemars::JsonSchema;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -12,8 +13,8 @@ use scaleproof_capture::capture::{Advice, CameraSettings, FrameAnswer, Guidance,
 use scaleproof_pose::scene::{Bin, Viewpoint};
 
 /// One line of `--json` for a frame.
-#[derive(Serialize)]
-struct FrameLine<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct FrameLine<'a> {
     frame: &'a str,
     /// `accepted` or `refused`.
     status: &'static str,
@@ -25,6 +26,23 @@ struct FrameLine<'a> {
     advice: Option<String>,
     viewpoint: Option<Viewpoint>,
     gates: Measures,
+}
+
+/// What the pairs say so far, a line after each photo (`--until-decided`).
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct StandingLine {
+    /// As a sentence.
+    pairs: String,
+    decided: bool,
+    /// The view that tells most next.
+    next: Option<Bin>,
+}
+
+/// The line of a photo that `--undo` or `--redo` took back.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct TakenBack {
+    /// The photo's name.
+    taken_back: String,
 }
 
 /// Tells the terminal.
@@ -62,9 +80,12 @@ impl TerminalLog<'_> {
     pub(super) fn standing(&mut self, standing: &Standing) -> io::Result<()> {
         let next = standing.next.as_ref().filter(|_| !standing.is_decided);
         if self.json {
-            let (is_decided, next) = (standing.is_decided, next.map(|target| target.bin));
-            let line = serde_json::json!({ "pairs": standing.sentence, "decided": is_decided, "next": next });
-            writeln!(self.out, "{line}")?;
+            let line = StandingLine {
+                pairs: standing.sentence.clone(),
+                decided: standing.is_decided,
+                next: next.map(|target| target.bin),
+            };
+            writeln!(self.out, "{}", serde_json::to_value(&line)?)?;
         } else {
             let next = next.map_or_else(String::new, |target| format!("; tells most next: {}", name(target)));
             writeln!(self.out, "  {}{next}", standing.sentence)?;
@@ -79,7 +100,8 @@ impl TerminalLog<'_> {
 
     pub(super) fn taken_back(&mut self, photo: &str) -> io::Result<()> {
         if self.json {
-            writeln!(self.out, "{}", serde_json::json!({ "taken_back": photo }))?
+            let taken_back = photo.to_owned();
+            writeln!(self.out, "{}", serde_json::to_value(TakenBack { taken_back })?)?
         } else {
             writeln!(self.out, "taken back: {photo}")?
         }

@@ -44,7 +44,7 @@ pub struct TrainingPlan {
 }
 
 /// A measurement during training.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct TrainingProgress {
     pub step: u64,
     /// Time spent on training.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use scaleproof_core::statistics::Interval;
 
 /// Photos that are taken as dependent on each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ClusteredBy {
     /// Those of one place: what is found holds for places like these.
@@ -15,7 +15,7 @@ pub enum ClusteredBy {
 }
 
 /// What the photos can tell of a difference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Finding {
     /// The base is better, at the level of 5 %.
@@ -28,7 +28,7 @@ pub enum Finding {
 }
 
 /// One figure on both sides of the pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Difference {
     pub base: f64,
     pub other: f64,
@@ -44,7 +44,7 @@ pub struct Difference {
 }
 
 /// Hits on both sides of the pairs, and the exact test of their difference.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Hits {
     #[serde(flatten)]
     pub rate: Difference,
@@ -57,7 +57,7 @@ pub struct Hits {
 }
 
 /// The hits of one azimuth bin.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinHits {
     pub azimuth_deg: f64,
     pub pairs: usize,
@@ -68,7 +68,7 @@ pub struct BinHits {
 }
 
 /// One detector on one variant, against the base.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Compared {
     pub detector: String,
     pub variant: String,
@@ -87,7 +87,7 @@ pub struct Compared {
 }
 
 /// What pairs had shown when they were enough.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SequentialFinding {
     /// The base is better.
@@ -100,7 +100,7 @@ pub enum SequentialFinding {
 }
 
 /// One figure after all looks.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Decision {
     /// Mean of the differences that were looked at, base minus other.
     pub drop: f64,
@@ -119,7 +119,7 @@ pub struct Decision {
 }
 
 /// One detector on one variant, look by look.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Course {
     pub detector: String,
     pub variant: String,
@@ -132,7 +132,7 @@ pub struct Course {
 }
 
 /// Every variant against the base, look by look.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Sequential {
     /// What is added between two looks.
     pub look_after_each: ClusteredBy,
@@ -142,7 +142,7 @@ pub struct Sequential {
 }
 
 /// Which plan a comparison was held against, and in what it differs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlanCheck {
     /// SHA-256 of the plan; what was published of it must be the same.
     pub seal: String,
@@ -151,7 +151,7 @@ pub struct PlanCheck {
 }
 
 /// Every variant of a run against its base.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Comparison {
     /// The plan that was fixed before the photos, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -174,7 +174,7 @@ pub struct Comparison {
 }
 
 /// A scored photo that has no partner, and why.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Unpaired {
     pub session: String,
     pub file: String,

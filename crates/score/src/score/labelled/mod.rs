@@ -50,7 +50,7 @@ struct Object {
 }
 
 /// COCO's two averages over the categories that have an object, crowds not counted.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Averages {
     /// AP@\[.5:.95\], the figure that papers and repositories state for COCO.
     pub ap_50_95: f64,

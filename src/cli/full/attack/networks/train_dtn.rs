@@ -1,11 +1,14 @@
 //! `scaleproof attack train-dtn`: a network that predicts the model in any paint from one image of the view.
 
+use scaleproof_frames::surrogate::dtn::training::TrainingProgress;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
+use std::path::Path;
 use std::path::PathBuf;
 
-use serde_json::json;
-
+use crate::cli::answer::answer;
 use crate::cli::full::attack::device::OnDevice;
 use crate::cli::full::attack::on_frames::open_frames;
 use crate::cli::full::attack::render::hex;
@@ -95,7 +98,7 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     })?;
     bar.finish_and_clear();
     if args.json {
-        writeln!(out, "{}", summary(args, &trainer, &set))?
+        answer(&summary(args, &trainer, &set), out)?
     } else {
         table(args, &trainer, &set, out)?
     }
@@ -103,19 +106,31 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// `--json`.
-fn summary(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> serde_json::Value {
-    let history = trainer
-        .history
-        .iter()
-        .map(|p| json!({ "step": p.step, "seconds": p.seconds, "loss": p.loss, "validation_mse": p.validation_mse }));
-    json!({
-        "file": args.output,
-        "network": trainer.network().architecture.name(),
-        "training_views": set.training.len(),
-        "validation_views": set.validation.len(),
-        "split": set.split,
-        "history": history.collect::<Vec<_>>(),
-    })
+/// `attack train-dtn --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct TrainedNetwork<'a> {
+    /// The path of the network.
+    file: &'a Path,
+    /// Its architecture.
+    network: String,
+    /// Views to learn from.
+    training_views: usize,
+    /// Views kept back.
+    validation_views: usize,
+    /// How they were chosen.
+    split: &'a str,
+    history: &'a [TrainingProgress],
+}
+
+fn summary<'a>(args: &'a TrainArgs, trainer: &'a Trainer, set: &'a TrainingSet) -> TrainedNetwork<'a> {
+    TrainedNetwork {
+        file: &args.output,
+        network: trainer.network().architecture.name(),
+        training_views: set.training.len(),
+        validation_views: set.validation.len(),
+        split: &set.split,
+        history: &trainer.history,
+    }
 }
 
 fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet, out: &mut dyn Write) -> std::io::Result<()> {
