@@ -48,12 +48,22 @@ impl FileError {
     }
 
     pub fn read(path: &Path, e: &std::io::Error) -> FileError {
-        let (path, reason) = (path.to_owned(), plain(e));
-        FileError::Read { path, reason }
+        FileError::cannot_read(path, plain(e))
     }
 
     pub fn write(path: &Path, e: &std::io::Error) -> FileError {
-        let (path, reason) = (path.to_owned(), plain(e));
+        FileError::cannot_write(path, plain(e))
+    }
+
+    /// A file that could not be read, for a reason that is no error of the system.
+    pub fn cannot_read(path: &Path, reason: impl Into<String>) -> FileError {
+        let (path, reason) = (path.to_owned(), reason.into());
+        FileError::Read { path, reason }
+    }
+
+    /// A file that could not be written, for a reason that is no error of the system.
+    pub fn cannot_write(path: &Path, reason: impl Into<String>) -> FileError {
+        let (path, reason) = (path.to_owned(), reason.into());
         FileError::Write { path, reason }
     }
 }
@@ -75,26 +85,23 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 
 /// Reads a whole file, and refuses one of more than `most_bytes` before it takes memory.
 pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
-    let failed = |reason: String| FileError::Read {
-        path: path.to_owned(),
-        reason,
-    };
-    let too_large = || failed(format!("it has more than the {} MB that are read", most_bytes >> 20));
+    let failed = |e| FileError::read(path, &e);
+    let about = std::fs::metadata(path).map_err(failed)?;
     // Reading a named pipe would wait for ever.
-    match std::fs::metadata(path) {
-        Ok(about) if !about.is_file() => return Err(failed("it is not a file".into())),
-        Ok(about) if about.len() > most_bytes => return Err(too_large()),
-        Ok(_) => {}
-        Err(e) => return Err(failed(plain(&e))),
+    if !about.is_file() {
+        return Err(FileError::cannot_read(path, "it is not a file"));
     }
     let mut bytes = Vec::new();
-    // It may grow meanwhile.
-    let read = File::open(path).and_then(|file| file.take(most_bytes + 1).read_to_end(&mut bytes));
-    match read {
-        Err(e) => Err(failed(plain(&e))),
-        Ok(count) if count as u64 > most_bytes => Err(too_large()),
-        Ok(_) => Ok(bytes),
+    if about.len() <= most_bytes {
+        // It may grow meanwhile.
+        let file = File::open(path).map_err(failed)?;
+        file.take(most_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
     }
+    if about.len().max(bytes.len() as u64) > most_bytes {
+        let reason = format!("it has more than the {} MB that are read", most_bytes >> 20);
+        return Err(FileError::cannot_read(path, reason));
+    }
+    Ok(bytes)
 }
 
 /// Texts are smaller than networks: the annotations of a large set have some hundred megabytes.
@@ -102,15 +109,12 @@ const MOST_TEXT: u64 = 1 << 30;
 
 /// Reads a whole UTF-8 text file of up to 1 GiB.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    String::from_utf8(read_at_most(path, MOST_TEXT)?).map_err(|_| FileError::Read {
-        path: path.to_owned(),
-        reason: "it is not UTF-8 text".into(),
-    })
+    String::from_utf8(read_at_most(path, MOST_TEXT)?).map_err(|_| FileError::cannot_read(path, "it is not UTF-8 text"))
 }
 
 /// Writes an output that a user named: [`write_all_atomically`] of one file.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    write_together(&[(path, content)])
+    write_all_atomically(&[(path, content)])
 }
 
 /// Whether an output is named as standard output.
@@ -123,7 +127,7 @@ pub fn is_standard_output(path: &Path) -> bool {
 /// # Errors
 /// What lies in its place can be neither replaced nor written to.
 pub fn is_stream(path: &Path) -> Result<bool, FileError> {
-    Ok(matches!(OutputPlace::of(path)?, OutputPlace::Stream(_)))
+    Ok(matches!(OutputPlace::at(path)?, OutputPlace::Stream(_)))
 }
 
 /// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is
@@ -132,43 +136,27 @@ pub fn is_stream(path: &Path) -> Result<bool, FileError> {
 ///
 /// A symbolic link stays, and its target is written. Standard output (`-`), pipes and character devices are written to. What is neither is
 /// refused before anything is written.
-pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
-    let borrowed: Vec<_> = files
-        .iter()
-        .map(|(path, content)| (path.as_path(), content.as_slice()))
-        .collect();
-    write_together(&borrowed)
-}
-
-fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
+pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
     let (mut regular, mut streams) = (Vec::new(), Vec::new());
     for (path, content) in files {
-        match OutputPlace::of(path)? {
-            OutputPlace::File(path) => regular.push((path, *content)),
-            OutputPlace::Stream(stream) => streams.push((stream, *content)),
+        match OutputPlace::at(path.as_ref())? {
+            OutputPlace::File(path) => regular.push((path, content)),
+            OutputPlace::Stream(stream) => streams.push((stream, content)),
         }
     }
-    replace_together(&regular)?;
+    replace_all_atomically(&regular)?;
     streams
         .into_iter()
-        .try_for_each(|(stream, content)| stream.write(content))
+        .try_for_each(|(stream, content)| stream.write(content.as_ref()))
 }
 
 /// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
 /// the place of one is replaced, never followed: the folder may come from somebody else.
-pub fn replace_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
-    let borrowed: Vec<_> = files
-        .iter()
-        .map(|(path, content)| (path.clone(), content.as_slice()))
-        .collect();
-    replace_together(&borrowed)
-}
-
-fn replace_together(files: &[(PathBuf, &[u8])]) -> Result<(), FileError> {
+pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
     let mut staged = Vec::new();
     for (path, content) in files {
-        journal::tidy(folder_of(path));
-        staged.push(Staged::write(path, content)?);
+        journal::tidy(folder_of(path.as_ref()));
+        staged.push(Staged::write(path.as_ref(), content.as_ref())?);
     }
     journal::persist_all(staged)
 }
@@ -180,24 +168,20 @@ pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> 
 
 /// Finds out, before long work, that a folder is or can be made there and takes files. Makes nothing.
 pub fn check_writable(folder: &Path) -> Result<(), FileError> {
-    let failed = |reason: String| FileError::Write {
-        path: folder.to_owned(),
-        reason,
-    };
     let there = folder
         .ancestors()
         .map(|f| if f.as_os_str().is_empty() { Path::new(".") } else { f })
         .find(|f| f.exists());
     match there {
         Some(there) if there.is_dir() => Staged::write(&there.join(".scaleproof"), b"").map(drop),
-        Some(file) => Err(failed(format!("{} is a file", file.display()))),
-        None => Err(failed("no part of the path exists".into())),
+        Some(file) => Err(FileError::cannot_write(folder, format!("{} is a file", file.display()))),
+        None => Err(FileError::cannot_write(folder, "no part of the path exists")),
     }
 }
 
 /// Finds out, before long work, that a file that a user named can be written: its folder takes files, or it is a stream. Makes nothing.
 pub fn check_file_writable(path: &Path) -> Result<(), FileError> {
-    match OutputPlace::of(path)? {
+    match OutputPlace::at(path)? {
         OutputPlace::File(path) => check_writable(folder_of(&path)),
         OutputPlace::Stream(_) => Ok(()),
     }
@@ -222,6 +206,19 @@ fn folder_of(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
+/// Makes a new file or folder under a temporary name beside the place of the file or folder that it is for. What is there is never touched:
+/// containers may number their processes alike, and a killed run of the same number may have left one.
+fn new_beside<T>(path: &Path, make: impl Fn(&Path) -> std::io::Result<T>) -> std::io::Result<(PathBuf, T)> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    loop {
+        let temporary = path.with_file_name(format!(".{name}.{}{}", staged::unique(), staged::ENDING));
+        match make(&temporary) {
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            made => return made.map(|made| (temporary, made)),
+        }
+    }
+}
+
 /// SHA-256 of some bytes, in lower-case hex.
 pub fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
@@ -231,45 +228,4 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 pub fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hash_is_sha256() {
-        // FIPS 180-2, appendix B.1.
-        assert_eq!(
-            sha256_hex(b"abc"),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-        );
-    }
-
-    #[test]
-    fn a_failed_write_leaves_nothing_behind() {
-        let folder = tempfile::tempdir().unwrap();
-        let target = folder.path().join("report");
-        std::fs::create_dir(&target).unwrap();
-        let error = write_atomically(&target, b"x").unwrap_err().to_string();
-        assert!(error.starts_with("cannot write"), "{error}");
-        let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
-        assert_eq!(left.len(), 1, "only the folder that was there before");
-    }
-
-    #[test]
-    fn files_written_together_appear_together_or_not_at_all() {
-        let folder = tempfile::tempdir().unwrap();
-        let contents = ["a", "b"].map(|name| (folder.path().join(name), name.as_bytes().to_vec()));
-        std::fs::create_dir(folder.path().join("b")).unwrap();
-        assert!(write_all_atomically(&contents).is_err());
-        assert_eq!(
-            std::fs::read_dir(folder.path()).unwrap().count(),
-            1,
-            "neither `a` nor a temporary file"
-        );
-        std::fs::remove_dir(folder.path().join("b")).unwrap();
-        write_all_atomically(&contents).unwrap();
-        assert_eq!(std::fs::read(folder.path().join("b")).unwrap(), b"b");
-    }
 }

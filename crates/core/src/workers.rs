@@ -4,6 +4,7 @@
 pub mod memory;
 pub mod stopwatch;
 
+use std::convert::Infallible;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
@@ -26,6 +27,12 @@ where
     E: Send,
 {
     map_over(thread_count(), items, make_state, work, on_done)
+}
+
+/// [`map`] of work that needs no state and cannot fail.
+pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let Ok(done) = map(items, || Ok(()), |(), item| Ok::<_, Infallible>(work(item)), || ());
+    done
 }
 
 /// Does `work` on every item, spread over so many threads; results keep the items' order.
@@ -94,27 +101,4 @@ pub fn fastest<R>(mut work: impl FnMut() -> R) -> (R, f64) {
         }
     }
     best
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_keep_the_order_of_the_items() {
-        let items: Vec<u64> = (0..200).collect();
-        let squares = map(&items, || Ok::<_, String>(()), |(), n| Ok(n * n), || {}).unwrap();
-        assert_eq!(squares, items.iter().map(|n| n * n).collect::<Vec<_>>());
-    }
-
-    #[test]
-    fn an_error_ends_the_work() {
-        let items: Vec<u64> = (0..200).collect();
-        let fail = |(): &mut (), n: &u64| if *n == 7 { Err("seven") } else { Ok(*n) };
-        assert_eq!(map(&items, || Ok(()), fail, || {}), Err("seven"));
-        assert_eq!(
-            map(&items, || Err::<(), _>("no state"), |(), n| Ok(*n), || {}),
-            Err("no state")
-        );
-    }
 }

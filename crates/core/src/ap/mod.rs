@@ -2,16 +2,16 @@
 //!
 //! Source: `cocoeval.py` of pycocotools 2.0. Divergence: none known; a truth is never "ignored" here for its size.
 
-mod averages;
 mod definition;
 
-pub use averages::{ious, over_ious};
 pub use definition::ApDefinition;
 
 use crate::geometry::BoxPx;
 
 /// Detections looked at per image, the best first.
 const MAX_DETECTIONS: usize = 100;
+/// COCO's IoU thresholds are 0.5, 0.55, …, 0.95.
+const THRESHOLDS: u32 = 10;
 
 /// The boxes of one image and one class.
 #[derive(Debug, Clone, Default)]
@@ -42,6 +42,26 @@ pub fn average_precision_as(definition: ApDefinition, images: &[ImageBoxes], iou
         ap: definition.of_curve(&curve),
         recall: curve.last().map_or(0.0, |(_, recall)| *recall),
     })
+}
+
+/// The means of AP and of the recall reached over COCO's ten IoU thresholds; `None` without any truth.
+pub fn over_ious(definition: ApDefinition, images: &[ImageBoxes]) -> Option<AveragePrecision> {
+    let mut sum = AveragePrecision { ap: 0.0, recall: 0.0 };
+    for iou in ious() {
+        let own = average_precision_as(definition, images, iou)?;
+        sum.ap += own.ap;
+        sum.recall += own.recall;
+    }
+    let count = f64::from(THRESHOLDS);
+    Some(AveragePrecision {
+        ap: sum.ap / count,
+        recall: sum.recall / count,
+    })
+}
+
+/// IoU 0.5 to 0.95, as numpy's linspace makes them.
+pub fn ious() -> impl Iterator<Item = f64> {
+    (0..THRESHOLDS).map(|i| 0.5 + f64::from(i) * (0.45 / 9.0))
 }
 
 /// The detections of all images, judged once, from which curves of any resampling of the images follow.
@@ -113,61 +133,5 @@ fn judge(image: &ImageBoxes, iou: f64) -> Vec<(f64, bool)> {
 
 /// Which share of a box lies in another: the overlap with a crowd.
 fn share_inside(b: &BoxPx, other: &BoxPx) -> f64 {
-    let width = (b.x2.min(other.x2) - b.x1.max(other.x1)).max(0.0);
-    let height = (b.y2.min(other.y2) - b.y1.max(other.y1)).max(0.0);
-    width * height / ((b.x2 - b.x1) * (b.y2 - b.y1)).max(f64::MIN_POSITIVE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `k` of eight photos found, no false positive: what each definition makes of it.
-    #[test]
-    fn half_and_five_eighths_found() {
-        let unit = BoxPx::new(0.0, 0.0, 10.0, 10.0);
-        let found = |k: usize| {
-            let image = |i: usize| ImageBoxes {
-                truths: vec![unit],
-                detections: if i < k { vec![(0.9, unit)] } else { Vec::new() },
-                ..ImageBoxes::default()
-            };
-            (0..8).map(image).collect::<Vec<_>>()
-        };
-        let ap = |k, definition| average_precision_as(definition, &found(k), 0.5).unwrap().ap;
-        let wanted = [
-            [51.0 / 101.0, 0.5, 6.0 / 11.0, 0.75],
-            [63.0 / 101.0, 0.625, 7.0 / 11.0, 0.8125],
-        ];
-        for (k, wanted) in [4, 5].into_iter().zip(wanted) {
-            for (definition, wanted) in ApDefinition::ALL.into_iter().zip(wanted) {
-                // The ramp's bend lies between two of its 101 recalls.
-                let allowed = if definition == ApDefinition::Yolov5Ramp {
-                    5e-5
-                } else {
-                    1e-12
-                };
-                assert!(
-                    (ap(k, definition) - wanted).abs() < allowed,
-                    "{k} {definition:?}: {}",
-                    ap(k, definition)
-                );
-            }
-        }
-        for definition in ApDefinition::ALL {
-            // Even a perfect curve falls to 0 at recall 1 in YOLOv5's: its best AP is 0.995.
-            let best = if definition == ApDefinition::Yolov5Ramp {
-                0.995
-            } else {
-                1.0
-            };
-            assert!((ap(8, definition) - best).abs() < 1e-12, "{definition:?}");
-            assert_eq!(ap(0, definition), 0.0, "{definition:?}");
-        }
-    }
-
-    #[test]
-    fn no_truth_is_no_number() {
-        assert_eq!(average_precision(&[ImageBoxes::default()], 0.5), None);
-    }
+    b.overlap(other) / ((b.x2 - b.x1) * (b.y2 - b.y1)).max(f64::MIN_POSITIVE)
 }

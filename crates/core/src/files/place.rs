@@ -25,13 +25,8 @@ pub(super) enum Stream {
 impl OutputPlace {
     /// # Errors
     /// A folder, a socket, a block device, a link to nothing, a path without a name.
-    pub(super) fn of(path: &Path) -> Result<OutputPlace, FileError> {
-        let refused = |reason: &str| {
-            Err(FileError::Write {
-                path: path.to_owned(),
-                reason: reason.into(),
-            })
-        };
+    pub(super) fn at(path: &Path) -> Result<OutputPlace, FileError> {
+        let refused = |reason: &str| Err(FileError::cannot_write(path, reason));
         if is_standard_output(path) {
             return Ok(OutputPlace::Stream(Stream::StandardOutput));
         }
@@ -67,8 +62,7 @@ impl Stream {
         match written {
             // The reader has enough, as `head` does.
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-            Err(e) => Err(FileError::write(&path, &e)),
-            Ok(()) => Ok(()),
+            written => written.map_err(|e| FileError::write(&path, &e)),
         }
     }
 }
@@ -82,16 +76,4 @@ fn is_stream(kind: FileType) -> bool {
 #[cfg(not(unix))]
 fn is_stream(_: FileType) -> bool {
     false
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    #[cfg(unix)]
-    fn a_device_is_written_to_and_never_replaced() {
-        let place = OutputPlace::of(Path::new("/dev/null"));
-        assert!(matches!(place, Ok(OutputPlace::Stream(Stream::Device(_)))), "{place:?}");
-    }
 }

@@ -16,19 +16,15 @@ pub(super) struct Staged {
 
 impl Staged {
     pub(super) fn write(path: &Path, content: &[u8]) -> Result<Staged, FileError> {
-        let refused = |reason: String| FileError::Write {
-            path: path.to_owned(),
-            reason,
-        };
         let failed = |e| FileError::write(path, &e);
         if path.is_dir() {
-            return Err(refused("a folder is in its place".into()));
+            return Err(FileError::cannot_write(path, "a folder is in its place"));
         }
-        let Some(name) = path.file_name() else {
-            return Err(refused("it is not a file name".into()));
-        };
+        if path.file_name().is_none() {
+            return Err(FileError::cannot_write(path, "it is not a file name"));
+        }
         std::fs::create_dir_all(super::folder_of(path)).map_err(failed)?;
-        let (temporary, mut file) = create(path, &name.to_string_lossy()).map_err(failed)?;
+        let (temporary, mut file) = super::new_beside(path, |at| File::create_new(at)).map_err(failed)?;
         let _ = file.try_lock(); // a file system without locks has none to respect either
         let written = file.write_all(content).and_then(|()| file.sync_all());
         let staged = Staged {
@@ -63,24 +59,13 @@ impl Drop for Staged {
     }
 }
 
-/// A new file beside the place. Nothing that is there is touched: containers may number their processes alike.
-fn create(path: &Path, name: &str) -> std::io::Result<(PathBuf, File)> {
-    loop {
-        let temporary = path.with_file_name(format!(".{name}.{}{ENDING}", unique()));
-        match File::create_new(&temporary) {
-            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
-            created => return created.map(|file| (temporary, file)),
-        }
-    }
-}
-
 /// The process and a number of it, as in `4711_3`.
 pub(super) fn unique() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     format!("{}_{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
-const ENDING: &str = ".partial";
+pub(super) const ENDING: &str = ".partial";
 
 /// The name that a file under this temporary name is for; `None` for names that are no temporary ones.
 pub(super) fn name_of(temporary: &str) -> Option<&str> {

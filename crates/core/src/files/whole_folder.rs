@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{FileError, folder_of, plain, staged};
+use super::{FileError, folder_of, new_beside, plain};
 
 /// Makes a folder where nothing is, or an empty one: `fill` writes its files under a temporary name beside it, then it takes its place. What
 /// fails leaves nothing behind.
@@ -10,22 +10,13 @@ use super::{FileError, folder_of, plain, staged};
 /// # Errors
 /// Those of `fill`; a place that cannot be written.
 pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError>) -> Result<(), FileError> {
-    let failed = |e: &std::io::Error| FileError::write(path, e);
-    let Some(name) = path.file_name() else {
-        let reason = "it is not a folder's name".into();
-        let path = path.to_owned();
-        return Err(FileError::Write { path, reason });
-    };
-    std::fs::create_dir_all(folder_of(path)).map_err(|e| failed(&e))?;
-    let temporary = loop {
-        let temporary = path.with_file_name(format!(".{}.{}.partial", name.to_string_lossy(), staged::unique()));
-        match std::fs::create_dir(&temporary) {
-            // A killed run of the same number may have left one.
-            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
-            made => break made.map(|()| temporary).map_err(|e| failed(&e))?,
-        }
-    };
-    let made = fill(&temporary).and_then(|()| std::fs::rename(&temporary, path).map_err(|e| failed(&e)));
+    let failed = |e| FileError::write(path, &e);
+    if path.file_name().is_none() {
+        return Err(FileError::cannot_write(path, "it is not a folder's name"));
+    }
+    std::fs::create_dir_all(folder_of(path)).map_err(failed)?;
+    let (temporary, ()) = new_beside(path, |at| std::fs::create_dir(at)).map_err(failed)?;
+    let made = fill(&temporary).and_then(|()| std::fs::rename(&temporary, path).map_err(failed));
     if made.is_err() {
         let _ = std::fs::remove_dir_all(&temporary);
     }
@@ -34,10 +25,7 @@ pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError
 
 /// Copies a file into a folder that is being made; missing folders on its way are made too.
 pub fn copy(from: &Path, to: &Path) -> Result<(), FileError> {
-    let failed = |e: std::io::Error| FileError::Write {
-        path: to.to_owned(),
-        reason: format!("copying {} failed: {}", from.display(), plain(&e)),
-    };
+    let failed = |e| FileError::cannot_write(to, format!("copying {} failed: {}", from.display(), plain(&e)));
     std::fs::create_dir_all(folder_of(to)).map_err(failed)?;
     std::fs::copy(from, to).map(drop).map_err(failed)
 }

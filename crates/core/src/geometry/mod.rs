@@ -5,12 +5,10 @@ pub mod bbox;
 pub mod homography;
 mod hull;
 pub mod length;
+mod plane;
 pub mod rigid;
 
 pub use bbox::BoxPx;
 pub use hull::convex_hull;
+pub use plane::{PlaneTriangle, Point2, UnionFind, between, circle, distance, doubled_area, extent, offset, view_axes};
 pub use rigid::Rigid;
-
-pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}

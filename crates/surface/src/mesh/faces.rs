@@ -31,12 +31,11 @@ impl FaceList {
         })
     }
 
-    /// The triangles of some materials.
+    /// The triangles of some materials; none when no material is named.
     pub fn of(mesh: &Mesh, materials: &[usize]) -> Self {
-        let triangles = mesh.triangles().iter().enumerate();
-        let painted = triangles.filter(|(_, triangle)| materials.contains(&triangle.material));
+        let is_painted = |i: &usize| materials.contains(&mesh.triangles()[*i].material);
         Self {
-            indices: painted.map(|(i, _)| i).collect(),
+            indices: (0..mesh.triangles().len()).filter(is_painted).collect(),
             repeated: 0,
         }
     }

@@ -5,7 +5,7 @@ use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Glb, Node, Primitive, Semantic};
 use nalgebra::{Matrix4, Point3};
 
-use super::gltf_look::{Placing, looks, placing};
+use super::gltf_look::{Placing, looks};
 use super::image::Look;
 use super::{Soup, Trouble, corner};
 
@@ -50,10 +50,8 @@ fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Trouble> {
     let glb = Glb::from_slice(bytes).map_err(Trouble::damaged)?;
     let root = gltf::json::deserialize::from_slice::<gltf::json::Root>(&glb.json).map_err(Trouble::damaged)?;
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    if primitives
-        .flat_map(|p| p.attributes.values())
-        .any(|accessor| accessor.value() >= root.accessors.len())
-    {
+    let mut accessors = primitives.flat_map(|p| p.attributes.values());
+    if accessors.any(|accessor| accessor.value() >= root.accessors.len()) {
         return Err(Trouble::damaged("a surface names data that are not there"));
     }
     let document = Document::from_json(root).map_err(Trouble::damaged)?;
@@ -87,18 +85,15 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, file: &File, s
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
         Mode::Triangles => {}
         Mode::TriangleStrip | Mode::TriangleFan => {
-            return Err(Trouble::damaged(
-                "it has triangle strips or fans; export plain triangles",
-            ));
+            let reason = "it has triangle strips or fans; export plain triangles";
+            return Err(Trouble::damaged(reason));
         }
     }
     let positions = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Trouble::damaged("a surface has no positions"))?;
-    let points: Vec<Point3<f64>> = positions_of(&positions, file.blob)?
-        .iter()
-        .map(|p| to_scene.transform_point(p))
-        .collect();
+    let points = positions_of(&positions, file.blob)?;
+    let points: Vec<Point3<f64>> = points.map(|p| to_scene.transform_point(&p)).collect();
     let coordinates = texture_coordinates(primitive, file.blob);
     let indices = match primitive.indices() {
         Some(accessor) => whole_numbers(&accessor, file.blob)?,
@@ -124,12 +119,11 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, file: &File, s
 
 /// Those that the material's image is laid on with, v up; none where the file has none that can be read, since most commands need none.
 fn texture_coordinates(primitive: &Primitive, blob: &[u8]) -> Vec<[f64; 2]> {
-    let Placing { set, transform } = placing(&primitive.material());
-    let accessor = primitive.get(&Semantic::TexCoords(set));
-    let stored = accessor
-        .and_then(|accessor| pairs(&accessor, blob).ok())
-        .unwrap_or_default();
-    stored.into_iter().map(|pair| transform.place(pair)).collect()
+    let placing = Placing::new(&primitive.material());
+    let accessor = primitive.get(&Semantic::TexCoords(placing.set));
+    let stored = accessor.and_then(|accessor| pairs(&accessor, blob).ok());
+    let stored = stored.unwrap_or_default().into_iter();
+    stored.map(|pair| placing.place(pair)).collect()
 }
 
 /// Floats, or whole numbers that stand for 0 to 1.
@@ -150,12 +144,14 @@ fn float(b: &[u8], i: usize) -> f64 {
     f64::from(f32::from_le_bytes([b[4 * i], b[4 * i + 1], b[4 * i + 2], b[4 * i + 3]]))
 }
 
-fn positions_of(accessor: &Accessor, blob: &[u8]) -> Result<Vec<Point3<f64>>, Trouble> {
+fn positions_of<'a>(
+    accessor: &Accessor,
+    blob: &'a [u8],
+) -> Result<impl Iterator<Item = Point3<f64>> + use<'a>, Trouble> {
     if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
         return Err(Trouble::damaged("positions are not triples of 32-bit floats"));
     }
-    let point = |b: &[u8]| Point3::new(float(b, 0), float(b, 1), float(b, 2));
-    Ok(items(accessor, blob)?.map(point).collect())
+    Ok(items(accessor, blob)?.map(|b| Point3::new(float(b, 0), float(b, 1), float(b, 2))))
 }
 
 fn whole_numbers(accessor: &Accessor, blob: &[u8]) -> Result<Vec<usize>, Trouble> {

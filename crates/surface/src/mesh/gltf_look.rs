@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::material::AlphaMode;
-use gltf::texture::{TextureTransform, WrappingMode};
+use gltf::texture::WrappingMode;
 use gltf::{Document, Material};
 use percent_encoding::percent_decode_str;
 
@@ -31,9 +31,8 @@ fn look(material: &Material, images: &[ImageSource]) -> Look {
     let sampler = texture.map(|texture| texture.sampler());
     Look {
         image: if alpha.is_some_and(|alpha| alpha <= 0.0) {
-            Some(ImageSource::Refused(
-                "its factor has alpha 0, so it cannot be seen".into(),
-            ))
+            let reason = "its factor has alpha 0, so it cannot be seen";
+            Some(ImageSource::Refused(reason.into()))
         } else {
             image
         },
@@ -80,15 +79,12 @@ fn sources(document: &Document, blob: &[u8], folder: &Path) -> Vec<ImageSource> 
     images.iter().map(source).collect()
 }
 
-/// Which set of coordinates a material takes, and where they lie in its image.
+/// Which set of coordinates a material takes, and where they lie in its image (`KHR_texture_transform`).
+#[derive(Default)]
 pub(super) struct Placing {
     pub set: u32,
-    pub transform: Transform,
+    transform: Option<Affine>,
 }
-
-/// `KHR_texture_transform`.
-#[derive(Default)]
-pub(super) struct Transform(Option<Affine>);
 
 struct Affine {
     offset: [f64; 2],
@@ -96,43 +92,33 @@ struct Affine {
     scale: [f64; 2],
 }
 
-pub(super) fn placing(material: &Material) -> Placing {
-    let Some(info) = material.pbr_metallic_roughness().base_color_texture() else {
-        return Placing {
-            set: 0,
-            transform: Transform::default(),
+impl Placing {
+    pub(super) fn new(material: &Material) -> Self {
+        let Some(info) = material.pbr_metallic_roughness().base_color_texture() else {
+            return Self::default();
         };
-    };
-    let transform = info.texture_transform();
-    let affine = |transform: &TextureTransform| Affine {
-        offset: transform.offset().map(f64::from),
-        sin_cos: f64::from(transform.rotation()).sin_cos(),
-        scale: transform.scale().map(f64::from),
-    };
-    Placing {
-        set: transform
-            .as_ref()
-            .and_then(TextureTransform::tex_coord)
-            .unwrap_or(info.tex_coord()),
-        transform: Transform(transform.as_ref().map(affine)),
+        let transform = info.texture_transform();
+        Self {
+            set: transform
+                .as_ref()
+                .and_then(|t| t.tex_coord())
+                .unwrap_or(info.tex_coord()),
+            transform: transform.map(|transform| Affine {
+                offset: transform.offset().map(f64::from),
+                sin_cos: f64::from(transform.rotation()).sin_cos(),
+                scale: transform.scale().map(f64::from),
+            }),
+        }
     }
-}
 
-impl Transform {
     /// From v down, as stored, to v up. Scaled, turned counter-clockwise as an image with v down is seen, then moved. The extension's listing
     /// turns the other way; its text, its sample model and the engines turn this way (glTF issue 1563).
     pub(super) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let [u, v] = match &self.0 {
-            None => [u, v],
-            Some(affine) => {
-                let (sin, cos) = affine.sin_cos;
-                let [u, v] = [affine.scale[0] * u, affine.scale[1] * v];
-                [
-                    cos * u + sin * v + affine.offset[0],
-                    cos * v - sin * u + affine.offset[1],
-                ]
-            }
+        let Some(Affine { offset, sin_cos, scale }) = &self.transform else {
+            return [u, 1.0 - v];
         };
-        [u, 1.0 - v]
+        let (sin, cos) = sin_cos;
+        let [u, v] = [scale[0] * u, scale[1] * v];
+        [cos * u + sin * v + offset[0], 1.0 - (cos * v - sin * u + offset[1])]
     }
 }

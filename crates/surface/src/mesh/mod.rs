@@ -86,7 +86,7 @@ pub enum MeshError {
 }
 
 /// Triangles in space, each with a material.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     points: Vec<Point3<f64>>,
     triangles: Vec<Triangle>,
@@ -109,11 +109,15 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// Its edges from the first corner on, each with its corners in rising order.
+    /// [`edges`] of its corners.
     pub fn edges(&self) -> [[usize; 2]; 3] {
-        let [a, b, c] = self.corners;
-        [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
+        edges(self.corners)
     }
+}
+
+/// The edges of a triangle from its first corner on, each with its corners in rising order.
+pub fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
+    [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
 }
 
 impl Mesh {
@@ -143,7 +147,7 @@ impl Mesh {
             ..Soup::default()
         };
         match read(&bytes, &mut soup) {
-            Ok(()) if soup.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
+            Ok(()) if soup.mesh.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
             Ok(()) => placement.apply(soup.into_mesh(), placement::is_gltf(path)),
             Err(Trouble::TooManyTriangles) => Err(too_large(format!("more than {MAX_TRIANGLES} triangles"))),
             Err(Trouble::Damaged(reason)) => Err(MeshError::Damaged {
@@ -174,9 +178,7 @@ impl Mesh {
             points: (0..8).map(corner).collect(),
             triangles: halves.map(|corners| Triangle { corners, material: 0 }).collect(),
             materials: vec!["box".to_owned()],
-            looks: Vec::new(),
-            coordinates: Vec::new(),
-            frame: placement::FileFrame::default(),
+            ..Self::default()
         }
     }
 
@@ -202,6 +204,22 @@ impl Mesh {
     /// Model frame, mm.
     pub fn corners_mm(&self, triangle: &Triangle) -> [Point3<f64>; 3] {
         triangle.corners.map(|i| self.points[i])
+    }
+
+    /// The corners of the triangle with this index, model frame, mm.
+    pub fn triangle_mm(&self, index: usize) -> [Point3<f64>; 3] {
+        self.corners_mm(&self.triangles[index])
+    }
+
+    /// The outward normal of the triangle with this index, as long as twice its area in mm².
+    pub fn normal_mm2(&self, index: usize) -> Vector3<f64> {
+        doubled_area(&self.triangle_mm(index))
+    }
+
+    /// The indices of the triangles of some materials; all triangles when none is named.
+    pub fn painted(&self, materials: &[usize]) -> impl Iterator<Item = usize> + Clone {
+        let is_paint = move |i: &usize| materials.is_empty() || materials.contains(&self.triangles[*i].material);
+        (0..self.triangles.len()).filter(is_paint)
     }
 
     /// A point of the model frame, mm, in the frame and unit of the mesh's file.
@@ -330,15 +348,9 @@ impl Trouble {
 struct Soup {
     /// Where the file lies.
     folder: PathBuf,
-    points: Vec<Point3<f64>>,
-    triangles: Vec<Triangle>,
-    materials: Vec<String>,
-    /// Of each material.
-    looks: Vec<Option<Look>>,
+    mesh: Mesh,
     /// The materials of each name.
     named: HashMap<String, Vec<usize>>,
-    /// Of each triangle.
-    coordinates: Vec<Option<TextureCoordinates>>,
     /// The index of each place met so far, by the bits of its coordinates.
     index: HashMap<[u64; 3], usize>,
 }
@@ -348,33 +360,30 @@ type Corner = (Point3<f64>, Option<[f64; 2]>);
 
 impl Soup {
     fn material(&mut self, name: &str, look: Option<Look>) -> usize {
-        let named = self.named.entry(name.to_owned()).or_default();
-        let known = named.iter().find(|material| self.looks[**material] == look);
+        let (named, mesh) = (self.named.entry(name.to_owned()).or_default(), &mut self.mesh);
+        let known = named.iter().find(|material| mesh.looks[**material] == look);
         known.copied().unwrap_or_else(|| {
-            named.push(self.materials.len());
-            self.materials.push(name.to_owned());
-            self.looks.push(look);
-            self.materials.len() - 1
+            named.push(mesh.materials.len());
+            mesh.materials.push(name.to_owned());
+            mesh.looks.push(look);
+            mesh.materials.len() - 1
         })
     }
 
     fn triangle(&mut self, corners: [Corner; 3], material: usize) -> Result<(), Trouble> {
-        if self.triangles.len() >= MAX_TRIANGLES {
+        if self.mesh.triangles.len() >= MAX_TRIANGLES {
             return Err(Trouble::TooManyTriangles);
         }
-        if let Some(bad) = corners
-            .iter()
-            .flat_map(|(p, _)| p.iter())
-            .find(|c| c.is_nan() || c.abs() > MAX_COORDINATE)
-        {
+        let is_bad = |c: &&f64| c.is_nan() || c.abs() > MAX_COORDINATE;
+        if let Some(bad) = corners.iter().flat_map(|(p, _)| p.iter()).find(is_bad) {
             return Err(Trouble::Damaged(format!("a coordinate is {bad}")));
         }
-        self.coordinates.push(match corners.map(|(_, uv)| uv) {
+        self.mesh.coordinates.push(match corners.map(|(_, uv)| uv) {
             [Some(a), Some(b), Some(c)] => Some([a, b, c]),
             _ => None,
         });
         let corners = corners.map(|(p, _)| self.point(p));
-        self.triangles.push(Triangle { corners, material });
+        self.mesh.triangles.push(Triangle { corners, material });
         Ok(())
     }
 
@@ -390,26 +399,18 @@ impl Soup {
     fn point(&mut self, p: Point3<f64>) -> usize {
         // Adding zero makes one zero of -0 and 0.
         let key = [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
-        let points = &mut self.points;
+        let points = &mut self.mesh.points;
         *self.index.entry(key).or_insert_with(|| {
             points.push(p);
             points.len() - 1
         })
     }
 
-    fn into_mesh(self) -> Mesh {
-        Mesh {
-            points: self.points,
-            triangles: self.triangles,
-            materials: self.materials,
-            looks: self.looks,
-            coordinates: if self.coordinates.iter().any(Option::is_some) {
-                self.coordinates
-            } else {
-                Vec::new()
-            },
-            frame: placement::FileFrame::default(),
+    fn into_mesh(mut self) -> Mesh {
+        if self.mesh.coordinates.iter().all(Option::is_none) {
+            self.mesh.coordinates.clear();
         }
+        self.mesh
     }
 }
 
@@ -420,6 +421,3 @@ fn corner(points: &[Point3<f64>], index: usize) -> Result<Point3<f64>, Trouble> 
         .copied()
         .ok_or_else(|| Trouble::Damaged(format!("a face names corner {index} of {}", points.len())))
 }
-
-#[cfg(test)]
-mod tests;

@@ -35,17 +35,13 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let mut current: Option<(&str, usize)> = None;
     for (face, name) in &file.faces {
         let map = library.maps.get(*name);
-        let material = match current {
-            Some((known, material)) if known == *name => material,
-            _ => soup.material(name, library.look(name)),
-        };
+        let known = current.filter(|(known, _)| known == name).map(|(_, material)| material);
+        let material = known.unwrap_or_else(|| soup.material(name, library.look(name)));
         current = Some((name, material));
         let placed = |(place, coordinates): &Indices| -> Result<Corner, Trouble> {
             let stored = coordinates.and_then(|i| file.coordinates.get(i)).copied();
-            Ok((
-                corner(&file.points, *place)?,
-                stored.map(|uv| map.map_or(uv, |map| map.place(uv))),
-            ))
+            let placed = stored.map(|uv| map.map_or(uv, |map| map.place(uv)));
+            Ok((corner(&file.points, *place)?, placed))
         };
         let corners: Result<Vec<_>, _> = face.iter().map(placed).collect();
         soup.fan(&corners?, material)?;
@@ -120,6 +116,7 @@ fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
 }
 
 /// What the libraries say.
+#[derive(Default)]
 struct Library {
     maps: HashMap<String, Map>,
     /// The first line of which one cannot be read.
@@ -129,10 +126,7 @@ struct Library {
 impl Library {
     /// Only libraries in the mesh's own folder; without one the mesh has its places and names still.
     fn read(lines: &[&str], soup: &Soup) -> Self {
-        let mut library = Self {
-            maps: HashMap::new(),
-            unread: None,
-        };
+        let mut library = Self::default();
         for line in lines {
             for name in names(line, soup) {
                 let read = match ImageSource::beside(&soup.folder, name) {

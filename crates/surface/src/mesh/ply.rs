@@ -28,10 +28,8 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let points: Result<Vec<_>, _> = elements("vertex").iter().map(point).collect();
     let points = points?;
     let of_vertices: Vec<_> = elements("vertex").iter().map(coordinates_of_vertex).collect();
-    let names = header
-        .comments
-        .iter()
-        .filter_map(|line| line.trim().strip_prefix("TextureFile"));
+    let comments = header.comments.iter();
+    let names = comments.filter_map(|line| line.trim().strip_prefix("TextureFile"));
     let images: Vec<_> = names
         .map(|name| ImageSource::beside(&soup.folder, name.trim()))
         .collect();
@@ -60,9 +58,8 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
 /// By any of the names that programs give them, v up.
 fn coordinates_of_vertex(vertex: &DefaultElement) -> Option<[f64; 2]> {
     let names = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
-    names
-        .iter()
-        .find_map(|[u, v]| Some([float(vertex.get(*u)?)?, float(vertex.get(*v)?)?]))
+    let value = |name: &str| float(vertex.get(name)?);
+    names.into_iter().find_map(|[u, v]| Some([value(u)?, value(v)?]))
 }
 
 fn float(property: &Property) -> Option<f64> {

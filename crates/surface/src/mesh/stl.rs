@@ -1,6 +1,7 @@
 //! STL, binary or text. It has no materials: all is `solid`.
 
-use std::io::{Cursor, Seek, SeekFrom};
+use std::borrow::Cow;
+use std::io::Cursor;
 
 use nalgebra::Point3;
 
@@ -14,14 +15,10 @@ const TRIANGLE: usize = 50;
 pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let material = soup.material(MATERIAL, None);
     // A text file begins with "solid", but so do binary ones of some programs: those are known by their length.
-    let without_the_word;
-    let mut file = if is_binary(bytes) && bytes.starts_with(b"solid") {
-        without_the_word = [&[b' '; 5], &bytes[5..]].concat();
-        Cursor::new(&without_the_word[..])
-    } else {
-        Cursor::new(bytes)
-    };
-    file.seek(SeekFrom::Start(0)).map_err(Trouble::damaged)?;
+    let mut file = Cursor::new(Cow::from(bytes));
+    if is_binary(bytes) && bytes.starts_with(b"solid") {
+        file.get_mut().to_mut()[..5].fill(b' ');
+    }
     for triangle in stl_io::create_stl_reader(&mut file).map_err(Trouble::damaged)? {
         let corners = triangle.map_err(Trouble::damaged)?.vertices.map(|vertex| {
             let [x, y, z] = vertex.0;

@@ -34,18 +34,22 @@ pub struct Best {
     pub delta_e: f64,
 }
 
+/// The places of a cube of so many along each side; the first coordinate runs slowest, the last fastest.
+fn cube(n: usize) -> impl Iterator<Item = [usize; 3]> {
+    (0..n.pow(3)).map(move |i| [i / (n * n), i / n % n, i % n])
+}
+
+/// Every colour whose channels have some of these levels: red runs slowest, blue fastest.
+pub(super) fn combinations(levels: &[u8]) -> impl Iterator<Item = [u8; 3]> {
+    cube(levels.len()).map(|at| at.map(|level| levels[level]))
+}
+
 impl Gamut {
     /// From the colour that each combination of the levels gives. The levels ascend from 0 to 255.
     pub fn new(levels: &[u8], printed: impl Fn([u8; 3]) -> Lab) -> Self {
-        let mut nodes = Vec::with_capacity(levels.len().pow(3));
-        for r in levels {
-            for g in levels {
-                nodes.extend(levels.iter().map(|b| printed([*r, *g, *b])));
-            }
-        }
         Self {
             levels: levels.to_vec(),
-            nodes,
+            nodes: combinations(levels).map(printed).collect(),
         }
     }
 
@@ -83,8 +87,7 @@ impl Gamut {
 
     /// Volume in CIELAB.
     pub fn volume(&self) -> f64 {
-        let n = self.levels.len() - 1;
-        let cells = (0..n).flat_map(|r| (0..n).flat_map(move |g| (0..n).map(move |b| [r, g, b])));
+        let cells = cube(self.levels.len() - 1);
         let tetrahedra = cells.flat_map(|corner| STEPS.map(|steps| (corner, steps)));
         // Signed, so that a fold that noise makes does not count twice.
         let signed = tetrahedra.map(|(corner, steps)| {
@@ -98,13 +101,8 @@ impl Gamut {
 
     /// The input colour whose print comes nearest to a requested one: from the nearest grid nodes downhill, in steps that halve.
     pub fn best(&self, wanted: Lab) -> Best {
-        let n = self.levels.len();
-        let mut starts: Vec<Best> = (0..self.nodes.len())
-            .map(|i| {
-                let ask_rgb = [i / (n * n), i / n % n, i % n].map(|level| self.levels[level]);
-                self.asking(ask_rgb, wanted)
-            })
-            .collect();
+        let all = combinations(&self.levels);
+        let mut starts: Vec<Best> = all.map(|ask_rgb| self.asking(ask_rgb, wanted)).collect();
         starts.sort_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
         starts.truncate(STARTS);
         let downhill = starts.into_iter().map(|start| self.downhill(start, wanted));
@@ -148,66 +146,5 @@ impl Gamut {
             corners[i + 1] = node(at);
         }
         corners
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const LEVELS: [u8; 4] = [0, 85, 170, 255];
-
-    /// A printer that keeps `share` of the distance from a middle grey, in CIELAB.
-    fn dull(share: f64) -> Gamut {
-        Gamut::new(&LEVELS, |asked| {
-            let Lab { l, a, b } = Lab::of(asked);
-            Lab {
-                l: 50.0 + share * (l - 50.0),
-                a: share * a,
-                b: share * b,
-            }
-        })
-    }
-
-    #[test]
-    fn nodes_are_met_and_edges_are_straight() {
-        let gamut = Gamut::of_srgb(&LEVELS);
-        for asked in [[0, 0, 0], [255, 255, 255], [85, 170, 0], [255, 0, 85]] {
-            assert!(gamut.printed(asked).delta_e(Lab::of(asked)) < 1e-9);
-        }
-        // A third of the way along an edge of the grid.
-        let (low, high) = (Lab::of([0, 85, 170]), Lab::of([255, 85, 170]));
-        let on_edge = Gamut::new(&[0, 255], |[r, ..]| if r == 0 { low } else { high }).printed([85, 7, 99]);
-        assert!((on_edge.l - (2.0 * low.l + high.l) / 3.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_gamut_shrunk_by_half_has_an_eighth_of_the_volume() {
-        let (whole, half) = (Gamut::of_srgb(&LEVELS).volume(), dull(0.5).volume());
-        assert!((half / whole - 0.125).abs() < 1e-9, "{half} {whole}");
-        // The volume of sRGB in CIELAB is 8.2e5 to 8.3e5 cubic units; four levels a channel miss little of it.
-        assert!((whole / 8.25e5 - 1.0).abs() < 0.1, "{whole}");
-    }
-
-    /// Against every third colour of the cube.
-    #[test]
-    fn the_best_colour_is_the_best_of_all() {
-        let gamut = dull(0.7);
-        for wanted in [
-            [255, 0, 0],
-            [0, 0, 255],
-            [10, 240, 30],
-            [120, 90, 200],
-            [255, 255, 0],
-            [3, 3, 3],
-        ] {
-            let (wanted, mut least) = (Lab::of(wanted), f64::INFINITY);
-            for i in 0..86_u32.pow(3) {
-                let asked = [i / 7396, i / 86 % 86, i % 86].map(|v| (3 * v) as u8);
-                least = least.min(gamut.printed(asked).delta_e(wanted));
-            }
-            let best = gamut.best(wanted);
-            assert!(best.delta_e <= least + 0.02, "{wanted:?}: {best:?}, {least}");
-        }
     }
 }

@@ -1,6 +1,5 @@
 //! Paints: the palette file, and the reduction of a pattern to a few of them.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rand::{RngExt, SeedableRng};
@@ -9,6 +8,7 @@ use serde::Deserialize;
 
 use super::Pattern;
 use super::colour::Lab;
+use super::light;
 use scaleproof_core::files;
 
 /// Most paints a pattern is reduced to: each is a set of stencils.
@@ -107,23 +107,24 @@ impl Palette {
             ));
         }
         let mut paints: Vec<Paint> = Vec::new();
-        for entry in entries {
-            let PaintEntry { name, rgb } = entry;
+        for PaintEntry { name, rgb } in entries {
             if name.trim().is_empty() {
                 return Err(format!("paint {} has no name", paints.len() + 1));
             }
-            let Ok(rgb) = rgb_of(rgb) else {
+            let [Ok(r), Ok(g), Ok(b)] = rgb.map(u8::try_from) else {
                 return Err(format!(
                     "paint '{name}' has rgb {rgb:?}, whose channels must be 0 to 255"
                 ));
             };
-            if paints.iter().any(|other| other.name == name) {
+            let paint = Paint { name, rgb: [r, g, b] };
+            let name = &paint.name;
+            if paints.iter().any(|other| other.name == *name) {
                 return Err(format!("two paints are called '{name}'"));
             }
-            if let Some(other) = paints.iter().find(|other| other.rgb == rgb) {
+            if let Some(other) = paints.iter().find(|other| other.rgb == paint.rgb) {
                 return Err(format!("the paints '{}' and '{name}' have one colour", other.name));
             }
-            paints.push(Paint { name, rgb });
+            paints.push(paint);
         }
         Ok(Self { paints })
     }
@@ -131,11 +132,6 @@ impl Palette {
     pub fn paints(&self) -> &[Paint] {
         &self.paints
     }
-}
-
-fn rgb_of(wide: [i64; 3]) -> Result<[u8; 3], std::num::TryFromIntError> {
-    let [r, g, b] = wide;
-    Ok([r.try_into()?, g.try_into()?, b.try_into()?])
 }
 
 /// A paint in use: the cells it takes, and how far it is from the colours it stands for.
@@ -166,10 +162,11 @@ impl Painted {
     /// # Errors
     /// Fewer than two paints, more than [`MAX_PAINTS`] or than the pattern has colours, or clusters that round to one colour.
     pub fn by_count(pattern: &Pattern, count: usize) -> Result<Self, PaletteError> {
+        let bad_count = || PaletteError::BadCount {
+            asked: i64::try_from(count).unwrap_or(i64::MAX),
+        };
         if !(2..=MAX_PAINTS).contains(&count) {
-            return Err(PaletteError::BadCount {
-                asked: i64::try_from(count).unwrap_or(i64::MAX),
-            });
+            return Err(bad_count());
         }
         let colours = Colours::of(pattern);
         let distinct = colours.rgb.len();
@@ -180,11 +177,7 @@ impl Painted {
         let best = (0..restarts as u64)
             .map(|seed| k_means(&colours, count, seed))
             .min_by(|a, b| a.spread.total_cmp(&b.spread));
-        let Some(Clusters { means, of, .. }) = best else {
-            return Err(PaletteError::BadCount {
-                asked: i64::try_from(count).unwrap_or(i64::MAX),
-            });
-        };
+        let Clusters { means, of, .. } = best.ok_or_else(bad_count)?;
         let paints: Vec<[u8; 3]> = means.iter().map(|mean| mean.rgb()).collect();
         for (i, rgb) in paints.iter().enumerate() {
             if paints[..i].contains(rgb) {
@@ -206,11 +199,8 @@ impl Painted {
     pub fn by_palette(pattern: &Pattern, palette: &Palette) -> Result<Self, PaletteError> {
         let colours = Colours::of(pattern);
         let labs: Vec<Lab> = palette.paints.iter().map(|paint| Lab::of(paint.rgb)).collect();
-        let of: Vec<usize> = colours
-            .lab
-            .iter()
-            .map(|lab| nearest(&labs, |paint| lab.delta_e(*paint)))
-            .collect();
+        let all = colours.lab.iter();
+        let of: Vec<usize> = all.map(|lab| nearest(&labs, |paint| lab.delta_e(*paint))).collect();
         let made = Self::assembled(pattern, &colours, &palette.paints, &of);
         match &made.paints[..] {
             [only] => Err(PaletteError::OnePaint {
@@ -294,13 +284,10 @@ struct Colours {
 
 impl Colours {
     fn of(pattern: &Pattern) -> Self {
-        let mut counts = BTreeMap::<[u8; 3], u32>::new();
-        for pixel in pattern.cells().pixels() {
-            *counts.entry(pixel.0).or_default() += 1;
-        }
+        let counts = pattern.colour_counts();
         Self {
             lab: counts.keys().map(|rgb| Lab::of(*rgb)).collect(),
-            cells: counts.values().copied().collect(),
+            cells: counts.values().map(|cells| *cells as u32).collect(),
             rgb: counts.into_keys().collect(),
         }
     }
@@ -322,11 +309,8 @@ fn k_means(colours: &Colours, count: usize, seed: u64) -> Clusters {
     let mut means = spread_out(colours, count, seed);
     let mut of = Vec::new();
     for _ in 0..MOST_STEPS {
-        let now: Vec<usize> = colours
-            .lab
-            .iter()
-            .map(|lab| nearest(&means, |mean| squared(lab, mean)))
-            .collect();
+        let labs = colours.lab.iter();
+        let now: Vec<usize> = labs.map(|lab| nearest(&means, |mean| squared(lab, mean))).collect();
         if now == of {
             break;
         }
@@ -348,19 +332,9 @@ fn spread_out(colours: &Colours, count: usize, seed: u64) -> Vec<Lab> {
     let mut random = Pcg32::seed_from_u64(seed);
     let mut starts: Vec<Lab> = Vec::new();
     while starts.len() < count {
-        let far = |lab: &Lab| {
-            starts
-                .iter()
-                .map(|start| squared(lab, start))
-                .fold(f64::INFINITY, f64::min)
-                .min(1e9)
-        };
-        let weights: Vec<f64> = colours
-            .lab
-            .iter()
-            .zip(&colours.cells)
-            .map(|(lab, cells)| f64::from(*cells) * far(lab))
-            .collect();
+        let far = |lab: &Lab| starts.iter().map(|start| squared(lab, start)).fold(1e9, f64::min);
+        let weighted = colours.lab.iter().zip(&colours.cells);
+        let weights: Vec<f64> = weighted.map(|(lab, cells)| f64::from(*cells) * far(lab)).collect();
         let mut left = random.random::<f64>() * weights.iter().sum::<f64>();
         let drawn = weights.iter().position(|weight| {
             left -= weight;
@@ -396,16 +370,11 @@ fn squared(a: &Lab, b: &Lab) -> f64 {
 
 /// The index of the candidate with the smallest distance, the first of equals.
 fn nearest(candidates: &[Lab], distance: impl Fn(&Lab) -> f64) -> usize {
-    let mut best = (0, f64::INFINITY);
-    for (i, candidate) in candidates.iter().enumerate() {
-        let d = distance(candidate);
-        if d < best.1 {
-            best = (i, d);
-        }
-    }
-    best.0
+    let distances = candidates.iter().map(distance).enumerate();
+    let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map_or(0, |(i, _)| i)
 }
 
-fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
+fn hex(rgb: [u8; 3]) -> String {
+    format!("#{}", light::to_hex(rgb))
 }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use super::colour::Lab;
-use super::gamut::Gamut;
+use super::gamut::{Gamut, combinations};
 
 /// Where measured colours come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,15 +109,12 @@ impl PrintedColours {
     }
 
     fn of(source: ChartSource, measured: Vec<([u8; 3], Lab)>) -> Self {
-        let patches: Vec<PrintedColour> = measured
-            .into_iter()
-            .map(|(asked, lab)| PrintedColour::new(asked, lab))
-            .collect();
+        let measured = measured.into_iter();
+        let patches: Vec<_> = measured.map(|(asked, lab)| PrintedColour::new(asked, lab)).collect();
         let mean = |values: &[f64]| rounded(values.iter().sum::<f64>() / values.len().max(1) as f64);
         let chroma = |p: &PrintedColour| p.measured_lab[1].hypot(p.measured_lab[2]);
-        let darkest = patches
-            .iter()
-            .min_by(|a, b| a.measured_lab[0].total_cmp(&b.measured_lab[0]));
+        let lightness = |p: &PrintedColour| p.measured_lab[0];
+        let darkest = patches.iter().min_by(|a, b| lightness(a).total_cmp(&lightness(b)));
         let saturated = patches.iter().max_by(|a, b| chroma(a).total_cmp(&chroma(b)));
         let mut colours = Self {
             chart: source.chart,
@@ -133,10 +130,8 @@ impl PrintedColours {
             patches,
         };
         let gamut = colours.gamut();
-        let between = colours
-            .patches
-            .iter()
-            .filter(|p| p.asked_rgb.iter().any(|v| !colours.levels.contains(v)));
+        let is_between = |p: &&PrintedColour| p.asked_rgb.iter().any(|v| !colours.levels.contains(v));
+        let between = colours.patches.iter().filter(is_between);
         let off: Vec<f64> = between.map(|p| gamut.printed(p.asked_rgb).delta_e(p.lab())).collect();
         colours.interpolation_delta_e_mean = mean(&off);
         colours.gamut_volume_lab = gamut.volume().round();
@@ -144,9 +139,13 @@ impl PrintedColours {
         colours
     }
 
+    fn measured(&self) -> BTreeMap<[u8; 3], Lab> {
+        self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect()
+    }
+
     /// The colours that can be printed.
     pub fn gamut(&self) -> Gamut {
-        let measured: BTreeMap<[u8; 3], Lab> = self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect();
+        let measured = self.measured();
         // `check` refuses a file with a colour missing, and a chart has all.
         Gamut::new(&self.levels, |asked| {
             measured.get(&asked).copied().unwrap_or(Lab::of(asked))
@@ -163,21 +162,12 @@ impl PrintedColours {
         if !ascends || self.levels.first() != Some(&0) || self.levels.last() != Some(&255) {
             return Err(ColoursError::Levels);
         }
-        let finite = self
-            .patches
-            .iter()
-            .all(|p| p.measured_lab.iter().all(|v| v.abs() <= 1000.0));
-        if !finite {
+        let mut values = self.patches.iter().flat_map(|p| p.measured_lab);
+        if !values.all(|v| v.abs() <= 1000.0) {
             return Err(ColoursError::NoColour);
         }
-        let measured: BTreeMap<[u8; 3], Lab> = self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect();
-        let mut wanted = self.levels.iter().flat_map(|r| {
-            let levels = &self.levels;
-            levels
-                .iter()
-                .flat_map(move |g| levels.iter().map(move |b| [*r, *g, *b]))
-        });
-        if let Some(asked_rgb) = wanted.find(|rgb| !measured.contains_key(rgb)) {
+        let measured = self.measured();
+        if let Some(asked_rgb) = combinations(&self.levels).find(|rgb| !measured.contains_key(rgb)) {
             return Err(ColoursError::NoPatch { asked_rgb });
         }
         let source = ChartSource {

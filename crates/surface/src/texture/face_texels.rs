@@ -1,5 +1,6 @@
 //! Texels of each triangle, as attacks on the neural mesh renderer store them (Kato et al. 2018): `n × n × n` colours a triangle.
 
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -34,13 +35,11 @@ impl FaceTexels {
     /// An unreadable or damaged file, another shape or kind of numbers, as many triangles as another mesh has.
     pub fn load(path: &Path, mesh: &Mesh) -> Result<(Self, String), TextureError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
-        match Self::parse(&bytes, mesh.triangles().len()) {
-            Ok(texels) => Ok((texels, files::sha256_hex(&bytes))),
-            Err(reason) => Err(TextureError::Unusable {
-                path: path.to_owned(),
-                reason,
-            }),
-        }
+        let texels = Self::parse(&bytes, mesh.triangles().len()).map_err(|reason| TextureError::Unusable {
+            path: path.to_owned(),
+            reason,
+        })?;
+        Ok((texels, files::sha256_hex(&bytes)))
     }
 
     fn parse(bytes: &[u8], triangles: usize) -> Result<Self, String> {
@@ -101,12 +100,13 @@ fn open(bytes: &[u8]) -> Result<NpyFile<&[u8]>, String> {
     if header > MOST_HEADER_BYTES {
         return Err(format!("its header has {header} bytes"));
     }
-    NpyFile::new(bytes).map_err(|e| {
+    let damaged = |e: io::Error| {
         format!(
             "its header is damaged: {}",
             e.to_string().lines().next().unwrap_or_default()
         )
-    })
+    };
+    NpyFile::new(bytes).map_err(damaged)
 }
 
 /// Of the cube.
@@ -132,23 +132,15 @@ fn side(shape: &[u64], triangles: usize) -> Result<usize, String> {
 fn values(file: NpyFile<&[u8]>) -> Result<Vec<f32>, String> {
     let kind = file.dtype();
     let file = match file.try_data::<f32>() {
-        Ok(floats) => return floats.collect::<Result<_, _>>().map_err(too_early),
+        Ok(floats) => return converted(floats, |v| v),
         Err(file) => file,
     };
     let file = match file.try_data::<f64>() {
-        Ok(doubles) => {
-            return doubles
-                .map(|v| Ok(v? as f32))
-                .collect::<Result<_, _>>()
-                .map_err(too_early);
-        }
+        Ok(doubles) => return converted(doubles, |v| v as f32),
         Err(file) => file,
     };
     match file.try_data::<u8>() {
-        Ok(bytes) => bytes
-            .map(|v| Ok(f32::from(v?) / 255.0))
-            .collect::<Result<_, _>>()
-            .map_err(too_early),
+        Ok(bytes) => converted(bytes, |v| f32::from(v) / 255.0),
         Err(_) => Err(format!(
             "its numbers are {}, and they must be float32, float64 or uint8",
             kind.descr()
@@ -156,6 +148,7 @@ fn values(file: NpyFile<&[u8]>) -> Result<Vec<f32>, String> {
     }
 }
 
-fn too_early(_: std::io::Error) -> String {
-    "it ends too early".into()
+fn converted<T>(stored: impl Iterator<Item = io::Result<T>>, value: impl Fn(T) -> f32) -> Result<Vec<f32>, String> {
+    let values: io::Result<_> = stored.map(|v| v.map(&value)).collect();
+    values.map_err(|_| "it ends too early".into())
 }

@@ -1,16 +1,17 @@
 //! Images on the texture coordinates of a mesh.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::RgbImage;
 
-use super::{SurfacePoint, TextureError, is_paint};
+use super::{SurfacePoint, TextureError};
 use crate::mesh::{ImageSource, Look, Mesh, TextureCoordinates, Wrap};
 use crate::pattern::light;
 use crate::pattern::picture::Picture;
 use scaleproof_core::files;
+use scaleproof_core::geometry::doubled_area;
 use scaleproof_core::spelling::count;
 use scaleproof_photo::photo::Budget;
 
@@ -70,14 +71,11 @@ impl MappedImages {
     /// An image that cannot be used, painted triangles without coordinates.
     pub fn of_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
         let picture = Picture::load(path)?;
-        let wraps = |look: Option<&Look>| look.map_or([Wrap::Repeat; 2], |look| look.wrap);
-        let materials = 0..mesh.materials().len();
-        let maps: Vec<_> = materials
-            .map(|material| Map {
-                image: Arc::clone(&picture.pixels),
-                wrap: wraps(mesh.look(material)),
-            })
-            .collect();
+        let map = |material| Map {
+            image: Arc::clone(&picture.pixels),
+            wrap: mesh.look(material).map_or([Wrap::Repeat; 2], |look| look.wrap),
+        };
+        let maps: Vec<_> = (0..mesh.materials().len()).map(map).collect();
         let by_material: Vec<_> = (0..maps.len()).map(Skin::Image).collect();
         Ok(Mapped {
             images: Self::new(mesh, paint, &by_material, maps)?,
@@ -85,8 +83,8 @@ impl MappedImages {
             files: Vec::new(),
             notes: picture
                 .note
+                .iter()
                 .map(|note| format!("{} {note}", path.display()))
-                .into_iter()
                 .collect(),
         })
     }
@@ -98,13 +96,9 @@ impl MappedImages {
     pub fn of_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
         let mut collected = Collected::default();
         let mut skins = vec![Skin::None; mesh.materials().len()];
-        let mut used: Vec<usize> = mesh.triangles().iter().map(|triangle| triangle.material).collect();
-        used.sort_unstable();
-        used.dedup();
-        for material in used {
-            if is_paint(paint, material) {
-                skins[material] = collected.skin(&mesh.materials()[material], mesh.look(material))?;
-            }
+        let used = mesh.painted(paint).map(|triangle| mesh.triangles()[triangle].material);
+        for material in used.collect::<BTreeSet<_>>() {
+            skins[material] = collected.skin(&mesh.materials()[material], mesh.look(material))?;
         }
         if collected.maps.is_empty() {
             return Err(TextureError::NoImages);
@@ -127,24 +121,22 @@ impl MappedImages {
             _ => Place::Nowhere,
         };
         let places: Vec<Place> = mesh.triangles().iter().enumerate().map(place).collect();
-        let painted = mesh.triangles().iter().zip(&places);
-        let painted = painted.filter(|(triangle, _)| is_paint(paint, triangle.material));
         let (mut all, mut missing) = (0, 0);
-        for (_, place) in painted {
+        for triangle in mesh.painted(paint) {
             all += 1;
-            match place {
+            match &places[triangle] {
                 Place::Nowhere => missing += 1,
                 Place::In { at, .. } => check(at)?,
                 Place::Plain(_) => {}
             }
         }
-        match missing {
-            0 => Ok(Self {
-                places: places.into(),
-                maps: maps.into(),
-            }),
-            _ => Err(TextureError::NoCoordinates { missing, all }),
+        if missing > 0 {
+            return Err(TextureError::NoCoordinates { missing, all });
         }
+        Ok(Self {
+            places: places.into(),
+            maps: maps.into(),
+        })
     }
 
     pub(super) fn colour(&self, at: &SurfacePoint) -> [u8; 3] {
@@ -203,8 +195,7 @@ impl MappedImages {
             }
             coordinates.push(*at);
         }
-        let (image, wrap) = only?;
-        Some(OnlyImage {
+        only.map(|(image, wrap)| OnlyImage {
             image,
             wrap,
             coordinates,
@@ -215,8 +206,7 @@ impl MappedImages {
     pub(super) fn texels(&self, triangle: usize) -> Option<f64> {
         self.in_image(triangle)?;
         let [a, b, c] = self.in_cells(triangle);
-        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        Some(0.5 * doubled.abs())
+        Some(0.5 * doubled_area(a, b, c).abs())
     }
 }
 

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 use nalgebra::Point3;
 
-use crate::mesh::{Mesh, doubled_area};
+use crate::mesh::Mesh;
 use crate::pattern::picture::PictureError;
 use scaleproof_core::files::FileError;
 
@@ -64,6 +64,12 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// The point with these shares of the corners of a part of a triangle; `part` are the corners' weights in the whole triangle.
+    pub fn in_part(triangle: usize, part: &[[f64; 3]; 3], shares: [f64; 3]) -> Self {
+        let weights = std::array::from_fn(|k| (0..3).map(|i| shares[i] * part[i][k]).sum());
+        Self { triangle, weights }
+    }
+
     /// Its weights on the triangle itself: a point beside it takes what lies at its border.
     fn within(&self) -> [f64; 3] {
         let weights = self.weights.map(|weight| weight.max(0.0));
@@ -73,7 +79,7 @@ impl SurfacePoint {
 
     /// Model frame, mm.
     pub fn place_mm(&self, mesh: &Mesh) -> Point3<f64> {
-        let corners = mesh.corners_mm(&mesh.triangles()[self.triangle]);
+        let corners = mesh.triangle_mm(self.triangle);
         let sum = (0..3).fold(nalgebra::Vector3::zeros(), |sum, i| {
             sum + self.weights[i] * corners[i].coords
         });
@@ -142,26 +148,21 @@ impl Texture {
     /// About how long a side of a texel is on a triangle's surface, mm: how finely the texture is to be sampled there. `None` where the
     /// triangle has one colour.
     pub fn texel_mm(&self, mesh: &Mesh, triangle: usize) -> Option<f64> {
-        let area_mm2 = || Some(0.5 * doubled_area(&mesh.corners_mm(mesh.triangles().get(triangle)?)).norm());
+        let area_mm2 = || 0.5 * mesh.normal_mm2(triangle).norm();
         match self {
             Self::Flat(_) => None,
             Self::Tile(tile) => Some(tile.cell_mm),
             Self::Sides(patterns) => Some(patterns.cell_mm()),
             Self::Images(images) => {
                 let texels = images.texels(triangle).filter(|texels| *texels > 0.0)?;
-                Some((area_mm2()? / texels).sqrt())
+                Some((area_mm2() / texels).sqrt())
             }
             // Half a square of so many texels along each side.
-            Self::Faces(texels) => Some((2.0 * area_mm2()?).sqrt() / texels.along_edge() as f64),
+            Self::Faces(texels) => Some((2.0 * area_mm2()).sqrt() / texels.along_edge() as f64),
             Self::Patches(below, patches) => {
                 let sides = patches.iter().map(PlacedPatch::pixel_mm);
                 sides.chain(below.texel_mm(mesh, triangle)).min_by(f64::total_cmp)
             }
         }
     }
-}
-
-/// Whether a material is painted; all are when none is named.
-fn is_paint(paint: &[usize], material: usize) -> bool {
-    paint.is_empty() || paint.contains(&material)
 }

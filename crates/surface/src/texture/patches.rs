@@ -5,7 +5,7 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::SurfacePoint;
-use crate::mesh::{Mesh, doubled_area};
+use crate::mesh::Mesh;
 use crate::pattern::world_aligned::Side;
 
 /// An image on everything that looks to one side.
@@ -28,17 +28,15 @@ impl PlacedPatch {
 
     /// `None` beside the patch.
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> Option<[u8; 3]> {
-        let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));
-        if Side::of(&normal) != self.side {
+        if Side::of(&mesh.normal_mm2(at.triangle)) != self.side {
             return None;
         }
         let [u, v] = self.side.project(&at.place_mm(mesh));
         let across = (u - self.at_mm[0]) / self.size_mm.0 + 0.5;
         let down = 0.5 - (v - self.at_mm[1]) / self.size_mm.1;
         let pixel = |share: f64, count: u32| {
-            (0.0..1.0)
-                .contains(&share)
-                .then(|| ((share * f64::from(count)) as u32).min(count - 1))
+            let is_within = (0.0..1.0).contains(&share);
+            is_within.then(|| ((share * f64::from(count)) as u32).min(count - 1))
         };
         let (column, row) = (pixel(across, self.image.width())?, pixel(down, self.image.height())?);
         self.image.get_pixel_checked(column, row).map(|pixel| pixel.0)

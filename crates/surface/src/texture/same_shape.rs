@@ -1,7 +1,7 @@
 //! Whether two meshes are the same thing, up to scale and place.
 
 use super::TextureError;
-use crate::mesh::{Mesh, doubled_area};
+use crate::mesh::Mesh;
 
 /// Edges may differ by this share of a mesh's length: files are written with six digits.
 const ROUNDING: f64 = 1e-4;
@@ -25,20 +25,15 @@ pub fn check_same_shape(textured: &Mesh, given: &Mesh) -> Result<(), TextureErro
         // Written so that a scale that is no number differs.
         !(0..3).all(|k| (scale * a[k] - b[k]).abs() <= limit_mm)
     };
-    match (0..counts[0]).find(differ) {
-        Some(triangle) => Err(TextureError::OtherShape { triangle }),
-        None => Ok(()),
-    }
+    let other = (0..counts[0]).find(differ);
+    other.map_or(Ok(()), |triangle| Err(TextureError::OtherShape { triangle }))
 }
 
 fn area(mesh: &Mesh) -> f64 {
-    let triangles = mesh.triangles().iter();
-    triangles
-        .map(|triangle| doubled_area(&mesh.corners_mm(triangle)).norm())
-        .sum()
+    (0..mesh.triangles().len()).map(|i| mesh.normal_mm2(i).norm()).sum()
 }
 
 fn edges(mesh: &Mesh, triangle: usize) -> [f64; 3] {
-    let [a, b, c] = mesh.corners_mm(&mesh.triangles()[triangle]);
+    let [a, b, c] = mesh.triangle_mm(triangle);
     [b - a, c - b, a - c].map(|edge| edge.norm())
 }

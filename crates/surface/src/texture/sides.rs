@@ -2,7 +2,7 @@
 //! ([`crate::pattern::world_aligned`]).
 
 use super::{SurfacePoint, Tile};
-use crate::mesh::{Mesh, doubled_area};
+use crate::mesh::Mesh;
 use crate::pattern::world_aligned::Side;
 use crate::pattern::{Pattern, PatternError};
 
@@ -27,30 +27,26 @@ impl SidePatterns {
             return Ok(None);
         }
         let tile = |side: &Side| {
-            Ok(Tile::new(
-                below_each_other.rows_from(*side as u32 * rows, rows)?,
-                tile_mm,
-            ))
+            let pattern = below_each_other.rows_from(*side as u32 * rows, rows)?;
+            Ok(Tile::new(pattern, tile_mm))
         };
-        let triangles = mesh.triangles().iter();
+        let triangles = 0..mesh.triangles().len();
         Ok(Some(Self {
             tiles: Side::ALL.iter().map(tile).collect::<Result<_, PatternError>>()?,
-            sides: triangles
-                .map(|t| Side::of(&doubled_area(&mesh.corners_mm(t))))
-                .collect(),
+            sides: triangles.map(|i| Side::of(&mesh.normal_mm2(i))).collect(),
         }))
     }
 
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
-        self.of(at.triangle).colour(mesh, at)
+        self.tile(at.triangle).colour(mesh, at)
     }
 
     pub(super) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
-        self.of(triangle).in_cells(mesh, triangle)
+        self.tile(triangle).in_cells(mesh, triangle)
     }
 
     pub(super) fn cell(&self, triangle: usize, place: [f64; 2]) -> [u8; 3] {
-        self.of(triangle).cell(place)
+        self.tile(triangle).cell(place)
     }
 
     /// Width of a cell.
@@ -58,7 +54,7 @@ impl SidePatterns {
         self.tiles[0].cell_mm
     }
 
-    fn of(&self, triangle: usize) -> &Tile {
+    fn tile(&self, triangle: usize) -> &Tile {
         &self.tiles[self.sides[triangle] as usize]
     }
 }

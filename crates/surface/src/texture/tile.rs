@@ -1,7 +1,7 @@
 //! A pattern that is repeated over a model, aligned with the world.
 
 use super::SurfacePoint;
-use crate::mesh::{Mesh, doubled_area};
+use crate::mesh::Mesh;
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 
@@ -41,9 +41,9 @@ impl Tile {
 
     /// Where a triangle's corners lie among the cells.
     pub(super) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
-        let corners = mesh.corners_mm(&mesh.triangles()[triangle]);
         let side = side(mesh, triangle);
-        corners.map(|p| side.project(&p).map(|mm| mm / self.cell_mm))
+        mesh.triangle_mm(triangle)
+            .map(|p| side.project(&p).map(|mm| mm / self.cell_mm))
     }
 
     /// The colour at a place among the cells.
@@ -60,5 +60,5 @@ impl Tile {
 }
 
 fn side(mesh: &Mesh, triangle: usize) -> Side {
-    Side::of(&doubled_area(&mesh.corners_mm(&mesh.triangles()[triangle])))
+    Side::of(&mesh.normal_mm2(triangle))
 }

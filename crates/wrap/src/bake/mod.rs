@@ -20,13 +20,13 @@ pub use triangles::TriangleImage;
 use image::RgbImage;
 use nalgebra::Matrix3;
 
-use crate::unwrap::{self, UnwrapError, UnwrapRequest};
+use crate::unwrap::{self, UnwrapError, UnwrapRequest, WHOLE};
+use scaleproof_core::geometry;
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 use scaleproof_surface::texture::{SurfacePoint, Texture};
 
 /// A smaller image shows no pattern, and a larger one no engine loads.
 const SIDE_PX: std::ops::RangeInclusive<u32> = 64..=8192;
-const WHOLE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Why there is no image.
 #[derive(Debug, thiserror::Error)]
@@ -55,13 +55,15 @@ pub struct BakedFace {
 }
 
 impl BakedFace {
+    /// Its area in the image, in the unit of its coordinates.
+    fn texels(&self) -> f64 {
+        let [a, b, c] = self.uv;
+        0.5 * geometry::doubled_area(a, b, c).abs()
+    }
+
     /// The point with these shares of the corners.
     fn at(&self, shares: [f64; 3]) -> SurfacePoint {
-        let weights = std::array::from_fn(|k| (0..3).map(|i| shares[i] * self.weights[i][k]).sum());
-        SurfacePoint {
-            triangle: self.triangle,
-            weights,
-        }
+        SurfacePoint::in_part(self.triangle, &self.weights, shares)
     }
 }
 
@@ -101,7 +103,7 @@ pub fn bake(request: &BakeRequest) -> Result<Baked, BakeError> {
     if size_px.iter().any(|px| !SIDE_PX.contains(px)) {
         return Err(BakeError::BadSize { width, height });
     }
-    let paint = paint(mesh, request.materials);
+    let paint: Vec<usize> = mesh.painted(request.materials).collect();
     if paint.is_empty() {
         return Err(BakeError::NoPaint);
     }
@@ -135,9 +137,7 @@ fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, unwrapped
             let triangle = face.triangle;
             SurfacePoint { triangle, weights }.place_mm(mesh)
         });
-        let [a, b, c] = face.uv;
-        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        (texels + 0.5 * doubled.abs(), mm2 + 0.5 * doubled_area(&corners).norm())
+        (texels + face.texels(), mm2 + 0.5 * doubled_area(&corners).norm())
     });
     let texels = texels * f64::from(image.width()) * f64::from(image.height());
     Baked {
@@ -147,13 +147,6 @@ fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, unwrapped
         charts: count,
         unwrapped,
     }
-}
-
-/// The indices of the paint's triangles.
-fn paint(mesh: &Mesh, materials: &[usize]) -> Vec<usize> {
-    let is_paint = |material: usize| materials.is_empty() || materials.contains(&material);
-    let all = mesh.triangles().iter().enumerate();
-    all.filter(|(_, t)| is_paint(t.material)).map(|(i, _)| i).collect()
 }
 
 /// A part of the paint, flat: each face with its corners in mm.
@@ -195,7 +188,7 @@ fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<Fl
 
 /// A triangle at true size.
 fn alone(mesh: &Mesh, triangle: usize) -> BakedFace {
-    let [a, b, c] = mesh.corners_mm(&mesh.triangles()[triangle]);
+    let [a, b, c] = mesh.triangle_mm(triangle);
     let along = b - a;
     let x = along.try_normalize(1e-12).unwrap_or_default();
     let to = c - a;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use super::{Baked, WHOLE};
+use super::Baked;
+use crate::unwrap::WHOLE;
 use scaleproof_core::files;
 use scaleproof_surface::mesh::{ImageSource, Mesh, TextureCoordinates, Wrap};
 use scaleproof_surface::texture::SurfacePoint;

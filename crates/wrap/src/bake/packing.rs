@@ -2,6 +2,7 @@
 //! those that are there (Lévy et al. 2002, Least Squares Conformal Maps, section 4).
 
 use super::{BakedFace, FlatChart};
+use scaleproof_core::geometry::extent;
 
 /// Around each chart, as a share of the image's shorter side; at least one texel is free.
 pub(super) const ROOM: f64 = 1.0 / 512.0;
@@ -13,7 +14,7 @@ const SHARES: (f64, f64) = (0.95, 0.02);
 /// Packs charts into an image, as large as they fit: coordinates in the unit square; `None` when they do not fit.
 pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2], room: f64) -> Option<Vec<Vec<BakedFace>>> {
     let upright: Vec<FlatChart> = charts.iter().map(upright).collect();
-    let area: f64 = upright.iter().flatten().map(|face| area(&face.uv)).sum();
+    let area: f64 = upright.iter().flatten().map(BakedFace::texels).sum();
     let room = (f64::from(width.min(height)) * room).max(1.0);
     let scale_of = |share: f64| (share * f64::from(width) * f64::from(height) / area.max(1e-9)).sqrt();
     let (mut fits, mut too_large) = (scale_of(SHARES.1), scale_of(SHARES.0));
@@ -38,21 +39,9 @@ pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2], room: 
 /// Turned so that the box around it is smallest and stands upright, its lower left corner at the origin.
 fn upright(chart: &FlatChart) -> FlatChart {
     let points: Vec<[f64; 2]> = chart.iter().flat_map(|face| face.uv).collect();
-    let turned = |p: [f64; 2], [cos, sin]: [f64; 2]| [cos * p[0] + sin * p[1], cos * p[1] - sin * p[0]];
-    let around = |turn: [f64; 2]| {
-        let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        points.iter().fold(start, |(low, high), p| {
-            let p = turned(*p, turn);
-            (
-                std::array::from_fn(|i| low[i].min(p[i])),
-                std::array::from_fn(|i| high[i].max(p[i])),
-            )
-        })
-    };
-    let size = |turn: [f64; 2]| {
-        let (low, high): ([f64; 2], [f64; 2]) = around(turn);
-        [high[0] - low[0], high[1] - low[1]]
-    };
+    let turned = |p: &[f64; 2], [cos, sin]: [f64; 2]| [cos * p[0] + sin * p[1], cos * p[1] - sin * p[0]];
+    let extents = |turn| [0, 1].map(|axis: usize| extent(points.iter().map(|p| turned(p, turn)[axis])));
+    let size = |turn| extents(turn).map(|(low, high)| high - low);
     let mut best = [1.0, 0.0];
     // To two degrees: finer gains nothing.
     for step in 1..45 {
@@ -67,35 +56,28 @@ fn upright(chart: &FlatChart) -> FlatChart {
     {
         best = [-best[1], best[0]];
     }
-    let (low, _) = around(best);
+    let [(left, _), (bottom, _)] = extents(best);
     let mut chart = chart.clone();
     for point in chart.iter_mut().flat_map(|face| &mut face.uv) {
-        let p = turned(*point, best);
-        *point = [p[0] - low[0], p[1] - low[1]];
+        let [x, y] = turned(point, best);
+        *point = [x - left, y - bottom];
     }
     chart
 }
 
 /// What a chart covers of each column of texels: from, to.
-struct Profile(Vec<[f64; 2]>);
-
-impl Profile {
-    fn of(chart: &FlatChart, scale: f64, room: f64) -> Self {
-        let right = chart
-            .iter()
-            .flat_map(|face| face.uv)
-            .map(|p| p[0] * scale)
-            .fold(0.0, f64::max);
-        let columns = (right + 2.0 * room).ceil() as usize + 1;
-        let mut spans = vec![[f64::INFINITY, f64::NEG_INFINITY]; columns];
-        for face in chart {
-            let corners = face.uv.map(|p| p.map(|v| v * scale + room));
-            for i in 0..3 {
-                cover(&mut spans, corners[i], corners[(i + 1) % 3], room);
-            }
+fn profile(chart: &FlatChart, scale: f64, room: f64) -> Vec<[f64; 2]> {
+    let points = chart.iter().flat_map(|face| face.uv);
+    let right = points.map(|p| p[0] * scale).fold(0.0, f64::max);
+    let columns = (right + 2.0 * room).ceil() as usize + 1;
+    let mut spans = vec![[f64::INFINITY, f64::NEG_INFINITY]; columns];
+    for face in chart {
+        let corners = face.uv.map(|p| p.map(|v| v * scale + room));
+        for i in 0..3 {
+            cover(&mut spans, corners[i], corners[(i + 1) % 3], room);
         }
-        Self(spans)
     }
+    spans
 }
 
 /// Adds an edge with room around it.
@@ -118,14 +100,14 @@ fn cover(spans: &mut [[f64; 2]], p: [f64; 2], q: [f64; 2], room: f64) {
 /// How far each chart is moved, in texels; `None` when they do not fit.
 fn placed(charts: &[FlatChart], scale: f64, room: f64, [width, height]: [u32; 2]) -> Option<Vec<[f64; 2]>> {
     let (width, height) = (width as usize, f64::from(height));
-    let profiles: Vec<Profile> = charts.iter().map(|chart| Profile::of(chart, scale, room)).collect();
-    let high = |profile: &Profile| profile.0.iter().map(|span| span[1]).fold(0.0, f64::max);
+    let profiles: Vec<_> = charts.iter().map(|chart| profile(chart, scale, room)).collect();
+    let high = |i: usize| profiles[i].iter().map(|span| span[1]).fold(0.0, f64::max);
     let mut order: Vec<usize> = (0..charts.len()).collect();
-    order.sort_by(|a, b| high(&profiles[*b]).total_cmp(&high(&profiles[*a])));
+    order.sort_by(|a, b| high(*b).total_cmp(&high(*a)));
     let mut horizon = vec![0.0_f64; width];
     let mut spots = vec![[0.0; 2]; charts.len()];
     for i in order {
-        let spans = &profiles[i].0;
+        let spans = &profiles[i];
         let (column, up) = lowest(&horizon, spans)?;
         for (ground, span) in horizon[column..].iter_mut().zip(spans) {
             *ground = ground.max(up + span[1]);
@@ -154,8 +136,4 @@ fn lowest(horizon: &[f64], spans: &[[f64; 2]]) -> Option<(usize, f64)> {
         }
     }
     best
-}
-
-fn area([a, b, c]: &[[f64; 2]; 3]) -> f64 {
-    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use image::RgbImage;
 
-use super::{BakeError, FlatChart, alone, fill, packing, paint};
-use scaleproof_surface::mesh::{Mesh, TextureCoordinates, Wrap, doubled_area};
+use super::{BakeError, FlatChart, alone, fill, packing};
+use scaleproof_surface::mesh::{Mesh, TextureCoordinates, Wrap};
 use scaleproof_surface::texture::Texture;
 
 /// Sides of the image that is made of what is no image. The body of a 1:10 car gets texels of 0.2 mm at most.
@@ -33,7 +33,7 @@ impl TriangleImage {
     /// # Errors
     /// No paint, or more triangles than the image takes.
     pub fn new(mesh: &Mesh, materials: &[usize], texture: &Texture) -> Result<Self, BakeError> {
-        let paint = paint(mesh, materials);
+        let paint: Vec<usize> = mesh.painted(materials).collect();
         if paint.is_empty() {
             return Err(BakeError::NoPaint);
         }
@@ -77,7 +77,7 @@ impl TriangleImage {
 /// So that each texel of the texture has some of the image, up to the largest.
 fn side_px(mesh: &Mesh, paint: &[usize], texture: &Texture) -> u32 {
     let texels = paint.iter().map(|triangle| {
-        let mm2 = 0.5 * doubled_area(&mesh.corners_mm(&mesh.triangles()[*triangle])).norm();
+        let mm2 = 0.5 * mesh.normal_mm2(*triangle).norm();
         let texel_mm = texture.texel_mm(mesh, *triangle);
         // A triangle takes a few with its border.
         16.0 + texel_mm.map_or(0.0, |mm| mm2 * (FINER / mm).powi(2))

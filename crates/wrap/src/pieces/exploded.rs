@@ -6,8 +6,9 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
 use super::flat::Piece;
-use scaleproof_plot::lettering::CAP_HEIGHT;
-use scaleproof_print::print::sheet::{Mark, PointMm, RectMm, TextAnchor, WHITE};
+use super::pen::centred;
+use scaleproof_core::geometry::{PlaneTriangle, circle, view_axes};
+use scaleproof_print::print::sheet::{Mark, PointMm, RectMm, WHITE};
 
 /// From where the two views look: azimuth from the front, elevation.
 const VIEWS_DEG: [(f64, f64); 2] = [(40.0, 32.0), (220.0, 32.0)];
@@ -64,8 +65,8 @@ pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Ma
                 if colours.is_some() {
                     marks.push(disc(spot, 0.8 * size_mm));
                 }
-                let at = (spot.x_mm, spot.y_mm - 0.5 * CAP_HEIGHT * size_mm);
-                marks.push(Mark::text(at, size_mm, TextAnchor::Centre, (i + 1).to_string()));
+                let at = PointMm::new(spot.x_mm, spot.y_mm);
+                marks.push(centred(at, size_mm, (i + 1).to_string()));
             }
         }
     }
@@ -74,13 +75,9 @@ pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Ma
 
 /// White below a number, so that it is read on any colour.
 fn disc(spot: NumberSpot, radius_mm: f64) -> Mark {
-    const CORNERS: u32 = 24;
-    let corner = |i: u32| {
-        let (s, c) = (f64::from(i) * std::f64::consts::TAU / f64::from(CORNERS)).sin_cos();
-        PointMm::new(spot.x_mm + radius_mm * c, spot.y_mm + radius_mm * s)
-    };
+    let outline = circle([spot.x_mm, spot.y_mm], radius_mm, 24);
     Mark::Area {
-        outlines: vec![(0..CORNERS).map(corner).collect()],
+        outlines: vec![outline.map(|[x, y]| PointMm::new(x, y)).collect()],
         colour: WHITE,
     }
 }
@@ -93,36 +90,16 @@ pub fn unseen(pieces: &[Piece]) -> Vec<usize> {
 }
 
 fn drawn(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> [Option<View>; 2] {
-    let beside = room.width_mm() > 1.6 * room.height_mm();
-    let (x, y) = (
-        0.5 * (room.left_mm + room.right_mm),
-        0.5 * (room.bottom_mm + room.top_mm),
-    );
-    let rooms = if beside {
-        [
-            RectMm {
-                right_mm: x - 1.0,
-                ..room
-            },
-            RectMm {
-                left_mm: x + 1.0,
-                ..room
-            },
-        ]
+    let [mut first, mut second] = [room; 2];
+    if room.width_mm() > 1.6 * room.height_mm() {
+        let x = 0.5 * (room.left_mm + room.right_mm);
+        (first.right_mm, second.left_mm) = (x - 1.0, x + 1.0);
     } else {
-        [
-            RectMm {
-                bottom_mm: y + 1.0,
-                ..room
-            },
-            RectMm {
-                top_mm: y - 1.0,
-                ..room
-            },
-        ]
-    };
-    let view = |i: usize| View::new((pieces, colours), VIEWS_DEG[i], rooms[i]);
-    [view(0), view(1)]
+        let y = 0.5 * (room.bottom_mm + room.top_mm);
+        (first.bottom_mm, second.top_mm) = (y + 1.0, y - 1.0);
+    }
+    let view = |direction, room| View::new((pieces, colours), direction, room);
+    [view(VIEWS_DEG[0], first), view(VIEWS_DEG[1], second)]
 }
 
 /// Where a number stands and how much room it has around it; 0 where the piece does not show.
@@ -133,12 +110,14 @@ struct NumberSpot {
     room_mm: f64,
 }
 
-/// How a triangle is drawn.
-struct Look<C> {
-    /// Twice the index of its piece, and 1 more for its back.
+/// What a pixel shows.
+#[derive(Debug, Clone, Copy)]
+struct Pixel {
+    /// Towards the viewer.
+    depth: f64,
+    /// Twice the index of the piece, and 1 more for its back.
     id: u32,
-    shade: f32,
-    colour: Option<C>,
+    rgb: [u8; 3],
 }
 
 /// One view, rendered.
@@ -146,11 +125,7 @@ struct View {
     area: RectMm,
     width: usize,
     height: usize,
-    /// Of each pixel the piece it shows: twice its index, and 1 more for its back.
-    shown: Vec<u32>,
-    shade: Vec<f32>,
-    /// Where colours were given.
-    colour: Vec<[u8; 3]>,
+    pixels: Vec<Pixel>,
     spots: Vec<NumberSpot>,
 }
 
@@ -160,17 +135,15 @@ impl View {
         (azimuth, elevation): (f64, f64),
         room: RectMm,
     ) -> Option<Self> {
-        let frame = ViewFrame::new(azimuth, elevation);
+        let axes = view_axes(azimuth, elevation);
+        let [right, up, towards] = axes;
+        let light = (0.5 * up - 0.4 * right + 0.7 * towards).normalize();
+        let project = |p: &Point3<f64>| axes.map(|axis| axis.dot(&p.coords));
         let moves = moves(pieces);
-        let corners = || {
-            pieces
-                .iter()
-                .zip(&moves)
-                .flat_map(|(p, by)| p.corners.iter().map(move |c| c.map(|q| q + by)))
-        };
+        let moved = pieces.iter().zip(&moves);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in corners().flatten() {
-            let [x, y, _] = frame.project(&p);
+        for p in moved.flat_map(|(piece, by)| piece.corners.iter().flatten().map(move |p| p + by)) {
+            let [x, y, _] = project(&p);
             (low, high) = ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]);
         }
         let (wide, tall) = (high[0] - low[0], high[1] - low[1]);
@@ -180,93 +153,71 @@ impl View {
         }
         let (width_mm, height_mm) = (scale * wide, scale * tall);
         let density = PIXELS_PER_MM.min((0.5 * MOST_PIXELS / (width_mm * height_mm)).sqrt());
-        let (width, height) = (
-            (density * width_mm).ceil() as usize + 1,
-            (density * height_mm).ceil() as usize + 1,
-        );
+        let [width, height] = [width_mm, height_mm].map(|mm| (density * mm).ceil() as usize + 1);
         let left = room.left_mm + 0.5 * (room.width_mm() - width_mm);
         let top = room.top_mm - 0.5 * (room.height_mm() - height_mm);
         let pixel_mm = 1.0 / density;
+        let (right, bottom) = (left + width as f64 * pixel_mm, top - height as f64 * pixel_mm);
+        let nothing = Pixel {
+            depth: f64::NEG_INFINITY,
+            id: NOTHING,
+            rgb: [255; 3],
+        };
         let mut view = Self {
-            area: RectMm::new(
-                left,
-                top - height as f64 * pixel_mm,
-                left + width as f64 * pixel_mm,
-                top,
-            ),
+            area: RectMm::new(left, bottom, right, top),
             width,
             height,
-            shown: vec![NOTHING; width * height],
-            shade: vec![0.0; width * height],
-            colour: vec![[255; 3]; if colours.is_some() { width * height } else { 0 }],
-            spots: Vec::new(),
+            pixels: vec![nothing; width * height],
+            spots: vec![NumberSpot::default(); pieces.len()],
         };
-        let mut depth = vec![f64::NEG_INFINITY; width * height];
-        let to_pixel = |p: &Point3<f64>| {
-            let [x, y, out] = frame.project(p);
+        let to_pixel = |p: Point3<f64>| {
+            let [x, y, out] = project(&p);
             [(x - low[0]) * scale * density, (high[1] - y) * scale * density, out]
         };
         for (i, (piece, by)) in pieces.iter().zip(&moves).enumerate() {
             for (t, corners) in piece.corners.iter().enumerate() {
                 let normal = scaleproof_surface::mesh::doubled_area(corners).normalize();
-                let facing = normal.dot(&frame.towards);
-                let id = 2 * i as u32 + u32::from(facing < 0.0);
-                let shade = 0.72 + 0.28 * normal.dot(&frame.light).abs();
-                let look = Look {
-                    id,
-                    shade: shade as f32,
-                    colour: colours.map(|colours| move |shares| colours(i, t, shares)),
+                let is_back = normal.dot(&towards) < 0.0;
+                let shade = (0.72 + 0.28 * normal.dot(&light).abs()) as f32;
+                let colour = |shares| match colours {
+                    _ if is_back => BACK,
+                    Some(colours) => colours(i, t, shares),
+                    None => TINTS[i % TINTS.len()],
                 };
-                view.triangle(corners.map(|p| to_pixel(&(p + by))), &look, &mut depth);
+                let corners = corners.map(|p| to_pixel(p + by));
+                view.triangle(corners, 2 * i as u32 + u32::from(is_back), |shares| {
+                    colour(shares).map(|v| (f32::from(v) * shade) as u8)
+                });
             }
         }
-        view.find_spots(pieces.len(), pixel_mm);
+        view.find_spots(pixel_mm);
         Some(view)
     }
 
-    fn triangle(&mut self, [a, b, c]: [[f64; 3]; 3], look: &Look<impl Fn([f64; 3]) -> [u8; 3]>, depth: &mut [f64]) {
-        let cross = |o: &[f64], s: &[f64], t: &[f64]| (s[0] - o[0]) * (t[1] - o[1]) - (s[1] - o[1]) * (t[0] - o[0]);
-        let whole = cross(&a, &b, &c);
-        if whole == 0.0 {
+    /// Draws a triangle where it is nearer than what is there.
+    fn triangle(&mut self, corners: [[f64; 3]; 3], id: u32, colour: impl Fn([f64; 3]) -> [u8; 3]) {
+        let Some(flat) = PlaneTriangle::new(corners.map(|[x, y, _]| [x, y])) else {
             return;
-        }
-        let span = |axis: usize, count: usize| {
-            let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
-            low.floor().max(0.0) as usize..(high.ceil().max(0.0) as usize + 1).min(count)
         };
-        for row in span(1, self.height) {
-            for column in span(0, self.width) {
-                let p = [column as f64 + 0.5, row as f64 + 0.5];
-                let [s, t, u] = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)].map(|part| part / whole);
-                if s < -1e-9 || t < -1e-9 || u < -1e-9 {
-                    continue;
-                }
-                let out = s * a[2] + t * b[2] + u * c[2];
-                let at = row * self.width + column;
-                if out > depth[at] {
-                    depth[at] = out;
-                    self.shown[at] = look.id;
-                    self.shade[at] = look.shade;
-                    if let (Some(colour), Some(pixel)) = (&look.colour, self.colour.get_mut(at)) {
-                        *pixel = colour([s, t, u]);
-                    }
-                }
+        let [a, b, c] = corners.map(|[.., out]| out);
+        flat.draw([self.width, self.height], 0.5, |column, row, shares| {
+            let [s, t, u] = shares;
+            let depth = s * a + t * b + u * c;
+            let pixel = &mut self.pixels[row * self.width + column];
+            if depth > pixel.depth {
+                let rgb = colour(shares);
+                *pixel = Pixel { depth, id, rgb };
             }
-        }
+        });
     }
 
     /// Of each piece the pixel of its front that is farthest from anything else.
-    fn find_spots(&mut self, pieces: usize, pixel_mm: f64) {
+    fn find_spots(&mut self, pixel_mm: f64) {
         let distance = self.to_others();
-        self.spots = vec![NumberSpot::default(); pieces];
-        for (at, id) in self
-            .shown
-            .iter()
-            .enumerate()
-            .filter(|(_, id)| **id != NOTHING && **id % 2 == 0)
-        {
+        let ids = self.pixels.iter().map(|pixel| pixel.id).enumerate();
+        for (at, id) in ids.filter(|(_, id)| *id != NOTHING && id % 2 == 0) {
             let room_mm = f64::from(distance[at]) / 3.0 * pixel_mm;
-            let spot = &mut self.spots[*id as usize / 2];
+            let spot = &mut self.spots[id as usize / 2];
             if room_mm > spot.room_mm {
                 let (column, row) = ((at % self.width) as f64, (at / self.width) as f64);
                 *spot = NumberSpot {
@@ -281,7 +232,7 @@ impl View {
     /// Thrice the distance in pixels to the nearest pixel that shows something else (chamfer distance: Borgefors 1986).
     fn to_others(&self) -> Vec<u32> {
         let (width, height) = (self.width as i64, self.height as i64);
-        let mut distance = vec![u32::MAX / 2; self.shown.len()];
+        let mut distance = vec![u32::MAX / 2; self.pixels.len()];
         let index = |column: i64, row: i64| {
             let inside = (0..width).contains(&column) && (0..height).contains(&row);
             inside.then_some((row * width + column) as usize)
@@ -291,7 +242,7 @@ impl View {
             for (dx, dy) in steps {
                 let cost = if dx != 0 && dy != 0 { 4 } else { 3 };
                 distance[at] = distance[at].min(match index(column + dx, row + dy) {
-                    Some(other) if self.shown[other] == self.shown[at] => distance[other] + cost,
+                    Some(other) if self.pixels[other].id == self.pixels[at].id => distance[other] + cost,
                     _ => cost,
                 });
             }
@@ -311,27 +262,19 @@ impl View {
 
     fn image(&self) -> RgbImage {
         let shown = |column: usize, row: usize| {
-            let inside = column < self.width && row < self.height;
-            if inside {
-                self.shown[row * self.width + column]
-            } else {
-                NOTHING
-            }
+            let is_inside = column < self.width && row < self.height;
+            is_inside.then(|| self.pixels[row * self.width + column].id)
         };
         RgbImage::from_fn(self.width as u32, self.height as u32, |column, row| {
             let (column, row) = (column as usize, row as usize);
-            let here = shown(column, row);
-            if here != shown(column + 1, row) || here != shown(column, row + 1) || here != shown(column + 1, row + 1) {
-                return Rgb(EDGE);
-            }
-            let tint = match here {
-                NOTHING => return Rgb([255; 3]),
-                id if id % 2 == 1 => BACK,
-                _ if !self.colour.is_empty() => self.colour[row * self.width + column],
-                id => TINTS[id as usize / 2 % TINTS.len()],
-            };
-            let shade = self.shade[row * self.width + column];
-            Rgb(tint.map(|v| (f32::from(v) * shade) as u8))
+            let here = self.pixels[row * self.width + column];
+            let beside = [(column + 1, row), (column, row + 1), (column + 1, row + 1)];
+            let is_edge = |(column, row)| shown(column, row).unwrap_or(NOTHING) != here.id;
+            Rgb(if beside.into_iter().any(is_edge) {
+                EDGE
+            } else {
+                here.rgb
+            })
         })
     }
 }
@@ -345,33 +288,4 @@ fn moves(pieces: &[Piece]) -> Vec<Vector3<f64>> {
     let length = (high - low).norm();
     let one = |piece: &Piece| APART * (piece.middle - middle) + OUTWARDS * length * piece.normal;
     pieces.iter().map(one).collect()
-}
-
-/// The axes of a view.
-struct ViewFrame {
-    right: Vector3<f64>,
-    up: Vector3<f64>,
-    towards: Vector3<f64>,
-    light: Vector3<f64>,
-}
-
-impl ViewFrame {
-    fn new(azimuth_deg: f64, elevation_deg: f64) -> Self {
-        let (sa, ca) = azimuth_deg.to_radians().sin_cos();
-        let (se, ce) = elevation_deg.to_radians().sin_cos();
-        let towards = Vector3::new(ce * ca, ce * sa, se);
-        let right = Vector3::new(-sa, ca, 0.0);
-        let up = towards.cross(&right);
-        Self {
-            light: (0.5 * up - 0.4 * right + 0.7 * towards).normalize(),
-            right,
-            up,
-            towards,
-        }
-    }
-
-    /// Right, up, towards the viewer.
-    fn project(&self, p: &Point3<f64>) -> [f64; 3] {
-        [self.right, self.up, self.towards].map(|axis| axis.dot(&p.coords))
-    }
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::unwrap::{Chart, FlatFace};
+use crate::unwrap::{Chart, Unwrapped};
+use scaleproof_core::geometry::{convex_hull, distance, extent};
 use scaleproof_print::print::raster::FlatTriangle;
 use scaleproof_print::print::wrap::{Point, Region};
 use scaleproof_surface::mesh::doubled_area;
@@ -44,11 +45,23 @@ pub struct Piece {
 }
 
 impl Piece {
-    pub fn new(chart: &Chart, points: &[Point3<f64>]) -> Self {
+    /// All pieces of an unwrapped mesh.
+    pub fn all(flat: &Unwrapped) -> Vec<Self> {
+        let charts = flat.charts.iter();
+        charts.map(|chart| Self::new(chart, &flat.points_mm)).collect()
+    }
+
+    fn new(chart: &Chart, points: &[Point3<f64>]) -> Self {
         let turn = along_x(chart);
         let turned = |p: Point| [turn[0] * p[0] + turn[1] * p[1], turn[0] * p[1] - turn[1] * p[0]];
         let corners: Vec<_> = chart.faces.iter().map(|f| f.corners.map(|c| points[c])).collect();
-        let triangles: Vec<_> = chart.faces.iter().map(|f| flat_triangle(f, turned)).collect();
+        let flat = chart.faces.iter().map(|face| FlatTriangle {
+            flat_mm: face.flat_mm.map(turned),
+            height_mm: [0.0; 3],
+            triangle: face.triangle,
+            weights: face.weights,
+        });
+        let triangles: Vec<_> = flat.collect();
         let (borders, folds) = edges(chart, &corners, &triangles);
         let (normal, middle) = means(&corners);
         Self {
@@ -65,60 +78,26 @@ impl Piece {
     }
 }
 
-fn flat_triangle(face: &FlatFace, turned: impl Fn(Point) -> Point) -> FlatTriangle {
-    FlatTriangle {
-        flat_mm: face.flat_mm.map(turned),
-        height_mm: [0.0; 3],
-        triangle: face.triangle,
-        weights: face.weights,
-    }
-}
-
 /// The direction of the narrowest box's long side: one of the box's sides lies on an edge of the convex hull.
 fn along_x(chart: &Chart) -> Point {
-    let hull = hull(chart.faces.iter().flat_map(|f| f.flat_mm).collect());
+    let hull = convex_hull(chart.faces.iter().flat_map(|f| f.flat_mm).collect());
     let mut best = (f64::INFINITY, [1.0, 0.0]);
     for (a, b) in hull.iter().zip(hull.iter().cycle().skip(1)) {
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length = distance(*a, *b);
         if length < SAME_MM {
             continue;
         }
         let along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
         let across = [-along[1], along[0]];
-        let extent = |axis: Point| {
-            let places = hull.iter().map(|p| p[0] * axis[0] + p[1] * axis[1]);
-            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            });
+        let [wide, high] = [along, across].map(|axis| {
+            let (low, high) = extent(hull.iter().map(|p| p[0] * axis[0] + p[1] * axis[1]));
             high - low
-        };
-        let (wide, high) = (extent(along), extent(across));
+        });
         if wide * high < best.0 {
             best = (wide * high, if wide >= high { along } else { across });
         }
     }
     best.1
-}
-
-/// The convex hull, counter-clockwise (Andrew 1979).
-fn hull(mut points: Vec<Point>) -> Vec<Point> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let half = |points: &mut dyn Iterator<Item = &Point>| {
-        let mut chain: Vec<Point> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b[0] - a[0]) * (p[1] - a[1]) <= (b[1] - a[1]) * (p[0] - a[0])
-            {
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = half(&mut points.iter());
-    hull.extend(half(&mut points.iter().rev()));
-    hull
 }
 
 /// The borders, and the inner edges that are bent.
@@ -136,7 +115,8 @@ fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]
     let (mut borders, mut folds) = (Vec::new(), Vec::new());
     for (ends, mut here) in sides {
         while let Some((face, flat)) = here.pop() {
-            let beside = here.iter().position(|(_, other)| same(&flat, other));
+            let is_same = |other: &[Point; 2]| flat.iter().zip(other).all(|(p, q)| near(*p, *q));
+            let beside = here.iter().position(|(_, other)| is_same(other));
             match beside.map(|i| here.swap_remove(i)) {
                 Some((other, _)) => {
                     let bend = doubled_area(&corners[face]).angle(&doubled_area(&corners[other]));
@@ -155,25 +135,17 @@ fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]
     (borders, folds)
 }
 
-fn same(a: &[Point; 2], b: &[Point; 2]) -> bool {
-    a.iter().zip(b).all(|(p, q)| near(*p, *q))
-}
-
 /// Whether two places on paper are one.
 pub fn near(p: Point, q: Point) -> bool {
-    (p[0] - q[0]).hypot(p[1] - q[1]) < SAME_MM
+    distance(p, q) < SAME_MM
 }
 
 fn outward([a, b]: &[Point; 2], face: &[Point; 3]) -> Point {
-    let length = (b[0] - a[0]).hypot(b[1] - a[1]).max(f64::MIN_POSITIVE);
+    let length = distance(*a, *b).max(f64::MIN_POSITIVE);
     let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
     let middle = [0, 1].map(|axis| face.iter().map(|p| p[axis]).sum::<f64>() / 3.0 - a[axis]);
-    let sign = if normal[0] * middle[0] + normal[1] * middle[1] > 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
-    normal.map(|v| sign * v)
+    let is_inward = normal[0] * middle[0] + normal[1] * middle[1] > 0.0;
+    normal.map(|v| if is_inward { -v } else { v })
 }
 
 fn means(corners: &[[Point3<f64>; 3]]) -> (Vector3<f64>, Point3<f64>) {

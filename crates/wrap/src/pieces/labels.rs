@@ -3,7 +3,7 @@
 use super::Room;
 use super::flat::Piece;
 use super::seams::Seam;
-use scaleproof_core::geometry::distance;
+use scaleproof_core::geometry::{between, distance, offset};
 use scaleproof_print::print::buckets::{Buckets, bounds};
 use scaleproof_print::print::wrap::{Point, Region};
 
@@ -49,6 +49,20 @@ pub struct Signs {
     pub ticks: Vec<[Point; 2]>,
 }
 
+impl Signs {
+    /// The lines from what labels name to their labels.
+    pub fn leaders(&self) -> impl Iterator<Item = [Point; 2]> {
+        self.labels.iter().map(|label| [label.names, label.at])
+    }
+
+    /// Whether between all labels, leaders and ticks and a disc at least this much is clear.
+    pub fn are_off(&self, at: Point, radius_mm: f64, clear_mm: f64) -> bool {
+        let mut lines = self.leaders().chain(self.ticks.iter().copied());
+        let off_label = |label: &Label| distance(label.at, at) >= label.radius_mm + radius_mm + clear_mm;
+        self.labels.iter().all(off_label) && lines.all(|line| to_line(at, line) >= radius_mm + clear_mm)
+    }
+}
+
 /// The signs of all pieces, and the length of the seams that have no letter on one of their sides.
 pub struct AllSigns {
     pub signs: Vec<Signs>,
@@ -64,11 +78,8 @@ pub fn signs(
     tabs: &[Option<(usize, f64)>],
     room: &Room,
 ) -> AllSigns {
-    let mut places: Vec<Places> = pieces
-        .iter()
-        .zip(inks)
-        .map(|(piece, ink)| Places::new(piece, ink, room))
-        .collect();
+    let with_ink = pieces.iter().zip(inks);
+    let mut places: Vec<_> = with_ink.map(|(piece, ink)| Places::new(piece, ink, room)).collect();
     for seam in seams {
         ticks(seam, pieces, &mut places, room);
     }
@@ -127,9 +138,7 @@ impl LetterSearch<'_> {
     fn find(&self, places: &[Places], side: usize, share: f64) -> Option<(f64, Label)> {
         let place = self.seam.place(self.pieces, side, share)?;
         let (away, at) = match self.tab {
-            Some((with_tab, mm)) if with_tab == side => {
-                (0.0, [0, 1].map(|axis| place.at[axis] + mm * place.outward[axis]))
-            }
+            Some((with_tab, mm)) if with_tab == side => (0.0, offset(place.at, place.outward, mm)),
             _ => places[self.seam.pieces()[side]].free(place.at, place.outward, self.radius_mm, self.room)?,
         };
         let label = Label {
@@ -164,10 +173,8 @@ impl LetterSearch<'_> {
     /// Wherever there is room on each side.
     fn apart(&self, places: &mut [Places]) -> bool {
         let best = |places: &[Places], side: usize| {
-            let found = self
-                .shares()
-                .into_iter()
-                .filter_map(|share| self.find(places, side, share));
+            let shares = self.shares().into_iter();
+            let found = shares.filter_map(|share| self.find(places, side, share));
             found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, label)| label)
         };
         let [one, other] = self.seam.pieces();
@@ -233,7 +240,7 @@ impl Places {
                 TURNS_DEG.iter().find_map(|turn| {
                     let (s, c) = turn.to_radians().sin_cos();
                     let direction = [c * outward[0] - s * outward[1], s * outward[0] + c * outward[1]];
-                    let at = [border[0] + mm * direction[0], border[1] + mm * direction[1]];
+                    let at = offset(border, direction, mm);
                     let clear = self.is_free(at, radius_mm) && self.is_open(border, at, radius_mm, (room, blocking));
                     clear.then_some((mm, at))
                 })
@@ -248,49 +255,32 @@ impl Places {
     fn is_free(&self, at: Point, radius_mm: f64) -> bool {
         let inside =
             (0..2).all(|axis| at[axis] - radius_mm >= self.low[axis] && at[axis] + radius_mm <= self.high[axis]);
-        let off_labels = || {
-            let labels = self.signs.labels.iter();
-            labels
-                .into_iter()
-                .all(|l| distance(l.at, at) >= l.radius_mm + radius_mm + CLEAR_MM)
-        };
-        let off_lines = || {
-            let leaders = self.signs.labels.iter().map(|l| [l.names, l.at]);
-            let mut lines = leaders.chain(self.signs.ticks.iter().copied());
-            lines.all(|line| to_line(at, line) >= radius_mm + CLEAR_MM)
-        };
         let off_ink = || {
-            let near = self.buckets.at(at).unwrap_or_default();
-            let clear = near
-                .iter()
-                .all(|i| to_line(at, self.edges[*i as usize]) >= radius_mm + CLEAR_MM);
-            clear && !self.ink.contains(at)
+            let mut near = self.buckets.at(at).unwrap_or_default().iter();
+            let is_off = |line| to_line(at, line) >= radius_mm + CLEAR_MM;
+            near.all(|i| is_off(self.edges[*i as usize])) && !self.ink.contains(at)
         };
-        inside && off_labels() && off_lines() && off_ink()
+        inside && self.signs.are_off(at, radius_mm, CLEAR_MM) && off_ink()
     }
 
     /// Whether a leader from the border reaches a label over nothing that blocks it.
     fn is_open(&self, border: Point, at: Point, radius_mm: f64, (room, blocking): (&Room, &Region)) -> bool {
         let length = distance(border, at);
-        let along = |mm: f64| [0, 1].map(|axis| border[axis] + mm / length * (at[axis] - border[axis]));
+        let along = |mm: f64| between(border, at, mm / length);
         let from = room.bleed_mm + 2.0 * CLEAR_MM;
         let samples = ((length - radius_mm - from) / 0.4).ceil().max(0.0) as usize;
         (0..samples).all(|i| {
             let p = along(from + 0.4 * i as f64);
-            let off_labels = self
-                .signs
-                .labels
-                .iter()
-                .all(|l| distance(l.at, p) >= l.radius_mm + CLEAR_MM);
-            off_labels && !blocking.contains(p)
+            let mut labels = self.signs.labels.iter();
+            labels.all(|l| distance(l.at, p) >= l.radius_mm + CLEAR_MM) && !blocking.contains(p)
         })
     }
 
     fn tick(&mut self, region: &Region, at: Point, outward: Point, length_mm: f64) {
-        let end = [0, 1].map(|axis| at[axis] + length_mm * outward[axis]);
+        let end = offset(at, outward, length_mm);
         let known = self.signs.ticks.iter().any(|[start, _]| distance(*start, at) < 0.5);
         let steps = (length_mm / 0.25) as usize;
-        let into = (1..=steps).any(|i| region.contains([0, 1].map(|axis| at[axis] + 0.25 * i as f64 * outward[axis])));
+        let into = (1..=steps).any(|i| region.contains(offset(at, outward, 0.25 * i as f64)));
         if !known && !into {
             self.signs.ticks.push([at, end]);
         }
@@ -300,7 +290,7 @@ impl Places {
     fn number(&mut self, piece: &Piece, number: usize, room: &Room) {
         let spots = piece.borders.iter().filter_map(|border| {
             let [a, b] = border.flat;
-            let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            let middle = [0, 1].map(|axis| 0.5 * (a[axis] + b[axis]));
             let (away, at) = self.free(middle, border.outward, NUMBER_MM, room)?;
             Some((away, middle, at))
         });
@@ -317,9 +307,8 @@ impl Places {
 }
 
 /// From a place to a segment.
-pub fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
+fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
-    let along = along.clamp(0.0, 1.0);
-    distance(p, [a[0] + along * dx, a[1] + along * dy])
+    distance(p, between(a, b, along.clamp(0.0, 1.0)))
 }

@@ -17,6 +17,7 @@ mod pen;
 mod seams;
 mod tabs;
 
+pub use draw::pieces;
 pub use flat::Piece;
 pub use nest::Place;
 pub use seams::Seam;
@@ -35,7 +36,6 @@ use scaleproof_print::print::sheet::Sheet;
 use scaleproof_print::print::template::{Front, LayoutRequest, TemplateError, TemplateRequest};
 use scaleproof_print::print::wrap::Region;
 use scaleproof_surface::mesh::Mesh;
-use scaleproof_surface::texture::Texture;
 
 /// How far the texture runs on beyond a piece's outline.
 const BLEED_MM: f64 = 2.0;
@@ -155,7 +155,7 @@ impl PrintedPieces {
 
     /// How many sheets carry pieces.
     pub fn sheets(&self) -> usize {
-        self.places.iter().map(|place| place.page + 1).max().unwrap_or(0)
+        pages::sheets(&self.places)
     }
 
     pub fn surface_mm2(&self) -> f64 {
@@ -174,7 +174,6 @@ impl PrintedPieces {
 
     /// One sentence a fact.
     pub fn facts(&self) -> Vec<String> {
-        let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts = vec![
             format!(
                 "{} on {}: {} of paint, {:.1} % of what can be seen",
@@ -193,12 +192,20 @@ impl PrintedPieces {
                 count(self.seams.len(), "seam")
             ),
         ];
-        for part in self.left_out.iter().filter(|part| part.surface_mm2 >= 0.5) {
-            let area = cm2(part.surface_mm2);
-            facts.push(format!("left out: {area} {}", reason(part.reason)));
-        }
+        facts.extend(left_out_facts(&self.left_out));
         facts
     }
+}
+
+/// An area in the unit of the facts.
+fn cm2(mm2: f64) -> String {
+    format!("{:.1} cm²", mm2 / 100.0)
+}
+
+/// A sentence for each part of the paint that is on no piece and can be seen.
+fn left_out_facts(parts: &[LeftOut]) -> impl Iterator<Item = String> {
+    let seen = parts.iter().filter(|part| part.surface_mm2 >= 0.5);
+    seen.map(|part| format!("left out: {} {}", cm2(part.surface_mm2), reason(part.reason)))
 }
 
 /// Why paint is on no piece, after its area.
@@ -222,17 +229,4 @@ pub fn flattened(
 ) -> Result<Unwrapped, PiecesError> {
     let fits_mm = draw::fits_mm(request)?;
     Ok(unwrap(mesh, materials, &request.unwrap(fits_mm), progress)?)
-}
-
-/// Draws flattened pieces of a mesh.
-///
-/// # Errors
-/// Paper that holds no rulers or not the largest piece, lengths, cells and a resolution that cannot be printed.
-pub fn pieces(
-    mesh: &Mesh,
-    flat: &Unwrapped,
-    texture: &Texture,
-    request: &PiecesRequest,
-) -> Result<PrintedPieces, PiecesError> {
-    draw::pieces(mesh, flat, texture, request)
 }

@@ -3,7 +3,7 @@
 use super::labels::{Label, Signs};
 use super::nest::{self, Place};
 use super::{PiecesError, PiecesRequest};
-use scaleproof_core::geometry::distance;
+use scaleproof_core::geometry::{circle, distance, offset};
 use scaleproof_plot::lettering::fitting_size_mm;
 use scaleproof_print::print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame, PageSetup};
 use scaleproof_print::print::paper::{MAX_SIDE_MM, Stock};
@@ -35,9 +35,14 @@ pub fn frames(request: &PiecesRequest) -> Result<Vec<PageFrame>, PiecesError> {
         Stock::Cut(_) => &[false, true],
         Stock::Roll { .. } => &[false],
     };
-    let (good, bad): (Vec<_>, Vec<_>) = turns.iter().map(|turned| frame(*turned)).partition(Result::is_ok);
-    match (good.is_empty(), bad.into_iter().find_map(Result::err)) {
-        (true, Some(error)) => Err(error.into()),
+    Ok(good_ones(turns.iter().map(|turned| frame(*turned)))?)
+}
+
+/// What came out well; the first error where nothing did.
+fn good_ones<T, E>(results: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>, E> {
+    let (good, bad): (Vec<_>, Vec<_>) = results.partition(Result::is_ok);
+    match bad.into_iter().find_map(Result::err) {
+        Some(error) if good.is_empty() => Err(error),
         _ => Ok(good.into_iter().flatten().collect()),
     }
 }
@@ -58,24 +63,18 @@ pub fn fits_mm(request: &PiecesRequest, around_mm: f64) -> Result<[f64; 2], Piec
 
 /// Everything of a piece that needs paper of its own, in its plane: its ink and its signs.
 pub fn shape(ink: &Region, signs: &Signs) -> Region {
-    let disc = |label: &Label| {
-        let corner = |i: usize| {
-            let (s, c) = (f64::from(i as u32) * std::f64::consts::TAU / 16.0).sin_cos();
-            let radius = label.radius_mm * 1.02;
-            [label.at[0] + radius * c, label.at[1] + radius * s]
-        };
-        (0..16).map(corner).collect::<Vec<Point>>()
-    };
+    let disc = |label: &Label| circle(label.at, label.radius_mm * 1.02, 16).collect::<Vec<Point>>();
     let bar = |[a, b]: [Point; 2]| {
         let length = distance(a, b).max(f64::MIN_POSITIVE);
         let aside = [0.3 * (a[1] - b[1]) / length, 0.3 * (b[0] - a[0]) / length];
-        let beside = |p: Point, sign: f64| [p[0] + sign * aside[0], p[1] + sign * aside[1]];
-        vec![beside(a, -1.0), beside(b, -1.0), beside(b, 1.0), beside(a, 1.0)]
+        [(a, -1.0), (b, -1.0), (b, 1.0), (a, 1.0)]
+            .map(|(p, sign)| offset(p, aside, sign))
+            .to_vec()
     };
-    let leaders = signs.labels.iter().map(|label| bar([label.names, label.at]));
-    let ticks = signs.ticks.iter().map(|tick| bar(*tick));
-    let signs = signs.labels.iter().map(disc).chain(leaders).chain(ticks).collect();
-    ink.or(&Region::union(signs))
+    let lines = signs.leaders().chain(signs.ticks.iter().copied());
+    ink.or(&Region::union(
+        signs.labels.iter().map(disc).chain(lines.map(bar)).collect(),
+    ))
 }
 
 /// The pieces on whichever way round the page needs fewer sheets.
@@ -90,11 +89,8 @@ pub fn nested(
             .map(|places| (*frame, places))
             .map_err(|i| PiecesError::TooLarge { piece: i + 1 })
     });
-    let (good, bad): (Vec<_>, Vec<_>) = tried.partition(Result::is_ok);
-    let sheets = |(_, places): &(PageFrame, Vec<Place>)| places.iter().map(|place| place.page).max();
-    let best = good.into_iter().flatten().min_by_key(sheets);
-    let error = bad.into_iter().find_map(Result::err);
-    best.ok_or(error.unwrap_or(PiecesError::TooLarge { piece: 1 }))
+    let best = good_ones(tried)?.into_iter().min_by_key(|(_, places)| sheets(places));
+    best.ok_or(PiecesError::TooLarge { piece: 1 })
 }
 
 /// What rulers and captions take of a page.
@@ -102,26 +98,13 @@ pub fn furniture(frame: &PageFrame) -> Vec<RectMm> {
     const AIR_MM: f64 = 2.0;
     let (printable, usable) = (frame.printable, frame.usable);
     let end = ruler::LENGTH_MM + 2.0 * AIR_MM;
-    vec![
-        RectMm::new(
-            printable.left_mm,
-            printable.bottom_mm,
-            printable.right_mm,
-            printable.bottom_mm + FOOTER_MM + AIR_MM,
-        ),
-        RectMm::new(
-            printable.left_mm,
-            printable.bottom_mm,
-            usable.left_mm + end,
-            usable.bottom_mm - CROP_STRIP_MM + AIR_MM,
-        ),
-        RectMm::new(
-            printable.left_mm,
-            printable.bottom_mm,
-            usable.left_mm - CROP_STRIP_MM + AIR_MM,
-            usable.bottom_mm + end,
-        ),
+    [
+        (printable.right_mm, printable.bottom_mm + FOOTER_MM + AIR_MM),
+        (usable.left_mm + end, usable.bottom_mm - CROP_STRIP_MM + AIR_MM),
+        (usable.left_mm - CROP_STRIP_MM + AIR_MM, usable.bottom_mm + end),
     ]
+    .map(|(right, top)| RectMm::new(printable.left_mm, printable.bottom_mm, right, top))
+    .to_vec()
 }
 
 /// Each sheet's frame; of a roll, as long as its pieces.
@@ -131,35 +114,33 @@ pub fn sheet_frames(
     places: &[Place],
     request: &PiecesRequest,
 ) -> Result<Vec<PageFrame>, PiecesError> {
-    let pages = places.iter().map(|place| place.page + 1).max().unwrap_or(0);
     let top = |page: usize| {
         let on_page = places.iter().zip(shapes).filter(|(place, _)| place.page == page);
         let tops = on_page.filter_map(|(place, shape)| Some(shape.moved(|p| place.pose.at(p)).bounds()?.1[1]));
         tops.fold(0.0, f64::max)
     };
-    let one = |page: usize| match request.paper {
-        Stock::Cut(_) => Ok(*frame),
-        Stock::Roll { width_mm } => {
-            let length = top(page) - frame.usable.bottom_mm;
-            Ok(PageFrame::new(
-                cut_from_roll(width_mm, length, &frame.setup),
-                frame.setup,
-            )?)
-        }
+    let one = |page: usize| cut_to(frame, request, top(page) - frame.usable.bottom_mm);
+    (0..sheets(places)).map(one).collect()
+}
+
+/// How many sheets carry pieces.
+pub fn sheets(places: &[Place]) -> usize {
+    places.iter().map(|place| place.page + 1).max().unwrap_or(0)
+}
+
+/// A page's frame; of a roll, a piece of it that takes so much.
+fn cut_to(frame: &PageFrame, request: &PiecesRequest, length_mm: f64) -> Result<PageFrame, PiecesError> {
+    let page = match request.paper {
+        Stock::Cut(_) => return Ok(*frame),
+        Stock::Roll { width_mm } => cut_from_roll(width_mm, length_mm, &frame.setup),
     };
-    (0..pages).map(one).collect()
+    Ok(PageFrame::new(page, frame.setup)?)
 }
 
 /// The first page's frame: as the sheets', of a roll as long as it takes.
 pub fn cover_frame(frame: &PageFrame, request: &PiecesRequest) -> Result<PageFrame, PiecesError> {
     const ROLL_MM: f64 = 280.0;
-    match request.paper {
-        Stock::Cut(_) => Ok(*frame),
-        Stock::Roll { width_mm } => Ok(PageFrame::new(
-            cut_from_roll(width_mm, ROLL_MM, &frame.setup),
-            frame.setup,
-        )?),
-    }
+    cut_to(frame, request, ROLL_MM)
 }
 
 /// One page: what is on it, rulers, captions, and which page it is.

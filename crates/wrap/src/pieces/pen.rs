@@ -2,12 +2,12 @@
 
 use super::BLEED_MM;
 use super::flat::Piece;
-use super::labels::{Label, NUMBER_RING_MM};
-use scaleproof_core::geometry::distance;
+use super::labels::{Label, NUMBER_RING_MM, Signs};
+use scaleproof_core::geometry::{between, circle, distance};
 use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 use scaleproof_print::print::raster::Pose;
-use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, TextAnchor, WHITE};
-use scaleproof_print::print::wrap::Point;
+use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, Srgb8, TextAnchor, WHITE};
+use scaleproof_print::print::wrap::{Point, Region, cut_line, moved};
 
 const LETTER_MM: f64 = 3.0;
 const NUMBER_MM: f64 = 3.8;
@@ -21,16 +21,55 @@ pub struct Pen<'a> {
     pub pose: Pose,
 }
 
+/// A line on the page.
+pub fn stroke([from, to]: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Mark {
+    Mark::Line {
+        from,
+        to,
+        width_mm,
+        dash_mm,
+        colour,
+    }
+}
+
+/// Solid lines around an outline on the page.
+pub fn around(outline: &[PointMm], width_mm: f64, colour: Srgb8) -> impl Iterator<Item = Mark> {
+    let next = outline.iter().cycle().skip(1);
+    let sides = outline.iter().zip(next);
+    sides.map(move |(from, to)| stroke([*from, *to], width_mm, None, colour))
+}
+
+/// A text whose capitals have their middle at a place of the page.
+pub fn centred(at: PointMm, size_mm: f64, text: impl Into<String>) -> Mark {
+    let baseline = (at.x_mm, at.y_mm - 0.5 * CAP_HEIGHT * size_mm);
+    Mark::text(baseline, size_mm, TextAnchor::Centre, text)
+}
+
+/// The line along which a region of the page is cut, drawn and for a plotter.
+pub fn cut(region: &Region) -> Vec<Mark> {
+    let mut marks = cut_line(region, [0.0; 2]);
+    marks.push(Mark::Cut {
+        outlines: moved(region.contours(), [0.0; 2]),
+        is_piece: true,
+    });
+    marks
+}
+
 impl Pen<'_> {
     /// A little away from the border, so that nothing stays on the piece.
     fn off_line(&self, border: Point, to: Point) -> Point {
-        let share = 0.4 / distance(border, to).max(0.4);
-        [0, 1].map(|axis| border[axis] + share * (to[axis] - border[axis]))
+        between(border, to, 0.4 / distance(border, to).max(0.4))
     }
 
+    /// Where a place of the piece's plane is on the page.
     pub fn place(&self, p: Point) -> PointMm {
         let [x, y] = self.pose.at(p);
         PointMm::new(x, y)
+    }
+
+    /// A region of the piece's plane on the page.
+    pub fn region(&self, region: &Region) -> Region {
+        region.moved(|p| self.pose.at(p))
     }
 
     /// A line from the border outwards.
@@ -39,77 +78,60 @@ impl Pen<'_> {
     }
 
     pub fn line(&self, ends: [Point; 2], width_mm: f64, dash_mm: Option<(f64, f64)>) -> Mark {
-        let [from, to] = ends.map(|p| self.place(p));
-        Mark::Line {
-            from,
-            to,
-            width_mm,
-            dash_mm,
-            colour: BLACK,
-        }
+        stroke(ends.map(|p| self.place(p)), width_mm, dash_mm, BLACK)
     }
 
     fn haloed(&self, ends: [Point; 2]) -> [Mark; 2] {
-        let [from, to] = ends.map(|p| self.place(p));
-        [(HALO_MM, WHITE), (LINE_MM, BLACK)].map(|(width_mm, colour)| Mark::Line {
-            from,
-            to,
-            width_mm,
-            dash_mm: None,
-            colour,
-        })
+        let ends = ends.map(|p| self.place(p));
+        [(HALO_MM, WHITE), (LINE_MM, BLACK)].map(|(width_mm, colour)| stroke(ends, width_mm, None, colour))
+    }
+
+    /// Ticks, then letters and the number with their leaders.
+    pub fn signs(&self, signs: &Signs) -> Vec<Mark> {
+        let ticks = signs.ticks.iter().flat_map(|tick| self.tick(*tick));
+        ticks
+            .chain(signs.labels.iter().flat_map(|label| self.label(label)))
+            .collect()
     }
 
     /// A letter or number with its leader.
-    pub fn label(&self, label: &Label) -> Vec<Mark> {
+    fn label(&self, label: &Label) -> Vec<Mark> {
         let away = distance(label.at, label.names);
         let mut marks = Vec::new();
         let on_tab = away < BLEED_MM + label.radius_mm;
-        let rim = if label.is_number {
-            NUMBER_RING_MM
+        let (rim, most) = if label.is_number {
+            (NUMBER_RING_MM, NUMBER_MM)
         } else {
-            label.radius_mm
+            (label.radius_mm, LETTER_MM)
         };
         if away - rim > BLEED_MM + 1.0 && !on_tab {
-            let share = (away - rim) / away;
-            let end = [0, 1].map(|axis| label.names[axis] + share * (label.at[axis] - label.names[axis]));
+            let end = between(label.names, label.at, (away - rim) / away);
             marks.extend(self.haloed([self.off_line(label.names, label.at), end]));
         }
-        if label.is_number {
-            marks.extend(self.ring(label.at));
-        }
-        let most = if label.is_number { NUMBER_MM } else { LETTER_MM };
         let size_mm = fitting_size_mm(&label.text, most, 1.7 * rim);
         let at = self.place(label.at);
-        let baseline = at.y_mm - if label.is_number { 0.5 * CAP_HEIGHT } else { 0.28 } * size_mm;
-        marks.push(Mark::text(
-            (at.x_mm, baseline),
-            size_mm,
-            TextAnchor::Centre,
-            label.text.clone(),
-        ));
+        if label.is_number {
+            marks.extend(self.ring(label.at));
+            marks.push(centred(at, size_mm, &label.text));
+        } else {
+            let baseline = (at.x_mm, at.y_mm - 0.28 * size_mm);
+            marks.push(Mark::text(baseline, size_mm, TextAnchor::Centre, &label.text));
+        }
         marks
     }
 
     /// The ring around a number, with the arrow that points up on the model.
     fn ring(&self, at: Point) -> Vec<Mark> {
-        const CORNERS: usize = 32;
-        let polar = |radius: f64, angle: f64| {
-            let (s, c) = angle.sin_cos();
-            [at[0] + radius * c, at[1] + radius * s]
-        };
-        let corner = |i: usize| polar(NUMBER_RING_MM, std::f64::consts::TAU * i as f64 / CORNERS as f64);
-        let mut marks: Vec<Mark> = (0..CORNERS)
-            .map(|i| self.line([corner(i), corner(i + 1)], LINE_MM, None))
-            .collect();
+        let ring: Vec<PointMm> = circle(at, NUMBER_RING_MM, 32).map(|p| self.place(p)).collect();
+        let mut marks: Vec<Mark> = around(&ring, LINE_MM, BLACK).collect();
         let up = self.piece.up[1].atan2(self.piece.up[0]);
-        let arrow = [
-            polar(NUMBER_RING_MM + 1.3, up),
-            polar(NUMBER_RING_MM, up + 0.35),
-            polar(NUMBER_RING_MM, up - 0.35),
-        ];
+        let arrow = [(1.3, 0.0), (0.0, 0.35), (0.0, -0.35)].map(|(beyond, turn)| {
+            let (s, c) = (up + turn).sin_cos();
+            let radius = NUMBER_RING_MM + beyond;
+            self.place([at[0] + radius * c, at[1] + radius * s])
+        });
         marks.push(Mark::Area {
-            outlines: vec![arrow.map(|p| self.place(p)).to_vec()],
+            outlines: vec![arrow.to_vec()],
             colour: BLACK,
         });
         marks

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::flat::{Border, Piece, near};
+use scaleproof_core::geometry::{between, distance};
 use scaleproof_print::print::wrap::Point;
 
 /// One border edge of a piece.
@@ -53,7 +54,7 @@ impl Seam {
                 let along = if edge.backwards { 1.0 - along } else { along };
                 let [a, b] = border.flat;
                 return Some(SeamPlace {
-                    at: [a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])],
+                    at: between(a, b, along),
                     outward: border.outward,
                 });
             }
@@ -170,14 +171,15 @@ impl<'a> Chains<'a> {
         };
         let others = self.at.get(&corner)?.iter().filter(|i| **i != edge);
         let mut found = others.filter_map(goes_on);
-        match (found.next(), found.next()) {
-            (Some(following), None) => Some(following),
-            _ => None,
-        }
+        let following = found.next()?;
+        found.next().is_none().then_some(following)
     }
 
     fn seam_edge(&self, sides: [BorderId; 2], backwards: bool) -> SeamEdge {
-        let [a, b] = sides.map(|id| length(border(self.pieces, id)));
+        let [a, b] = sides.map(|id| {
+            let [from, to] = border(self.pieces, id).flat;
+            distance(from, to)
+        });
         SeamEdge {
             sides,
             backwards,
@@ -190,9 +192,4 @@ impl<'a> Chains<'a> {
 fn end_at(pieces: &[Piece], id: BorderId, corner: usize) -> Point {
     let border = border(pieces, id);
     border.flat[usize::from(border.ends[0] != corner)]
-}
-
-fn length(border: &Border) -> f64 {
-    let [a, b] = border.flat;
-    (b[0] - a[0]).hypot(b[1] - a[1])
 }

@@ -2,7 +2,7 @@
 
 use super::flat::Piece;
 use super::seams::{Seam, SeamEdge, border};
-use scaleproof_core::geometry::distance;
+use scaleproof_core::geometry::{distance, offset};
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 
 /// A tab that is cut back to less than this share of its length times its width does not hold.
@@ -95,15 +95,11 @@ impl Line {
         [0, 1].map(|axis| (self.to[axis] - self.from[axis]) / length)
     }
 
-    fn out(p: Point, outward: Point, mm: f64) -> Point {
-        [0, 1].map(|axis| p[axis] + mm * outward[axis])
-    }
-
     /// What the slanted end of a strip loses: at the start (1) or at the end (-1).
     fn wedge(&self, sign: f64, slant: f64, width_mm: f64) -> Contour {
         let end = if sign > 0.0 { self.from } else { self.to };
         let along = self.along().map(|c| sign * c);
-        let at = |a: f64, mm: f64| Self::out(Self::out(end, along, a), self.outward, mm);
+        let at = |a: f64, mm: f64| offset(offset(end, along, a), self.outward, mm);
         // A little more outwards and backwards, so that nothing of the corner stays.
         vec![
             at(0.0, 0.0),
@@ -140,16 +136,12 @@ fn beside(lines: &[Line], width_mm: f64) -> Vec<Contour> {
     let mut outlines = Vec::new();
     for line in lines {
         let Line { from, to, outward } = *line;
-        outlines.push(vec![
-            from,
-            to,
-            Line::out(to, outward, width_mm),
-            Line::out(from, outward, width_mm),
-        ]);
+        let [outer, other] = [to, from].map(|p| offset(p, outward, width_mm));
+        outlines.push(vec![from, to, outer, other]);
     }
     for pair in lines.windows(2) {
         let corner = pair[0].to;
-        let out = |line: &Line| Line::out(corner, line.outward, width_mm);
+        let out = |line: &Line| offset(corner, line.outward, width_mm);
         outlines.push(vec![corner, out(&pair[0]), out(&pair[1])]);
     }
     outlines

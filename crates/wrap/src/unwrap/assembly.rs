@@ -9,6 +9,7 @@ use super::outline::{Rectangle, Side, is_crossing, rectangle};
 use super::patch::{Energy, Flat, Patch};
 use super::surface::Surface;
 use super::topology::Topology;
+use scaleproof_core::geometry::UnionFind;
 use scaleproof_surface::mesh::doubled_area;
 
 /// Steps that unfold, and the share of the energy that the last one gains at least.
@@ -213,7 +214,7 @@ impl<'a> Assembly<'a> {
 
     /// A place for each corner of each numbered face; glued edges share theirs.
     fn places(&self, faces: &[usize], also: &[Edge]) -> Vec<[usize; 3]> {
-        let mut parent: Vec<usize> = (0..3 * faces.len()).collect();
+        let mut places = UnionFind::new(3 * faces.len());
         let edges = faces.iter().flat_map(|f| [0, 1, 2].map(|i| (*f, i)));
         let glued = edges.filter(|(f, i)| self.glued[*f][*i]);
         for (f, i) in glued.chain(also.iter().copied()) {
@@ -221,14 +222,12 @@ impl<'a> Assembly<'a> {
                 continue;
             };
             let (f, g) = (self.local[f], self.local[g]);
-            for (p, q) in [(3 * f + i, 3 * g + (j + 1) % 3), (3 * f + (i + 1) % 3, 3 * g + j)] {
-                let (p, q) = (root(&mut parent, p), root(&mut parent, q));
-                parent[p.max(q)] = p.min(q);
-            }
+            places.unite(3 * f + i, 3 * g + (j + 1) % 3);
+            places.unite(3 * f + (i + 1) % 3, 3 * g + j);
         }
-        let (mut name, mut count) = (vec![None; parent.len()], 0);
+        let (mut name, mut count) = (vec![None; 3 * faces.len()], 0);
         let mut named = |corner: usize| {
-            *name[root(&mut parent, corner)].get_or_insert_with(|| {
+            *name[places.root(corner)].get_or_insert_with(|| {
                 count += 1;
                 count - 1
             })
@@ -278,14 +277,6 @@ impl<'a> Assembly<'a> {
         piece.flat.iter_mut().flatten().for_each(|p| *p -= low);
         piece
     }
-}
-
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
 }
 
 /// How to move the second of each pair so that it lies on the first, without stretch (Schönemann 1966).

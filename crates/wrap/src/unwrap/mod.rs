@@ -9,10 +9,8 @@ mod assembly;
 mod borders;
 mod clusters;
 mod merge;
-mod neighbours;
 mod outline;
 mod patch;
-mod stretch;
 mod surface;
 mod topology;
 mod visibility;
@@ -20,10 +18,11 @@ mod visibility;
 use nalgebra::Point3;
 
 use assembly::{Assembly, Piece};
-use neighbours::neighbours;
-use surface::{Face, Surface};
+use surface::Surface;
+pub(crate) use surface::WHOLE;
 use topology::Topology;
 
+use scaleproof_core::geometry::distance;
 use scaleproof_surface::mesh::Mesh;
 
 /// More triangles than this take minutes.
@@ -145,17 +144,17 @@ pub fn unwrap(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Unwrapped, UnwrapError> {
     check(request)?;
-    let mut surface = Surface::of(mesh, materials, request.fits_mm)?;
+    let mut surface = Surface::new(mesh, materials, request.fits_mm)?;
     let mut left_out = Vec::new();
     let mut seen = visibility::seen(mesh, &surface);
     if !request.hidden_too {
-        let is_visible = visibility::visible(&seen, &neighbours(&surface, |_, _| true));
+        let is_visible = visibility::visible(&seen, &surface.neighbours(|_, _| true));
         left_out.extend(surface.left_out(&unmarked(&is_visible), LeftOutReason::Hidden));
         surface.keep(&is_visible);
         let is_kept = seen.into_iter().zip(is_visible);
         seen = is_kept.filter_map(|(seen, is)| is.then_some(seen)).collect();
     }
-    let topology = Topology::of(&mut surface, &seen);
+    let topology = Topology::new(&mut surface, &seen);
     let mut assembly = Assembly::new(&surface, &topology, request);
     for cluster in clusters::grow(&surface, &topology, request.fits_mm) {
         assembly.add_cluster(&cluster);
@@ -216,7 +215,7 @@ fn summary(
         visible_mm2,
         mean_stretch: values.iter().map(|(s, area)| s * area).sum::<f64>() / covered,
         largest_stretch: values.iter().map(|(s, _)| *s).fold(1.0, f64::max),
-        stretch_99: stretch::percentile(values, 0.99),
+        stretch_99: percentile(values, 0.99),
         points_mm: surface.points,
     })
 }
@@ -224,15 +223,11 @@ fn summary(
 fn chart(surface: &Surface, piece: Piece) -> Chart {
     let parts = piece.faces.iter().zip(piece.flat).zip(piece.stretch);
     let faces = parts.map(|((f, flat), stretch)| {
-        let Face {
-            triangle,
-            weights,
-            corners,
-        } = surface.faces[*f].clone();
+        let face = &surface.faces[*f];
         FlatFace {
-            triangle,
-            weights,
-            corners,
+            triangle: face.triangle,
+            weights: face.weights,
+            corners: face.corners,
             flat_mm: flat.map(Into::into),
             stretch,
         }
@@ -243,6 +238,18 @@ fn chart(surface: &Surface, piece: Piece) -> Chart {
     }
 }
 
+/// The value that a share of the area does not exceed, of pairs of value and area.
+fn percentile(mut values: Vec<(f64, f64)>, share: f64) -> f64 {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = values.iter().map(|(_, area)| area).sum();
+    let mut below = 0.0;
+    let reached = values.iter().find(|(_, area)| {
+        below += area;
+        below >= share * total
+    });
+    reached.or(values.last()).map_or(1.0, |(value, _)| *value)
+}
+
 impl Chart {
     /// How long its outline is, slits and holes included.
     pub fn outline_mm(&self) -> f64 {
@@ -251,10 +258,8 @@ impl Chart {
         for face in &self.faces {
             for i in 0..3 {
                 let (p, q) = (face.flat_mm[i], face.flat_mm[(i + 1) % 3]);
-                let length = (p[0] - q[0]).hypot(p[1] - q[1]);
                 let ends = [key(p).min(key(q)), key(p).max(key(q))];
-                let entry = sides.entry(ends).or_insert((0, length));
-                entry.0 += 1;
+                sides.entry(ends).or_insert((0, distance(p, q))).0 += 1;
             }
         }
         sides.values().filter(|(n, _)| *n == 1).map(|(_, l)| l).sum()

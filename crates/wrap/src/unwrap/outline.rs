@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use scaleproof_core::geometry::convex_hull;
+use scaleproof_core::geometry::{convex_hull, extent};
 
 /// A side of an outline, with the places at its ends.
 pub(super) type Side = [(usize, Vector2<f64>); 2];
@@ -46,12 +46,11 @@ pub(super) fn rectangle(points: impl Iterator<Item = Vector2<f64>>, most_mm: Opt
     let hull = convex_hull(points.map(Into::into).collect());
     let fitting = |turn: f64| {
         let (sin, cos) = turn.sin_cos();
-        let extent = |x: f64, y: f64| {
-            let at = hull.iter().map(|p| x * p[0] + y * p[1]);
-            let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let length = |x: f64, y: f64| {
+            let (low, high) = extent(hull.iter().map(|p| x * p[0] + y * p[1]));
             high - low
         };
-        let (width, height) = (extent(cos, -sin), extent(sin, cos));
+        let (width, height) = (length(cos, -sin), length(sin, cos));
         let is_fitting = most_mm.is_none_or(|most| width <= most[0] && height <= most[1]);
         let area = width * height;
         is_fitting.then_some(Rectangle { area, turn })

@@ -2,8 +2,6 @@
 
 use nalgebra::{Matrix2, Point3, Vector2};
 
-use super::stretch::{laid, singular_values, stretch};
-
 /// Steps of the conjugate gradients in one global step, and the share of the first residual at which they end.
 const SOLVER: (usize, f64) = (150, 1e-8);
 /// How often a step that does not help is halved.
@@ -35,7 +33,7 @@ pub(super) enum Energy {
 }
 
 impl Energy {
-    fn of(self, s: f64) -> f64 {
+    fn value(self, s: f64) -> f64 {
         match self {
             Self::Rigid => (s - 1.0).powi(2),
             Self::Dirichlet if s > 0.0 => s * s + 1.0 / (s * s),
@@ -111,8 +109,8 @@ impl Patch {
     }
 
     fn energy(&self, flat: &Flat, energy: Energy) -> f64 {
-        let of = |f: usize| -> f64 { self.singular_values(flat, f).into_iter().map(|s| energy.of(s)).sum() };
-        (0..self.corners.len()).map(|f| self.area[f] * of(f)).sum()
+        let density = |f: usize| -> f64 { self.singular_values(flat, f).into_iter().map(|s| energy.value(s)).sum() };
+        (0..self.corners.len()).map(|f| self.area[f] * density(f)).sum()
     }
 
     /// Makes the energy small by local and global steps, until one lowers it by less than a share.
@@ -148,7 +146,7 @@ impl Patch {
 
     /// The energy of a map without stretch.
     fn energy_of_none(&self, energy: Energy) -> f64 {
-        2.0 * energy.of(1.0) * self.area.iter().sum::<f64>()
+        2.0 * energy.value(1.0) * self.area.iter().sum::<f64>()
     }
 
     /// Turns each face as it lies best, and weights what is left of its map.
@@ -253,5 +251,39 @@ impl System<'_> {
             }
             size = new;
         }
+    }
+}
+
+/// A triangle of the surface laid into the plane as it is: its first corner at the origin, its second on the x axis.
+fn laid(corners: &[Point3<f64>; 3]) -> [Vector2<f64>; 2] {
+    let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
+    let length = b.norm();
+    [
+        Vector2::new(length, 0.0),
+        Vector2::new(b.dot(&c) / length, b.cross(&c).norm() / length),
+    ]
+}
+
+/// The singular values of the affine map from a triangle of the surface to the paper, larger first; the smaller is negative where
+/// the triangle is flipped (Sander et al. 2001, section 3, for the direction from paper to surface).
+fn singular_values(laid: &[Vector2<f64>; 2], flat: &[Vector2<f64>; 3]) -> [f64; 2] {
+    let paper = Matrix2::from_columns(&[flat[1] - flat[0], flat[2] - flat[0]]);
+    let [b, c] = laid;
+    // The inverse of the upper triangular matrix with the columns b and c.
+    let (x, y) = (1.0 / b.x, 1.0 / c.y);
+    let map = paper * Matrix2::new(x, -c.x * x * y, 0.0, y);
+    let (plus, minus) = (
+        Vector2::new(map[(0, 0)] + map[(1, 1)], map[(1, 0)] - map[(0, 1)]).norm(),
+        Vector2::new(map[(0, 0)] - map[(1, 1)], map[(1, 0)] + map[(0, 1)]).norm(),
+    );
+    [(plus + minus) / 2.0, (plus - minus) / 2.0]
+}
+
+/// 1 where lengths are kept; infinite where the triangle is flipped.
+fn stretch([large, small]: [f64; 2]) -> f64 {
+    if small > 0.0 {
+        large.max(1.0 / small).max(1.0)
+    } else {
+        f64::INFINITY
     }
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap};
 use nalgebra::Point3;
 
 use super::{LeftOut, LeftOutReason, MAX_TRIANGLES, UnwrapError};
-use scaleproof_surface::mesh::{Mesh, doubled_area};
+use scaleproof_surface::mesh::{Mesh, doubled_area, edges};
 
 /// Corners closer than this share of the mesh's longest side are one.
 const WELD: f64 = 1e-6;
@@ -13,6 +13,12 @@ const WELD: f64 = 1e-6;
 const LEAST_HEIGHT: f64 = 1e-6;
 /// No edge is longer than this share of the paper's shorter side, so that pieces can be cut anywhere.
 const EDGE_OF_PAPER: f64 = 0.25;
+
+/// The barycentric coordinates of the corners of a whole triangle.
+pub const WHOLE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// For each edge of each face the face at its other side, and which of that face's edges it is.
+pub(super) type Neighbours = Vec<[Option<(usize, usize)>; 3]>;
 
 /// One triangle of the paint, or a part of one.
 #[derive(Debug, Clone)]
@@ -34,28 +40,22 @@ pub(super) struct Surface {
 impl Surface {
     /// # Errors
     /// No paint, or too much.
-    pub(super) fn of(mesh: &Mesh, materials: &[usize], fits_mm: Option<[f64; 2]>) -> Result<Self, UnwrapError> {
-        let is_paint = |m: usize| materials.is_empty() || materials.contains(&m);
-        let paint = mesh
-            .triangles()
-            .iter()
-            .enumerate()
-            .filter(|(_, t)| is_paint(t.material));
+    pub(super) fn new(mesh: &Mesh, materials: &[usize], fits_mm: Option<[f64; 2]>) -> Result<Self, UnwrapError> {
+        let paint = mesh.painted(materials);
         let count = paint.clone().count();
         if count > MAX_TRIANGLES {
             return Err(UnwrapError::TooManyTriangles { count });
         }
         let (points, place) = welded(mesh);
         let (mut faces, mut lines) = (Vec::new(), Vec::new());
-        for (triangle, t) in paint {
-            let corners = t.corners.map(|c| place[c]);
+        for triangle in paint {
+            let corners = mesh.triangles()[triangle].corners.map(|c| place[c]);
             if is_line(&corners.map(|c| points[c])) {
                 lines.push(triangle);
             } else {
-                let weights = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 faces.push(Face {
                     triangle,
-                    weights,
+                    weights: WHOLE,
                     corners,
                 });
             }
@@ -84,12 +84,32 @@ impl Surface {
         0.5 * doubled_area(&self.corners(face)).norm()
     }
 
+    /// Faces at edges that only two have, if the two (face and edge of each) are allowed to be neighbours.
+    pub(super) fn neighbours(&self, is_allowed: impl Fn([usize; 2], [usize; 2]) -> bool) -> Neighbours {
+        let mut at_edge: BTreeMap<[usize; 2], Vec<[usize; 2]>> = BTreeMap::new();
+        for (f, face) in self.faces.iter().enumerate() {
+            for (side, edge) in edges(face.corners).into_iter().enumerate() {
+                at_edge.entry(edge).or_default().push([f, side]);
+            }
+        }
+        let mut beside = vec![[None; 3]; self.faces.len()];
+        for sides in at_edge.values() {
+            if let [a, b] = sides[..]
+                && is_allowed(a, b)
+            {
+                beside[a[0]][a[1]] = Some(b.into());
+                beside[b[0]][b[1]] = Some(a.into());
+            }
+        }
+        beside
+    }
+
     /// Halves the longest edge, with every face at it, until none is longer (Rivara 1984).
     fn subdivide(&mut self, longest_mm: f64, size_mm: [f64; 2]) -> Result<(), UnwrapError> {
         let mut at_edge: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
         let mut queue = BinaryHeap::new();
         for face in 0..self.faces.len() {
-            for edge in edges(&self.faces[face].corners) {
+            for edge in edges(self.faces[face].corners) {
                 at_edge.entry(edge).or_default().push(face);
                 self.push_if_long(edge, longest_mm, &mut queue);
             }
@@ -104,12 +124,12 @@ impl Surface {
                 .push(nalgebra::center(&self.points[edge[0]], &self.points[edge[1]]));
             for face in split {
                 let new = self.faces.len();
-                for old in edges(&self.faces[face].corners) {
+                for old in edges(self.faces[face].corners) {
                     at_edge.entry(old).or_default().retain(|f| *f != face);
                 }
                 self.halve(face, edge, middle);
                 for part in [face, new] {
-                    for edge in edges(&self.faces[part].corners) {
+                    for edge in edges(self.faces[part].corners) {
                         at_edge.entry(edge).or_default().push(part);
                         self.push_if_long(edge, longest_mm, &mut queue);
                     }
@@ -155,12 +175,6 @@ impl Surface {
             reason,
         })
     }
-}
-
-/// Each edge with its corners in rising order; the i-th from the i-th corner on.
-pub(super) fn edges(corners: &[usize; 3]) -> [[usize; 2]; 3] {
-    let [a, b, c] = *corners;
-    [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
 }
 
 fn is_line(corners: &[Point3<f64>; 3]) -> bool {

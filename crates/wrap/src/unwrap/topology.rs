@@ -1,7 +1,6 @@
 //! Which faces lie beside each other, and which side of them is outside.
 
-use super::neighbours::{Neighbours, neighbours};
-use super::surface::Surface;
+use super::surface::{Neighbours, Surface};
 use super::visibility::Seen;
 
 #[derive(Debug)]
@@ -13,16 +12,14 @@ pub(super) struct Topology {
 
 impl Topology {
     /// Faces are turned over so that neighbours agree and the side that is seen more is outside.
-    pub(super) fn of(surface: &mut Surface, seen: &[Seen]) -> Self {
-        let beside = neighbours(surface, |_, _| true);
+    pub(super) fn new(surface: &mut Surface, seen: &[Seen]) -> Self {
+        let beside = surface.neighbours(|_, _| true);
         let is_turned = turned(surface, seen, &beside);
         for (face, _) in surface.faces.iter_mut().zip(is_turned).filter(|(_, is)| *is) {
             face.corners.swap(1, 2);
             face.weights.swap(1, 2);
         }
-        let across = neighbours(surface, |[f, i], [g, j]| {
-            surface.faces[f].corners[i] != surface.faces[g].corners[j]
-        });
+        let across = surface.neighbours(|[f, i], [g, j]| surface.faces[f].corners[i] != surface.faces[g].corners[j]);
         Self { across }
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::neighbours::Neighbours;
-use super::surface::Surface;
+use super::surface::{Neighbours, Surface};
+use scaleproof_core::geometry::{self, extent, view_axes};
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 
 /// Elevations of the views and how many stand around at each. A person looks at a model on a table slightly from below, too.
@@ -77,17 +77,9 @@ struct View {
 
 impl View {
     fn new(bounds: &[Point3<f64>; 2], azimuth_deg: f64, elevation_deg: f64, pixel: f64) -> Self {
-        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        let (up, level) = elevation_deg.to_radians().sin_cos();
-        let towards = Vector3::new(level * cos, level * sin, up);
-        let right = Vector3::new(-sin, cos, 0.0);
-        let axes = [right, towards.cross(&right), towards].map(|a| a / pixel);
+        let axes = view_axes(azimuth_deg, elevation_deg).map(|a| a / pixel);
         let corner = |i: usize| Point3::from([0, 1, 2].map(|k| bounds[i >> k & 1][k]));
-        let extent = |a: usize| {
-            let at = (0..8).map(|i| axes[a].dot(&corner(i).coords));
-            at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
-        };
-        let (x, y) = (extent(0), extent(1));
+        let [x, y] = [0, 1].map(|a: usize| extent((0..8).map(|i| axes[a].dot(&corner(i).coords))));
         let size = [x, y].map(|(low, high)| (high - low).ceil() as usize + 2);
         Self {
             axes,
@@ -125,8 +117,9 @@ impl View {
     }
 }
 
-fn doubled([a, b, c]: &[[f64; 3]; 3]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+fn doubled(corners: &[[f64; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(|[x, y, _]| [x, y]);
+    geometry::doubled_area(a, b, c)
 }
 
 /// Calls with the index and the depth at each pixel whose centre the triangle covers.
@@ -137,16 +130,11 @@ fn pixels(corners: &[[f64; 3]; 3], size: [usize; 2], mut each: impl FnMut(usize,
     }
     let [a, b, c] = corners;
     // Depth is a linear function of the pixel.
-    let slope = |i: usize, j: usize| {
-        let (p, q) = (b[2] - a[2], c[2] - a[2]);
-        (p * (c[j] - a[j]) - q * (b[j] - a[j])) / area * if i == 0 { 1.0 } else { -1.0 }
-    };
-    let (by_x, by_y) = (slope(0, 1), slope(1, 0));
-    let lowest = |k: usize| a[k].min(b[k]).min(c[k]).ceil().max(0.0) as usize;
-    let highest = |k: usize| a[k].max(b[k]).max(c[k]).floor();
-    let last = highest(1);
-    let mut y = lowest(1);
-    while y < size[1] && y as f64 <= last {
+    let slope = |j: usize| ((b[2] - a[2]) * (c[j] - a[j]) - (c[2] - a[2]) * (b[j] - a[j])) / area;
+    let (by_x, by_y) = (slope(1), -slope(0));
+    let (lowest, highest) = extent([a[1], b[1], c[1]]);
+    let mut y = lowest.ceil().max(0.0) as usize;
+    while y < size[1] && y as f64 <= highest.floor() {
         let at = y as f64;
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
         for (p, q) in [(a, b), (b, c), (c, a)] {

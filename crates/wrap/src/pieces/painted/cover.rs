@@ -5,6 +5,7 @@ use crate::pieces::exploded;
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened};
 use scaleproof_print::print::frame::PageFrame;
 use scaleproof_print::print::paint::swatch;
+use scaleproof_print::print::raster::FlatTriangle;
 use scaleproof_print::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use scaleproof_print::print::template::{Captions, cover};
 use scaleproof_surface::mesh::Mesh;
@@ -24,12 +25,8 @@ pub fn cover(
     let steps = steps(request);
     let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
     let paint = |piece: usize, triangle: usize, shares: [f64; 3]| {
-        let flat = &made.pieces[piece].triangles[triangle];
-        let weight = |k: usize| (0..3).map(|c| shares[c] * flat.weights[c][k]).sum();
-        let at = SurfacePoint {
-            triangle: flat.triangle,
-            weights: [weight(0), weight(1), weight(2)],
-        };
+        let FlatTriangle { triangle, weights, .. } = made.pieces[piece].triangles[triangle];
+        let at = SurfacePoint::in_part(triangle, &weights, shares);
         let [column, row] = tile.cell_of(mesh, &at);
         let paint = made.painted.paint_at(column as usize, row as usize);
         made.painted.paints[paint].paint.rgb

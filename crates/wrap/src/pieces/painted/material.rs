@@ -1,12 +1,13 @@
 //! The sheet of material that a piece's stencils are cut from: the piece and a rim around it, with registration holes. Where the piece is
 //! cut into itself, the rim leaves the cut free, so that it closes on the model.
 
+use super::alone;
 use super::regions::Upright;
 use crate::pieces::flat::Piece;
-use crate::pieces::labels::{Label, Signs, to_line};
+use crate::pieces::labels::Signs;
 use crate::pieces::seams::{Seam, border};
-use scaleproof_core::geometry::distance;
-use scaleproof_print::print::paint::plane::{Area, PlanePoint, units};
+use scaleproof_core::geometry::{between, circle, distance};
+use scaleproof_print::print::paint::plane::{Area, units};
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 
 /// Holes of a piece, and how far apart they are at least.
@@ -55,18 +56,9 @@ pub fn sheet((piece, pieces): (usize, &[Piece]), seams: &[Seam], upright: &Uprig
     let slits = upright.area(&Region::union(slits).without(&pieces[piece].region));
     let mut open = whole.without(&slits);
     // A scrap of the rim that hangs on nothing goes with the slit.
-    let holds_paint = |part: &Vec<_>| {
-        !Area {
-            pieces: vec![part.clone()],
-        }
-        .and(&region)
-        .is_empty()
-    };
-    open.pieces.retain(holds_paint);
-    match open.shrunk(units(0.5 * rim.feature_mm)).pieces.len() {
-        1 => open,
-        _ => whole,
-    }
+    open.pieces.retain(|part| !alone(part).and(&region).is_empty());
+    let is_one = open.shrunk(units(0.5 * rim.feature_mm)).pieces.len() == 1;
+    if is_one { open } else { whole }
 }
 
 /// What lies between the two sides of a seam of a piece with itself, and on beyond where it opens.
@@ -99,33 +91,23 @@ impl Material {
     pub fn new(sheet: Area, piece: &Piece, signs: &Signs, upright: &Upright, rim: Rim) -> Self {
         let middle = piece.region.grown(0.5 * rim.rim_mm);
         let around: Vec<Point> = middle.contours().flat_map(along).collect();
-        let holds = |p: Point, radius: f64| {
-            (0..12).all(|i| {
-                let (s, c) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
-                let [x, y] = upright.of([p[0] + radius * c, p[1] + radius * s]);
-                sheet.contains(PlanePoint::new(units(x), units(y)))
-            })
-        };
+        let holds = |p: Point, radius: f64| circle(p, radius, 12).all(|p| sheet.contains(upright.units(p)));
         let radius = 0.5 * rim.hole_mm;
-        let firm: Vec<Point> = around
-            .into_iter()
-            .filter(|p| holds(*p, radius + rim.feature_mm))
-            .collect();
-        let clear: Vec<Point> = firm.iter().copied().filter(|p| is_clear(*p, radius, signs)).collect();
+        let firm = around.into_iter().filter(|p| holds(*p, radius + rim.feature_mm));
+        let firm: Vec<Point> = firm.collect();
+        let is_clear = |p: &Point, radius_mm: f64| signs.are_off(*p, radius_mm, CLEAR_MM);
+        let clear: Vec<Point> = firm.iter().copied().filter(|p| is_clear(p, radius)).collect();
         let holes = spread(if clear.is_empty() { &firm } else { &clear });
         let off_holes = |p: &Point| holes.iter().all(|h| distance(*p, *h) > radius + TAG_MM + CLEAR_MM);
         let number = signs.labels.iter().find(|label| label.is_number).map(|label| label.at);
         let to_number = |p: &Point| number.map_or(0.0, |at| distance(*p, at));
-        let nearest =
-            |places: &mut dyn Iterator<Item = Point>| places.min_by(|a, b| to_number(a).total_cmp(&to_number(b)));
-        let free = nearest(
-            &mut firm
-                .iter()
-                .copied()
-                .filter(|p| off_holes(p) && is_clear(*p, TAG_MM, signs)),
-        );
+        let nearest = |is_free: &dyn Fn(&Point) -> bool| {
+            let places = firm.iter().copied().filter(|p| off_holes(p) && is_free(p));
+            places.min_by(|a, b| to_number(a).total_cmp(&to_number(b)))
+        };
+        let free = nearest(&|p| is_clear(p, TAG_MM));
         Self {
-            tag: free.or_else(|| nearest(&mut firm.iter().copied().filter(off_holes))),
+            tag: free.or_else(|| nearest(&|_| true)),
             sheet,
             holes,
         }
@@ -139,16 +121,9 @@ fn along(outline: &Contour) -> Vec<Point> {
     edges
         .flat_map(|(a, b)| {
             let steps = (distance(*a, *b) / STEP_MM).ceil().max(1.0) as usize;
-            (0..steps).map(move |i| [0, 1].map(|axis| a[axis] + i as f64 / steps as f64 * (b[axis] - a[axis])))
+            (0..steps).map(move |i| between(*a, *b, i as f64 / steps as f64))
         })
         .collect()
-}
-
-fn is_clear(p: Point, radius_mm: f64, signs: &Signs) -> bool {
-    let off_label = |label: &Label| distance(label.at, p) >= label.radius_mm + radius_mm + CLEAR_MM;
-    let leaders = signs.labels.iter().map(|label| [label.names, label.at]);
-    let mut lines = leaders.chain(signs.ticks.iter().copied());
-    signs.labels.iter().all(off_label) && lines.all(|line| to_line(p, line) >= radius_mm + CLEAR_MM)
 }
 
 /// A few places far from each other.

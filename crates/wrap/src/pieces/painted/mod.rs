@@ -12,13 +12,12 @@ pub use material::Material;
 pub use regions::PaintedPiece;
 
 use std::collections::BTreeSet;
-use std::convert::Infallible;
 
 use super::flat::Piece;
 use super::labels::{self, Signs};
 use super::nest::Place;
 use super::seams::{self, Seam};
-use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, Room, pages};
+use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, Room, cm2, left_out_facts, pages};
 use crate::unwrap::{LeftOut, Unwrapped, unwrap};
 use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
@@ -121,7 +120,7 @@ pub struct PaintedPieces {
 impl PaintedPieces {
     /// How many sheets carry pieces, once.
     pub fn sheets(&self) -> usize {
-        self.places.iter().map(|place| place.page + 1).max().unwrap_or(0)
+        pages::sheets(&self.places)
     }
 
     pub fn surface_mm2(&self) -> f64 {
@@ -130,7 +129,6 @@ impl PaintedPieces {
 
     /// One sentence a fact.
     pub fn facts(&self) -> Vec<String> {
-        let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts = vec![
             format!(
                 "{} on {}, {}: {} of paint, {:.1} % of what can be seen",
@@ -154,13 +152,7 @@ impl PaintedPieces {
                 cm2(mm2)
             ));
         }
-        for part in self.left_out.iter().filter(|part| part.surface_mm2 >= 0.5) {
-            facts.push(format!(
-                "left out: {} {}",
-                cm2(part.surface_mm2),
-                super::reason(part.reason)
-            ));
-        }
+        facts.extend(left_out_facts(&self.left_out));
         facts
     }
 
@@ -200,39 +192,39 @@ pub fn painted_pieces(
     (tile, painted): (&Tile, &Painted),
     request: &PaintedRequest,
 ) -> Result<PaintedPieces, PaintedError> {
-    let charts = flat.charts.iter();
-    let pieces: Vec<Piece> = charts.map(|chart| Piece::new(chart, &flat.points_mm)).collect();
+    let pieces = Piece::all(flat);
     let mm2: f64 = pieces.iter().map(|piece| piece.surface_mm2).sum();
-    check_cells((mm2 / tile.cell_mm.powi(2)).ceil() as usize)?;
+    let cells = (mm2 / tile.cell_mm.powi(2)).ceil() as usize;
+    if cells > MOST_CELLS {
+        return Err(PaintError::TooManyCells { cells }.into());
+    }
     let seams = seams::seams(&pieces);
+    let regions = workers::each(&pieces, |piece| regions::painted_piece((mesh, tile), painted, piece));
+    let (painted, regions) = in_order(painted, regions);
     let all: Vec<usize> = (0..pieces.len()).collect();
-    let regions = each(&all, |i| regions::painted_piece((mesh, tile), painted, &pieces[i]));
-    let (painted, regions, order) = in_order(painted, regions);
-    let materials_and_stencils = each(&all, |i| cut((i, &pieces), &seams, &regions[i], request));
-    let (sheets, cuts): (Vec<Area>, Vec<Vec<PieceStencil>>) = materials_and_stencils
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(PaintError::from)?
-        .into_iter()
-        .unzip();
-    let signs = signs(&pieces, &seams, request);
-    let materials: Vec<Material> = all
-        .iter()
-        .zip(sheets)
-        .map(|(i, sheet)| Material::new(sheet, &pieces[*i], &signs[*i], &regions[*i].upright, request.rim()))
-        .collect();
-    let shapes: Vec<Region> = all
-        .iter()
-        .map(|i| pages::shape(&outer(&materials[*i], &regions[*i]).grown(0.3), &signs[*i]))
-        .collect();
+    let made = workers::each(&all, |i| cut((*i, &pieces), &seams, &regions[*i], request));
+    let made: Result<Vec<_>, _> = made.into_iter().collect();
+    let (sheets, cuts): (Vec<Area>, Vec<Vec<PieceStencil>>) = made.map_err(PaintError::from)?.into_iter().unzip();
+    let inks: Vec<Region> = pieces.iter().map(|piece| piece.region.clone()).collect();
+    let room = Room {
+        bleed_mm: BLEED_MM,
+        around_mm: request.around_mm(),
+    };
+    let signs = labels::signs(&pieces, &seams, &inks, &vec![None; seams.len()], &room).signs;
+    let (mut materials, mut shapes) = (Vec::new(), Vec::new());
+    for (i, sheet) in sheets.into_iter().enumerate() {
+        let upright = &regions[i].upright;
+        shapes.push(pages::shape(&sheets::flat(&sheet, upright).grown(0.3), &signs[i]));
+        materials.push(Material::new(sheet, &pieces[i], &signs[i], upright, request.rim()));
+    }
     let taken = |frame: &PageFrame| taken(frame, request.mirror);
     let (frame, places) = pages::nested(&shapes, &pages::frames(&request.pieces)?, taken)?;
     let frames = pages::sheet_frames(&frame, &shapes, &places, &request.pieces)?;
     check_pages(painted.paints.len() - 1, frames.len())?;
     let mut made = PaintedPieces {
-        areas: areas(&regions, &cuts, order.len()),
+        areas: areas(&regions, &cuts, painted.paints.len()),
         narrow: narrow(&regions, &cuts),
-        stencils: Vec::new(),
+        stencils: cuts.into_iter().flatten().filter(|s| !s.openings.is_empty()).collect(),
         left_out: flat.left_out.clone(),
         visible_mm2: flat.visible_mm2,
         mean_stretch: flat.mean_stretch,
@@ -247,43 +239,21 @@ pub fn painted_pieces(
         regions,
         materials,
     };
-    let mut stencils: Vec<PieceStencil> = cuts.into_iter().flatten().filter(|s| !s.openings.is_empty()).collect();
-    stencils.sort_by_key(|stencil| stencil.paint);
-    made.stencils = stencils;
+    made.stencils.sort_by_key(|stencil| stencil.paint);
     draw(&mut made, (mesh, tile), &frames, &signs, request)?;
     Ok(made)
 }
 
-/// Does something for each, in parallel.
-fn each<T: Send>(all: &[usize], one: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let made = workers::map(all, || Ok::<_, Infallible>(()), |_, i| Ok(one(*i)), || ());
-    match made {
-        Ok(made) => made,
-        Err(never) => match never {},
-    }
-}
-
-fn check_cells(cells: usize) -> Result<(), PaintError> {
-    if cells <= MOST_CELLS {
-        Ok(())
-    } else {
-        Err(PaintError::TooManyCells { cells })
-    }
-}
-
-/// The paints with the largest first, what each takes of the pieces in the same order, and that order.
-fn in_order(painted: &Painted, mut regions: Vec<PaintedPiece>) -> (Painted, Vec<PaintedPiece>, Vec<usize>) {
+/// The paints with the largest first, and what each takes of the pieces in the same order.
+fn in_order(painted: &Painted, mut regions: Vec<PaintedPiece>) -> (Painted, Vec<PaintedPiece>) {
     let doubled = |paint: usize| regions.iter().map(|r| r.areas[paint].doubled_area()).sum::<i128>();
     let sums: Vec<i128> = (0..painted.paints.len()).map(doubled).collect();
     let mut order: Vec<usize> = (0..sums.len()).collect();
     order.sort_by_key(|paint| std::cmp::Reverse(sums[*paint]));
-    for region in &mut regions {
-        region.areas = order
-            .iter()
-            .map(|paint| std::mem::take(&mut region.areas[*paint]))
-            .collect();
+    for PaintedPiece { areas, .. } in &mut regions {
+        *areas = order.iter().map(|paint| std::mem::take(&mut areas[*paint])).collect();
     }
-    (painted.in_order(&order), regions, order)
+    (painted.in_order(&order), regions)
 }
 
 /// The material of a piece, and what is cut from it for each paint but the first.
@@ -321,22 +291,14 @@ fn cut(
     {
         return Ok((slit, made));
     }
-    let made = all_from(&whole)?;
-    Ok((whole, made))
+    all_from(&whole).map(|made| (whole, made))
 }
 
-fn signs(pieces: &[Piece], seams: &[Seam], request: &PaintedRequest) -> Vec<Signs> {
-    let inks: Vec<Region> = pieces.iter().map(|piece| piece.region.clone()).collect();
-    let room = Room {
-        bleed_mm: BLEED_MM,
-        around_mm: request.around_mm(),
-    };
-    labels::signs(pieces, seams, &inks, &vec![None; seams.len()], &room).signs
-}
-
-/// The sheet of a piece's stencils in the piece's plane.
-fn outer(material: &Material, region: &PaintedPiece) -> Region {
-    sheets::flat(&material.sheet, &region.upright)
+/// One connected piece of an area as an area of its own.
+fn alone(piece: &[PlaneOutline]) -> Area {
+    Area {
+        pieces: vec![piece.to_vec()],
+    }
 }
 
 /// What rulers and captions take of a page; where stencils are mirrored on it, on both sides.
@@ -367,9 +329,7 @@ fn areas(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>], paints: usize) ->
 /// Parts of a paint's area of which nothing is cut: how many, and their area.
 fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) {
     let key = |part: &Vec<PlaneOutline>| {
-        let part = Area {
-            pieces: vec![part.clone()],
-        };
+        let part = alone(part);
         let bounds = part.bounds().map(|b| [b.left, b.bottom, b.right, b.top]);
         (bounds, part.doubled_area())
     };
@@ -377,10 +337,7 @@ fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) 
     for stencil in cuts.iter().flatten() {
         let bridged: BTreeSet<_> = stencil.bridges.pieces.iter().map(key).collect();
         for part in &regions[stencil.piece].areas[stencil.paint].pieces {
-            let mm2 = Area {
-                pieces: vec![part.clone()],
-            }
-            .mm2();
+            let mm2 = alone(part).mm2();
             if mm2 > NOTHING_MM2 && bridged.contains(&key(part)) {
                 sum = (sum.0 + 1, sum.1 + mm2);
             }
@@ -412,9 +369,14 @@ fn draw(
     for (i, sheet) in legend_sheets(&first, &legend, &captions).into_iter().enumerate() {
         made.add(format!("legend{}", i + 1), sheet);
     }
-    let drawing = sheets::Drawing::new(made, signs, &captions, request.mirror);
-    let drawn = drawing.all(frames);
-    for (name, sheet) in drawn {
+    let drawing = sheets::Drawing {
+        made,
+        signs,
+        captions: &captions,
+        mirror: request.mirror,
+        hole_mm: hole_mm(request.min_feature_mm),
+    };
+    for (name, sheet) in drawing.all(frames) {
         made.add(name, sheet);
     }
     Ok(())

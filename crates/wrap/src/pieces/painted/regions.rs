@@ -1,9 +1,11 @@
 //! What each paint takes of a piece: the cells of a world-aligned pattern, cut at every triangle and laid flat with it.
 
+use super::alone;
 use crate::pieces::flat::Piece;
+use scaleproof_core::geometry::{between as mix, extent};
 use scaleproof_print::print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, units};
 use scaleproof_print::print::raster::FlatTriangle;
-use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_print::print::wrap::{Contour, Point, Region};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::texture::{SurfacePoint, Tile};
@@ -23,11 +25,13 @@ pub struct Upright {
 }
 
 impl Upright {
-    pub fn of(&self, [x, y]: Point) -> Point {
+    /// A place of the piece's plane, turned, in units.
+    pub fn units(&self, [x, y]: Point) -> PlanePoint {
         let [c, s] = self.turn;
-        [c * x - s * y, s * x + c * y]
+        PlanePoint::new(units(c * x - s * y), units(s * x + c * y))
     }
 
+    /// A turned place, in the piece's plane.
     pub fn back(&self, [x, y]: Point) -> Point {
         let [c, s] = self.turn;
         [c * x + s * y, c * y - s * x]
@@ -35,11 +39,8 @@ impl Upright {
 
     /// A region of the piece's plane, turned.
     pub fn area(&self, region: &Region) -> Area {
-        let corner = |p: &Point| {
-            let [x, y] = self.of(*p);
-            PlanePoint::new(units(x), units(y))
-        };
-        let outlines: Vec<PlaneOutline> = region.contours().map(|c| c.iter().map(corner).collect()).collect();
+        let outline = |contour: &Contour| contour.iter().map(|p| self.units(*p)).collect();
+        let outlines: Vec<PlaneOutline> = region.contours().map(outline).collect();
         smooth(&Area::of(&outlines))
     }
 }
@@ -118,15 +119,9 @@ fn turn(laid: &[[Corner; 3]]) -> Point {
 
 /// The rows (axis 1) or columns (0) that an outline reaches into.
 fn cells(outline: &[Corner], axis: usize) -> impl Iterator<Item = f64> + use<> {
-    let values = outline.iter().map(|corner| corner.cell[axis]);
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
-    });
-    let (first, end) = if low.is_finite() {
-        (low.floor(), high.ceil())
-    } else {
-        (0.0, 0.0)
-    };
+    let (low, high) = extent(outline.iter().map(|corner| corner.cell[axis]));
+    let (first, end) = (low.floor(), high.ceil());
+    // Of no corner there are none: minus infinity becomes 0.
     (0..(end - first) as usize).map(move |i| first + i as f64)
 }
 
@@ -146,10 +141,9 @@ fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
         }
         if (at_a < 0.0) != (at_b < 0.0) {
             let share = at_a / (at_a - at_b);
-            let mix = |a: Point, b: Point| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
             kept.push(Corner {
-                cell: mix(a.cell, b.cell),
-                flat: mix(a.flat, b.flat),
+                cell: mix(a.cell, b.cell, share),
+                flat: mix(a.flat, b.flat, share),
             });
         }
     }
@@ -158,11 +152,7 @@ fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
 
 /// A part of a triangle on paper, counter-clockwise; `None` of nothing.
 fn outline(part: &[Corner], upright: &Upright) -> Option<PlaneOutline> {
-    let corner = |corner: &Corner| {
-        let [x, y] = upright.of(corner.flat);
-        PlanePoint::new(units(x), units(y))
-    };
-    let mut outline: PlaneOutline = part.iter().map(corner).collect();
+    let mut outline: PlaneOutline = part.iter().map(|corner| upright.units(corner.flat)).collect();
     let cross =
         |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
     let doubled: i128 = edges(&outline).map(cross).sum();
@@ -176,14 +166,7 @@ fn outline(part: &[Corner], upright: &Upright) -> Option<PlaneOutline> {
 fn joined(parts: &[PlaneOutline]) -> Area {
     let grown = Area::of(parts).grown(JOINED);
     let mut area = grown.shrunk(JOINED);
-    let is_something = |piece: &Vec<PlaneOutline>| {
-        Area {
-            pieces: vec![piece.clone()],
-        }
-        .mm2()
-            > NOTHING_MM2
-    };
-    area.pieces.retain(is_something);
+    area.pieces.retain(|piece| alone(piece).mm2() > NOTHING_MM2);
     area
 }
 
@@ -198,15 +181,11 @@ fn straightened(outline: &PlaneOutline) -> PlaneOutline {
     let Some(first) = outline.first() else {
         return Vec::new();
     };
-    let away = |p: &PlanePoint| f64::from(p.x - first.x).hypot(f64::from(p.y - first.y));
-    let far = |(i, p): (usize, &PlanePoint)| (i, away(p));
-    let Some((far, _)) = outline.iter().enumerate().map(far).max_by(|a, b| a.1.total_cmp(&b.1)) else {
-        return Vec::new();
-    };
-    let mut kept = vec![false; outline.len() + 1];
-    for i in [0, far, outline.len()] {
-        kept[i] = true;
-    }
+    let away = |i: usize| f64::from(outline[i].x - first.x).hypot(f64::from(outline[i].y - first.y));
+    let farthest = (0..outline.len()).max_by(|a, b| away(*a).total_cmp(&away(*b)));
+    let far = farthest.unwrap_or_default();
+    let mut kept = vec![false; outline.len()];
+    (kept[0], kept[far]) = (true, true);
     let at = |i: usize| outline[i % outline.len()];
     let mut open = vec![(0, far), (far, outline.len())];
     while let Some((from, to)) = open.pop() {

@@ -2,18 +2,19 @@
 
 use proptest::prelude::*;
 
-use super::*;
+use nalgebra::Point3;
+use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement, SignedAxis, Triangle};
 
 const BOX_MM: [f64; 3] = [40.0, 20.0, 10.0];
 
 fn obj_of(mesh: &Mesh) -> Vec<u8> {
     let mut text = "mtllib box.mtl\nmtllib more.mtl\n".to_owned();
-    for p in &mesh.points {
+    for p in mesh.points() {
         text += &format!("v {} {} {}\n", p.x, p.y, p.z);
     }
-    for triangle in &mesh.triangles {
+    for triangle in mesh.triangles() {
         let [a, b, c] = triangle.corners.map(|i| i + 1);
-        text += &format!("usemtl {}\nf {a} {b} {c}\n", mesh.materials[triangle.material]);
+        text += &format!("usemtl {}\nf {a} {b} {c}\n", mesh.materials()[triangle.material]);
     }
     text.into_bytes()
 }
@@ -21,8 +22,8 @@ fn obj_of(mesh: &Mesh) -> Vec<u8> {
 fn stl_of(mesh: &Mesh, header: &[u8; 5]) -> Vec<u8> {
     let mut bytes = vec![b'.'; 80];
     bytes[..5].copy_from_slice(header);
-    bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
-    for triangle in &mesh.triangles {
+    bytes.extend((mesh.triangles().len() as u32).to_le_bytes());
+    for triangle in mesh.triangles() {
         bytes.extend([0; 12]);
         for p in mesh.corners_mm(triangle) {
             bytes.extend(p.iter().flat_map(|c| (*c as f32).to_le_bytes()));
@@ -37,18 +38,18 @@ fn ply_of(mesh: &Mesh, ascii: bool) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        mesh.points.len(),
-        mesh.triangles.len()
+        mesh.points().len(),
+        mesh.triangles().len()
     )
     .into_bytes();
-    for p in &mesh.points {
+    for p in mesh.points() {
         if ascii {
             bytes.extend(format!("{} {} {}\n", p.x, p.y, p.z).bytes())
         } else {
             bytes.extend(p.iter().flat_map(|c| (*c as f32).to_le_bytes()))
         }
     }
-    for triangle in &mesh.triangles {
+    for triangle in mesh.triangles() {
         let [a, b, c] = triangle.corners;
         if ascii {
             bytes.extend(format!("3 {a} {b} {c}\n").bytes())
@@ -63,19 +64,19 @@ fn ply_of(mesh: &Mesh, ascii: bool) -> Vec<u8> {
 /// A glTF in metres with its front to +z, below a node that moves and mirrors it.
 fn glb_of(mesh: &Mesh) -> Vec<u8> {
     let mut data = Vec::new();
-    for p in &mesh.points {
+    for p in mesh.points() {
         // Model frame to glTF (front z, left x, up y), mirrored in x by the file and back by its node.
         for c in [-p.y, p.z, p.x] {
             data.extend(((c / 1000.0) as f32).to_le_bytes());
         }
     }
     let points = data.len();
-    for triangle in &mesh.triangles {
+    for triangle in mesh.triangles() {
         // The mirrored file has its triangles the other way round.
         let [a, b, c] = triangle.corners;
         data.extend([a, c, b].iter().flat_map(|i| (*i as u16).to_le_bytes()));
     }
-    let (vertices, indices) = (mesh.points.len(), 3 * mesh.triangles.len());
+    let (vertices, indices) = (mesh.points().len(), 3 * mesh.triangles().len());
     let mut json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"materials":[{{"name":"paint"}}],
         "nodes":[{{"children":[1],"translation":[3,4,5]}},{{"mesh":0,"scale":[-1,1,1]}}],
@@ -125,7 +126,7 @@ fn volume(mesh: &Mesh) -> f64 {
         let [a, b, c] = mesh.corners_mm(t);
         a.coords.dot(&b.coords.cross(&c.coords))
     };
-    mesh.triangles.iter().map(six).sum::<f64>() / 6.0
+    mesh.triangles().iter().map(six).sum::<f64>() / 6.0
 }
 
 #[test]
@@ -133,8 +134,8 @@ fn every_format_gives_the_same_box() {
     assert!((volume(&Mesh::cuboid(BOX_MM)) - 8000.0).abs() < 1e-9, "outward normals");
     for (extension, bytes, material) in files() {
         let mesh = load(extension, &bytes, &MeshPlacement::default()).unwrap();
-        assert_eq!((mesh.points.len(), mesh.triangles.len()), (8, 12), "{extension}");
-        assert_eq!(mesh.materials, [material], "{extension}");
+        assert_eq!((mesh.points().len(), mesh.triangles().len()), (8, 12), "{extension}");
+        assert_eq!(mesh.materials(), [material], "{extension}");
         let (low, high) = mesh.bounds_mm();
         assert!(
             (low - Point3::new(-20.0, -10.0, 0.0)).norm() < 1e-3,

@@ -1,0 +1,126 @@
+//! Points and triangles in a plane.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+/// A point, or a vector, of a plane.
+pub type Point2 = [f64; 2];
+
+/// Euclidean distance of two points.
+pub fn distance(a: Point2, b: Point2) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The point at a share of the way from one point to another: 0 is the first, 1 the second, and other shares go on beyond them.
+pub fn between(from: Point2, to: Point2, share: f64) -> Point2 {
+    [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+}
+
+/// The point at a distance from another one, along a unit vector.
+pub fn offset(p: Point2, along: Point2, by: f64) -> Point2 {
+    [0, 1].map(|axis| p[axis] + by * along[axis])
+}
+
+/// The corners of a regular polygon around a point, counter-clockwise from the right.
+pub fn circle([x, y]: Point2, radius: f64, corners: u32) -> impl Iterator<Item = Point2> {
+    (0..corners).map(move |i| {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(corners)).sin_cos();
+        [x + radius * cos, y + radius * sin]
+    })
+}
+
+/// The smallest and the largest of some numbers; infinity and its negative for none.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    values
+        .into_iter()
+        .fold(start, |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// Twice the signed area of a triangle: positive where its corners run counter-clockwise with y up.
+pub fn doubled_area(a: Point2, b: Point2, c: Point2) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// The axes of a view from outside: to the right, up and towards the viewer, who stands at an azimuth (counter-clockwise from x) and an
+/// elevation above the xy plane.
+pub fn view_axes(azimuth_deg: f64, elevation_deg: f64) -> [Vector3<f64>; 3] {
+    let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+    let (up, level) = elevation_deg.to_radians().sin_cos();
+    let towards = Vector3::new(level * cos, level * sin, up);
+    let right = Vector3::new(-sin, cos, 0.0);
+    [right, towards.cross(&right), towards]
+}
+
+/// A triangle with an area, drawn into a grid of unit cells by its barycentric coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneTriangle {
+    corners: [Point2; 3],
+    doubled_area: f64,
+}
+
+impl PlaneTriangle {
+    /// A point counts as inside where none of its barycentric coordinates is further below 0, so that neighbours leave no gap.
+    pub const EDGE: f64 = 1e-9;
+
+    /// `None` where the corners lie on a line.
+    pub fn new(corners: [Point2; 3]) -> Option<Self> {
+        let [a, b, c] = corners;
+        let doubled_area = doubled_area(a, b, c);
+        (doubled_area != 0.0).then_some(Self { corners, doubled_area })
+    }
+
+    /// The barycentric coordinates of a point; `None` outside of the triangle by more than [`Self::EDGE`].
+    pub fn shares(&self, p: Point2) -> Option<[f64; 3]> {
+        let [a, b, c] = self.corners;
+        let parts = [doubled_area(b, c, p), doubled_area(c, a, p), doubled_area(a, b, p)];
+        let shares = parts.map(|part| part / self.doubled_area);
+        shares.iter().all(|share| *share >= -Self::EDGE).then_some(shares)
+    }
+
+    /// The unit cells along an axis that the box around the triangle meets, of those in a range.
+    pub fn cells(&self, axis: usize, within: Range<usize>) -> Range<usize> {
+        let (low, high) = extent(self.corners.map(|p| p[axis]));
+        let clamped = |v: f64| v.clamp(within.start as f64, within.end as f64) as usize;
+        clamped(low.floor())..clamped(high.floor() + 1.0)
+    }
+
+    /// Calls with column, row and barycentric coordinates of each cell of a grid in which the triangle covers the place that lies `offset`
+    /// right of and above the cell's corner: 0.5 is its centre.
+    pub fn draw(&self, [width, height]: [usize; 2], offset: f64, mut each: impl FnMut(usize, usize, [f64; 3])) {
+        for row in self.cells(1, 0..height) {
+            for column in self.cells(0, 0..width) {
+                if let Some(shares) = self.shares([column as f64 + offset, row as f64 + offset]) {
+                    each(column, row, shares);
+                }
+            }
+        }
+    }
+}
+
+/// Sets that are united step by step (union–find). Each is named by its smallest member.
+#[derive(Debug, Clone)]
+pub struct UnionFind(Vec<usize>);
+
+impl UnionFind {
+    /// So many sets of one member each.
+    pub fn new(count: usize) -> Self {
+        Self((0..count).collect())
+    }
+
+    /// The smallest member of the set that this one is in.
+    pub fn root(&mut self, mut i: usize) -> usize {
+        while self.0[i] != i {
+            self.0[i] = self.0[self.0[i]];
+            i = self.0[i];
+        }
+        i
+    }
+
+    /// Makes one set of those that two members are in.
+    pub fn unite(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b)] = a.min(b);
+    }
+}

@@ -1,0 +1,25 @@
+//! Time by stage.
+
+use scaleproof_core::workers::stopwatch::{Stage, StageMs, take, timed};
+use std::time::Duration;
+
+#[test]
+fn a_moment_counts_for_the_innermost_stage() {
+    let pause = |ms: u64| std::thread::sleep(Duration::from_millis(ms));
+    timed(Stage::Rest, || {
+        timed(Stage::Tags, || {
+            pause(20);
+            timed(Stage::Read, || pause(60));
+        });
+        timed(Stage::Network, || pause(40));
+    });
+    let spent = take();
+    let of = |stage: Stage| spent[stage as usize];
+    // A sleep may last longer, and never shorter.
+    assert!(of(Stage::Read) >= 60.0 && of(Stage::Network) >= 40.0 && of(Stage::Tags) >= 20.0);
+    assert!(
+        of(Stage::Tags) < of(Stage::Read) && of(Stage::Rest) < of(Stage::Tags),
+        "{spent:?}"
+    );
+    assert_eq!(take(), StageMs::default());
+}

@@ -1,0 +1,16 @@
+//! Unit and property tests of meshes and patterns.
+
+#[path = "surface/colour.rs"]
+mod colour;
+#[path = "surface/contrast.rs"]
+mod contrast;
+#[path = "surface/gamut.rs"]
+mod gamut;
+#[path = "surface/light.rs"]
+mod light;
+#[path = "surface/mesh.rs"]
+mod mesh;
+#[path = "surface/pattern.rs"]
+mod pattern;
+#[path = "surface/world_aligned.rs"]
+mod world_aligned;
