@@ -9,6 +9,7 @@ use std::path::Path;
 use common::shared;
 use nalgebra::{Matrix2, Point3, Vector2};
 use proptest::prelude::*;
+use scaleproof_core::geometry::distance;
 use scaleproof_surface::mesh::{Mesh, MeshPlacement};
 use scaleproof_wrap::unwrap::{Chart, FlatFace, LeftOutReason, UnwrapError, UnwrapRequest, Unwrapped, unwrap};
 
@@ -81,6 +82,20 @@ fn area(corners: &[Point3<f64>; 3]) -> f64 {
 
 fn corners(unwrapped: &Unwrapped, face: &FlatFace) -> [Point3<f64>; 3] {
     face.corners.map(|c| unwrapped.points_mm[c])
+}
+
+/// How long the outline of a piece is, slits and holes included.
+fn outline_mm(chart: &Chart) -> f64 {
+    let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
+    let mut sides = BTreeMap::new();
+    for face in &chart.faces {
+        for i in 0..3 {
+            let (p, q) = (face.flat_mm[i], face.flat_mm[(i + 1) % 3]);
+            let ends = [key(p).min(key(q)), key(p).max(key(q))];
+            sides.entry(ends).or_insert((0, distance(p, q))).0 += 1;
+        }
+    }
+    sides.values().filter(|(n, _)| *n == 1).map(|(_, l)| l).sum()
 }
 
 fn faces(unwrapped: &Unwrapped) -> impl Iterator<Item = &FlatFace> {
@@ -465,7 +480,7 @@ fn assert_car(name: &str, mesh: &Mesh, paint: &str, most: usize) {
         let seconds = start.elapsed().as_secs_f64();
         assert_true(mesh, &paint, &request, &unwrapped);
         let covered: f64 = unwrapped.charts.iter().map(|c| c.surface_mm2).sum();
-        let cut: f64 = unwrapped.charts.iter().map(Chart::outline_mm).sum();
+        let cut: f64 = unwrapped.charts.iter().map(outline_mm).sum();
         println!(
             "{name} on {paper}: {} pieces, {:.2} % of {:.0} mm², stretch {:.4} (99 %: {:.3}, largest {:.2}), outlines {:.1} m, {seconds:.1} s",
             unwrapped.charts.len(),

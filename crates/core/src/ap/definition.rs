@@ -31,26 +31,23 @@ impl ApDefinition {
 
     /// The name that stands beside the number.
     pub fn name(self) -> &'static str {
-        self.words()[0]
+        match self {
+            ApDefinition::Coco101 => "coco-101",
+            ApDefinition::AllPoint => "all-point",
+            ApDefinition::Voc11 => "voc-11",
+            ApDefinition::Yolov5Ramp => "yolov5-ramp",
+        }
     }
 
     /// What it is, in a few words.
     pub fn meaning(self) -> &'static str {
-        self.words()[1]
-    }
-
-    fn words(self) -> [&'static str; 2] {
         match self {
-            ApDefinition::Coco101 => [
-                "coco-101",
-                "mean of the best precision at each of 101 recalls or beyond",
-            ],
-            ApDefinition::AllPoint => ["all-point", "area under the best precision at a recall or beyond"],
-            ApDefinition::Voc11 => ["voc-11", "mean of the best precision at each of 11 recalls or beyond"],
-            ApDefinition::Yolov5Ramp => [
-                "yolov5-ramp",
-                "area that also counts a ramp from the last recall reached down to recall 1: not comparable with the other definitions",
-            ],
+            ApDefinition::Coco101 => "mean of the best precision at each of 101 recalls or beyond",
+            ApDefinition::AllPoint => "area under the best precision at a recall or beyond",
+            ApDefinition::Voc11 => "mean of the best precision at each of 11 recalls or beyond",
+            ApDefinition::Yolov5Ramp => {
+                "area that also counts a ramp from the last recall reached down to recall 1: not comparable with the other definitions"
+            }
         }
     }
 

@@ -57,8 +57,8 @@ fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
     for file in staged {
         // A name that is no line of text cannot be noted; the file is whole or absent all the same.
         let is_line = |path: &Path| path.file_name()?.to_str().filter(|name| !name.contains('\n')).map(drop);
-        let name = is_line(file.path()).and_then(|()| file.temporary().file_name()?.to_str());
-        let folder = folder_of(file.path());
+        let name = is_line(&file.path).and_then(|()| file.temporary.file_name()?.to_str());
+        let folder = folder_of(&file.path);
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let names = folders.entry(folder).or_default();
         names.extend(name.map(str::to_owned));

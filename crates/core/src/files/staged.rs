@@ -9,8 +9,8 @@ use super::FileError;
 
 /// Removed unless it takes its place. Its lock says that its program still runs.
 pub(super) struct Staged {
-    temporary: PathBuf,
-    path: PathBuf,
+    pub(super) temporary: PathBuf,
+    pub(super) path: PathBuf,
     lock: Option<File>,
 }
 
@@ -40,15 +40,6 @@ impl Staged {
     pub(super) fn persist(mut self) -> Result<Option<File>, FileError> {
         std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
         Ok(self.lock.take())
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// The name of the temporary file.
-    pub(super) fn temporary(&self) -> &Path {
-        &self.temporary
     }
 }
 

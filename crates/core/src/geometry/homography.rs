@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use super::distance;
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// Gauss–Newton steps after the linear answer; it converges in three or four.
@@ -35,21 +36,11 @@ pub fn mapped(by: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
 fn normalising(points: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     let count = points.len() as f64;
     let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / count);
-    let distances = points.iter().map(|p| (p[0] - mean[0]).hypot(p[1] - mean[1]));
+    let distances = points.iter().map(|p| distance(*p, mean));
     let scale = std::f64::consts::SQRT_2 * count / distances.sum::<f64>();
-    scale.is_finite().then(|| {
-        Matrix3::new(
-            scale,
-            0.0,
-            -scale * mean[0],
-            0.0,
-            scale,
-            -scale * mean[1],
-            0.0,
-            0.0,
-            1.0,
-        )
-    })
+    let mut map = Matrix3::new_scaling(scale);
+    (map[(0, 2)], map[(1, 2)]) = (-scale * mean[0], -scale * mean[1]);
+    scale.is_finite().then_some(map)
 }
 
 /// The unit vector of nine numbers that leaves the least of the linear equations.

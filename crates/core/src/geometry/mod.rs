@@ -3,12 +3,12 @@
 pub mod angle;
 pub mod bbox;
 pub mod homography;
-mod hull;
 pub mod length;
 mod plane;
 pub mod rigid;
 
 pub use bbox::BoxPx;
-pub use hull::convex_hull;
-pub use plane::{PlaneTriangle, Point2, UnionFind, between, circle, distance, doubled_area, extent, offset, view_axes};
+pub use plane::{
+    PlaneTriangle, Point2, UnionFind, between, circle, convex_hull, distance, doubled_area, extent, offset, view_axes,
+};
 pub use rigid::Rigid;

@@ -43,6 +43,25 @@ pub fn doubled_area(a: Point2, b: Point2, c: Point2) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
+/// The corners of the convex hull, in order around it; points on its sides are left out. By the monotone chain (Andrew 1979).
+pub fn convex_hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && doubled_area(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let lower = chain(&mut points.iter().copied());
+    let upper = chain(&mut points.iter().rev().copied());
+    [lower, upper].concat()
+}
+
 /// The axes of a view from outside: to the right, up and towards the viewer, who stands at an azimuth (counter-clockwise from x) and an
 /// elevation above the xy plane.
 pub fn view_axes(azimuth_deg: f64, elevation_deg: f64) -> [Vector3<f64>; 3] {

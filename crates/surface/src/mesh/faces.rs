@@ -12,7 +12,7 @@ const MOST_BYTES: u64 = 16 * MAX_TRIANGLES as u64;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceList {
     /// Each once, rising.
-    indices: Vec<usize>,
+    pub(super) indices: Vec<usize>,
     /// Entries of the file beyond the first of each triangle.
     pub repeated: usize,
 }
@@ -67,9 +67,5 @@ impl FaceList {
             repeated: entries - indices.len(),
             indices,
         })
-    }
-
-    pub(super) fn indices(&self) -> &[usize] {
-        &self.indices
     }
 }

@@ -66,18 +66,16 @@ pub enum MeshError {
     )]
     BadLength { value: f64 },
     #[error(
-        "the model would be {length} × {width} × {height} mm (length × width × height), and its longest side must be 10 to 5000 mm; correct \
-         size_mm of the scene, or give the model's length"
+        "the model would be {} × {} × {} mm (length × width × height), and its longest side must be 10 to 5000 mm; correct \
+         size_mm of the scene, or give the model's length", size_mm[0], size_mm[1], size_mm[2]
     )]
-    NoModel { length: f64, width: f64, height: f64 },
+    NoModel { size_mm: [f64; 3] },
     #[error(
-        "the mesh is {length} × {width} × {height} mm by its file, rather a thing itself than its scale model; give the model's \
-         length, as in {at_scale} (1:{scale}) or, if the file is right, {length}"
+        "the mesh is {} × {} × {} mm by its file, rather a thing itself than its scale model; give the model's \
+         length, as in {at_scale} (1:{scale}) or, if the file is right, {}", size_mm[0], size_mm[1], size_mm[2], size_mm[0]
     )]
     LifeSize {
-        length: f64,
-        width: f64,
-        height: f64,
+        size_mm: [f64; 3],
         at_scale: f64,
         scale: f64,
     },
@@ -257,7 +255,7 @@ impl Mesh {
         let count = self.materials.len();
         let mut of_old = vec![None; count];
         self.looks.resize(count, None);
-        for face in faces.indices() {
+        for face in &faces.indices {
             let Some(triangle) = self.triangles.get_mut(*face) else {
                 continue;
             };
@@ -291,8 +289,8 @@ impl Mesh {
         if LONGEST_SIDE_MM.contains(&size.into_iter().fold(0.0, f64::max)) {
             return Ok(());
         }
-        let [length, width, height] = size.map(rounded);
-        Err(MeshError::NoModel { length, width, height })
+        let size_mm = size.map(rounded);
+        Err(MeshError::NoModel { size_mm })
     }
 
     /// Refuses the car itself, as a glTF in metres usually is, where a model of 1:`scale` is needed and its length is not given.
@@ -304,12 +302,11 @@ impl Mesh {
         if size.into_iter().all(|mm| mm <= LONGEST_UNMEASURED_MM) {
             return Ok(());
         }
-        let [length, width, height] = size.map(rounded);
+        let size_mm = size.map(rounded);
+        let at_scale = rounded(size_mm[0] / scale);
         Err(MeshError::LifeSize {
-            length,
-            width,
-            height,
-            at_scale: rounded(length / scale),
+            size_mm,
+            at_scale,
             scale,
         })
     }

@@ -4,6 +4,7 @@ use image::RgbImage;
 
 use super::Pattern;
 use super::colour::Lab;
+use scaleproof_core::statistics::upper_median;
 
 /// Median ΔE2000 between neighbouring cells (right and below, across the pattern's repeat too).
 pub fn median_delta_e(pattern: &Pattern) -> f64 {
@@ -11,9 +12,9 @@ pub fn median_delta_e(pattern: &Pattern) -> f64 {
     let (columns, rows) = cells.dimensions();
     let lab = |x: u32, y: u32| Lab::of(cells.get_pixel(x % columns, y % rows).0);
     let pairs = (0..rows).flat_map(|y| (0..columns).flat_map(move |x| [(x, y, x + 1, y), (x, y, x, y + 1)]));
-    let mut differences: Vec<f64> = pairs
+    let differences: Vec<f64> = pairs
         .map(|(x, y, to_x, to_y)| lab(x, y).delta_e(lab(to_x, to_y)))
         .collect();
-    differences.sort_by(f64::total_cmp);
-    differences[differences.len() / 2]
+    // A pattern has a cell at least.
+    upper_median(&differences).unwrap_or_default()
 }

@@ -7,6 +7,7 @@ use image::RgbImage;
 
 use super::MAX_CELLS;
 use super::area::averaged;
+use scaleproof_core::statistics::upper_median;
 
 /// Blocks of a JPEG that are smaller have no middle.
 const LEAST_NOISY_BLOCK: u32 = 4;
@@ -63,17 +64,14 @@ impl Changes {
 
     /// How much more of the changes is at the borders of so many cells than by chance: 1 is all, 0 is chance.
     fn at_borders(&self, cells: u32) -> BorderShare {
-        let mut sorted = self.0[1..].to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let noise = sorted.get(sorted.len() / 2).copied().unwrap_or_default();
+        let noise = upper_median(&self.0[1..]).unwrap_or_default();
         let above = |at: usize| (self.0[at] - noise).max(0.0);
         let total: f64 = (1..self.0.len()).map(above).sum();
         let borders = self.borders(cells);
         let held: f64 = borders.iter().map(|at| above(*at)).sum();
         let mean = held / borders.len().max(1) as f64;
-        let pixel = |border: u32| f64::from(border) * f64::from(self.pixels()) / f64::from(cells);
         let is_busy = |border: &u32| {
-            let at = pixel(*border);
+            let at = self.border(*border, cells);
             above(at.floor() as usize).max(above(at.ceil() as usize)) > QUIET * mean
         };
         let busy = (1..cells).filter(is_busy).count();
@@ -86,13 +84,16 @@ impl Changes {
 
     /// Pixels that begin a block, and those before where the border is inside of a pixel.
     fn borders(&self, cells: u32) -> Vec<usize> {
-        let at = |border: u32| f64::from(border) * f64::from(self.pixels()) / f64::from(cells);
-        let mut all: Vec<usize> = (1..cells)
-            .flat_map(|border| [at(border).floor(), at(border).ceil()])
-            .map(|at| at as usize)
+        let at = (1..cells).map(|border| self.border(border, cells));
+        let mut all: Vec<usize> = at
+            .flat_map(|at| [at.floor(), at.ceil()].map(|at| at as usize))
             .collect();
         all.dedup();
         all
+    }
+
+    fn border(&self, border: u32, cells: u32) -> f64 {
+        f64::from(border) * f64::from(self.pixels()) / f64::from(cells)
     }
 
     /// The number of cells whose borders hold the most of the changes for their number.

@@ -41,17 +41,11 @@ pub struct PatternFate {
 /// How a pattern fares on a printer.
 pub fn fate(pattern: &Pattern, printer: &PrintedColours) -> PatternFate {
     let gamut = printer.gamut();
-    let counts = pattern.colour_counts();
-    let mut colours: Vec<ColourFate> = counts
-        .iter()
-        .map(|(rgb, cells)| colour_fate(*rgb, *cells, &gamut))
-        .collect();
-    colours.sort_by(|a, b| {
-        b.best_delta_e
-            .total_cmp(&a.best_delta_e)
-            .then(a.wanted_rgb.cmp(&b.wanted_rgb))
-    });
-    let all: f64 = counts.values().sum::<usize>() as f64;
+    let counts = pattern.colour_counts().into_iter();
+    let mut colours: Vec<_> = counts.map(|(rgb, cells)| colour_fate(rgb, cells, &gamut)).collect();
+    // Stable: of equals, the colours stay in their order.
+    colours.sort_by(|a, b| b.best_delta_e.total_cmp(&a.best_delta_e));
+    let all = colours.iter().map(|c| c.cells).sum::<usize>() as f64;
     let mean = |of: &dyn Fn(&ColourFate) -> f64| colours.iter().map(|c| of(c) * c.cells as f64).sum::<f64>() / all;
     PatternFate {
         nps: mean(&|c| nearest(c.wanted_rgb, printer)),
@@ -80,15 +74,9 @@ fn colour_fate(wanted_rgb: [u8; 3], cells: usize, gamut: &Gamut) -> ColourFate {
 /// Distance in sRGB, channels from 0 to 1, to the nearest measured colour.
 fn nearest(rgb: [u8; 3], printer: &PrintedColours) -> f64 {
     let distance = |other: [u8; 3]| {
-        let squares = rgb
-            .iter()
-            .zip(other)
-            .map(|(a, b)| (f64::from(*a) - f64::from(b)).powi(2));
+        let squares = (0..3).map(|c| (f64::from(rgb[c]) - f64::from(other[c])).powi(2));
         squares.sum::<f64>().sqrt() / 255.0
     };
-    printer
-        .patches
-        .iter()
-        .map(|p| distance(p.measured_rgb))
-        .fold(f64::INFINITY, f64::min)
+    let distances = printer.patches.iter().map(|p| distance(p.measured_rgb));
+    distances.fold(f64::INFINITY, f64::min)
 }

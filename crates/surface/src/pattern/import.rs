@@ -51,8 +51,6 @@ pub fn enlarged_pattern(picture: &Picture) -> Result<Option<Pattern>, PatternErr
 
 /// So many rows make cells of an image about square.
 pub fn rows_for(picture: &Picture, columns: u32) -> u32 {
-    picture
-        .height_for(f64::from(columns))
-        .round()
-        .clamp(1.0, f64::from(u32::MAX)) as u32
+    let rows = picture.height_for(f64::from(columns)).round();
+    rows.clamp(1.0, f64::from(u32::MAX)) as u32
 }

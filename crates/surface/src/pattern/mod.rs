@@ -67,7 +67,13 @@ impl Pattern {
             return Err(PatternError::NotPng { path: path.to_owned() });
         }
         let image = decode(path, &bytes)?;
-        refuse_transparency(path, &image)?;
+        // 16 bits, so that an alpha of 65534 is not rounded to opaque.
+        let deep = image.to_rgba16();
+        let mut pixels = deep.enumerate_pixels();
+        if let Some((column, row, _)) = pixels.find(|(_, _, pixel)| pixel.0[3] != u16::MAX) {
+            let path = path.to_owned();
+            return Err(PatternError::Transparent { path, column, row });
+        }
         Ok(Self {
             cells: image.to_rgb8(),
             sha256: files::sha256_hex(&bytes),
@@ -183,25 +189,6 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
         });
     }
     DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
-}
-
-fn refuse_transparency(path: &Path, image: &DynamicImage) -> Result<(), PatternError> {
-    if !image.color().has_alpha() {
-        return Ok(());
-    }
-    // 16 bits, so that an alpha of 65534 is not rounded to opaque.
-    match image
-        .to_rgba16()
-        .enumerate_pixels()
-        .find(|(_, _, pixel)| pixel.0[3] != u16::MAX)
-    {
-        Some((column, row, _)) => Err(PatternError::Transparent {
-            path: path.to_owned(),
-            column,
-            row,
-        }),
-        None => Ok(()),
-    }
 }
 
 fn png_of(cells: &RgbImage) -> Result<Vec<u8>, PatternError> {

@@ -58,12 +58,8 @@ impl Picture {
             Some(alpha) => on_white(image, alpha),
             None => (image.into_rgb8(), 0.0),
         };
-        let note = || {
-            format!(
-                "is see-through in {:.1} % of its pixels, which are laid on white",
-                100.0 * share
-            )
-        };
+        let percent = 100.0 * share;
+        let note = || format!("is see-through in {percent:.1} % of its pixels, which are laid on white");
         Ok(Self {
             pixels: Arc::new(pixels),
             sha256: files::sha256_hex(bytes),
@@ -97,13 +93,9 @@ fn jpeg(bytes: &[u8]) -> Result<RgbImage, String> {
 }
 
 fn check_size((width, height): (u32, u32)) -> Result<(), String> {
-    if width.max(height) > MAX_PIXELS {
-        Err(format!(
-            "it has {width}×{height} pixels, more than {MAX_PIXELS} along a side: scale it down"
-        ))
-    } else {
-        Ok(())
-    }
+    let refused = || format!("it has {width}×{height} pixels, more than {MAX_PIXELS} along a side: scale it down");
+    let is_fine = width.max(height) <= MAX_PIXELS;
+    is_fine.then_some(()).ok_or_else(refused)
 }
 
 /// Photos are copied again; other images are saved again.

@@ -22,8 +22,8 @@ const ROUNDING: f32 = 1e-3;
 /// A cube of colours for each triangle.
 #[derive(Debug, Clone)]
 pub struct FaceTexels {
-    /// Of the cube.
-    side: usize,
+    /// Texels along a side of the cube, and along an edge of the triangle.
+    pub(super) side: usize,
     /// sRGB from 0 to 1: triangle, then the places along the cube's three axes.
     texels: Arc<[[f32; 3]]>,
 }
@@ -80,11 +80,6 @@ impl FaceTexels {
             (0..3).for_each(|c| sum[c] += share * f64::from(texel[c]));
         }
         sum.map(|value| (255.0 * value.clamp(0.0, 1.0)).round() as u8)
-    }
-
-    /// How many texels lie along an edge.
-    pub(super) fn along_edge(&self) -> usize {
-        self.side
     }
 }
 

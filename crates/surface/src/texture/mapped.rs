@@ -27,16 +27,9 @@ const PAPER: [u8; 3] = [255; 3];
 /// The image of each triangle and where the triangle lies in it. Its coordinates are its own: the mesh that is painted may be another file.
 #[derive(Debug, Clone)]
 pub struct MappedImages {
-    /// Of each triangle.
-    places: Arc<[Place]>,
+    /// Of each triangle, with the places of its corners where it has an image.
+    places: Arc<[(Skin, TextureCoordinates)]>,
     maps: Arc<[Map]>,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Place {
-    Nowhere,
-    In { map: usize, at: TextureCoordinates },
-    Plain([u8; 3]),
 }
 
 /// An image and what lies beyond its borders.
@@ -113,21 +106,18 @@ impl MappedImages {
 
     /// `skins`: of each material.
     fn new(mesh: &Mesh, paint: &[usize], skins: &[Skin], maps: Vec<Map>) -> Result<Self, TextureError> {
-        let place = |(i, triangle): (usize, &crate::mesh::Triangle)| match skins.get(triangle.material) {
-            Some(Skin::Plain(rgb)) => Place::Plain(*rgb),
-            Some(Skin::Image(map)) => mesh
-                .coordinates(i)
-                .map_or(Place::Nowhere, |at| Place::In { map: *map, at }),
-            _ => Place::Nowhere,
+        let place = |i: usize| match skins[mesh.triangles()[i].material] {
+            Skin::Image(map) => mesh.coordinates(i).map_or(NOWHERE, |at| (Skin::Image(map), at)),
+            skin => (skin, NOWHERE.1),
         };
-        let places: Vec<Place> = mesh.triangles().iter().enumerate().map(place).collect();
+        let places: Vec<_> = (0..mesh.triangles().len()).map(place).collect();
         let (mut all, mut missing) = (0, 0);
         for triangle in mesh.painted(paint) {
             all += 1;
             match &places[triangle] {
-                Place::Nowhere => missing += 1,
-                Place::In { at, .. } => check(at)?,
-                Place::Plain(_) => {}
+                (Skin::None, _) => missing += 1,
+                (Skin::Image(_), at) => check(at)?,
+                (Skin::Plain(_), _) => {}
             }
         }
         if missing > 0 {
@@ -141,13 +131,13 @@ impl MappedImages {
 
     pub(super) fn colour(&self, at: &SurfacePoint) -> [u8; 3] {
         match self.places.get(at.triangle) {
-            Some(Place::Plain(rgb)) => *rgb,
-            Some(Place::In { map, at: corners }) => {
+            Some((Skin::Plain(rgb), _)) => *rgb,
+            Some((Skin::Image(map), corners)) => {
                 let weights = at.within().map(|weight| weight + INWARD * (1.0 / 3.0 - weight));
                 let [u, v] = [0, 1].map(|axis| (0..3).map(|i| weights[i] * corners[i][axis]).sum());
                 self.maps.get(*map).map_or(PAPER, |map| map.texel([u, v]))
             }
-            Some(Place::Nowhere) | None => PAPER,
+            Some((Skin::None, _)) | None => PAPER,
         }
     }
 
@@ -168,14 +158,14 @@ impl MappedImages {
                 across / f64::from(map.image.width()),
                 up / f64::from(map.image.height()),
             ]),
-            (None, Some(Place::Plain(rgb))) => *rgb,
+            (None, Some((Skin::Plain(rgb), _))) => *rgb,
             _ => PAPER,
         }
     }
 
     fn in_image(&self, triangle: usize) -> Option<(&Map, TextureCoordinates)> {
         match self.places.get(triangle)? {
-            Place::In { map, at } => Some((self.maps.get(*map)?, *at)),
+            (Skin::Image(map), at) => Some((self.maps.get(*map)?, *at)),
             _ => None,
         }
     }
@@ -185,15 +175,12 @@ impl MappedImages {
         let mut only: Option<(Arc<RgbImage>, Wrap)> = None;
         let mut coordinates = Vec::with_capacity(triangles.len());
         for triangle in triangles {
-            let Some(Place::In { map, at }) = self.places.get(*triangle) else {
-                return None;
-            };
-            let map = self.maps.get(*map)?;
+            let (map, at) = self.in_image(*triangle)?;
             let (image, wrap) = only.get_or_insert_with(|| (Arc::clone(&map.image), map.wrap[0]));
             if !Arc::ptr_eq(image, &map.image) || map.wrap != [*wrap; 2] {
                 return None;
             }
-            coordinates.push(*at);
+            coordinates.push(at);
         }
         only.map(|(image, wrap)| OnlyImage {
             image,
@@ -216,12 +203,13 @@ impl Map {
         let [across, up] = [self.wrap[0].within(u), self.wrap[1].within(v)];
         let (width, height) = self.image.dimensions();
         let index = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count.saturating_sub(1));
-        let texel = self
-            .image
-            .get_pixel_checked(index(across, width), index(1.0 - up, height));
-        texel.map_or(PAPER, |texel| texel.0)
+        let (column, row) = (index(across, width), index(1.0 - up, height));
+        self.image.get_pixel_checked(column, row).map_or(PAPER, |texel| texel.0)
     }
 }
+
+/// The place of what is drawn with nothing.
+const NOWHERE: (Skin, TextureCoordinates) = (Skin::None, [[0.0; 2]; 3]);
 
 /// What a material is drawn with.
 #[derive(Debug, Clone, Copy)]
@@ -254,12 +242,15 @@ impl Collected {
         let Some(source) = &look.image else {
             return Ok(Skin::Plain(light::rgb_of(look.factor)));
         };
-        let name = match source {
+        let (name, key) = match source {
             ImageSource::Refused(reason) => return Err(unusable(reason.clone())),
-            ImageSource::Inside(..) => format!("the image of material '{material}'"),
-            ImageSource::File(path) => path.display().to_string(),
+            ImageSource::Inside(blob, range) => {
+                let name = format!("the image of material '{material}'");
+                (name, format!("{:p} {range:?}", Arc::as_ptr(blob)))
+            }
+            ImageSource::File(path) => (path.display().to_string(), path.display().to_string()),
         };
-        let key = (key_of(source), format!("{:?} {:?}", look.factor, look.alpha));
+        let key = (key, format!("{:?} {:?}", look.factor, look.alpha));
         let image = match self.decoded.get(&key) {
             Some(image) => Arc::clone(image),
             None => {
@@ -296,15 +287,6 @@ impl Collected {
     }
 }
 
-/// What tells the sources of one mesh apart.
-fn key_of(source: &ImageSource) -> String {
-    match source {
-        ImageSource::Inside(blob, range) => format!("{:p} {range:?}", Arc::as_ptr(blob)),
-        ImageSource::File(path) => path.display().to_string(),
-        ImageSource::Refused(reason) => reason.clone(),
-    }
-}
-
 fn multiply(pixels: &mut Arc<RgbImage>, factor: [f64; 3]) {
     if factor == [1.0; 3] {
         return;
@@ -320,11 +302,9 @@ fn multiply(pixels: &mut Arc<RgbImage>, factor: [f64; 3]) {
 
 /// Refuses damage.
 fn check(corners: &TextureCoordinates) -> Result<(), TextureError> {
-    let bad = corners
-        .iter()
-        .flatten()
-        .find(|c| c.is_nan() || c.abs() > MAX_COORDINATE);
-    bad.map_or(Ok(()), |value| Err(TextureError::BadCoordinate { value: *value }))
+    let mut values = corners.as_flattened().iter().copied();
+    let bad = values.find(|c| c.is_nan() || c.abs() > MAX_COORDINATE);
+    bad.map_or(Ok(()), |value| Err(TextureError::BadCoordinate { value }))
 }
 
 impl TextureError {
@@ -332,10 +312,8 @@ impl TextureError {
         if missing == all {
             "the mesh has no texture coordinates".into()
         } else {
-            format!(
-                "{} of the paint's {all} have no texture coordinates",
-                count(*missing, "triangle")
-            )
+            let missing = count(*missing, "triangle");
+            format!("{missing} of the paint's {all} have no texture coordinates")
         }
     }
 }

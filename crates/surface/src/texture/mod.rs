@@ -5,15 +5,13 @@ mod face_texels;
 mod mapped;
 mod patches;
 mod same_shape;
-mod sides;
 mod tile;
 
 pub use face_texels::FaceTexels;
 pub use mapped::{Mapped, MappedImages};
 pub use patches::PlacedPatch;
 pub use same_shape::check_same_shape;
-pub use sides::SidePatterns;
-pub use tile::Tile;
+pub use tile::{SidePatterns, Tile};
 
 use std::path::PathBuf;
 
@@ -111,7 +109,7 @@ impl Texture {
         match self {
             Self::Flat(rgb) => *rgb,
             Self::Tile(tile) => tile.colour(mesh, at),
-            Self::Sides(patterns) => patterns.colour(mesh, at),
+            Self::Sides(patterns) => patterns.tile(at.triangle).colour(mesh, at),
             Self::Images(images) => images.colour(at),
             Self::Faces(texels) => texels.colour(at),
             Self::Patches(below, patches) => {
@@ -127,7 +125,7 @@ impl Texture {
         match self {
             Self::Flat(_) => Some([[0.0; 2]; 3]),
             Self::Tile(tile) => Some(tile.in_cells(mesh, triangle)),
-            Self::Sides(patterns) => Some(patterns.in_cells(mesh, triangle)),
+            Self::Sides(patterns) => Some(patterns.tile(triangle).in_cells(mesh, triangle)),
             Self::Images(images) => Some(images.in_cells(triangle)),
             Self::Faces(_) | Self::Patches(..) => None,
         }
@@ -139,7 +137,7 @@ impl Texture {
         match self {
             Self::Flat(rgb) => *rgb,
             Self::Tile(tile) => tile.cell(middle),
-            Self::Sides(patterns) => patterns.cell(triangle, middle),
+            Self::Sides(patterns) => patterns.tile(triangle).cell(middle),
             Self::Images(images) => images.cell(triangle, middle),
             Self::Faces(_) | Self::Patches(..) => [255; 3],
         }
@@ -152,13 +150,13 @@ impl Texture {
         match self {
             Self::Flat(_) => None,
             Self::Tile(tile) => Some(tile.cell_mm),
-            Self::Sides(patterns) => Some(patterns.cell_mm()),
+            Self::Sides(patterns) => Some(patterns.tile(triangle).cell_mm),
             Self::Images(images) => {
                 let texels = images.texels(triangle).filter(|texels| *texels > 0.0)?;
                 Some((area_mm2() / texels).sqrt())
             }
             // Half a square of so many texels along each side.
-            Self::Faces(texels) => Some((2.0 * area_mm2()).sqrt() / texels.along_edge() as f64),
+            Self::Faces(texels) => Some((2.0 * area_mm2()).sqrt() / texels.side as f64),
             Self::Patches(below, patches) => {
                 let sides = patches.iter().map(PlacedPatch::pixel_mm);
                 sides.chain(below.texel_mm(mesh, triangle)).min_by(f64::total_cmp)

@@ -1,9 +1,10 @@
-//! A pattern that is repeated over a model, aligned with the world.
+//! A pattern that is repeated over a model, aligned with the world; one for all sides, or one for each side as an attack makes them with
+//! `--laying sides`.
 
 use super::SurfacePoint;
 use crate::mesh::Mesh;
-use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
+use crate::pattern::{Pattern, PatternError};
 
 /// A pattern and its size on the model.
 #[derive(Debug, Clone)]
@@ -61,4 +62,41 @@ impl Tile {
 
 fn side(mesh: &Mesh, triangle: usize) -> Side {
     Side::of(&mesh.normal_mm2(triangle))
+}
+
+/// Six patterns, and which of them each triangle has.
+#[derive(Debug, Clone)]
+pub struct SidePatterns {
+    /// In the order of [`Side::ALL`].
+    tiles: Vec<Tile>,
+    /// Of each triangle of the mesh.
+    sides: Vec<Side>,
+}
+
+impl SidePatterns {
+    /// `below_each_other`: the sides' patterns in one, in the order of [`Side::ALL`]. `None` where its rows are not those of six.
+    ///
+    /// # Errors
+    /// Only if an encoder fails.
+    pub fn new(below_each_other: &Pattern, tile_mm: f64, mesh: &Mesh) -> Result<Option<Self>, PatternError> {
+        let count = Side::ALL.len() as u32;
+        let rows = below_each_other.rows() / count;
+        if rows == 0 || below_each_other.rows() != rows * count {
+            return Ok(None);
+        }
+        let tile = |side: &Side| {
+            let pattern = below_each_other.rows_from(*side as u32 * rows, rows)?;
+            Ok(Tile::new(pattern, tile_mm))
+        };
+        let triangles = 0..mesh.triangles().len();
+        Ok(Some(Self {
+            tiles: Side::ALL.iter().map(tile).collect::<Result<_, PatternError>>()?,
+            sides: triangles.map(|i| Side::of(&mesh.normal_mm2(i))).collect(),
+        }))
+    }
+
+    /// The pattern that a triangle has.
+    pub(super) fn tile(&self, triangle: usize) -> &Tile {
+        &self.tiles[self.sides[triangle] as usize]
+    }
 }

@@ -1,6 +1,6 @@
 //! Binary glTF 2.0 with its images inside. Its frame is the format's: front to +z, up to +y; a unit of the mesh's file is a metre.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use serde_json::{Value, json};
 
 use super::model::{Distinct, TexturedModel, ending};
@@ -25,36 +25,30 @@ pub fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> Vec<u8>
     let to_gltf = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0) * turn;
     let mut parts = Parts::default();
     let mut primitives = Vec::new();
-    let (mut materials, mut texture) = (Vec::new(), 0..);
+    let (mut materials, mut textures, mut samplers) = (Vec::new(), Vec::new(), Vec::new());
     for (i, skin) in model.skins.iter().enumerate() {
         let [r, g, b] = skin.factor;
         let mut look = json!({"baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.5});
-        if skin.image.is_some() {
-            look["baseColorTexture"] = json!({"index": texture.next()});
+        if let Some((image, wrap)) = skin.image {
+            let index = textures.len();
+            look["baseColorTexture"] = json!({"index": index});
+            textures.push(json!({"source": image, "sampler": index}));
+            let [s, t] = wrap.map(constant);
+            samplers.push(match image {
+                // Cells have sharp borders.
+                0 => json!({"magFilter": NEAREST, "minFilter": NEAREST, "wrapS": s, "wrapT": t}),
+                _ => json!({"wrapS": s, "wrapT": t}),
+            });
         }
         // A shell is seen from both sides, as in the previews.
         materials.push(json!({"name": skin.name, "pbrMetallicRoughness": look, "doubleSided": true}));
         primitives.extend(parts.primitive(mesh, model, i, &to_gltf));
     }
-    let images: Vec<Value> = model
-        .images
-        .iter()
-        .map(|image| json!({"bufferView": parts.view(image), "mimeType": format!("image/{}", kind(image))}))
-        .collect();
-    let textured = || model.skins.iter().filter_map(|skin| skin.image);
-    let textures: Vec<Value> = textured()
-        .enumerate()
-        .map(|(i, (image, _))| json!({"source": image, "sampler": i}))
-        .collect();
-    let sampler = |(image, wrap): (usize, [Wrap; 2])| {
-        let [s, t] = wrap.map(constant);
-        match image {
-            // Cells have sharp borders.
-            0 => json!({"magFilter": NEAREST, "minFilter": NEAREST, "wrapS": s, "wrapT": t}),
-            _ => json!({"wrapS": s, "wrapT": t}),
-        }
+    let mut image = |file: &[u8]| {
+        let kind = if ending(file) == "jpg" { "jpeg" } else { "png" };
+        json!({"bufferView": parts.view(file), "mimeType": format!("image/{kind}")})
     };
-    let samplers: Vec<Value> = textured().map(sampler).collect();
+    let images: Vec<Value> = model.images.iter().map(|file| image(file)).collect();
     let tree = json!({
         "asset": {"version": "2.0", "generator": concat!("scaleproof ", env!("CARGO_PKG_VERSION"))},
         "scene": 0,
@@ -75,7 +69,7 @@ pub fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> Vec<u8>
 impl Parts {
     /// The faces of a material; `None` when it has none.
     fn primitive(&mut self, mesh: &Mesh, model: &TexturedModel, skin: usize, to_gltf: &Matrix3<f64>) -> Option<Value> {
-        let mut corners = Distinct::<5>::new();
+        let mut corners = Distinct::<5>::default();
         let mut indices = Vec::new();
         for face in model.faces.iter().filter(|face| face.skin == skin) {
             for (i, place) in face.places_mm.iter().enumerate() {
@@ -88,19 +82,14 @@ impl Parts {
         if indices.is_empty() {
             return None;
         }
-        let places: Vec<Vector3<f32>> = corners
-            .values
-            .iter()
-            .map(|[x, y, z, ..]| Vector3::new(*x, *y, *z))
-            .collect();
-        let least = places.iter().fold(places[0], |least, p| least.inf(p));
-        let most = places.iter().fold(places[0], |most, p| most.sup(p));
-        let flat: Vec<f32> = places.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-        let position = self.accessor(&bytes_of(&flat), FLOAT, "VEC3", places.len());
-        self.accessors[position]["min"] = json!(<[f32; 3]>::from(least));
-        self.accessors[position]["max"] = json!(<[f32; 3]>::from(most));
-        let uv: Vec<f32> = corners.values.iter().flat_map(|[.., u, v]| [*u, *v]).collect();
-        let uv = self.accessor(&bytes_of(&uv), FLOAT, "VEC2", places.len());
+        let corners = corners.values;
+        let axis = |i: usize| corners.iter().map(move |corner| corner[i]);
+        let places: Vec<f32> = corners.iter().flat_map(|[x, y, z, ..]| [*x, *y, *z]).collect();
+        let position = self.accessor(&bytes_of(&places), FLOAT, "VEC3", corners.len());
+        self.accessors[position]["min"] = json!([0, 1, 2].map(|i| axis(i).fold(f32::INFINITY, f32::min)));
+        self.accessors[position]["max"] = json!([0, 1, 2].map(|i| axis(i).fold(f32::NEG_INFINITY, f32::max)));
+        let uv: Vec<f32> = corners.iter().flat_map(|[.., u, v]| [*u, *v]).collect();
+        let uv = self.accessor(&bytes_of(&uv), FLOAT, "VEC2", corners.len());
         let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
         let order = self.accessor(&bytes, UNSIGNED_INT, "SCALAR", indices.len());
         Some(json!({"attributes": {"POSITION": position, "TEXCOORD_0": uv}, "indices": order, "material": skin}))
@@ -124,13 +113,6 @@ impl Parts {
 
 fn bytes_of(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
-}
-
-fn kind(image: &[u8]) -> &'static str {
-    match ending(image) {
-        "jpg" => "jpeg",
-        other => other,
-    }
 }
 
 fn constant(wrap: Wrap) -> u32 {

@@ -116,12 +116,7 @@ pub fn bake(request: &BakeRequest) -> Result<Baked, BakeError> {
         Ok(charts) => (charts, None),
         Err(why) => {
             let flat = flattened(mesh, request.materials, &paint)?;
-            let packed = packing::into_image(&flat, size_px, packing::ROOM).ok_or(BakeError::TooSmall {
-                charts: flat.len(),
-                width,
-                height,
-            })?;
-            (packed, Some(why))
+            (packing::into_image(&flat, size_px, packing::ROOM)?, Some(why))
         }
     };
     let image = fill::fill(mesh, request.texture, &charts, size_px);

@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use super::Baked;
 use crate::unwrap::WHOLE;
 use scaleproof_core::files;
-use scaleproof_surface::mesh::{ImageSource, Mesh, TextureCoordinates, Wrap};
+use scaleproof_surface::mesh::{ImageSource, Look, Mesh, TextureCoordinates, Wrap};
 use scaleproof_surface::texture::SurfacePoint;
 
 /// Materials of which the file says nothing.
@@ -55,9 +55,8 @@ impl TexturedModel {
         let mut painted = baked.faces.iter().peekable();
         for (i, triangle) in mesh.triangles().iter().enumerate() {
             let mut face = |weights: [[f64; 3]; 3], coordinates| {
-                let places_mm = weights.map(|weights| SurfacePoint { triangle: i, weights }.place_mm(mesh));
                 model.faces.push(TexturedFace {
-                    places_mm,
+                    places_mm: weights.map(|weights| SurfacePoint { triangle: i, weights }.place_mm(mesh)),
                     coordinates,
                     skin: triangle.material,
                 });
@@ -75,43 +74,32 @@ impl TexturedModel {
 
     fn skin(&mut self, mesh: &Mesh, material: usize, is_paint: bool) -> Skin {
         let name = self.free_name(&mesh.materials()[material]);
-        if is_paint {
-            return Skin {
-                name,
-                factor: [1.0; 3],
-                image: Some((0, [Wrap::ClampToEdge; 2])),
-            };
-        }
-        let Some(look) = mesh.look(material) else {
-            let (factor, image) = (GREY, None);
-            return Skin { name, factor, image };
+        let (factor, image) = match mesh.look(material) {
+            _ if is_paint => ([1.0; 3], Some((0, [Wrap::ClampToEdge; 2]))),
+            Some(look) => (look.factor, self.image(look)),
+            None => (GREY, None),
         };
-        let bytes = match &look.image {
-            Some(ImageSource::Inside(bytes, range)) => bytes.get(range.clone()).map(Arc::from),
-            Some(ImageSource::File(path)) => files::read(path).ok().map(Arc::from),
-            Some(ImageSource::Refused(_)) | None => None,
+        Skin { name, factor, image }
+    }
+
+    /// The index of a material's image, which is read where it is new.
+    fn image(&mut self, look: &Look) -> Option<(usize, [Wrap; 2])> {
+        let bytes: Arc<[u8]> = match look.image.as_ref()? {
+            ImageSource::Inside(bytes, range) => bytes.get(range.clone())?.into(),
+            ImageSource::File(path) => files::read(path).ok()?.into(),
+            ImageSource::Refused(_) => return None,
         };
-        let image = bytes.map(|bytes| {
-            let known = self.images.iter().position(|image| *image == bytes);
-            let index = known.unwrap_or_else(|| {
-                self.images.push(bytes);
-                self.images.len() - 1
-            });
-            (index, look.wrap)
+        let known = self.images.iter().position(|image| *image == bytes);
+        let index = known.unwrap_or_else(|| {
+            self.images.push(bytes);
+            self.images.len() - 1
         });
-        Skin {
-            name,
-            factor: look.factor,
-            image,
-        }
+        Some((index, look.wrap))
     }
 
     /// Programs take a material's name up to its first blank, or its whole line.
     fn free_name(&self, name: &str) -> String {
-        let plain: String = name
-            .chars()
-            .map(|c| if c.is_whitespace() || c.is_control() { '_' } else { c })
-            .collect();
+        let plain = name.replace(|c: char| c.is_whitespace() || c.is_control(), "_");
         let is_taken = |name: &String| self.skins.iter().any(|skin| skin.name == *name);
         let numbered = (2..).map(|n| format!("{plain}_{n}"));
         let mut all = std::iter::once(plain.clone()).chain(numbered);
@@ -125,19 +113,13 @@ pub(super) fn ending(image: &[u8]) -> &'static str {
 }
 
 /// Different values in the order in which they came first.
+#[derive(Default)]
 pub(super) struct Distinct<const N: usize> {
     pub values: Vec<[f32; N]>,
     index: HashMap<[u32; N], usize>,
 }
 
 impl<const N: usize> Distinct<N> {
-    pub(super) fn new() -> Self {
-        Self {
-            values: Vec::new(),
-            index: HashMap::new(),
-        }
-    }
-
     /// As 32 bits, which is what these formats have.
     pub(super) fn index_of(&mut self, value: [f64; N]) -> usize {
         let value = value.map(|v| v as f32 + 0.0);

@@ -10,15 +10,11 @@ use scaleproof_surface::pattern::light;
 /// The .obj, the .mtl and the images of other materials, beside the baked image `png`, whose name they take.
 pub fn write(mesh: &Mesh, model: &TexturedModel, png: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let stem = png.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let images: Vec<String> = model
-        .images
-        .iter()
-        .enumerate()
-        .map(|(i, image)| match i {
-            0 => png.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            _ => format!("{stem}_{i}.{}", ending(image)),
-        })
-        .collect();
+    let name = |(i, image): (usize, &std::sync::Arc<[u8]>)| match i {
+        0 => png.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        _ => format!("{stem}_{i}.{}", ending(image)),
+    };
+    let images: Vec<String> = model.images.iter().enumerate().map(name).collect();
     let mut files = vec![
         (png.with_extension("obj"), faces(mesh, model, &stem).into_bytes()),
         (png.with_extension("mtl"), library(model, &images).into_bytes()),
@@ -29,7 +25,7 @@ pub fn write(mesh: &Mesh, model: &TexturedModel, png: &Path) -> Vec<(PathBuf, Ve
 }
 
 fn faces(mesh: &Mesh, model: &TexturedModel, stem: &str) -> String {
-    let (mut places, mut coordinates) = (Distinct::new(), Distinct::new());
+    let (mut places, mut coordinates) = (Distinct::default(), Distinct::default());
     let (mut lines, mut skin) = (String::new(), None);
     for face in &model.faces {
         if skin.replace(face.skin) != Some(face.skin) {

@@ -1,7 +1,7 @@
 //! Flat charts in an image, as large as they fit: each upright in its smallest rectangle, the highest first, each where it comes to lie lowest on
 //! those that are there (Lévy et al. 2002, Least Squares Conformal Maps, section 4).
 
-use super::{BakedFace, FlatChart};
+use super::{BakeError, BakedFace, FlatChart};
 use scaleproof_core::geometry::extent;
 
 /// Around each chart, as a share of the image's shorter side; at least one texel is free.
@@ -11,14 +11,23 @@ const STEPS: usize = 7;
 /// Charts never fill so much of an image, and less than the other share is no use.
 const SHARES: (f64, f64) = (0.95, 0.02);
 
-/// Packs charts into an image, as large as they fit: coordinates in the unit square; `None` when they do not fit.
-pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2], room: f64) -> Option<Vec<Vec<BakedFace>>> {
+/// Packs charts into an image, as large as they fit: coordinates in the unit square.
+///
+/// # Errors
+/// They do not fit.
+pub(super) fn into_image(
+    charts: &[FlatChart],
+    [width, height]: [u32; 2],
+    room: f64,
+) -> Result<Vec<FlatChart>, BakeError> {
     let upright: Vec<FlatChart> = charts.iter().map(upright).collect();
     let area: f64 = upright.iter().flatten().map(BakedFace::texels).sum();
     let room = (f64::from(width.min(height)) * room).max(1.0);
     let scale_of = |share: f64| (share * f64::from(width) * f64::from(height) / area.max(1e-9)).sqrt();
     let (mut fits, mut too_large) = (scale_of(SHARES.1), scale_of(SHARES.0));
-    let mut spots = placed(&upright, fits, room, [width, height])?;
+    let charts = charts.len();
+    let too_small = BakeError::TooSmall { charts, width, height };
+    let mut spots = placed(&upright, fits, room, [width, height]).ok_or(too_small)?;
     for _ in 0..STEPS {
         let scale = 0.5 * (fits + too_large);
         match placed(&upright, scale, room, [width, height]) {
@@ -33,7 +42,7 @@ pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2], room: 
         }
         chart
     };
-    Some(upright.into_iter().zip(spots).map(moved).collect())
+    Ok(upright.into_iter().zip(spots).map(moved).collect())
 }
 
 /// Turned so that the box around it is smallest and stands upright, its lower left corner at the origin.

@@ -49,13 +49,8 @@ impl TriangleImage {
             });
         }
         let alone: Vec<FlatChart> = paint.iter().map(|triangle| vec![alone(mesh, *triangle)]).collect();
-        let side_px = side_px(mesh, &paint, texture);
-        let size_px = [side_px; 2];
-        let charts = packing::into_image(&alone, size_px, 0.0).ok_or(BakeError::TooSmall {
-            charts: alone.len(),
-            width: side_px,
-            height: side_px,
-        })?;
+        let size_px = [side_px(mesh, &paint, texture); 2];
+        let charts = packing::into_image(&alone, size_px, 0.0)?;
         Ok(Self {
             image: Arc::new(fill::fill(mesh, texture, &charts, size_px)),
             wrap: Wrap::ClampToEdge,

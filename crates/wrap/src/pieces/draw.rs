@@ -10,7 +10,7 @@ use super::pages::{cover_frame, frames, furniture, nested, shape, sheet, sheet_f
 use super::pen::{HALO_MM, LINE_MM, Pen, around, cut};
 use super::seams;
 use super::tabs::{self, Tabs};
-use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, PrintedPieces, Room, cover, pages};
+use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, PrintedPieces, cover, pages};
 use crate::unwrap::Unwrapped;
 use scaleproof_core::geometry::length;
 use scaleproof_core::workers;
@@ -32,14 +32,7 @@ const FOLD_DASH_MM: (f64, f64) = (1.5, 1.0);
 /// Tabs that are none, and paper too small for rulers.
 pub fn fits_mm(request: &PiecesRequest) -> Result<[f64; 2], PiecesError> {
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
-    pages::fits_mm(request, room(tabs_mm).around_mm)
-}
-
-fn room(tabs_mm: Option<f64>) -> Room {
-    Room {
-        bleed_mm: BLEED_MM,
-        around_mm: AROUND_MM + tabs_mm.unwrap_or(0.0),
-    }
+    pages::fits_mm(request, AROUND_MM + tabs_mm.unwrap_or(0.0))
 }
 
 /// Draws flattened pieces of a mesh.
@@ -58,16 +51,16 @@ pub fn pieces(
     }
     raster::check(request.dpi, 0.0)?;
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
-    let room = room(tabs_mm);
     let frames = frames(request)?;
     let pieces = Piece::all(flat);
     let seams = seams::seams(&pieces);
-    let tabs = tabs::tabs(&pieces, &seams, tabs_mm);
-    let with_tabs = pieces.iter().zip(&tabs.tabs);
+    let (tabs, sides) = tabs::tabs(&pieces, &seams, tabs_mm);
+    let with_tabs = pieces.iter().zip(&tabs);
     let outlines: Vec<Outlines> = with_tabs.map(|(p, t)| Outlines::new(p, t)).collect();
     let inks: Vec<Region> = outlines.iter().map(|o| o.ink.clone()).collect();
-    let signs = labels::signs(&pieces, &seams, &inks, &tabs.sides, &room);
-    let shapes: Vec<Region> = inks.iter().zip(&signs.signs).map(|(ink, s)| shape(ink, s)).collect();
+    let around_mm = AROUND_MM + tabs_mm.unwrap_or(0.0);
+    let (signs, unlettered_mm) = labels::signs(&pieces, &seams, &inks, &sides, around_mm);
+    let shapes: Vec<Region> = inks.iter().zip(&signs).map(|(ink, s)| shape(ink, s)).collect();
     let (frame, places) = nested(&shapes, &frames, furniture)?;
     let sheet_frames = sheet_frames(&frame, &shapes, &places, request)?;
     let boxes_mm2 = pieces.iter().zip(&places).map(|(piece, place)| {
@@ -86,7 +79,7 @@ pub fn pieces(
     });
     let mut made = PrintedPieces {
         cut: outlines.iter().map(|o| o.cut.clone()).collect(),
-        unlettered_mm: signs.unlettered_mm,
+        unlettered_mm,
         left_out: flat.left_out.clone(),
         visible_mm2: flat.visible_mm2,
         mean_stretch: flat.mean_stretch,
@@ -107,7 +100,7 @@ pub fn pieces(
                 piece: &made.pieces[i],
                 pose: place.pose,
             };
-            let (tabs, signs) = (&tabs.tabs[i], &signs.signs[i]);
+            let (tabs, signs) = (&tabs[i], &signs[i]);
             on_page.extend(marks(&pen, &outlines[i], tabs, signs, images[i].as_ref()));
         }
         pages.push(sheet(frame, on_page, &captions, (page, sheet_frames.len())));

@@ -1,6 +1,6 @@
 //! What stands beside a piece: the letters of its seams, ticks where seams end, and its number. All of it outside the ink, and apart.
 
-use super::Room;
+use super::BLEED_MM;
 use super::flat::Piece;
 use super::seams::Seam;
 use scaleproof_core::geometry::{between, distance, offset};
@@ -63,54 +63,45 @@ impl Signs {
     }
 }
 
-/// The signs of all pieces, and the length of the seams that have no letter on one of their sides.
-pub struct AllSigns {
-    pub signs: Vec<Signs>,
-    pub unlettered_mm: f64,
-}
-
-/// `inks` is what is printed of each piece, with its bleed and tabs; `tabs` holds of each seam the side that has a tab, and the letter's
-/// distance from the border there.
+/// The signs of all pieces, and the length of the seams that have no letter on one of their sides. `inks` is what is printed of each piece,
+/// with its bleed and tabs; `tabs` holds of each seam the side that has a tab, and the letter's distance from the border there; `around_mm`
+/// is from a piece's box to the farthest sign.
 pub fn signs(
     pieces: &[Piece],
     seams: &[Seam],
     inks: &[Region],
     tabs: &[Option<(usize, f64)>],
-    room: &Room,
-) -> AllSigns {
+    around_mm: f64,
+) -> (Vec<Signs>, f64) {
     let with_ink = pieces.iter().zip(inks);
-    let mut places: Vec<_> = with_ink.map(|(piece, ink)| Places::new(piece, ink, room)).collect();
+    let mut places: Vec<_> = with_ink
+        .map(|(piece, ink)| Places::new(piece, ink, around_mm))
+        .collect();
     for seam in seams {
-        ticks(seam, pieces, &mut places, room);
+        ticks(seam, pieces, &mut places);
     }
     let mut unlettered_mm = 0.0;
     // The shortest first: the longest find room elsewhere.
     for (seam, tab) in seams.iter().zip(tabs).rev() {
-        if !letter(seam, pieces, &mut places, *tab, room) {
+        if !letter(seam, pieces, &mut places, *tab) {
             unlettered_mm += seam.length_mm;
         }
     }
     for (i, places) in places.iter_mut().enumerate() {
-        places.number(&pieces[i], i + 1, room);
+        places.number(i + 1);
     }
-    AllSigns {
-        signs: places.into_iter().map(|p| p.signs).collect(),
-        unlettered_mm,
-    }
+    (places.into_iter().map(|p| p.signs).collect(), unlettered_mm)
 }
 
 /// Puts the letter of a seam on both of its sides, smaller where it is narrow; `false` if there is no room.
-fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usize, f64)>, room: &Room) -> bool {
-    let radius_mm = match seam.letter.chars().count() {
-        1 => LETTER_MM,
-        _ => LETTERS_MM,
-    };
+fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usize, f64)>) -> bool {
+    let is_one = seam.letter.chars().count() == 1;
+    let radius_mm = if is_one { LETTER_MM } else { LETTERS_MM };
     SIZES.iter().any(|size| {
         let search = LetterSearch {
             seam,
             pieces,
             tab,
-            room,
             radius_mm: size * radius_mm,
         };
         search.together(places) || search.apart(places)
@@ -122,7 +113,6 @@ struct LetterSearch<'a> {
     seam: &'a Seam,
     pieces: &'a [Piece],
     tab: Option<(usize, f64)>,
-    room: &'a Room,
     radius_mm: f64,
 }
 
@@ -139,7 +129,7 @@ impl LetterSearch<'_> {
         let place = self.seam.place(self.pieces, side, share)?;
         let (away, at) = match self.tab {
             Some((with_tab, mm)) if with_tab == side => (0.0, offset(place.at, place.outward, mm)),
-            _ => places[self.seam.pieces()[side]].free(place.at, place.outward, self.radius_mm, self.room)?,
+            _ => places[self.seam.pieces()[side]].free(place.at, place.outward, self.radius_mm)?,
         };
         let label = Label {
             text: self.seam.letter.clone(),
@@ -190,41 +180,41 @@ impl LetterSearch<'_> {
 }
 
 /// Ticks at both ends of a seam and along it, at the same places on both sides.
-fn ticks(seam: &Seam, pieces: &[Piece], places: &mut [Places], room: &Room) {
+fn ticks(seam: &Seam, pieces: &[Piece], places: &mut [Places]) {
     let between = (seam.length_mm / TICKS_MM).round().max(1.0) as usize;
     for i in 0..=between {
         let is_end = i == 0 || i == between;
-        let length_mm = room.bleed_mm + if is_end { END_TICK_MM } else { TICK_MM };
+        let length_mm = BLEED_MM + if is_end { END_TICK_MM } else { TICK_MM };
         for (side, piece) in seam.pieces().into_iter().enumerate() {
             if let Some(place) = seam.place(pieces, side, i as f64 / between as f64) {
-                places[piece].tick(&pieces[piece].region, place.at, place.outward, length_mm);
+                places[piece].tick(place.at, place.outward, length_mm);
             }
         }
     }
 }
 
 /// Where there is room beside one piece.
-struct Places {
+struct Places<'a> {
     signs: Signs,
-    region: Region,
-    ink: Region,
+    piece: &'a Piece,
+    ink: &'a Region,
     edges: Vec<[Point; 2]>,
     buckets: Buckets,
     low: Point,
     high: Point,
 }
 
-impl Places {
-    fn new(piece: &Piece, ink: &Region, room: &Room) -> Self {
+impl<'a> Places<'a> {
+    fn new(piece: &'a Piece, ink: &'a Region, around_mm: f64) -> Self {
         let (low, high) = piece.region.bounds().unwrap_or_default();
-        let (low, high) = (low.map(|mm| mm - room.around_mm), high.map(|mm| mm + room.around_mm));
+        let (low, high) = (low.map(|mm| mm - around_mm), high.map(|mm| mm + around_mm));
         let edges: Vec<[Point; 2]> = ink.edges().map(|(a, b)| [*a, *b]).collect();
         let reach = NUMBER_MM + CLEAR_MM;
         Self {
             signs: Signs::default(),
             buckets: Buckets::new(low, high, edges.iter().map(|e| bounds(e, reach))),
-            region: piece.region.clone(),
-            ink: ink.clone(),
+            piece,
+            ink,
             edges,
             low,
             high,
@@ -232,8 +222,8 @@ impl Places {
     }
 
     /// A free place for a label near a place of the border, and how far from it. In a notch, its leader may cross the bleed.
-    fn free(&self, border: Point, outward: Point, radius_mm: f64, room: &Room) -> Option<(f64, Point)> {
-        let nearest = room.bleed_mm + radius_mm + CLEAR_MM;
+    fn free(&self, border: Point, outward: Point, radius_mm: f64) -> Option<(f64, Point)> {
+        let nearest = BLEED_MM + radius_mm + CLEAR_MM;
         let count = (FARTHEST_MM / 0.8) as usize;
         let find = |blocking: &Region| {
             (0..count).map(|i| nearest + 0.8 * i as f64).find_map(|mm| {
@@ -241,14 +231,14 @@ impl Places {
                     let (s, c) = turn.to_radians().sin_cos();
                     let direction = [c * outward[0] - s * outward[1], s * outward[0] + c * outward[1]];
                     let at = offset(border, direction, mm);
-                    let clear = self.is_free(at, radius_mm) && self.is_open(border, at, radius_mm, (room, blocking));
+                    let clear = self.is_free(at, radius_mm) && self.is_open(border, at, radius_mm, blocking);
                     clear.then_some((mm, at))
                 })
             })
         };
         // What crosses its neighbours' bleed is read less easily than what is far away.
-        let crossing = || find(&self.region).map(|(mm, at)| (mm + FARTHEST_MM, at));
-        find(&self.ink).or_else(crossing)
+        let crossing = || find(&self.piece.region).map(|(mm, at)| (mm + FARTHEST_MM, at));
+        find(self.ink).or_else(crossing)
     }
 
     /// Whether a disc is inside the room and off all ink and signs.
@@ -264,10 +254,10 @@ impl Places {
     }
 
     /// Whether a leader from the border reaches a label over nothing that blocks it.
-    fn is_open(&self, border: Point, at: Point, radius_mm: f64, (room, blocking): (&Room, &Region)) -> bool {
+    fn is_open(&self, border: Point, at: Point, radius_mm: f64, blocking: &Region) -> bool {
         let length = distance(border, at);
         let along = |mm: f64| between(border, at, mm / length);
-        let from = room.bleed_mm + 2.0 * CLEAR_MM;
+        let from = BLEED_MM + 2.0 * CLEAR_MM;
         let samples = ((length - radius_mm - from) / 0.4).ceil().max(0.0) as usize;
         (0..samples).all(|i| {
             let p = along(from + 0.4 * i as f64);
@@ -276,22 +266,22 @@ impl Places {
         })
     }
 
-    fn tick(&mut self, region: &Region, at: Point, outward: Point, length_mm: f64) {
+    fn tick(&mut self, at: Point, outward: Point, length_mm: f64) {
         let end = offset(at, outward, length_mm);
         let known = self.signs.ticks.iter().any(|[start, _]| distance(*start, at) < 0.5);
         let steps = (length_mm / 0.25) as usize;
-        let into = (1..=steps).any(|i| region.contains(offset(at, outward, 0.25 * i as f64)));
+        let into = (1..=steps).any(|i| self.piece.region.contains(offset(at, outward, 0.25 * i as f64)));
         if !known && !into {
             self.signs.ticks.push([at, end]);
         }
     }
 
     /// The piece's number, where there is room nearest to its border.
-    fn number(&mut self, piece: &Piece, number: usize, room: &Room) {
-        let spots = piece.borders.iter().filter_map(|border| {
+    fn number(&mut self, number: usize) {
+        let spots = self.piece.borders.iter().filter_map(|border| {
             let [a, b] = border.flat;
             let middle = [0, 1].map(|axis| 0.5 * (a[axis] + b[axis]));
-            let (away, at) = self.free(middle, border.outward, NUMBER_MM, room)?;
+            let (away, at) = self.free(middle, border.outward, NUMBER_MM)?;
             Some((away, middle, at))
         });
         if let Some((_, names, at)) = spots.min_by(|a, b| a.0.total_cmp(&b.0)) {

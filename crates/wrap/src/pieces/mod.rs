@@ -117,14 +117,6 @@ impl PiecesRequest {
     }
 }
 
-/// The free paper around a piece.
-#[derive(Debug, Clone, Copy)]
-struct Room {
-    bleed_mm: f64,
-    /// From the piece's box to the farthest sign.
-    around_mm: f64,
-}
-
 /// The pieces of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct PrintedPieces {

@@ -30,14 +30,10 @@ pub fn nest(shapes: &[Region], area: RectMm, taken: &[RectMm]) -> Result<Vec<Pla
         order(shapes, |shape| size(shape).0),
         order(shapes, |shape| size(shape).0 * size(shape).1),
     ];
-    let mut best: Option<(usize, usize, Vec<Place>)> = None;
-    for order in orders {
-        let (places, pages, last) = nest_in_order(&turns, &order, &blank, area)?;
-        if best.as_ref().is_none_or(|(p, l, _)| (pages, last) < (*p, *l)) {
-            best = Some((pages, last, places));
-        }
-    }
-    Ok(best.map(|(.., places)| places).unwrap_or_default())
+    let tried = orders.iter().map(|order| nest_in_order(&turns, order, &blank, area));
+    let tried: Vec<_> = tried.collect::<Result<_, _>>()?;
+    let best = tried.into_iter().min_by_key(|(_, pages, last)| (*pages, *last));
+    Ok(best.map_or(Vec::new(), |(places, ..)| places))
 }
 
 /// Of the shapes, the largest first.
@@ -64,18 +60,12 @@ fn nest_in_order(
     let mut pages: Vec<Cells> = Vec::new();
     let mut places = vec![None; turns.len()];
     for i in order {
-        let found = pages
-            .iter()
-            .enumerate()
-            .find_map(|(p, page)| Some((p, page.lowest(&turns[*i])?)));
-        let (p, spot) = match found {
-            Some(found) => found,
-            None => {
-                let spot = blank.lowest(&turns[*i]).ok_or(*i)?;
-                pages.push(blank.clone());
-                (pages.len() - 1, spot)
-            }
-        };
+        let mut all = pages.iter().chain(std::iter::once(blank)).enumerate();
+        let found = all.find_map(|(p, page)| Some((p, page.lowest(&turns[*i])?)));
+        let (p, spot) = found.ok_or(*i)?;
+        if p == pages.len() {
+            pages.push(blank.clone());
+        }
         let turned = &turns[*i][spot.turn];
         pages[p].take(&turned.cells, spot.column, spot.row);
         places[*i] = Some(Place {
@@ -104,23 +94,15 @@ struct Turned {
 fn turned(shape: &Region) -> Vec<Turned> {
     // Cells are taken whose middle lies within this of the shape, so that no ink is nearer to another's than the gap.
     let around = shape.grown(0.5 * GAP_MM + 0.5 * std::f64::consts::SQRT_2 * CELL_MM);
-    let steps = (360.0 / TURN_DEG) as usize;
-    (0..steps)
-        .map(|i| {
-            let (s, c) = (TURN_DEG * i as f64).to_radians().sin_cos();
-            let pose = Pose {
-                turn: [c, s],
-                by: [0.0; 2],
-            };
-            let turned = around.moved(|p| pose.at(p));
-            let (low, high) = turned.bounds().unwrap_or_default();
-            Turned {
-                turn: [c, s],
-                low,
-                cells: Cells::of(&turned, low, high),
-            }
-        })
-        .collect()
+    let by_step = |i: usize| {
+        let (s, c) = (TURN_DEG * i as f64).to_radians().sin_cos();
+        let (turn, by) = ([c, s], [0.0; 2]);
+        let turned = around.moved(|p| Pose { turn, by }.at(p));
+        let (low, high) = turned.bounds().unwrap_or_default();
+        let cells = Cells::covered(&turned, low, high);
+        Turned { turn, low, cells }
+    };
+    (0..(360.0 / TURN_DEG) as usize).map(by_step).collect()
 }
 
 /// Rows of cells from the bottom up, a bit each.
@@ -159,11 +141,8 @@ impl Cells {
                 cell(from).floor() as usize..cell(to).ceil() as usize
             };
             let columns = span(rect.left_mm - area.left_mm, rect.right_mm - area.left_mm, cells.columns);
-            for row in span(
-                rect.bottom_mm - area.bottom_mm,
-                rect.top_mm - area.bottom_mm,
-                cells.rows.len(),
-            ) {
+            let (bottom, top) = (rect.bottom_mm - area.bottom_mm, rect.top_mm - area.bottom_mm);
+            for row in span(bottom, top, cells.rows.len()) {
                 columns.clone().for_each(|column| cells.set(row, column));
             }
         }
@@ -171,7 +150,7 @@ impl Cells {
     }
 
     /// The cells whose middle lies in a region; its box's lower left corner is that of the first cell.
-    fn of(region: &Region, low: Point, high: Point) -> Self {
+    fn covered(region: &Region, low: Point, high: Point) -> Self {
         let count = |axis: usize| ((high[axis] - low[axis]) / CELL_MM).ceil().max(1.0) as usize;
         let mut cells = Self::blank(count(0), count(1));
         for row in 0..cells.rows.len() {
@@ -226,16 +205,13 @@ impl Cells {
 
     /// Whether a shape's cells at a place are taken.
     fn meets(&self, shape: &Self, column: usize, row: usize) -> bool {
-        let (word, bit) = (column / 64, column % 64);
+        let (first, bit) = (column / 64, column % 64);
         shape.rows.iter().enumerate().any(|(i, cells)| {
             let mine = &self.rows[row + i];
             (0..shape.words).any(|w| {
-                let low = mine.get(word + w).copied().unwrap_or(0) >> bit;
-                let high = match bit {
-                    0 => 0,
-                    _ => mine.get(word + w + 1).copied().unwrap_or(0) << (64 - bit),
-                };
-                (low | high) & cells[w] != 0
+                let word = |at: usize| u128::from(mine.get(at).copied().unwrap_or(0));
+                let here = (word(first + w) | word(first + w + 1) << 64) >> bit;
+                here as u64 & cells[w] != 0
             })
         })
     }

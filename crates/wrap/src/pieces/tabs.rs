@@ -22,21 +22,16 @@ pub struct Tabs {
     pub folds: Vec<[Point; 2]>,
 }
 
-/// The tabs of all pieces, and of each seam the side that has one and how far from the border its letter stands.
-pub struct AllTabs {
-    pub tabs: Vec<Tabs>,
-    pub sides: Vec<Option<(usize, f64)>>,
-}
+/// Of each seam the side that has a tab, and how far from the border its letter stands there.
+pub type TabSides = Vec<Option<(usize, f64)>>;
 
-/// Tabs of a width on one side of each seam, the one that has more room.
-pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> AllTabs {
-    let mut all = AllTabs {
-        tabs: vec![Tabs::default(); pieces.len()],
-        sides: vec![None; seams.len()],
-    };
-    let Some(width_mm) = width_mm else { return all };
+/// The tabs of all pieces: of a width on one side of each seam, the one that has more room.
+pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> (Vec<Tabs>, TabSides) {
+    let mut tabs = vec![Tabs::default(); pieces.len()];
+    let mut sides = vec![None; seams.len()];
+    let Some(width_mm) = width_mm else { return (tabs, sides) };
     let near: Vec<Region> = pieces.iter().map(|piece| piece.region.grown(GAP_MM)).collect();
-    for (seam, chosen) in seams.iter().zip(&mut all.sides) {
+    for (seam, chosen) in seams.iter().zip(&mut sides) {
         if seam.length_mm < SHORTEST_MM {
             continue;
         }
@@ -46,7 +41,7 @@ pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> AllTabs 
             // What runs along the border stays; what comes near another part of the piece goes.
             let own = Region::union(beside(&lines(seam, pieces, side), 2.0 * GAP_MM));
             let off = strip.without(&near[piece].without(&own)).without(&pieces[piece].region);
-            off.without(&all.tabs[piece].region.grown(GAP_MM))
+            off.without(&tabs[piece].region.grown(GAP_MM))
         };
         let both = [room(0), room(1)];
         let side = usize::from(both[1].area_mm2() > both[0].area_mm2());
@@ -54,12 +49,12 @@ pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> AllTabs 
             continue;
         }
         *chosen = Some((side, 0.55 * width_mm));
-        let tabs = &mut all.tabs[seam.pieces()[side]];
+        let tabs = &mut tabs[seam.pieces()[side]];
         tabs.region = tabs.region.or(&both[side]);
-        tabs.folds
-            .extend(seam.edges.iter().map(|edge| border(pieces, edge.sides[side]).flat));
+        let folds = seam.edges.iter().map(|edge| border(pieces, edge.sides[side]).flat);
+        tabs.folds.extend(folds);
     }
-    all
+    (tabs, sides)
 }
 
 /// The strip beside a seam: straight parts with slanted ends, so that each folds by itself.

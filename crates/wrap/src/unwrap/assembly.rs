@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 use nalgebra::Vector2;
 
 use super::UnwrapRequest;
-use super::outline::{Rectangle, Side, is_crossing, rectangle};
+use super::outline::{Side, is_crossing, rectangle};
 use super::patch::{Energy, Flat, Patch};
-use super::surface::Surface;
-use super::topology::Topology;
+use super::surface::{Neighbours, Surface};
 use scaleproof_core::geometry::UnionFind;
 use scaleproof_surface::mesh::doubled_area;
 
@@ -67,7 +66,8 @@ pub(super) type Edge = (usize, usize);
 #[derive(Clone)]
 pub(super) struct Assembly<'a> {
     pub surface: &'a Surface,
-    pub topology: &'a Topology,
+    /// The face across each edge of each face, and which of its edges that is.
+    pub across: &'a Neighbours,
     pub request: &'a UnwrapRequest,
     /// `None` where a piece was glued to another, and became a new one.
     pub pieces: Vec<Option<Piece>>,
@@ -80,10 +80,10 @@ pub(super) struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    pub(super) fn new(surface: &'a Surface, topology: &'a Topology, request: &'a UnwrapRequest) -> Self {
+    pub(super) fn new(surface: &'a Surface, across: &'a Neighbours, request: &'a UnwrapRequest) -> Self {
         Self {
             surface,
-            topology,
+            across,
             request,
             pieces: Vec::new(),
             piece_of: vec![None; surface.faces.len()],
@@ -97,7 +97,7 @@ impl<'a> Assembly<'a> {
     pub(super) fn add_cluster(&mut self, cluster: &[usize]) {
         let inside: BTreeSet<usize> = cluster.iter().copied().collect();
         let edges = cluster.iter().flat_map(|f| [0, 1, 2].map(|i| (*f, i)));
-        let is_inside = |(f, i): &Edge| self.topology.across[*f][*i].is_some_and(|(g, _)| inside.contains(&g));
+        let is_inside = |(f, i): &Edge| self.across[*f][*i].is_some_and(|(g, _)| inside.contains(&g));
         let edges: Vec<Edge> = edges.filter(is_inside).collect();
         match self.laid_flat(cluster, seen_along(self.surface, cluster), &edges, TRIAL) {
             Some(piece) => self.add(piece, &edges),
@@ -110,7 +110,7 @@ impl<'a> Assembly<'a> {
     pub(super) fn add(&mut self, piece: Piece, edges: &[Edge]) {
         for (f, i) in edges {
             self.glued[*f][*i] = true;
-            if let Some((g, j)) = self.topology.across[*f][*i] {
+            if let Some((g, j)) = self.across[*f][*i] {
                 self.glued[g][j] = true;
             }
         }
@@ -144,7 +144,7 @@ impl<'a> Assembly<'a> {
         self.number(&other.faces);
         let mut pairs = Vec::new();
         for (f, i) in edges {
-            let across = self.topology.across[*f][*i]?;
+            let across = self.across[*f][*i]?;
             let ((f, i), (g, j)) = if self.piece_of[*f] == Some(a) {
                 ((*f, *i), across)
             } else {
@@ -188,8 +188,8 @@ impl<'a> Assembly<'a> {
         if !(worst <= WORST && sums.excess <= self.worst_excess * sums.area) {
             return None;
         }
-        let Rectangle { area, turn } = rectangle(flat.iter().copied(), self.request.fits_mm)?;
-        sums.paper = area;
+        let (paper, turn) = rectangle(flat.iter().copied(), self.request.fits_mm)?;
+        sums.paper = paper;
         let sides = self.outline(faces, &patch, &flat);
         (!patch.is_overfull(&flat) && !is_crossing(&sides)).then(|| Piece {
             faces: faces.to_vec(),
@@ -218,7 +218,7 @@ impl<'a> Assembly<'a> {
         let edges = faces.iter().flat_map(|f| [0, 1, 2].map(|i| (*f, i)));
         let glued = edges.filter(|(f, i)| self.glued[*f][*i]);
         for (f, i) in glued.chain(also.iter().copied()) {
-            let Some((g, j)) = self.topology.across[f][i] else {
+            let Some((g, j)) = self.across[f][i] else {
                 continue;
             };
             let (f, g) = (self.local[f], self.local[g]);
@@ -241,7 +241,7 @@ impl<'a> Assembly<'a> {
         for (corners, face) in patch.corners.iter().zip(faces) {
             for i in 0..3 {
                 let ends = [corners[i], corners[(i + 1) % 3]];
-                let is_inside = self.topology.across[*face][i].is_some_and(|(g, j)| {
+                let is_inside = self.across[*face][i].is_some_and(|(g, j)| {
                     let n = self.local[g];
                     let other = patch.corners.get(n).filter(|_| faces[n] == g);
                     other.is_some_and(|other| [other[(j + 1) % 3], other[j]] == ends)

@@ -13,7 +13,7 @@ pub(super) fn borders(assembly: &Assembly, of: Option<usize>) -> BTreeMap<Pair, 
     let pieces = of.map_or(0..assembly.pieces.len(), |one| one..one + 1);
     let pieces = pieces.filter_map(|p| assembly.pieces[p].as_ref());
     for face in pieces.flat_map(|p| &p.faces) {
-        for (side, across) in assembly.topology.across[*face].iter().enumerate() {
+        for (side, across) in assembly.across[*face].iter().enumerate() {
             let Some((other, _)) = *across else { continue };
             let (Some(a), Some(b)) = (assembly.piece_of[*face], assembly.piece_of[other]) else {
                 continue;

@@ -2,15 +2,14 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::surface::Surface;
-use super::topology::Topology;
+use super::surface::{Neighbours, Surface};
 use scaleproof_surface::mesh::doubled_area;
 
 /// A face at this angle is shown 1.02 times too short.
 const CONE_DEG: f64 = 11.0;
 
 /// Every face is in one.
-pub(super) fn grow(surface: &Surface, topology: &Topology, fits_mm: Option<[f64; 2]>) -> Vec<Vec<usize>> {
+pub(super) fn grow(surface: &Surface, across: &Neighbours, fits_mm: Option<[f64; 2]>) -> Vec<Vec<usize>> {
     let normals: Vec<Vector3<f64>> = (0..surface.faces.len())
         .map(|f| doubled_area(&surface.corners(f)).normalize())
         .collect();
@@ -29,7 +28,7 @@ pub(super) fn grow(surface: &Surface, topology: &Topology, fits_mm: Option<[f64;
         let centre = surface.corners(seed)[0];
         while let Some(face) = cluster.get(next).copied() {
             next += 1;
-            for (neighbour, _) in topology.across[face].into_iter().flatten() {
+            for (neighbour, _) in across[face].into_iter().flatten() {
                 let near = |p: &Point3<f64>| (p - centre).norm() <= widest;
                 if !is_taken[neighbour]
                     && normals[neighbour].dot(&normals[seed]) >= least

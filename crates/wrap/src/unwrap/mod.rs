@@ -20,9 +20,7 @@ use nalgebra::Point3;
 use assembly::{Assembly, Piece};
 use surface::Surface;
 pub(crate) use surface::WHOLE;
-use topology::Topology;
 
-use scaleproof_core::geometry::distance;
 use scaleproof_surface::mesh::Mesh;
 
 /// More triangles than this take minutes.
@@ -154,9 +152,9 @@ pub fn unwrap(
         let is_kept = seen.into_iter().zip(is_visible);
         seen = is_kept.filter_map(|(seen, is)| is.then_some(seen)).collect();
     }
-    let topology = Topology::new(&mut surface, &seen);
-    let mut assembly = Assembly::new(&surface, &topology, request);
-    for cluster in clusters::grow(&surface, &topology, request.fits_mm) {
+    let across = topology::oriented(&mut surface, &seen);
+    let mut assembly = Assembly::new(&surface, &across, request);
+    for cluster in clusters::grow(&surface, &across, request.fits_mm) {
         assembly.add_cluster(&cluster);
     }
     let has_piece: Vec<bool> = assembly.piece_of.iter().map(Option::is_some).collect();
@@ -248,20 +246,4 @@ fn percentile(mut values: Vec<(f64, f64)>, share: f64) -> f64 {
         below >= share * total
     });
     reached.or(values.last()).map_or(1.0, |(value, _)| *value)
-}
-
-impl Chart {
-    /// How long its outline is, slits and holes included.
-    pub fn outline_mm(&self) -> f64 {
-        let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
-        let mut sides = std::collections::BTreeMap::new();
-        for face in &self.faces {
-            for i in 0..3 {
-                let (p, q) = (face.flat_mm[i], face.flat_mm[(i + 1) % 3]);
-                let ends = [key(p).min(key(q)), key(p).max(key(q))];
-                sides.entry(ends).or_insert((0, distance(p, q))).0 += 1;
-            }
-        }
-        sides.values().filter(|(n, _)| *n == 1).map(|(_, l)| l).sum()
-    }
 }

@@ -33,16 +33,9 @@ fn parts(a: &Side, b: &Side) -> bool {
     beside[0].min(beside[1]) < 0.0 && beside[0].max(beside[1]) > 0.0
 }
 
-/// How an outline lies in its smallest rectangle.
-pub(super) struct Rectangle {
-    pub area: f64,
-    /// The angle by which the outline must be turned for it.
-    pub turn: f64,
-}
-
-/// The smallest rectangle that lies along one side of the convex hull, as the smallest of all does (Freeman and Shapira 1975), and has
+/// The area of an outline's smallest rectangle, and the angle by which the outline must be turned for it: the smallest rectangle that lies along one side of the convex hull, as the smallest of all does (Freeman and Shapira 1975), and has
 /// at most this size; any that has this size where none of those does. `None` if the outline does not fit.
-pub(super) fn rectangle(points: impl Iterator<Item = Vector2<f64>>, most_mm: Option<[f64; 2]>) -> Option<Rectangle> {
+pub(super) fn rectangle(points: impl Iterator<Item = Vector2<f64>>, most_mm: Option<[f64; 2]>) -> Option<(f64, f64)> {
     let hull = convex_hull(points.map(Into::into).collect());
     let fitting = |turn: f64| {
         let (sin, cos) = turn.sin_cos();
@@ -52,11 +45,9 @@ pub(super) fn rectangle(points: impl Iterator<Item = Vector2<f64>>, most_mm: Opt
         };
         let (width, height) = (length(cos, -sin), length(sin, cos));
         let is_fitting = most_mm.is_none_or(|most| width <= most[0] && height <= most[1]);
-        let area = width * height;
-        is_fitting.then_some(Rectangle { area, turn })
+        is_fitting.then_some((width * height, turn))
     };
-    let smallest =
-        |turns: &mut dyn Iterator<Item = f64>| turns.filter_map(fitting).min_by(|a, b| a.area.total_cmp(&b.area));
+    let smallest = |turns: &mut dyn Iterator<Item = f64>| turns.filter_map(fitting).min_by(|a, b| a.0.total_cmp(&b.0));
     let along = (0..hull.len()).map(|i| {
         let (p, q) = (hull[i], hull[(i + 1) % hull.len()]);
         -(q[1] - p[1]).atan2(q[0] - p[0])

@@ -3,25 +3,16 @@
 use super::surface::{Neighbours, Surface};
 use super::visibility::Seen;
 
-#[derive(Debug)]
-pub(super) struct Topology {
-    /// The face across each edge of each face, and which of its edges that is. `None` at a border and where more than two meet or a surface
-    /// without sides, as Moebius' band, is cut.
-    pub across: Neighbours,
-}
-
-impl Topology {
-    /// Faces are turned over so that neighbours agree and the side that is seen more is outside.
-    pub(super) fn new(surface: &mut Surface, seen: &[Seen]) -> Self {
-        let beside = surface.neighbours(|_, _| true);
-        let is_turned = turned(surface, seen, &beside);
-        for (face, _) in surface.faces.iter_mut().zip(is_turned).filter(|(_, is)| *is) {
-            face.corners.swap(1, 2);
-            face.weights.swap(1, 2);
-        }
-        let across = surface.neighbours(|[f, i], [g, j]| surface.faces[f].corners[i] != surface.faces[g].corners[j]);
-        Self { across }
+/// The face across each edge of each face, and which of its edges that is. `None` at a border and where more than two meet or a surface
+/// without sides, as Moebius' band, is cut. Faces are turned over so that neighbours agree and the side that is seen more is outside.
+pub(super) fn oriented(surface: &mut Surface, seen: &[Seen]) -> Neighbours {
+    let beside = surface.neighbours(|_, _| true);
+    let is_turned = turned(surface, seen, &beside);
+    for (face, _) in surface.faces.iter_mut().zip(is_turned).filter(|(_, is)| *is) {
+        face.corners.swap(1, 2);
+        face.weights.swap(1, 2);
     }
+    surface.neighbours(|[f, i], [g, j]| surface.faces[f].corners[i] != surface.faces[g].corners[j])
 }
 
 /// Which faces are wound against the outside.

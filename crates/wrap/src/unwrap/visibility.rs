@@ -22,21 +22,15 @@ const SAME_DEPTH: f64 = 0.02;
 /// How each face was seen.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Seen {
-    /// The largest share of it that one view shows; not a number if it is too small for all of them.
-    pub share: f64,
+    /// The largest share of it that one view shows; `None` if it is too small for all of them.
+    share: Option<f64>,
     /// Pixels in all views that show the side it is wound to, less those that show its back.
     pub front_px: i64,
 }
 
 /// How the views see each face.
 pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
-    let mut seen = vec![
-        Seen {
-            share: f64::NAN,
-            front_px: 0
-        };
-        surface.faces.len()
-    ];
+    let mut seen = vec![Seen::default(); surface.faces.len()];
     let (low, high) = mesh.bounds_mm();
     let pixel = (high - low).amax() / PIXELS;
     for (elevation, around) in VIEWS {
@@ -56,14 +50,11 @@ pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
 
 /// Which faces are visible. One that is too small for all views is.
 pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
-    let is_shown: Vec<bool> = seen
-        .iter()
-        .map(|s| s.share.is_nan() || s.share >= LEAST_SHARE)
-        .collect();
+    let shows = |f: usize, least: f64| seen[f].share.is_none_or(|share| share >= least);
+    let is_shown: Vec<bool> = (0..seen.len()).map(|f| shows(f, LEAST_SHARE)).collect();
     let is_between = |f: usize| beside[f].iter().flatten().filter(|(g, _)| is_shown[*g]).count() >= 2;
-    (0..seen.len())
-        .map(|f| is_shown[f] || (seen[f].share >= LEAST_BETWEEN && is_between(f)))
-        .collect()
+    let is_visible = |f: usize| is_shown[f] || (shows(f, LEAST_BETWEEN) && is_between(f));
+    (0..seen.len()).map(is_visible).collect()
 }
 
 /// An orthographic view: for each pixel how near the nearest surface is.
@@ -111,7 +102,8 @@ impl View {
             shown += u32::from(!is_grazed && depth >= self.nearest[at] - SAME_DEPTH);
         });
         if covered > 0 {
-            seen.share = seen.share.max(f64::from(shown) / f64::from(covered));
+            let share = f64::from(shown) / f64::from(covered);
+            seen.share = Some(seen.share.map_or(share, |most| most.max(share)));
             seen.front_px += i64::from(shown) * if doubled(&corners) > 0.0 { 1 } else { -1 };
         }
     }

@@ -8,6 +8,7 @@ use crate::pieces::labels::Signs;
 use crate::pieces::seams::{Seam, border};
 use scaleproof_core::geometry::{between, circle, distance};
 use scaleproof_print::print::paint::plane::{Area, units};
+use scaleproof_print::print::paint::{hole_mm, rim_mm};
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 
 /// Holes of a piece, and how far apart they are at least.
@@ -33,23 +34,21 @@ pub struct Material {
     pub tag: Option<Point>,
 }
 
-/// Lengths of a piece's material, mm.
-#[derive(Debug, Clone, Copy)]
-pub struct Rim {
-    pub rim_mm: f64,
-    pub hole_mm: f64,
-    pub feature_mm: f64,
-}
-
-/// The sheet of one piece. `slit`: the rim leaves its cuts into itself free, as far as the sheet stays in one part that nowhere is
+/// The sheet of one piece for features of a least width. `slit`: the rim leaves its cuts into itself free, as far as the sheet stays in one part that nowhere is
 /// narrower than the features.
-pub fn sheet((piece, pieces): (usize, &[Piece]), seams: &[Seam], upright: &Upright, rim: Rim, slit: bool) -> Area {
+pub fn sheet(
+    (piece, pieces): (usize, &[Piece]),
+    seams: &[Seam],
+    upright: &Upright,
+    feature_mm: f64,
+    slit: bool,
+) -> Area {
     let region = upright.area(&pieces[piece].region);
     // What is between two parts of the rim is at least this wide, or filled.
-    let closed = units(2.0 * rim.feature_mm);
-    let whole = region.grown(units(rim.rim_mm) + closed).shrunk(closed);
+    let (closed, rim_mm) = (units(2.0 * feature_mm), rim_mm(feature_mm));
+    let whole = region.grown(units(rim_mm) + closed).shrunk(closed);
     let own = seams.iter().filter(|seam| seam.pieces() == [piece; 2]);
-    let slits: Vec<Contour> = own.flat_map(|seam| gap(seam, pieces, 3.0 * rim.rim_mm)).collect();
+    let slits: Vec<Contour> = own.flat_map(|seam| gap(seam, pieces, 3.0 * rim_mm)).collect();
     if !slit || slits.is_empty() {
         return whole;
     }
@@ -57,7 +56,7 @@ pub fn sheet((piece, pieces): (usize, &[Piece]), seams: &[Seam], upright: &Uprig
     let mut open = whole.without(&slits);
     // A scrap of the rim that hangs on nothing goes with the slit.
     open.pieces.retain(|part| !alone(part).and(&region).is_empty());
-    let is_one = open.shrunk(units(0.5 * rim.feature_mm)).pieces.len() == 1;
+    let is_one = open.shrunk(units(0.5 * feature_mm)).pieces.len() == 1;
     if is_one { open } else { whole }
 }
 
@@ -88,12 +87,12 @@ fn gap(seam: &Seam, pieces: &[Piece], beyond_mm: f64) -> Vec<Contour> {
 
 impl Material {
     /// Finds places for holes and the paint's sign in the rim, clear of the other signs.
-    pub fn new(sheet: Area, piece: &Piece, signs: &Signs, upright: &Upright, rim: Rim) -> Self {
-        let middle = piece.region.grown(0.5 * rim.rim_mm);
+    pub fn new(sheet: Area, piece: &Piece, signs: &Signs, upright: &Upright, feature_mm: f64) -> Self {
+        let middle = piece.region.grown(0.5 * rim_mm(feature_mm));
         let around: Vec<Point> = middle.contours().flat_map(along).collect();
         let holds = |p: Point, radius: f64| circle(p, radius, 12).all(|p| sheet.contains(upright.units(p)));
-        let radius = 0.5 * rim.hole_mm;
-        let firm = around.into_iter().filter(|p| holds(*p, radius + rim.feature_mm));
+        let radius = 0.5 * hole_mm(feature_mm);
+        let firm = around.into_iter().filter(|p| holds(*p, radius + feature_mm));
         let firm: Vec<Point> = firm.collect();
         let is_clear = |p: &Point, radius_mm: f64| signs.are_off(*p, radius_mm, CLEAR_MM);
         let clear: Vec<Point> = firm.iter().copied().filter(|p| is_clear(p, radius)).collect();

@@ -17,7 +17,7 @@ use super::flat::Piece;
 use super::labels::{self, Signs};
 use super::nest::Place;
 use super::seams::{self, Seam};
-use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, Room, cm2, left_out_facts, pages};
+use super::{AROUND_MM, PiecesError, PiecesRequest, cm2, left_out_facts, pages};
 use crate::unwrap::{LeftOut, Unwrapped, unwrap};
 use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
@@ -68,14 +68,6 @@ impl PaintedRequest {
 
     fn around_mm(&self) -> f64 {
         AROUND_MM.max(rim_mm(self.min_feature_mm) + BEYOND_RIM_MM)
-    }
-
-    fn rim(&self) -> material::Rim {
-        material::Rim {
-            rim_mm: rim_mm(self.min_feature_mm),
-            hole_mm: hole_mm(self.min_feature_mm),
-            feature_mm: self.min_feature_mm,
-        }
     }
 }
 
@@ -206,16 +198,18 @@ pub fn painted_pieces(
     let made: Result<Vec<_>, _> = made.into_iter().collect();
     let (sheets, cuts): (Vec<Area>, Vec<Vec<PieceStencil>>) = made.map_err(PaintError::from)?.into_iter().unzip();
     let inks: Vec<Region> = pieces.iter().map(|piece| piece.region.clone()).collect();
-    let room = Room {
-        bleed_mm: BLEED_MM,
-        around_mm: request.around_mm(),
-    };
-    let signs = labels::signs(&pieces, &seams, &inks, &vec![None; seams.len()], &room).signs;
+    let (signs, _) = labels::signs(&pieces, &seams, &inks, &vec![None; seams.len()], request.around_mm());
     let (mut materials, mut shapes) = (Vec::new(), Vec::new());
     for (i, sheet) in sheets.into_iter().enumerate() {
         let upright = &regions[i].upright;
         shapes.push(pages::shape(&sheets::flat(&sheet, upright).grown(0.3), &signs[i]));
-        materials.push(Material::new(sheet, &pieces[i], &signs[i], upright, request.rim()));
+        materials.push(Material::new(
+            sheet,
+            &pieces[i],
+            &signs[i],
+            upright,
+            request.min_feature_mm,
+        ));
     }
     let taken = |frame: &PageFrame| taken(frame, request.mirror);
     let (frame, places) = pages::nested(&shapes, &pages::frames(&request.pieces)?, taken)?;
@@ -264,7 +258,6 @@ fn cut(
     request: &PaintedRequest,
 ) -> Result<(Area, Vec<PieceStencil>), NoStencil> {
     let feature_mm = request.min_feature_mm;
-    let rim = request.rim();
     let all_from = |sheet: &Area| {
         let paints = region.areas.iter().enumerate().skip(1);
         let one = |(paint, asked): (usize, &Area)| {
@@ -278,9 +271,9 @@ fn cut(
         };
         paints.map(one).collect::<Result<Vec<_>, NoStencil>>()
     };
-    let slit = material::sheet((piece, pieces), seams, &region.upright, rim, true);
+    let slit = material::sheet((piece, pieces), seams, &region.upright, feature_mm, true);
     let made = all_from(&slit);
-    let whole = material::sheet((piece, pieces), seams, &region.upright, rim, false);
+    let whole = material::sheet((piece, pieces), seams, &region.upright, feature_mm, false);
     if slit == whole {
         return Ok((slit, made?));
     }
