@@ -176,7 +176,7 @@ fn mesh(name: &str, bytes: &[u8]) {
             );
             assert!(triangle.material < mesh.materials().len());
         }
-        if let Ok(mapped) = MappedImages::of_mesh(&mesh, &[]) {
+        if let Ok(mapped) = MappedImages::from_mesh(&mesh, &[]) {
             colours(&Texture::Images(mapped.images), &mesh);
         }
     }

@@ -566,7 +566,7 @@ fn masks_positions_and_the_background_are_the_reference_s() {
                     is_paint: true,
                     point: p,
                     normal,
-                } => (p - Point3::from(point.place_mm)).norm() < 2.0 && Side::of(&normal) == side,
+                } => (p - Point3::from(point.place_mm)).norm() < 2.0 && Side::facing(&normal) == side,
                 _ => false,
             };
             wrong += usize::from(!is_right);
@@ -894,7 +894,7 @@ fn the_rasteriser_sees_what_blender_saw() {
                 let place = raster.point(x as i64, y as i64, &hit);
                 near += usize::from((place - Point3::from(point.place_mm)).norm() < 0.2);
                 let corners = mesh.corners_mm(&mesh.triangles()[hit.triangle]);
-                same_side += usize::from(Side::of(&scaleproof_surface::mesh::doubled_area(&corners)) == side);
+                same_side += usize::from(Side::facing(&scaleproof_surface::mesh::doubled_area(&corners)) == side);
             }
         }
         // How much of the paint is seen from beside as well.

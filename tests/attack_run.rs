@@ -431,7 +431,7 @@ fn confidence(view_set: &ViewSet, cells: &[Rgb]) -> f64 {
 #[test]
 fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
     let levels = [0, 51, 102, 153, 204, 255];
-    let pale = |rgb: [u8; 3]| Lab::of_linear(rgb.map(|v| 0.25 + 0.4 * light::decode(f64::from(v) / 255.0)));
+    let pale = |rgb: [u8; 3]| Lab::from_linear(rgb.map(|v| 0.25 + 0.4 * light::decode(f64::from(v) / 255.0)));
     let printer = || PrinterMap::new(Gamut::new(&levels, pale), "pale".to_owned());
     let view_set = view_set(TextureMapping::World);
     let made = |printer: Option<PrinterMap>| made(&view_set, &AttackConfig { printer, ..config(60) });

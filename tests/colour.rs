@@ -54,11 +54,11 @@ fn taken(sheet: &RgbImage, printer: &Printer, view: &View) -> Result<ChartReadin
 fn off(reading: &ChartReading, printer: &Printer) -> (f64, f64, f64) {
     let (mut sum, mut worst, mut from_asked) = (0.0, 0.0_f64, 0.0);
     for (asked, light) in &reading.patches {
-        let found = Lab::of_linear(*light);
+        let found = Lab::from_linear(*light);
         let off = found.delta_e(printer.truth(*asked));
         sum += off;
         worst = worst.max(off);
-        from_asked += found.delta_e(Lab::of(*asked));
+        from_asked += found.delta_e(Lab::from_rgb(*asked));
     }
     let n = reading.patches.len() as f64;
     (sum / n, worst, from_asked / n)
@@ -431,14 +431,14 @@ fn a_pattern_is_checked_with_what_the_printer_makes() {
         let got = PLAIN_PAPER.truth(ask);
         let promised = fate["best_delta_e"].as_f64().unwrap();
         assert!(
-            (got.delta_e(Lab::of(wanted)) - promised).abs() < 2.0,
+            (got.delta_e(Lab::from_rgb(wanted)) - promised).abs() < 2.0,
             "{fate} gives {got:?}"
         );
     }
     assert_eq!(print["out_of_gamut_share"], 0.5);
     let preview = Pattern::load(Path::new(&name("preview.png"))).unwrap();
     let wrong = grid.pixels().zip(preview.cells().pixels());
-    let wrong = wrong.map(|(asked, shown)| Lab::of(shown.0).delta_e(PLAIN_PAPER.truth(asked.0)));
+    let wrong = wrong.map(|(asked, shown)| Lab::from_rgb(shown.0).delta_e(PLAIN_PAPER.truth(asked.0)));
     let worst = wrong.fold(0.0, f64::max);
     println!("preview: worst ΔE2000 {worst:.2} from the simulated print");
     assert!(worst < 3.0);
@@ -451,7 +451,7 @@ fn a_pattern_is_checked_with_what_the_printer_makes() {
     ));
     let off: f64 = grid
         .pixels()
-        .map(|cell| Lab::of(cell.0).delta_e(PLAIN_PAPER.truth(cell.0)))
+        .map(|cell| Lab::from_rgb(cell.0).delta_e(PLAIN_PAPER.truth(cell.0)))
         .sum::<f64>()
         / 12.0;
     let summary = common::read_json(&folder.path().join("report/summary.json"));

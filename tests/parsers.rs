@@ -247,5 +247,5 @@ fn textured(format: &str, bytes: &[u8], folder: &Path) -> bool {
         }
     };
     let mesh = Mesh::load(&path, &MeshPlacement::default());
-    mesh.is_ok_and(|mesh| scaleproof_surface::texture::MappedImages::of_mesh(&mesh, &[]).is_ok())
+    mesh.is_ok_and(|mesh| scaleproof_surface::texture::MappedImages::from_mesh(&mesh, &[]).is_ok())
 }

@@ -105,7 +105,7 @@ pub fn turns(pieces: &[Piece]) -> Vec<[Point3<f64>; 2]> {
     for corners in pieces.iter().flat_map(|piece| &piece.corners) {
         for edge in edges(corners) {
             let (_, sides) = sides.entry(key(edge)).or_insert((edge, BTreeSet::new()));
-            sides.insert(Side::of(&normal(corners)));
+            sides.insert(Side::facing(&normal(corners)));
         }
     }
     let turning = sides.into_values().filter(|(_, sides)| sides.len() > 1);
@@ -168,7 +168,7 @@ impl Read {
             compared += 1.0;
             // A corner of the pixel may reach over the border.
             let [found, wanted] =
-                [self.pixel(point.piece, self.on_page(&point)), laid.colour(&at, &normal)].map(Lab::of);
+                [self.pixel(point.piece, self.on_page(&point)), laid.colour(&at, &normal)].map(Lab::from_rgb);
             right += f64::from(u8::from(found.delta_e(wanted) <= 2.0));
         }
         println!("{right} of {compared} points have their colour");
@@ -366,7 +366,7 @@ fn the_published_camouflage_is_on_the_pieces_of_its_car() {
     is_as_asked(&read, &file, 36, 10);
     let share = read.share_as_tile(&pattern, 118.0 / 16.0);
     assert!(share >= 0.999, "{share}");
-    let atlas = Texture::Images(MappedImages::of_mesh(&mesh, &paint).unwrap().images);
+    let atlas = Texture::Images(MappedImages::from_mesh(&mesh, &paint).unwrap().images);
     let made = pieces(&mesh, &flat, &atlas, &request).unwrap();
     let (read, _) = Read::new(made, folder.path(), 300.0);
     let atlas = image::open(shared("meshes/rauca_etron/model_save.png"))
@@ -455,7 +455,7 @@ fn share_as_atlas(read: &Read, coordinates: &Coordinates, atlas: &RgbImage) -> f
             (0..3).for_each(|k| linear[k] += light[k] / texels.len() as f64);
         }
         let found = read.pixel(point.piece, read.on_page(&point));
-        let off = Lab::of(found).delta_e(Lab::of(light::rgb_of(linear)));
+        let off = Lab::from_rgb(found).delta_e(Lab::from_rgb(light::rgb_of(linear)));
         let mixed = usize::from(texels.iter().any(|t| *t != texels[0]));
         good[mixed] += f64::from(u8::from(off <= 2.0));
         compared[mixed] += 1.0;

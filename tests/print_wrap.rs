@@ -165,7 +165,7 @@ fn share_right(printed: &Printed, mesh: &Mesh, materials: &[usize], pattern: &Pa
     for (point, face) in points(&PaintedSurface::of_materials(mesh, materials), 10_000) {
         let [a, b, c] = face.corners;
         let normal = (b - a).cross(&(c - a));
-        let side = Side::of(&normal);
+        let side = Side::facing(&normal);
         let place = on_panel(side, &point);
         if place.iter().any(|mm| near_border(*mm)) {
             continue;

@@ -40,7 +40,7 @@ fn load(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> Mesh {
 }
 
 fn own_images(mesh: &Mesh) -> Mapped {
-    MappedImages::of_mesh(mesh, &[]).unwrap_or_else(|e| panic!("{e}"))
+    MappedImages::from_mesh(mesh, &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A square of two triangles, corners (0, 0), (1, 0), (1, 1), (0, 1) of the plane: the colour at a place of it.
@@ -419,7 +419,7 @@ fn see_through_pixels_show_white_paper() {
     let mut see_through = RgbaImage::from_pixel(10, 10, Rgba([0, 0, 0, 255]));
     see_through.put_pixel(9, 9, Rgba([0, 0, 0, 0]));
     see_through.save(&image).unwrap();
-    let mapped = MappedImages::of_image(&mesh, &[], &image).unwrap();
+    let mapped = MappedImages::from_image(&mesh, &[], &image).unwrap();
     assert!(
         mapped.notes[0].contains("1.0 %") && mapped.notes.len() == 1,
         "{:?}",
@@ -442,7 +442,7 @@ fn a_border_of_texels_belongs_to_the_triangle_that_asks() {
     RgbImage::from_fn(2, 1, |x, _| Rgb([255 * x as u8; 3]))
         .save(&image)
         .unwrap();
-    let texture = Texture::Images(MappedImages::of_image(&mesh, &[], &image).unwrap().images);
+    let texture = Texture::Images(MappedImages::from_image(&mesh, &[], &image).unwrap().images);
     let corner = |triangle, corner: usize| {
         let mut weights = [0.0; 3];
         weights[corner] = 1.0;
@@ -541,7 +541,7 @@ fn the_faces_of_a_published_camouflage_become_a_material_of_their_own() {
         triangle: listed[0],
         weights: [1.0 / 3.0; 3],
     };
-    let painted = MappedImages::of_mesh(&mesh, &paint).unwrap();
+    let painted = MappedImages::from_mesh(&mesh, &paint).unwrap();
     let colours = [(painted, &mesh), (own_images(&before), &before)]
         .map(|(mapped, mesh)| Texture::Images(mapped.images).colour(mesh, &middle));
     assert_eq!(colours[0], colours[1]);
@@ -754,7 +754,7 @@ proptest! {
         let text = format!("mtllib a.mtl\n{SQUARE}{vt}usemtl b\nf 1/{a} 2/{b} 3/{c}\nusemtl a\nf 1/{c} 3/{b} 4/{a}\n");
         let mesh = load(folder.path(), "a.obj", text);
         for paint in [&[0][..], &[1], &[]] {
-            match MappedImages::of_mesh(&mesh, paint) {
+            match MappedImages::from_mesh(&mesh, paint) {
                 Ok(mapped) => {
                     let texture = Texture::Images(mapped.images);
                     for (x, y) in [(0.0, 0.0), (1.0, 1.0), (0.3, 0.8), (0.9, 0.1)] {

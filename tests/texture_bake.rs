@@ -122,7 +122,7 @@ fn compare(
         let weights = [1.0 - a - b, a, b];
         let place = Point3::from((0..3).fold(Vector3::zeros(), |sum, i| sum + weights[i] * places[i].coords));
         let uv = [0, 1].map(|axis| (0..3).map(|i| weights[i] * corners[i][axis]).sum::<f64>());
-        let to_border = Side::of(normal)
+        let to_border = Side::facing(normal)
             .project(&place)
             .map(|mm| (mm - mapped.cell_mm * (mm / mapped.cell_mm).round()).abs());
         if turns.are_near(in_texels(uv)) || to_border.iter().any(|mm| *mm < REACH * texel_mm) {
@@ -151,7 +151,7 @@ fn sides_at_edges(
     let mut sides: HashMap<[usize; 2], BTreeSet<Side>> = HashMap::new();
     for (_, corners) in written.faces.iter().filter(|(material, _)| material == paint) {
         let [a, b, c] = std::array::from_fn(|i| to_model(&written.places[corners[i][0]]));
-        let side = Side::of(&(b - a).cross(&(c - a)));
+        let side = Side::facing(&(b - a).cross(&(c - a)));
         (0..3).for_each(|i| _ = sides.entry(edge(corners, i)).or_default().insert(side));
     }
     sides
@@ -619,7 +619,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 
 /// C*ab.
 fn chroma(rgb: [f64; 3]) -> f64 {
-    let lab = Lab::of(rgb.map(|v| v.round() as u8));
+    let lab = Lab::from_rgb(rgb.map(|v| v.round() as u8));
     lab.a.hypot(lab.b)
 }
 
@@ -633,7 +633,7 @@ fn the_published_camouflage_looks_as_its_authors_drew_it() {
     };
     let mesh = Mesh::load(&folder.join("model_save.obj"), &placement).unwrap();
     let faces = FaceList::load(&folder.join("exterior_face.txt"), &mesh).unwrap();
-    let texture = MappedImages::of_mesh(&mesh, &[])
+    let texture = MappedImages::from_mesh(&mesh, &[])
         .unwrap_or_else(|e| panic!("{e}"))
         .images;
     let (mesh, paint) = mesh.with_paint(&faces);

@@ -89,7 +89,7 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
         let sha256 = files::sha256_hex([&[own], &mapped.sha256[..]].concat().concat().as_bytes());
         (mapped, sha256)
     } else {
-        let mapped = MappedImages::of_image(&model.mesh, paint, path)?;
+        let mapped = MappedImages::from_image(&model.mesh, paint, path)?;
         let sha256 = mapped.sha256.concat();
         (mapped, sha256)
     };
@@ -150,16 +150,16 @@ fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped, Box<dyn Error>> {
     let is_same =
         |file: &PathBuf| file == path || matches!((file.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
     if model.file.as_ref().is_some_and(is_same) {
-        return Ok(MappedImages::of_mesh(&model.mesh, &model.materials)?);
+        return Ok(MappedImages::from_mesh(&model.mesh, &model.materials)?);
     }
     let textured = Mesh::load(path, &MeshPlacement::default())?;
     check_same_shape(&textured, &model.mesh)?;
     let (textured, paint) = if model.materials.is_empty() {
         (textured, Vec::new())
     } else {
-        textured.with_paint(&FaceList::of(&model.mesh, &model.materials))
+        textured.with_paint(&FaceList::from_materials(&model.mesh, &model.materials))
     };
-    Ok(MappedImages::of_mesh(&textured, &paint)?)
+    Ok(MappedImages::from_mesh(&textured, &paint)?)
 }
 
 fn is_mesh(path: &Path) -> bool {

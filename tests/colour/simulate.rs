@@ -47,7 +47,7 @@ impl Printer {
 
     /// What a perfect reader reads.
     pub fn truth(&self, asked: [u8; 3]) -> Lab {
-        Lab::of_linear(self.relative(asked))
+        Lab::from_linear(self.relative(asked))
     }
 
     fn printed(&self, sheet: &RgbImage) -> Picture {

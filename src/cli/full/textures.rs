@@ -254,7 +254,7 @@ pub(in crate::cli) struct Shown {
 fn rest(model: &Model) -> Texture {
     let is_rest = |material: &usize| !model.materials.contains(material);
     let materials: Vec<usize> = (0..model.mesh.materials().len()).filter(is_rest).collect();
-    match MappedImages::of_mesh(&model.mesh, &materials) {
+    match MappedImages::from_mesh(&model.mesh, &materials) {
         Ok(mapped) if !materials.is_empty() => Texture::Images(mapped.images),
         _ => Texture::Flat(GREY),
     }

@@ -225,7 +225,7 @@ impl<'a> Attack<'a> {
                 (found, whole.ok_or(RunError::Damaged { path })?)
             }
             None => {
-                let first = Pattern::random_of(config.mapping.grid(config.cells), config.seed)?;
+                let first = Pattern::random_grid(config.mapping.grid(config.cells), config.seed)?;
                 let cells = clipped(of_pattern(&first), config.range);
                 let state = AttackState {
                     adam: Adam::new(cells.len()),
@@ -473,7 +473,7 @@ fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
         }
         CellColours::Own(count) => {
             let columns = config.mapping.grid(config.cells)[0];
-            let pattern = Pattern::of_cells(to_image(cells, columns)).ok();
+            let pattern = Pattern::from_cells(to_image(cells, columns)).ok();
             // Fewer where the cells have fewer, or clusters would be one colour.
             let mut counts = (2..=*count).rev();
             let painted = pattern.and_then(|p| counts.find_map(|count| Painted::by_count(&p, count).ok()));

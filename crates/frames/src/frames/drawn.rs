@@ -21,7 +21,7 @@ pub struct DrawnMesh {
 /// The side that each triangle of the paint belongs to; `None` for what is no paint. No `materials` are all.
 pub fn paint_sides(mesh: &Mesh, materials: &[usize]) -> Vec<Option<Side>> {
     let is_paint = |t: &Triangle| materials.is_empty() || materials.contains(&t.material);
-    let side = |t: &Triangle| is_paint(t).then(|| Side::of(&doubled_area(&mesh.corners_mm(t))));
+    let side = |t: &Triangle| is_paint(t).then(|| Side::facing(&doubled_area(&mesh.corners_mm(t))));
     mesh.triangles().iter().map(side).collect()
 }
 

@@ -138,7 +138,7 @@ pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColou
     let disagreement = |reading: &ChartReading| {
         let pairs = reading.patches.iter().zip(&means);
         let sum: f64 = pairs
-            .map(|((_, own), mean)| Lab::of_linear(*own).delta_e(Lab::of_linear(*mean)))
+            .map(|((_, own), mean)| Lab::from_linear(*own).delta_e(Lab::from_linear(*mean)))
             .sum();
         sum / means.len() as f64
     };
@@ -154,7 +154,7 @@ pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColou
         photos_sha256: readings.iter().map(|r| r.sha256.clone()).collect(),
         levels: first.kind.levels().to_vec(),
     };
-    let colours = PrintedColours::of_light(source, asked.zip(means));
+    let colours = PrintedColours::from_light(source, asked.zip(means));
     if colours.gamut_share_of_srgb < LEAST_GAMUT {
         return Err(ColourChartError::Colourless);
     }
@@ -218,11 +218,11 @@ fn refuse_reflections(inked: &[(ChartCell, PatchSample)], light: &ChartLight) ->
 fn evenness(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
     let patchiness = |(cell, sample): &(ChartCell, PatchSample)| {
         let white = light.at(cell.centre_mm());
-        let whole = Lab::of_linear(over(sample.light, white));
+        let whole = Lab::from_linear(over(sample.light, white));
         let parts = sample
             .parts
             .iter()
-            .map(|part| Lab::of_linear(over(*part, white)).delta_e(whole));
+            .map(|part| Lab::from_linear(over(*part, white)).delta_e(whole));
         parts.fold(0.0, f64::max)
     };
     let mut all: Vec<(f64, ChartCell)> = inked.iter().map(|patch| (patchiness(patch), patch.0)).collect();
@@ -242,7 +242,7 @@ fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChar
     let blacks = patches
         .iter()
         .filter(|(asked, _)| *asked == [0; 3])
-        .map(|(_, light)| Lab::of_linear(*light).l);
+        .map(|(_, light)| Lab::from_linear(*light).l);
     let (low, high) = blacks.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), l| {
         (low.min(l), high.max(l))
     });

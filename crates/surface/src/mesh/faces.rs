@@ -32,7 +32,7 @@ impl FaceList {
     }
 
     /// The triangles of some materials; none when no material is named.
-    pub fn of(mesh: &Mesh, materials: &[usize]) -> Self {
+    pub fn from_materials(mesh: &Mesh, materials: &[usize]) -> Self {
         let is_painted = |i: &usize| materials.contains(&mesh.triangles()[*i].material);
         Self {
             indices: (0..mesh.triangles().len()).filter(is_painted).collect(),

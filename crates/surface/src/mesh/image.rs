@@ -19,7 +19,7 @@ pub struct Look {
 
 impl Look {
     /// An image as it is.
-    pub(super) fn of(image: ImageSource) -> Self {
+    pub(super) fn plain(image: ImageSource) -> Self {
         Self {
             image: Some(image),
             wrap: [Wrap::Repeat; 2],

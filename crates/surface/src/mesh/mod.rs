@@ -222,7 +222,7 @@ impl Mesh {
 
     /// A point of the model frame, mm, in the frame and unit of the mesh's file.
     pub fn in_file(&self, point_mm: &Point3<f64>) -> Point3<f64> {
-        self.frame.of_model(point_mm)
+        self.frame.to_file(point_mm)
     }
 
     /// The names of the materials, in the file's order.

@@ -54,7 +54,7 @@ impl Map {
         Self {
             look: Look {
                 wrap: [wrap; 2],
-                ..Look::of(ImageSource::beside(folder, rest.trim()))
+                ..Look::plain(ImageSource::beside(folder, rest.trim()))
             },
             scale,
             offset,

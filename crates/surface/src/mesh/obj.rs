@@ -147,7 +147,7 @@ impl Library {
     fn look(&self, material: &str) -> Option<Look> {
         match (self.maps.get(material), &self.unread) {
             (Some(map), _) => Some(map.look.clone()),
-            (None, Some(name)) => Some(Look::of(ImageSource::Refused(format!(
+            (None, Some(name)) => Some(Look::plain(ImageSource::Refused(format!(
                 "its material library '{name}' is not a file beside the mesh"
             )))),
             (None, None) => None,

@@ -58,7 +58,7 @@ impl Default for FileFrame {
 }
 
 impl FileFrame {
-    pub(super) fn of_model(&self, p: &Point3<f64>) -> Point3<f64> {
+    pub(super) fn to_file(&self, p: &Point3<f64>) -> Point3<f64> {
         self.turn.transpose() * (p / self.scale + self.ground.coords)
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
             .map(|(i, vertex)| Ok((corner(&points, vertex)?, of_corner(i, vertex))))
             .collect();
         let image = images.get(face.get("texnumber").and_then(whole_number).unwrap_or(0));
-        let material = soup.material(MATERIAL, image.cloned().map(Look::of));
+        let material = soup.material(MATERIAL, image.cloned().map(Look::plain));
         soup.fan(&corners?, material)?;
     }
     Ok(())

@@ -16,13 +16,13 @@ pub struct Lab {
 
 impl Lab {
     /// From 8-bit sRGB.
-    pub fn of(rgb: [u8; 3]) -> Self {
+    pub fn from_rgb(rgb: [u8; 3]) -> Self {
         let srgb: Srgb<f64> = Srgb::from(rgb).into_format();
         Self::from_palette(palette::Lab::from_color(srgb))
     }
 
     /// From light in the primaries of sRGB, 1 is white. Values outside 0 to 1 are allowed.
-    pub fn of_linear(rgb: [f64; 3]) -> Self {
+    pub fn from_linear(rgb: [f64; 3]) -> Self {
         Self::from_palette(palette::Lab::from_color(LinSrgb::from(rgb)))
     }
 

@@ -10,7 +10,7 @@ use scaleproof_core::statistics::upper_median;
 pub fn median_delta_e(pattern: &Pattern) -> f64 {
     let cells: &RgbImage = pattern.cells();
     let (columns, rows) = cells.dimensions();
-    let lab = |x: u32, y: u32| Lab::of(cells.get_pixel(x % columns, y % rows).0);
+    let lab = |x: u32, y: u32| Lab::from_rgb(cells.get_pixel(x % columns, y % rows).0);
     let pairs = (0..rows).flat_map(|y| (0..columns).flat_map(move |x| [(x, y, x + 1, y), (x, y, x, y + 1)]));
     let differences: Vec<f64> = pairs
         .map(|(x, y, to_x, to_y)| lab(x, y).delta_e(lab(to_x, to_y)))

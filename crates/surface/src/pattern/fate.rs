@@ -57,7 +57,7 @@ pub fn fate(pattern: &Pattern, printer: &PrintedColours) -> PatternFate {
 }
 
 fn colour_fate(wanted_rgb: [u8; 3], cells: usize, gamut: &Gamut) -> ColourFate {
-    let wanted = Lab::of(wanted_rgb);
+    let wanted = Lab::from_rgb(wanted_rgb);
     let (printed, best) = (gamut.printed(wanted_rgb), gamut.best(wanted));
     ColourFate {
         wanted_rgb,

@@ -54,8 +54,8 @@ impl Gamut {
     }
 
     /// A printer that makes every colour of sRGB exactly, interpolated over the same levels.
-    pub fn of_srgb(levels: &[u8]) -> Self {
-        Self::new(levels, Lab::of)
+    pub fn srgb(levels: &[u8]) -> Self {
+        Self::new(levels, Lab::from_rgb)
     }
 
     /// What comes out when a colour is requested.

@@ -36,7 +36,7 @@ pub fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<Pattern,
             height,
         });
     }
-    Ok(Pattern::of_cells(averaged(&picture.pixels, [columns, rows], 1.0))?)
+    Ok(Pattern::from_cells(averaged(&picture.pixels, [columns, rows], 1.0))?)
 }
 
 /// The pattern that the image is an enlarged grid of, if it is one.
@@ -45,7 +45,7 @@ pub fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<Pattern,
 /// Only if the encoder fails.
 pub fn enlarged_pattern(picture: &Picture) -> Result<Option<Pattern>, PatternError> {
     let grid = enlarged::grid_of(&picture.pixels);
-    grid.map(|grid| Pattern::of_cells(enlarged::cells_of(&picture.pixels, grid)))
+    grid.map(|grid| Pattern::from_cells(enlarged::cells_of(&picture.pixels, grid)))
         .transpose()
 }
 

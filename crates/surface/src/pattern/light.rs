@@ -37,14 +37,14 @@ pub fn rgb_of(linear: [f64; 3]) -> [u8; 3] {
 }
 
 /// A colour as six hexadecimal digits, as in `808080` or `#808080`.
-pub fn of_hex(text: &str) -> Option<[u8; 3]> {
+pub fn from_hex(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').unwrap_or(text);
     let is_plain = digits.len() == 6 && digits.chars().all(|c| c.is_ascii_hexdigit());
     let [_, r, g, b] = u32::from_str_radix(digits, 16).ok().filter(|_| is_plain)?.to_be_bytes();
     Some([r, g, b])
 }
 
-/// A colour as six lower-case hexadecimal digits, as in `808080`; [`of_hex`] reads them.
+/// A colour as six lower-case hexadecimal digits, as in `808080`; [`from_hex`] reads them.
 pub fn to_hex(rgb: [u8; 3]) -> String {
     rgb.map(|v| format!("{v:02x}")).concat()
 }

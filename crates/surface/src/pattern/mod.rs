@@ -86,25 +86,25 @@ impl Pattern {
     /// # Errors
     /// No cells, or more than `MAX_CELLS` along a side.
     pub fn random(cells: u32, seed: u64) -> Result<Self, PatternError> {
-        Self::random_of([cells, cells], seed)
+        Self::random_grid([cells, cells], seed)
     }
 
     /// A random pattern of so many columns and rows: the first rows of the square one that [`Pattern::random`] makes of as many columns.
     ///
     /// # Errors
     /// Those of [`Pattern::random`].
-    pub fn random_of([columns, rows]: [u32; 2], seed: u64) -> Result<Self, PatternError> {
+    pub fn random_grid([columns, rows]: [u32; 2], seed: u64) -> Result<Self, PatternError> {
         if let Some(cells) = [columns, rows].into_iter().find(|n| !(1..=MAX_CELLS).contains(n)) {
             return Err(PatternError::BadCellCount { cells });
         }
         let mut grid = RgbImage::new(columns, rows);
         Pcg32::seed_from_u64(seed).fill_bytes(&mut grid);
-        Self::of_cells(grid)
+        Self::from_cells(grid)
     }
 
     /// # Errors
     /// Only if the encoder fails.
-    pub fn of_cells(cells: RgbImage) -> Result<Self, PatternError> {
+    pub fn from_cells(cells: RgbImage) -> Result<Self, PatternError> {
         let sha256 = files::sha256_hex(&png_of(&cells)?);
         Ok(Self { cells, sha256 })
     }
@@ -140,7 +140,7 @@ impl Pattern {
     pub fn recoloured(&self, colour: impl Fn([u8; 3]) -> [u8; 3]) -> Result<Self, PatternError> {
         let mut cells = self.cells.clone();
         cells.pixels_mut().for_each(|cell| cell.0 = colour(cell.0));
-        Self::of_cells(cells)
+        Self::from_cells(cells)
     }
 
     /// Some of its rows.
@@ -148,7 +148,7 @@ impl Pattern {
     /// # Errors
     /// Only if the encoder fails.
     pub fn rows_from(&self, first: u32, count: u32) -> Result<Self, PatternError> {
-        Self::of_cells(image::imageops::crop_imm(&self.cells, 0, first, self.columns(), count).to_image())
+        Self::from_cells(image::imageops::crop_imm(&self.cells, 0, first, self.columns(), count).to_image())
     }
 
     /// The picture in more cells, each divided evenly; `None` where they are not as many or the same whole multiple across and down.

@@ -168,7 +168,7 @@ impl Painted {
         if !(2..=MAX_PAINTS).contains(&count) {
             return Err(bad_count());
         }
-        let colours = Colours::of(pattern);
+        let colours = Colours::new(pattern);
         let distinct = colours.rgb.len();
         if count > distinct {
             return Err(PaletteError::FewerColours { asked: count, distinct });
@@ -197,8 +197,8 @@ impl Painted {
     /// # Errors
     /// One paint would be nearest to everything, or more than [`MAX_PAINTS`] would be used.
     pub fn by_palette(pattern: &Pattern, palette: &Palette) -> Result<Self, PaletteError> {
-        let colours = Colours::of(pattern);
-        let labs: Vec<Lab> = palette.paints.iter().map(|paint| Lab::of(paint.rgb)).collect();
+        let colours = Colours::new(pattern);
+        let labs: Vec<Lab> = palette.paints.iter().map(|paint| Lab::from_rgb(paint.rgb)).collect();
         let all = colours.lab.iter();
         let of: Vec<usize> = all.map(|lab| nearest(&labs, |paint| lab.delta_e(*paint))).collect();
         let made = Self::assembled(pattern, &colours, &palette.paints, &of);
@@ -215,7 +215,7 @@ impl Painted {
     fn assembled(pattern: &Pattern, colours: &Colours, paints: &[Paint], of: &[usize]) -> Self {
         let mut used: Vec<(usize, UsedPaint)> = Vec::new();
         for (index, paint) in paints.iter().enumerate() {
-            let lab = Lab::of(paint.rgb);
+            let lab = Lab::from_rgb(paint.rgb);
             let mine = (0..of.len()).filter(|c| of[*c] == index);
             let off: Vec<(u32, f64)> = mine.map(|c| (colours.cells[c], lab.delta_e(colours.lab[c]))).collect();
             let cells: u32 = off.iter().map(|(cells, _)| cells).sum();
@@ -283,10 +283,10 @@ struct Colours {
 }
 
 impl Colours {
-    fn of(pattern: &Pattern) -> Self {
+    fn new(pattern: &Pattern) -> Self {
         let counts = pattern.colour_counts();
         Self {
-            lab: counts.keys().map(|rgb| Lab::of(*rgb)).collect(),
+            lab: counts.keys().map(|rgb| Lab::from_rgb(*rgb)).collect(),
             cells: counts.values().map(|cells| *cells as u32).collect(),
             rgb: counts.into_keys().collect(),
         }

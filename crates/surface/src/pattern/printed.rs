@@ -83,7 +83,7 @@ impl PrintedColour {
             asked_rgb,
             measured_rgb: lab.rgb(),
             measured_lab: [lab.l, lab.a, lab.b],
-            delta_e: rounded(lab.delta_e(Lab::of(asked_rgb))),
+            delta_e: rounded(lab.delta_e(Lab::from_rgb(asked_rgb))),
         }
     }
 
@@ -97,18 +97,19 @@ impl PrintedColour {
 impl PrintedColours {
     /// From light relative to the paper's. A colour that was requested several times is averaged. `source.levels` must be those of
     /// a chart, all of whose colours are there.
-    pub fn of_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
+    pub fn from_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
         let mut sums: BTreeMap<[u8; 3], ([f64; 3], f64)> = BTreeMap::new();
         for (asked, light) in patches {
             let (sum, count) = sums.entry(asked).or_default();
             sum.iter_mut().zip(light).for_each(|(sum, v)| *sum += v);
             *count += 1.0;
         }
-        let mean = |(asked, (sum, count)): ([u8; 3], ([f64; 3], f64))| (asked, Lab::of_linear(sum.map(|v| v / count)));
-        Self::of(source, sums.into_iter().map(mean).collect())
+        let mean =
+            |(asked, (sum, count)): ([u8; 3], ([f64; 3], f64))| (asked, Lab::from_linear(sum.map(|v| v / count)));
+        Self::from_measured(source, sums.into_iter().map(mean).collect())
     }
 
-    fn of(source: ChartSource, measured: Vec<([u8; 3], Lab)>) -> Self {
+    fn from_measured(source: ChartSource, measured: Vec<([u8; 3], Lab)>) -> Self {
         let measured = measured.into_iter();
         let patches: Vec<_> = measured.map(|(asked, lab)| PrintedColour::new(asked, lab)).collect();
         let mean = |values: &[f64]| rounded(values.iter().sum::<f64>() / values.len().max(1) as f64);
@@ -135,7 +136,7 @@ impl PrintedColours {
         let off: Vec<f64> = between.map(|p| gamut.printed(p.asked_rgb).delta_e(p.lab())).collect();
         colours.interpolation_delta_e_mean = mean(&off);
         colours.gamut_volume_lab = gamut.volume().round();
-        colours.gamut_share_of_srgb = rounded(gamut.volume() / Gamut::of_srgb(&colours.levels).volume());
+        colours.gamut_share_of_srgb = rounded(gamut.volume() / Gamut::srgb(&colours.levels).volume());
         colours
     }
 
@@ -148,7 +149,7 @@ impl PrintedColours {
         let measured = self.measured();
         // `check` refuses a file with a colour missing, and a chart has all.
         Gamut::new(&self.levels, |asked| {
-            measured.get(&asked).copied().unwrap_or(Lab::of(asked))
+            measured.get(&asked).copied().unwrap_or(Lab::from_rgb(asked))
         })
     }
 
@@ -176,7 +177,7 @@ impl PrintedColours {
             photos_sha256: self.photos_sha256.clone(),
             levels: self.levels.clone(),
         };
-        if Self::of(source, measured.into_iter().collect()) != *self {
+        if Self::from_measured(source, measured.into_iter().collect()) != *self {
             return Err(ColoursError::OtherFigures);
         }
         Ok(())

@@ -48,7 +48,7 @@ impl Side {
 
     /// The side a surface belongs to by its outward normal of any length (model frame). Of equals the roof or bottom comes
     /// first, then left or right; a normal of length 0 is the bottom's, which is not printed.
-    pub fn of(normal: &Vector3<f64>) -> Self {
+    pub fn facing(normal: &Vector3<f64>) -> Self {
         let [x, y, z] = [normal.x, normal.y, normal.z].map(f64::abs);
         let slack = TIE * normal.norm();
         let pick = |value: f64, positive: Self, negative: Self| if value > 0.0 { positive } else { negative };
@@ -109,7 +109,7 @@ pub struct WorldAligned<'a> {
 impl WorldAligned<'_> {
     /// The colour of a surface point (model frame, mm) with this outward normal of any length.
     pub fn colour(&self, point_mm: &Point3<f64>, normal: &Vector3<f64>) -> [u8; 3] {
-        let side = Side::of(normal);
+        let side = Side::facing(normal);
         self.colour_at(side.project(point_mm))
     }
 

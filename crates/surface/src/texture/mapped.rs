@@ -62,7 +62,7 @@ impl MappedImages {
     ///
     /// # Errors
     /// An image that cannot be used, painted triangles without coordinates.
-    pub fn of_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
+    pub fn from_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
         let picture = Picture::load(path)?;
         let map = |material| Map {
             image: Arc::clone(&picture.pixels),
@@ -86,7 +86,7 @@ impl MappedImages {
     ///
     /// # Errors
     /// A painted material without image, or whose image cannot be used; painted triangles without coordinates.
-    pub fn of_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
+    pub fn from_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
         let mut collected = Collected::default();
         let mut skins = vec![Skin::None; mesh.materials().len()];
         let used = mesh.painted(paint).map(|triangle| mesh.triangles()[triangle].material);

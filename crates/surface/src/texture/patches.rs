@@ -28,7 +28,7 @@ impl PlacedPatch {
 
     /// `None` beside the patch.
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> Option<[u8; 3]> {
-        if Side::of(&mesh.normal_mm2(at.triangle)) != self.side {
+        if Side::facing(&mesh.normal_mm2(at.triangle)) != self.side {
             return None;
         }
         let [u, v] = self.side.project(&at.place_mm(mesh));

@@ -61,7 +61,7 @@ impl Tile {
 }
 
 fn side(mesh: &Mesh, triangle: usize) -> Side {
-    Side::of(&mesh.normal_mm2(triangle))
+    Side::facing(&mesh.normal_mm2(triangle))
 }
 
 /// Six patterns, and which of them each triangle has.
@@ -91,7 +91,7 @@ impl SidePatterns {
         let triangles = 0..mesh.triangles().len();
         Ok(Some(Self {
             tiles: Side::ALL.iter().map(tile).collect::<Result<_, PatternError>>()?,
-            sides: triangles.map(|i| Side::of(&mesh.normal_mm2(i))).collect(),
+            sides: triangles.map(|i| Side::facing(&mesh.normal_mm2(i))).collect(),
         }))
     }
 

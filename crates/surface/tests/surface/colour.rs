@@ -32,15 +32,15 @@ fn the_difference_is_the_published_one() {
 
 #[test]
 fn srgb_and_lab_are_there_and_back() {
-    let white = Lab::of([255, 255, 255]);
+    let white = Lab::from_rgb([255, 255, 255]);
     assert!((white.l - 100.0).abs() < 1e-3 && white.a.abs() < 1e-2 && white.b.abs() < 1e-2);
     // L* of sRGB grey 119 (linear 0.184).
-    assert!((Lab::of([119, 119, 119]).l - 50.03).abs() < 0.01);
+    assert!((Lab::from_rgb([119, 119, 119]).l - 50.03).abs() < 0.01);
     for rgb in [[0, 0, 0], [255, 0, 0], [1, 200, 33], [250, 251, 252], [0, 0, 255]] {
-        assert_eq!(Lab::of(rgb).rgb(), rgb);
-        let light: LinSrgb<f64> = palette_lab(Lab::of(rgb)).into_color();
-        let again = Lab::of_linear(light.into());
-        let off = again.delta_e(Lab::of(rgb));
+        assert_eq!(Lab::from_rgb(rgb).rgb(), rgb);
+        let light: LinSrgb<f64> = palette_lab(Lab::from_rgb(rgb)).into_color();
+        let again = Lab::from_linear(light.into());
+        let off = again.delta_e(Lab::from_rgb(rgb));
         assert!(off < 1e-3, "{rgb:?}: {off}");
     }
 }

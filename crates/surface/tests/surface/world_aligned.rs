@@ -7,7 +7,7 @@ use scaleproof_surface::pattern::world_aligned::{Side, WorldAligned};
 #[test]
 fn every_side_is_seen_from_outside() {
     for side in Side::ALL {
-        assert_eq!(Side::of(&side.outward()), side);
+        assert_eq!(Side::facing(&side.outward()), side);
     }
     // Somebody who looks at the left side has the model's front at the left hand, at the right side at the right hand.
     let nose = Point3::new(200.0, 0.0, 50.0);
@@ -22,11 +22,11 @@ fn every_side_is_seen_from_outside() {
 #[test]
 fn chamfers_belong_to_one_side_whatever_the_rounding() {
     for wobble in [-1e-6, 0.0, 1e-6] {
-        assert_eq!(Side::of(&Vector3::new(0.0, 1.0 + wobble, 1.0)), Side::Roof);
-        assert_eq!(Side::of(&Vector3::new(1.0 + wobble, -1.0, 0.0)), Side::Right);
-        assert_eq!(Side::of(&Vector3::new(1.0, 1.0, -1.0 + wobble)), Side::Bottom);
+        assert_eq!(Side::facing(&Vector3::new(0.0, 1.0 + wobble, 1.0)), Side::Roof);
+        assert_eq!(Side::facing(&Vector3::new(1.0 + wobble, -1.0, 0.0)), Side::Right);
+        assert_eq!(Side::facing(&Vector3::new(1.0, 1.0, -1.0 + wobble)), Side::Bottom);
     }
-    assert_eq!(Side::of(&Vector3::zeros()), Side::Bottom);
+    assert_eq!(Side::facing(&Vector3::zeros()), Side::Bottom);
 }
 
 #[test]

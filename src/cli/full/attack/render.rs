@@ -285,7 +285,7 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
 
 /// A colour as six hexadecimal digits.
 pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
-    light::of_hex(text)
+    light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
 }
 

@@ -251,7 +251,7 @@ fn paint(text: &str) -> Result<FramePaint, String> {
     if text == "original" {
         return Ok(FramePaint::Original);
     }
-    let rgb = light::of_hex(text);
+    let rgb = light::from_hex(text);
     rgb.map(FramePaint::FlatRgb)
         .ok_or_else(|| format!("the paint '{text}' is neither a hex colour, as in 808080, nor 'original'"))
 }

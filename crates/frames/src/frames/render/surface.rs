@@ -27,7 +27,7 @@ pub(super) fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), Re
             continue;
         }
         indices.push(i);
-        let side = Side::of(&normal);
+        let side = Side::facing(&normal);
         sides.push(1 + Side::ALL.iter().position(|s| *s == side).unwrap_or_default());
         uv_mm.push(corners.map(|p| side.project(&p)));
         triangles.push(std::array::from_fn::<usize, 3, _>(|i| {

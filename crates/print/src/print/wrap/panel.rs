@@ -76,7 +76,7 @@ impl PaintedSurface {
             if !materials.contains(&triangle.material) {
                 others.push(*triangle);
             } else if length > 0.0 {
-                let side = Side::of(&normal);
+                let side = Side::facing(&normal);
                 faces.push(Face {
                     index,
                     triangle: *triangle,
