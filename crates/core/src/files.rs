@@ -187,7 +187,7 @@ pub fn check_file_writable(path: &Path) -> Result<(), FileError> {
     }
 }
 
-/// Removes a file; that there is none is fine.
+/// Removes a file, if it exists.
 pub fn remove(path: &Path) -> Result<(), FileError> {
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),

@@ -15,17 +15,12 @@ pub fn thread_count() -> usize {
 }
 
 /// [`map_over`] with one thread a core.
-pub fn map<T, S, R, E>(
+pub fn map<T: Sync, S, R: Send, E: Send>(
     items: &[T],
     make_state: impl Fn() -> Result<S, E> + Sync,
     work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
     on_done: impl Fn() + Sync,
-) -> Result<Vec<R>, E>
-where
-    T: Sync,
-    R: Send,
-    E: Send,
-{
+) -> Result<Vec<R>, E> {
     map_over(thread_count(), items, make_state, work, on_done)
 }
 
@@ -42,18 +37,13 @@ pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec
 ///
 /// Each thread makes its state once. When a state cannot be made, or some work fails, the first error is returned and the
 /// remaining items are left.
-pub fn map_over<T, S, R, E>(
+pub fn map_over<T: Sync, S, R: Send, E: Send>(
     threads: usize,
     items: &[T],
     make_state: impl Fn() -> Result<S, E> + Sync,
     work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
     on_done: impl Fn() + Sync,
-) -> Result<Vec<R>, E>
-where
-    T: Sync,
-    R: Send,
-    E: Send,
-{
+) -> Result<Vec<R>, E> {
     let next = AtomicUsize::new(0);
     let stop = AtomicBool::new(false);
     let done: Mutex<Vec<(usize, Result<R, E>)>> = Mutex::new(Vec::with_capacity(items.len()));

@@ -17,7 +17,7 @@ const THRESHOLDS: u32 = 10;
 #[derive(Debug, Clone, Default)]
 pub struct ImageBoxes {
     pub truths: Vec<BoxPx>,
-    /// Regions of many that are not told apart: what lies in one counts neither for nor against.
+    /// Crowd regions, whose objects are not labelled one by one: a detection in one counts neither for nor against.
     pub crowds: Vec<BoxPx>,
     /// (score, box), in the detector's order: equal scores keep it.
     pub detections: Vec<(f64, BoxPx)>,

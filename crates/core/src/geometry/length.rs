@@ -1,5 +1,5 @@
 //! Bounds of the lengths that users give. Each length passes here before anything is computed with it, so that nothing behind
-//! meets a number that is none, leaves the range of its integers, or divides by almost nothing.
+//! meets NaN or infinity, leaves the range of its integers, or divides by almost nothing.
 
 use std::ops::RangeInclusive;
 

@@ -37,8 +37,8 @@ pub fn wilson_95(hits: usize, n: usize) -> Option<(f64, f64)> {
     Some((((centre - half) / scale).max(0.0), ((centre + half) / scale).min(1.0)))
 }
 
-/// Kendall's τ-b of two lists of figures (Kendall 1945): 1 where they order everything alike, −1 where the one is the other upside down. Figures that differ by less than `alike` are ties;
-/// none where one list has nothing but ties, since it orders nothing.
+/// Kendall's τ-b of two lists of figures (Kendall 1945): 1 where both have one order, −1 where one has the order of the other reversed.
+/// Figures that differ by less than `alike` are ties; `None` where a list has nothing but ties.
 pub fn kendall_tau_b(a: &[f64], b: &[f64], alike: f64) -> Option<f64> {
     let sign = |difference: f64| match difference {
         d if d > alike => 1.0,

@@ -1,6 +1,6 @@
 //! A test and an interval of a mean that hold however often one looks, and whenever one stops.
 //!
-//! Somebody starts with a wealth of 1 and bets on numbers in [−1, 1], one after the other, that their mean is above `m`. Where it is not, no way of betting gains on
+//! A betting martingale: a wealth of 1 is bet on numbers in [−1, 1], one after the other, that their mean is above `m`. Where it is not, no way of betting gains on
 //! average, and the wealth ever reaches 1/α with a probability of α at most (Ville 1939; Waudby-Smith & Ramdas, "Estimating means of bounded
 //! random variables by betting", Journal of the Royal Statistical Society B 86 (2024), sections 3 and 4). A bet at the rate λ multiplies the wealth by
 //! 1 + λ (x − m) / (1 + m); the wealth is spread over fixed rates.
@@ -17,7 +17,7 @@ const LEVEL: f64 = 0.05;
 /// The wealth is spread over so many rates, evenly from 0 to 1.
 const RATES: usize = 64;
 
-/// The wealth of somebody who bets that numbers are above `mean` on average: its logarithm at each rate.
+/// The wealth of a bet that numbers are above `mean` on average (an e-value): its logarithm at each rate.
 #[derive(Debug, Clone)]
 struct Wealth {
     mean: f64,

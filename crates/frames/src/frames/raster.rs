@@ -3,13 +3,11 @@
 use nalgebra::{Point3, Vector3};
 
 use super::Pinhole;
-use scaleproof_core::geometry::{BoxPx, Rigid};
+use scaleproof_core::geometry::{BoxPx, PlaneTriangle, Rigid};
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 
 /// A corner nearer than this is not drawn from: the camera is in the model.
 const NEAREST_MM: f64 = 1.0;
-/// A point counts as on a triangle's edge by this share of the triangle, so that neighbours leave no gap.
-const EDGE: f64 = 1e-9;
 /// So far a point lies behind the plane of what hides it, at least. Less is the same surface, in other triangles.
 const BEHIND_MM: f64 = 1.0;
 /// And so many pixels' footprints further away than what is seen there.
@@ -140,10 +138,9 @@ impl<'a> Raster<'a> {
     /// Draws one triangle where it is the nearest so far: 1/z is linear in the image.
     fn fill(&mut self, triangle: usize, corners: [([f64; 2], f64); 3]) {
         let [a, b, c] = corners.map(|(pixel, _)| pixel);
-        let area = cross(a, b, c);
-        if area == 0.0 {
+        let Some(flat) = PlaneTriangle::new([a, b, c]) else {
             return;
-        }
+        };
         let w = self.window;
         let span = |axis: usize, from: i64, size: usize| {
             let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
@@ -152,11 +149,9 @@ impl<'a> Raster<'a> {
         };
         for y in span(1, w.top, w.height) {
             for x in span(0, w.left, w.width) {
-                let p = [x as f64, y as f64];
-                let shares = [cross(b, c, p), cross(c, a, p), cross(a, b, p)].map(|part| part / area);
-                if shares.iter().any(|share| *share < -EDGE) {
+                let Some(shares) = flat.shares([x as f64, y as f64]) else {
                     continue;
-                }
+                };
                 let nearness: f64 = shares.iter().zip(corners).map(|(share, (_, z))| share / z).sum();
                 let depth_mm = 1.0 / nearness;
                 let hit = &mut self.hits[(y - w.top) as usize * w.width + (x - w.left) as usize];
@@ -220,9 +215,4 @@ impl<'a> Raster<'a> {
         let height = |p: &Point3<f64>| normal.dot(&(p - corners[0]));
         -height(point) * height(eye).signum() > BEHIND_MM
     }
-}
-
-/// Twice the signed area of a triangle in the image.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

@@ -18,7 +18,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// An image as it is.
+    /// A material that shows an image without changes.
     pub(super) fn plain(image: ImageSource) -> Self {
         Self {
             image: Some(image),

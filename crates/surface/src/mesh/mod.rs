@@ -340,7 +340,7 @@ impl Trouble {
     }
 }
 
-/// Triangles on their way out of a file, in the file's frame and unit.
+/// A mesh while its file is read, in the file's frame and unit.
 #[derive(Default)]
 struct Soup {
     /// Where the file lies.

@@ -176,8 +176,8 @@ impl Painted {
         let restarts = (CHEAP / (distinct * count)).clamp(RESTARTS.0, RESTARTS.1);
         let best = (0..restarts as u64)
             .map(|seed| k_means(&colours, count, seed))
-            .min_by(|a, b| a.spread.total_cmp(&b.spread));
-        let Clusters { means, of, .. } = best.ok_or_else(bad_count)?;
+            .min_by(|a, b| a.2.total_cmp(&b.2));
+        let (means, of, _) = best.ok_or_else(bad_count)?;
         let paints: Vec<[u8; 3]> = means.iter().map(|mean| mean.rgb()).collect();
         for (i, rgb) in paints.iter().enumerate() {
             if paints[..i].contains(rgb) {
@@ -297,15 +297,8 @@ impl Colours {
     }
 }
 
-struct Clusters {
-    means: Vec<Lab>,
-    /// The cluster of each distinct colour.
-    of: Vec<usize>,
-    /// Sum over the cells of their squared distance from the mean.
-    spread: f64,
-}
-
-fn k_means(colours: &Colours, count: usize, seed: u64) -> Clusters {
+/// The means of the clusters, the cluster of each distinct colour, and the sum over the cells of their squared distance from the mean.
+fn k_means(colours: &Colours, count: usize, seed: u64) -> (Vec<Lab>, Vec<usize>, f64) {
     let mut means = spread_out(colours, count, seed);
     let mut of = Vec::new();
     for _ in 0..MOST_STEPS {
@@ -320,11 +313,9 @@ fn k_means(colours: &Colours, count: usize, seed: u64) -> Clusters {
             *mean = mean_of(colours, &of, cluster).unwrap_or(*mean);
         }
     }
-    let spread = colours.lab.iter().zip(&of).zip(&colours.cells);
-    let spread = spread
-        .map(|((lab, cluster), cells)| f64::from(*cells) * squared(lab, &means[*cluster]))
-        .sum();
-    Clusters { means, of, spread }
+    let spread = |c: usize| f64::from(colours.cells[c]) * squared(&colours.lab[c], &means[of[c]]);
+    let spread = (0..of.len()).map(spread).sum();
+    (means, of, spread)
 }
 
 /// k-means++: every next start is drawn among the colours, by cells times squared distance from the starts so far.

@@ -1,7 +1,7 @@
 //! The pattern on a surface, aligned with the world: a point takes the pattern from the side that its normal looks to most
 //! (triplanar mapping without blending, as the evaluation of DTA maps its texture).
 //!
-//! Each [`Side`] has a plane with coordinates (u, v) in mm: u to the right and v up as somebody sees it who looks at that side
+//! Each [`Side`] has a plane with coordinates (u, v) in mm: u to the right and v up as a viewer sees it who looks at that side
 //! from **outside**. So nothing is mirrored on any side: writing in the pattern reads from left to right on all of them.
 //!
 //! | side | normal | u | v | the model's front is |

@@ -26,7 +26,7 @@ struct Placed<'a> {
     flat: Option<PlaneTriangle>,
 }
 
-/// A texel on its way.
+/// A texel while its colours are gathered.
 #[derive(Debug, Clone, Copy, Default)]
 struct Texel {
     /// 1 + the chart whose colours it takes; 0 as long as none does.
@@ -35,7 +35,7 @@ struct Texel {
     count: u16,
 }
 
-/// Rows of texels on their way.
+/// Some rows of the image while their texels are filled.
 struct Band {
     width: usize,
     rows: Range<usize>,

@@ -1,6 +1,6 @@
 //! A texture of any kind as one image on texture coordinates, as simulators take it.
 //!
-//! The coordinates are the mesh's own where they can be kept ([`own`]), else those of its paint unwrapped anew ([`packing`]). Each texel is the mean
+//! The coordinates are the mesh's own where they can be kept ([`own`]), else those of its paint, unwrapped and packed ([`packing`]). Each texel is the mean
 //! of the colours on its place of the surface (`fill.rs`). [`write_obj`] and [`write_glb`] write the mesh with these coordinates.
 
 mod fill;

@@ -1,4 +1,4 @@
-//! A mesh on its way out: every triangle with the coordinates of the baked image, and what the other materials look like.
+//! A mesh as it is written: every triangle with the coordinates of the baked image, and what the other materials look like.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -129,7 +129,7 @@ fn placed(charts: &[FlatChart], scale: f64, room: f64, [width, height]: [u32; 2]
     Some(spots)
 }
 
-/// The column at which a chart lies lowest on what is there, and how high that is; `None` when it is too wide.
+/// The column at which a chart lies lowest on the charts below it, and how high that is; `None` when it is too wide.
 fn lowest(horizon: &[f64], spans: &[[f64; 2]]) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for column in 0..=horizon.len().checked_sub(spans.len())? {

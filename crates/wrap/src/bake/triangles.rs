@@ -14,7 +14,7 @@ const SIDES_PX: [u32; 4] = [512, 1024, 2048, 4096];
 const FINER: f64 = 4.0;
 /// Its area by that of the triangles.
 const ROOM: f64 = 2.0;
-/// A larger image is sampled anew: renderers keep 16 bytes a texel.
+/// A larger image is resampled: renderers keep 16 bytes a texel.
 const LARGEST_PX: u32 = 8192;
 
 /// An image, and where each triangle of the paint lies in it.
@@ -28,7 +28,7 @@ pub struct TriangleImage {
 }
 
 impl TriangleImage {
-    /// An image on texture coordinates stays as it is; anything else is drawn into an image, each triangle by itself.
+    /// Keeps an image on texture coordinates; draws any other texture into a new image, each triangle by itself.
     ///
     /// # Errors
     /// No paint, or more triangles than the image takes.

@@ -29,7 +29,7 @@ const FOLD_DASH_MM: (f64, f64) = (1.5, 1.0);
 /// What a piece may measure so that it fits on one of the pages with all that stands around it.
 ///
 /// # Errors
-/// Tabs that are none, and paper too small for rulers.
+/// A width of tabs that cannot be glued, and paper too small for rulers.
 pub fn fits_mm(request: &PiecesRequest) -> Result<[f64; 2], PiecesError> {
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
     pages::fits_mm(request, AROUND_MM + tabs_mm.unwrap_or(0.0))

@@ -194,7 +194,7 @@ impl View {
         Some(view)
     }
 
-    /// Draws a triangle where it is nearer than what is there.
+    /// Draws a triangle in the pixels where it is the nearest so far.
     fn triangle(&mut self, corners: [[f64; 3]; 3], id: u32, colour: impl Fn([f64; 3]) -> [u8; 3]) {
         let Some(flat) = PlaneTriangle::new(corners.map(|[x, y, _]| [x, y])) else {
             return;

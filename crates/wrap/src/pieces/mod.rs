@@ -210,7 +210,7 @@ pub fn reason(reason: LeftOutReason) -> &'static str {
 }
 
 /// Cuts the paint of some materials (by index; all if there are none) of a mesh in the model frame into pieces that fit on the paper, and
-/// flattens them. `progress` hears the share that is done.
+/// flattens them. `progress` is called with the share that is done.
 ///
 /// # Errors
 /// Bounds that no pieces keep, and whatever refuses the paper.

@@ -3,7 +3,6 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::UnwrapRequest;
 use super::assembly::{Assembly, Edge, Piece, Sums};
 use super::borders::{Pair, borders, halves, runs};
 
@@ -94,7 +93,7 @@ struct Merge<'a> {
     trials: Vec<Option<Trial>>,
     /// Of each piece.
     trials_of: Vec<Vec<usize>>,
-    /// The bits of a trial's cost, which are ordered as it is, and the trial.
+    /// The bits of a trial's cost, which have the order of the costs, and the trial.
     queue: BinaryHeap<Reverse<(u64, usize)>>,
 }
 
@@ -109,10 +108,6 @@ impl<'a> Merge<'a> {
         }
     }
 
-    fn request(&self) -> &UnwrapRequest {
-        self.assembly.request
-    }
-
     fn alive(&self) -> impl Iterator<Item = &Piece> {
         self.assembly.pieces.iter().flatten()
     }
@@ -123,7 +118,7 @@ impl<'a> Merge<'a> {
 
     /// Whether there are few enough pieces. Any number is where none is asked for.
     fn is_few(&self, left_out: f64) -> bool {
-        let most = self.request().most_pieces;
+        let most = self.assembly.request.most_pieces;
         most.is_none_or(|most| self.needed(left_out) <= most)
     }
 
@@ -132,7 +127,7 @@ impl<'a> Merge<'a> {
         let first = self.alive().count().max(1) as f64;
         for (done, level) in levels.iter().enumerate() {
             self.level = level;
-            self.assembly.worst_excess = level.worst_excess * (self.request().mean_stretch - 1.0);
+            self.assembly.worst_excess = level.worst_excess * (self.assembly.request.mean_stretch - 1.0);
             self.try_borders(None);
             while !(done > 0 && self.is_few(LEFT_OUT_WELL)) && self.step() {
                 progress(1.0 - self.alive().count() as f64 / first);
@@ -174,7 +169,7 @@ impl<'a> Merge<'a> {
     fn is_affordable(&self, apart: Sums, made: Sums) -> bool {
         let all = self.alive().fold(Sums::default(), |sum, piece| sum + piece.sums);
         let area = (1.0 - LEFT_OUT) * all.area;
-        all.excess + made.excess - apart.excess <= (self.request().mean_stretch - 1.0) * area
+        all.excess + made.excess - apart.excess <= (self.assembly.request.mean_stretch - 1.0) * area
             && (made.above <= apart.above || all.above + made.above - apart.above <= ABOVE * area)
     }
 

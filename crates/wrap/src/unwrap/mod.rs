@@ -131,7 +131,7 @@ pub enum UnwrapError {
     BadSize { size_mm: [f64; 2] },
 }
 
-/// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` hears the share that is done.
+/// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` is called with the share that is done.
 ///
 /// # Errors
 /// Nothing to cut, too much of it, and bounds that cannot be kept.

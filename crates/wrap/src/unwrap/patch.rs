@@ -26,7 +26,7 @@ pub(super) type Flat = Vec<Vector2<f64>>;
 /// What is made small, summed over the area; s are the singular values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Energy {
-    /// (s − 1)²: as rigid as possible (Liu et al. 2008). It unfolds what lies flipped at first.
+    /// (s − 1)²: as rigid as possible (Liu et al. 2008). It unfolds faces that are flipped at first.
     Rigid,
     /// s² + 1/s²: symmetric Dirichlet (Smith and Schaefer 2015), which keeps single faces from much stretch, and every face from being flipped.
     Dirichlet,
@@ -254,7 +254,7 @@ impl System<'_> {
     }
 }
 
-/// A triangle of the surface laid into the plane as it is: its first corner at the origin, its second on the x axis.
+/// A triangle of the surface laid into the plane without stretch: its first corner at the origin, its second on the x axis.
 fn laid(corners: &[Point3<f64>; 3]) -> [Vector2<f64>; 2] {
     let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
     let length = b.norm();

@@ -164,7 +164,7 @@ impl Surface {
         self.faces.push(second);
     }
 
-    /// The triangles of the mesh that these faces are parts of. Those without area have no faces, and are told with their reason.
+    /// The triangles of the mesh that these faces are parts of. Triangles without area have no faces; they belong to their reason.
     pub(super) fn left_out(&self, faces: &[usize], reason: LeftOutReason) -> Option<LeftOut> {
         let lines = (reason == LeftOutReason::NoArea).then_some(&self.lines);
         let parts = faces.iter().map(|f| self.faces[*f].triangle);
