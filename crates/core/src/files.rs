@@ -145,9 +145,8 @@ pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> R
         }
     }
     replace_all_atomically(&regular)?;
-    streams
-        .into_iter()
-        .try_for_each(|(stream, content)| stream.write(content.as_ref()))
+    let mut streams = streams.into_iter();
+    streams.try_for_each(|(stream, content)| place::write_to(&stream, content.as_ref()))
 }
 
 /// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in

@@ -61,15 +61,9 @@ impl ApDefinition {
     pub fn of_curve(self, curve: &[(f64, f64)]) -> f64 {
         let best = best_from(curve);
         // As numpy's linspace makes them: i times the step, which is not always the double nearest to i / 100.
-        let recall = |i: u32, step: f64| {
-            if i == (1.0 / step) as u32 {
-                1.0
-            } else {
-                f64::from(i) * step
-            }
-        };
+        let recall = |i: u32| if i == 100 { 1.0 } else { f64::from(i) * 0.01 };
         match self {
-            ApDefinition::Coco101 => (0..=100).map(|i| at(curve, &best, recall(i, 0.01))).sum::<f64>() / 101.0,
+            ApDefinition::Coco101 => (0..=100).map(|i| at(curve, &best, recall(i))).sum::<f64>() / 101.0,
             ApDefinition::Voc11 => (0..=10).map(|i| at(curve, &best, f64::from(i) / 10.0)).sum::<f64>() / 11.0,
             ApDefinition::AllPoint => area(curve, &best),
             ApDefinition::Yolov5Ramp => ramp(curve, &best),

@@ -121,17 +121,15 @@ fn judge(image: &ImageBoxes, iou: f64) -> Vec<(f64, bool)> {
                     best = (overlap, Some(i));
                 }
             }
+            // Which share of the box lies in a crowd.
+            let area = ((b.x2 - b.x1) * (b.y2 - b.y1)).max(f64::MIN_POSITIVE);
+            let share_inside = |crowd: &BoxPx| b.overlap(crowd) / area;
             match best.1 {
                 Some(i) => taken[i] = true,
-                None if image.crowds.iter().any(|crowd| share_inside(b, crowd) >= best.0) => return None,
+                None if image.crowds.iter().any(|crowd| share_inside(crowd) >= best.0) => return None,
                 None => {}
             }
             Some((*score, best.1.is_some()))
         })
         .collect()
-}
-
-/// Which share of a box lies in another: the overlap with a crowd.
-fn share_inside(b: &BoxPx, other: &BoxPx) -> f64 {
-    b.overlap(other) / ((b.x2 - b.x1) * (b.y2 - b.y1)).max(f64::MIN_POSITIVE)
 }

@@ -11,15 +11,8 @@ use super::{FileError, is_standard_output, plain};
 pub(super) enum OutputPlace {
     /// A regular file, or one to be made; what a symbolic link points to.
     File(PathBuf),
-    Stream(Stream),
-}
-
-/// What is written to, and not replaced.
-#[derive(Debug)]
-pub(super) enum Stream {
-    StandardOutput,
-    /// A named pipe or a character device.
-    Device(PathBuf),
+    /// Standard output, a named pipe or a character device: written to, and not replaced.
+    Stream(PathBuf),
 }
 
 impl OutputPlace {
@@ -28,11 +21,11 @@ impl OutputPlace {
     pub(super) fn at(path: &Path) -> Result<OutputPlace, FileError> {
         let refused = |reason: &str| Err(FileError::cannot_write(path, reason));
         if is_standard_output(path) {
-            return Ok(OutputPlace::Stream(Stream::StandardOutput));
+            return Ok(OutputPlace::Stream(path.to_owned()));
         }
         match (std::fs::metadata(path), path.is_symlink()) {
             (Ok(about), _) if about.is_dir() => refused("a folder is in its place"),
-            (Ok(about), _) if is_stream(about.file_type()) => Ok(OutputPlace::Stream(Stream::Device(path.to_owned()))),
+            (Ok(about), _) if is_stream(about.file_type()) => Ok(OutputPlace::Stream(path.to_owned())),
             (Ok(about), _) if !about.is_file() => refused("what is in its place is no file: name another output"),
             (Ok(about), _) if about.permissions().readonly() => refused("it is write-protected"),
             (Ok(_), true) => match path.canonicalize() {
@@ -46,24 +39,20 @@ impl OutputPlace {
     }
 }
 
-impl Stream {
-    pub(super) fn write(&self, content: &[u8]) -> Result<(), FileError> {
-        let (written, path) = match self {
-            Stream::StandardOutput => {
-                let mut out = std::io::stdout().lock();
-                let written = out.write_all(content).and_then(|()| out.flush());
-                (written, PathBuf::from("standard output"))
-            }
-            Stream::Device(path) => {
-                let opened = OpenOptions::new().write(true).open(path);
-                (opened.and_then(|mut stream| stream.write_all(content)), path.clone())
-            }
-        };
-        match written {
-            // The reader has enough, as `head` does.
-            Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-            written => written.map_err(|e| FileError::write(&path, &e)),
-        }
+/// Writes to a stream.
+pub(super) fn write_to(stream: &Path, content: &[u8]) -> Result<(), FileError> {
+    let (written, name) = if is_standard_output(stream) {
+        let mut out = std::io::stdout().lock();
+        let written = out.write_all(content).and_then(|()| out.flush());
+        (written, Path::new("standard output"))
+    } else {
+        let opened = OpenOptions::new().write(true).open(stream);
+        (opened.and_then(|mut device| device.write_all(content)), stream)
+    };
+    match written {
+        // The reader has enough, as `head` does.
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|e| FileError::write(name, &e)),
     }
 }
 

@@ -35,43 +35,41 @@ pub struct Interval {
 /// A figure has none when the clusters are fewer than six, when too many draws leave it undefined, or when every draw gave the same: then
 /// the data say nothing about how far off it is.
 pub fn intervals_95<const N: usize>(clusters: usize, figures_of: impl Fn(&[u32]) -> [f64; N]) -> [Option<Interval>; N] {
-    if clusters < FEWEST_CLUSTERS {
-        return [None; N];
-    }
-    let mut rng = Pcg64Mcg::seed_from_u64(SEED);
-    let mut drawn = vec![0; clusters];
-    let mut figures: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(DRAWS));
-    for _ in 0..DRAWS {
-        draw(&mut rng, &mut drawn);
-        for (drawn, figure) in figures.iter_mut().zip(figures_of(&drawn)) {
-            drawn.push(figure);
-        }
-    }
-    figures.map(|drawn| interval_of(drawn, clusters))
-}
-
-/// How often each cluster comes in one resampling.
-fn draw(rng: &mut Pcg64Mcg, drawn: &mut [u32]) {
-    drawn.fill(0);
-    for _ in 0..drawn.len() {
-        let cluster = rng.random_range(0..drawn.len());
-        drawn[cluster] += 1;
-    }
+    resampled([clusters], |[drawn]| figures_of(drawn))
 }
 
 /// The 95 % interval of a figure of two sets of clusters, each of which is drawn by itself; widened as for the smaller one.
 pub fn interval_95_of_two(clusters: [usize; 2], figure: impl Fn(&[u32], &[u32]) -> f64) -> Option<Interval> {
-    let fewest = clusters[0].min(clusters[1]);
+    let [interval] = resampled(clusters, |[one, other]| [figure(one, other)]);
+    interval
+}
+
+/// [`intervals_95`] over several sets of clusters, each of which is drawn by itself.
+fn resampled<const K: usize, const N: usize>(
+    clusters: [usize; K],
+    figures_of: impl Fn(&[Vec<u32>; K]) -> [f64; N],
+) -> [Option<Interval>; N] {
+    let fewest = clusters.into_iter().min().unwrap_or(0);
     if fewest < FEWEST_CLUSTERS {
-        return None;
+        return [None; N];
     }
     let mut rng = Pcg64Mcg::seed_from_u64(SEED);
     let mut drawn = clusters.map(|clusters| vec![0; clusters]);
-    let figures = (0..DRAWS).map(|_| {
-        drawn.iter_mut().for_each(|drawn| draw(&mut rng, drawn));
-        figure(&drawn[0], &drawn[1])
-    });
-    interval_of(figures.collect(), fewest)
+    let mut figures: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(DRAWS));
+    for _ in 0..DRAWS {
+        for drawn in &mut drawn {
+            // How often each cluster comes in one resampling.
+            drawn.fill(0);
+            for _ in 0..drawn.len() {
+                let cluster = rng.random_range(0..drawn.len());
+                drawn[cluster] += 1;
+            }
+        }
+        for (all, figure) in figures.iter_mut().zip(figures_of(&drawn)) {
+            all.push(figure);
+        }
+    }
+    figures.map(|drawn| interval_of(drawn, fewest))
 }
 
 /// The interval of one figure.

@@ -144,9 +144,14 @@ impl Mesh {
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             ..Soup::default()
         };
-        match read(&bytes, &mut soup) {
-            Ok(()) if soup.mesh.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
-            Ok(()) => placement.apply(soup.into_mesh(), placement::is_gltf(path)),
+        let read = read(&bytes, &mut soup);
+        let mut mesh = soup.mesh;
+        if mesh.coordinates.iter().all(Option::is_none) {
+            mesh.coordinates.clear();
+        }
+        match read {
+            Ok(()) if mesh.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
+            Ok(()) => placement.apply(mesh, placement::is_gltf(path)),
             Err(Trouble::TooManyTriangles) => Err(too_large(format!("more than {MAX_TRIANGLES} triangles"))),
             Err(Trouble::Damaged(reason)) => Err(MeshError::Damaged {
                 path: path.to_owned(),
@@ -401,13 +406,6 @@ impl Soup {
             points.push(p);
             points.len() - 1
         })
-    }
-
-    fn into_mesh(mut self) -> Mesh {
-        if self.mesh.coordinates.iter().all(Option::is_none) {
-            self.mesh.coordinates.clear();
-        }
-        self.mesh
     }
 }
 

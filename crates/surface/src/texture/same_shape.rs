@@ -18,7 +18,8 @@ pub fn check_same_shape(textured: &Mesh, given: &Mesh) -> Result<(), TextureErro
             given: counts[1],
         });
     }
-    let scale = (area(given) / area(textured)).sqrt();
+    let doubled = |mesh: &Mesh| (0..counts[0]).map(|i| mesh.normal_mm2(i).norm()).sum::<f64>();
+    let scale = (doubled(given) / doubled(textured)).sqrt();
     let limit_mm = ROUNDING * given.size_mm().into_iter().fold(0.0, f64::max);
     let differ = |i: &usize| {
         let [a, b] = [edges(textured, *i), edges(given, *i)];
@@ -27,10 +28,6 @@ pub fn check_same_shape(textured: &Mesh, given: &Mesh) -> Result<(), TextureErro
     };
     let other = (0..counts[0]).find(differ);
     other.map_or(Ok(()), |triangle| Err(TextureError::OtherShape { triangle }))
-}
-
-fn area(mesh: &Mesh) -> f64 {
-    (0..mesh.triangles().len()).map(|i| mesh.normal_mm2(i).norm()).sum()
 }
 
 fn edges(mesh: &Mesh, triangle: usize) -> [f64; 3] {

@@ -1,6 +1,7 @@
 //! The first page: how to put the pieces on the model, what they keep, and where each goes.
 
 use super::{PrintedPieces, exploded};
+use scaleproof_core::spelling::list;
 use scaleproof_print::print::frame::PageFrame;
 use scaleproof_print::print::sheet::Sheet;
 use scaleproof_print::print::template::{Captions, cover};
@@ -15,20 +16,15 @@ const STEPS: [&str; 5] = [
 const TABS_STEP: &str = "Fold the white tabs back and glue them under the edge that has the same letter.";
 
 pub fn cover(made: &PrintedPieces, frame: &PageFrame, captions: &Captions) -> Sheet {
-    let has_tabs = made
-        .cut
-        .iter()
-        .zip(&made.pieces)
-        .any(|(cut, piece)| *cut != piece.region);
+    let mut cut = made.cut.iter().zip(&made.pieces);
+    let has_tabs = cut.any(|(cut, piece)| *cut != piece.region);
     let steps: Vec<&str> = STEPS.into_iter().chain(has_tabs.then_some(TABS_STEP)).collect();
     let mut facts = made.facts();
     let unseen = exploded::unseen(&made.pieces);
     if !unseen.is_empty() {
-        let numbers: Vec<String> = unseen.iter().map(|i| (i + 1).to_string()).collect();
-        facts.push(format!(
-            "in neither view: {}; their letters say where they go",
-            numbers.join(", ")
-        ));
+        let numbers: Vec<u32> = unseen.iter().map(|i| *i as u32 + 1).collect();
+        let numbers = list(&numbers);
+        facts.push(format!("in neither view: {numbers}; their letters say where they go"));
     }
     cover::first_page(frame, captions, "Pieces of a model", (&steps, &facts), |room| {
         exploded::views(&made.pieces, None, room)

@@ -256,8 +256,8 @@ impl<'a> Assembly<'a> {
 
     /// The pieces with as little stretch as they get, each turned into its smallest rectangle, which starts at 0, 0.
     pub(super) fn finish(mut self) -> Vec<Piece> {
-        let pieces: Vec<Piece> = std::mem::take(&mut self.pieces).into_iter().flatten().collect();
-        pieces.into_iter().map(|piece| self.finished(piece)).collect()
+        let pieces = std::mem::take(&mut self.pieces).into_iter().flatten();
+        pieces.map(|piece| self.finished(piece)).collect()
     }
 
     fn finished(&mut self, mut piece: Piece) -> Piece {

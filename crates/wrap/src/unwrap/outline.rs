@@ -15,16 +15,10 @@ pub(super) fn is_crossing(sides: &[Side]) -> bool {
     order.iter().enumerate().any(|(i, a)| {
         let (right, (low, high)) = (extent(a, 0).1, extent(a, 1));
         let near = order[i + 1..].iter().take_while(|b| extent(b, 0).0 <= right);
-        near.filter(|b| extent(b, 1).0 <= high && extent(b, 1).1 >= low)
-            .any(|b| do_cross(a, b))
+        let is_apart = |b: &Side| !a.iter().any(|(p, _)| b.iter().any(|(q, _)| p == q));
+        near.filter(|b| extent(b, 1).0 <= high && extent(b, 1).1 >= low && is_apart(b))
+            .any(|b| parts(a, b) && parts(b, a))
     })
-}
-
-fn do_cross(a: &Side, b: &Side) -> bool {
-    if a.iter().any(|(p, _)| b.iter().any(|(q, _)| p == q)) {
-        return false;
-    }
-    parts(a, b) && parts(b, a)
 }
 
 /// Whether the ends of the second lie on both sides of the first's line.

@@ -116,6 +116,7 @@ impl Patch {
     /// Makes the energy small by local and global steps, until one lowers it by less than a share.
     pub(super) fn relax(&self, flat: &mut Flat, energy: Energy, steps: usize, least_gain: f64) {
         let mut now = self.energy(flat, energy);
+        let unstretched = 2.0 * energy.value(1.0) * self.area.iter().sum::<f64>();
         for _ in 0..steps {
             if !now.is_finite() {
                 break;
@@ -136,17 +137,12 @@ impl Patch {
             }
             *flat = next;
             // What is perfect already has nothing to gain.
-            let is_done = now - after <= least_gain * (after - self.energy_of_none(energy)) + 1e-12 * now;
+            let is_done = now - after <= least_gain * (after - unstretched) + 1e-12 * now;
             now = after;
             if is_done {
                 break;
             }
         }
-    }
-
-    /// The energy of a map without stretch.
-    fn energy_of_none(&self, energy: Energy) -> f64 {
-        2.0 * energy.value(1.0) * self.area.iter().sum::<f64>()
     }
 
     /// Turns each face as it lies best, and weights what is left of its map.

@@ -9,7 +9,7 @@ use scaleproof_plot::lettering::fitting_size_mm;
 use scaleproof_print::print::frame::PageFrame;
 use scaleproof_print::print::paint::plane::{Area, PlaneOutline, mm};
 use scaleproof_print::print::paint::{OPENING, cross, disc, mirrored, swatch};
-use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor};
 use scaleproof_print::print::template::Captions;
 use scaleproof_print::print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Point, Region, moved};
 
@@ -104,11 +104,12 @@ impl<'a> Drawing<'a> {
     /// The piece with each patch in a tint of its paint, and the paint's number in it.
     fn numbers(&self, piece: usize) -> Vec<Mark> {
         let mut marks = Vec::new();
+        let tint = |v: u8| (255.0 - TINT * (255.0 - f64::from(v))).round() as u8;
         let areas = || self.made.regions[piece].areas.iter().zip(&self.made.painted.paints);
         for (area, used) in areas() {
             marks.push(Mark::Area {
                 outlines: self.on_page(piece, area),
-                colour: tint(used.paint.rgb),
+                colour: used.paint.rgb.map(tint),
             });
         }
         for (area, _) in areas() {
@@ -179,8 +180,4 @@ impl<'a> Drawing<'a> {
         marks.push(Mark::text(at, size_mm, TextAnchor::Right, text));
         marks
     }
-}
-
-fn tint(rgb: Srgb8) -> Srgb8 {
-    rgb.map(|v| (255.0 - TINT * (255.0 - f64::from(v))).round() as u8)
 }
