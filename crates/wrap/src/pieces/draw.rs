@@ -6,6 +6,7 @@ use image::RgbImage;
 
 use super::flat::Piece;
 use super::labels::{self, Signs};
+use super::nest::Place;
 use super::pages::{cover_frame, frames, furniture, nested, shape, sheet, sheet_frames};
 use super::pen::{HALO_MM, LINE_MM, Pen, around, cut};
 use super::seams;
@@ -69,13 +70,13 @@ pub fn pieces(
     });
     raster::check(request.dpi, boxes_mm2.sum())?;
     let all: Vec<usize> = (0..pieces.len()).collect();
-    let images = workers::each(&all, |i| -> Option<PlacedImage> {
-        let (piece, place) = (&pieces[*i], &places[*i]);
-        let frame = &sheet_frames[place.page];
+    let mut drawn = workers::each(&all, |i| {
+        let (piece, Place { page, pose }) = (&pieces[*i], places[*i]);
+        let frame = &sheet_frames[page];
         let paint = FlatPaint::new(mesh, texture, &piece.triangles, &piece.region, BLEED_MM);
         let grid = PixelGrid::new(frame.page.height_mm, request.dpi);
-        let (image, area) = paint.image(&place.pose, grid, BLEED_MM, frame.whole())?;
-        Some((Arc::new(image), area))
+        let image = paint.image(&pose, grid, BLEED_MM, frame.whole());
+        marks(&Pen { piece, pose }, &outlines[*i], &tabs[*i], &signs[*i], image)
     });
     let mut made = PrintedPieces {
         cut: outlines.iter().map(|o| o.cut.clone()).collect(),
@@ -94,22 +95,17 @@ pub fn pieces(
     let captions = Captions::of_image(&request.template(), &request.facts);
     let mut pages = vec![cover::cover(&made, &cover_frame(&frame, request)?, &captions)];
     for (page, frame) in sheet_frames.iter().enumerate() {
-        let mut on_page = Vec::new();
-        for (i, place) in made.places.iter().enumerate().filter(|(_, place)| place.page == page) {
-            let pen = Pen {
-                piece: &made.pieces[i],
-                pose: place.pose,
-            };
-            let (tabs, signs) = (&tabs[i], &signs[i]);
-            on_page.extend(marks(&pen, &outlines[i], tabs, signs, images[i].as_ref()));
-        }
+        let here = made
+            .places
+            .iter()
+            .zip(&mut drawn)
+            .filter(|(place, _)| place.page == page);
+        let on_page = here.flat_map(|(_, marks)| std::mem::take(marks)).collect();
         pages.push(sheet(frame, on_page, &captions, (page, sheet_frames.len())));
     }
     let stretch = frame.setup.stretch();
-    made.pages = pages
-        .into_iter()
-        .map(|page| printer::corrected_one(page, stretch))
-        .collect();
+    let corrected = |page| printer::corrected_one(page, stretch);
+    made.pages = pages.into_iter().map(corrected).collect();
     Ok(made)
 }
 
@@ -142,20 +138,15 @@ impl Outlines {
     }
 }
 
-/// An image of a piece, and where it lies on its sheet.
-type PlacedImage = (Arc<RgbImage>, RectMm);
-
-/// One piece on its sheet.
-fn marks(pen: &Pen, outlines: &Outlines, tabs: &Tabs, signs: &Signs, image: Option<&PlacedImage>) -> Vec<Mark> {
+/// One piece on its sheet; `image` is its texture, and where that lies there.
+fn marks(pen: &Pen, outlines: &Outlines, tabs: &Tabs, signs: &Signs, image: Option<(RgbImage, RectMm)>) -> Vec<Mark> {
     let cut_out = pen.region(&outlines.cut);
     let mut marks = Vec::new();
     if let Some((image, area)) = image {
+        let image = Arc::new(image);
         marks.push(Mark::Clipped {
             to: moved(pen.region(&outlines.printed).contours(), [0.0; 2]),
-            marks: vec![Mark::Image {
-                image: Arc::clone(image),
-                area: *area,
-            }],
+            marks: vec![Mark::Image { image, area }],
         });
     }
     let folds = pen.piece.folds.iter();
