@@ -24,6 +24,8 @@ mod medians;
 mod normal;
 #[path = "core/place.rs"]
 mod place;
+#[path = "core/plane.rs"]
+mod plane;
 #[path = "core/ranks.rs"]
 mod ranks;
 #[path = "core/rigid.rs"]

@@ -30,6 +30,14 @@ pub struct SeamEdge {
     pub length_mm: f64,
 }
 
+impl SeamEdge {
+    /// Its ends on paper on one side, in the order of the seam.
+    pub fn ends(&self, pieces: &[Piece], side: usize) -> [Point; 2] {
+        let [a, b] = border(pieces, self.sides[side]).flat;
+        if self.backwards { [b, a] } else { [a, b] }
+    }
+}
+
 /// A place of a seam on one of its pieces.
 #[derive(Debug, Clone, Copy)]
 pub struct SeamPlace {

@@ -108,10 +108,8 @@ impl Line {
 /// A seam on one of its sides.
 fn lines(seam: &Seam, pieces: &[Piece], side: usize) -> Vec<Line> {
     let line = |edge: &SeamEdge| {
-        let border = border(pieces, edge.sides[side]);
-        let [a, b] = border.flat;
-        let (from, to) = if edge.backwards { (b, a) } else { (a, b) };
-        let outward = border.outward;
+        let [from, to] = edge.ends(pieces, side);
+        let outward = border(pieces, edge.sides[side]).outward;
         Line { from, to, outward }
     };
     seam.edges.iter().map(line).collect()

@@ -5,7 +5,7 @@ use super::alone;
 use super::regions::Upright;
 use crate::pieces::flat::Piece;
 use crate::pieces::labels::Signs;
-use crate::pieces::seams::{Seam, border};
+use crate::pieces::seams::Seam;
 use scaleproof_core::geometry::{between, circle, distance};
 use scaleproof_print::print::paint::plane::{Area, units};
 use scaleproof_print::print::paint::{hole_mm, rim_mm};
@@ -64,10 +64,7 @@ pub fn sheet(
 fn gap(seam: &Seam, pieces: &[Piece], beyond_mm: f64) -> Vec<Contour> {
     let sides = |i: usize| {
         let edge = seam.edges.get(i)?;
-        Some(edge.sides.map(|id| {
-            let [a, b] = border(pieces, id).flat;
-            if edge.backwards { [b, a] } else { [a, b] }
-        }))
+        Some([0, 1].map(|side| edge.ends(pieces, side)))
     };
     let count = seam.edges.len();
     let between = (0..count).filter_map(sides).map(|[[a, b], [c, d]]| vec![a, b, d, c]);
