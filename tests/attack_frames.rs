@@ -572,7 +572,7 @@ fn carlas_poses_are_understood() {
         );
         // The model's up is up in the image.
         assert!((pose * Point3::new(0.0, 0.0, 100.0)).y < ahead.y);
-        Viewpoint::of_camera(Point3::from(pose.inverse().translation.vector), target)
+        Viewpoint::from_camera(Point3::from(pose.inverse().translation.vector), target)
     };
     let close = |view: Viewpoint, azimuth: f64, pitch: f64, distance: f64| {
         let is = (view.azimuth_deg - azimuth).abs() < 1e-6

@@ -25,7 +25,8 @@ fn square(corners: Vector<Point2f>) -> [[f64; 2]; 4] {
     [0, 1, 2, 3].map(at)
 }
 
-scaleproof_pose::before_opencv_4_7! {
+scaleproof_pose::by_opencv! {
+before_4_7 {
 mod of_this_version {
     use opencv::aruco::{
         CharucoBoard, DetectorParameters, detect_markers, detect_markers_def, get_predefined_dictionary_i32,
@@ -72,8 +73,7 @@ mod of_this_version {
     }
 }
 }
-
-scaleproof_pose::since_opencv_4_7! {
+since_4_7 {
 mod of_this_version {
     use opencv::objdetect::{
         ArucoDetector, CharucoBoard, CharucoDetector, DetectorParameters, RefineParameters,
@@ -116,6 +116,7 @@ mod of_this_version {
         detector.detect_board_def(picture, &mut places, &mut numbers).unwrap();
         numbered(&numbers, &places)
     }
+}
 }
 }
 

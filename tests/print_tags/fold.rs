@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily};
+use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily, corners_in_tag_mm};
 use scaleproof_print::print::sheet::{Mark, Sheet};
 use scaleproof_print::print::tags::arrange;
 
@@ -188,10 +188,10 @@ proptest! {
                 let told = scene.tag(flat.tag.family, flat.tag.id).unwrap();
                 let up = nalgebra::Vector2::new(-flat.right.y, flat.right.x);
                 let corner = |p: Point3<f64>| flat.centre_mm + flat.right * p.x + up * p.y;
-                let corners = told.corners_in_tag_mm().map(|p| corner(p).coords.into());
+                let corners = corners_in_tag_mm(told.size_mm).map(|p| corner(p).coords.into());
                 prop_assert!(card.holds(&corners), "a tag leaves its card");
                 let by_triangle = off(&card.folded(&corners, &tent.foot_mm()), told);
-                let by_transforms = off(&told.corners_in_tag_mm().map(|p| tent.place * pose * p), told);
+                let by_transforms = off(&corners_in_tag_mm(told.size_mm).map(|p| tent.place * pose * p), told);
                 for (mm, deg) in [by_triangle, by_transforms] {
                     prop_assert!(mm < allowed_mm && deg < 0.01, "{mm} mm, {deg}°");
                 }

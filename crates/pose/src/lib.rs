@@ -28,30 +28,16 @@ pub mod scene;
 pub mod simulate;
 pub mod tags;
 
-/// Keeps items where OpenCV has ArUco in its module `aruco`: before 4.7.
+/// Keeps the first items where OpenCV has ArUco in its module `aruco` (before 4.7), the second where it is an object of `objdetect` (since 4.7).
 #[cfg(not(opencv_aruco_in_objdetect))]
 #[macro_export]
-macro_rules! before_opencv_4_7 {
-    ($($item:item)*) => { $($item)* };
+macro_rules! by_opencv {
+    (before_4_7 { $($before:item)* } since_4_7 { $($since:item)* }) => { $($before)* };
 }
 
-/// Drops items for OpenCV before 4.7.
+/// Keeps the first items where OpenCV has ArUco in its module `aruco` (before 4.7), the second where it is an object of `objdetect` (since 4.7).
 #[cfg(opencv_aruco_in_objdetect)]
 #[macro_export]
-macro_rules! before_opencv_4_7 {
-    ($($item:item)*) => {};
-}
-
-/// Keeps items where ArUco is an object of OpenCV's module `objdetect`: since 4.7.
-#[cfg(opencv_aruco_in_objdetect)]
-#[macro_export]
-macro_rules! since_opencv_4_7 {
-    ($($item:item)*) => { $($item)* };
-}
-
-/// Drops items for OpenCV since 4.7.
-#[cfg(not(opencv_aruco_in_objdetect))]
-#[macro_export]
-macro_rules! since_opencv_4_7 {
-    ($($item:item)*) => {};
+macro_rules! by_opencv {
+    (before_4_7 { $($before:item)* } since_4_7 { $($since:item)* }) => { $($since)* };
 }

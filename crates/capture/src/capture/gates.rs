@@ -188,7 +188,7 @@ impl Judge {
             Ok(fitted) => fitted,
             Err(e) => return FrameJudgement::of_misfit(seen, e),
         };
-        let appearance = Appearance::of(grey, &seen);
+        let appearance = Appearance::measure(grey, &seen);
         let pose = located.as_ref().ok().map(|l| &l.pose);
         let measures = Measures {
             blur_px: appearance.blur_px.filter(|px| px.is_finite()),

@@ -212,7 +212,7 @@ impl FrameList {
     /// Where the camera stood.
     pub fn viewpoint(&self, frame: &Frame) -> Viewpoint {
         let centre = frame.pose().inverse().translation.vector;
-        Viewpoint::of_camera(Point3::from(centre), Point3::from(self.target_mm))
+        Viewpoint::from_camera(Point3::from(centre), Point3::from(self.target_mm))
     }
 }
 

@@ -17,8 +17,8 @@ pub enum CameraFault {
         cols: usize,
         found: usize,
     },
-    #[error("{0} must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3")]
-    NoCameraMatrix(&'static str),
+    #[error("camera_matrix must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3")]
+    NoCameraMatrix,
     #[error("a fisheye model is not supported: calibrate with the pinhole model")]
     Fisheye,
     #[error("distortion_coefficients has {0} numbers: OpenCV knows 4, 5 or 8")]

@@ -16,7 +16,6 @@ pub struct FittedCamera {
 /// Why a camera file does not fit a photo.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum SizeError {
     #[error(
         "the photo is {photo} but the camera file is for {camera}, another aspect ratio, so the photo was cropped by an unknown amount: use the original photo, or calibrate at this size"
@@ -37,21 +36,18 @@ impl Camera {
         let lies_across = turned_deg % 180 == 90;
         let (sensor_width, sensor_height) = if lies_across { (height, width) } else { (width, height) };
         if let Some(scaled) = self.scaled(sensor_width, sensor_height) {
-            Ok(FittedCamera {
+            return Ok(FittedCamera {
                 camera: (0..turned_deg / 90).fold(scaled, |camera, _| camera.turned_clockwise()),
                 scale: f64::from(sensor_width) / f64::from(self.width),
                 turned_deg,
-            })
-        } else {
-            Ok(FittedCamera {
-                camera: self
-                    .scaled(width, height)
-                    .filter(|_| lies_across)
-                    .ok_or_else(|| self.mismatch(width, height))?,
-                scale: f64::from(width) / f64::from(self.width),
-                turned_deg: 0,
-            })
+            });
         }
+        let upright = self.scaled(width, height).filter(|_| lies_across);
+        Ok(FittedCamera {
+            camera: upright.ok_or_else(|| self.mismatch(width, height))?,
+            scale: f64::from(width) / f64::from(self.width),
+            turned_deg: 0,
+        })
     }
 
     /// Where a photo's pixel lies in the image that this camera file is for; `fitted` is this camera as it fits the photo.
@@ -74,6 +70,7 @@ impl Camera {
 
     fn scaled(&self, width: u32, height: u32) -> Option<Camera> {
         let [sx, sy] = self.scale_to(width, height)?;
+        let scaled = |[fx, fy, cx, cy]: [f64; 4]| [fx * sx, fy * sy, cx * sx, cy * sy];
         Some(Camera {
             width,
             height,
@@ -81,9 +78,7 @@ impl Camera {
             fy: self.fy * sy,
             cx: (self.cx + 0.5) * sx - 0.5,
             cy: (self.cy + 0.5) * sy - 0.5,
-            sigma_px: self
-                .sigma_px
-                .map(|[fx, fy, cx, cy]| [fx * sx, fy * sy, cx * sx, cy * sy]),
+            sigma_px: self.sigma_px.map(scaled),
             ..self.clone()
         })
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Camera, CameraError, CameraFault, kalibr, marks, mrcal, opencv_yaml, ros_yaml};
+use super::{Camera, CameraError, CameraFault, kalibr, marks, matrix_yaml, mrcal};
 use scaleproof_core::files::{self, FileError};
 
 /// A camera file format.
@@ -29,38 +29,26 @@ impl CameraFormat {
 
     /// The name a user gives the format.
     pub fn name(self) -> &'static str {
-        CameraFormat::ALL
-            .iter()
-            .find(|(f, _)| *f == self)
-            .map_or("", |(_, name)| name)
+        CameraFormat::ALL[self as usize].1
     }
 
     /// The format of a camera file's text, by what it says; a file's name may say anything.
-    fn of_text(text: &str) -> Option<CameraFormat> {
+    fn detect(text: &str) -> Option<CameraFormat> {
         let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
         let says = |word: &str| lines.clone().any(|line| line.contains(word));
-        if says("lensmodel") && text_starts_with_brace(text) {
+        let mut starts = lines.clone().map(str::trim_start).filter(|line| !line.is_empty());
+        if says("lensmodel") && starts.next().is_some_and(|line| line.starts_with('{')) {
             Some(CameraFormat::Mrcal)
+        } else if says("camera_matrix") && (says("distortion_model") || says("projection_matrix")) {
+            Some(CameraFormat::Ros)
         } else if says("camera_matrix") {
-            let is_ros = says("distortion_model") || says("projection_matrix");
-            Some(if is_ros {
-                CameraFormat::Ros
-            } else {
-                CameraFormat::OpenCv
-            })
+            Some(CameraFormat::OpenCv)
         } else if says("camera_model") || says("distortion_coeffs") {
             Some(CameraFormat::Kalibr)
         } else {
             None
         }
     }
-}
-
-/// True when a brace is the first thing that is no comment.
-fn text_starts_with_brace(text: &str) -> bool {
-    let mut lines = text.lines().map(str::trim_start);
-    let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'));
-    first.is_some_and(|line| line.starts_with('{'))
 }
 
 impl Camera {
@@ -76,17 +64,14 @@ impl Camera {
 
     /// The camera as the text of a file; every number reads back as it is. Refuses what the format's models cannot say.
     pub fn write(&self, format: CameraFormat) -> Result<String, CameraError> {
-        self.check()
-            .and_then(|()| match format {
-                CameraFormat::OpenCv => Ok(opencv_yaml::write(self)),
-                CameraFormat::Ros => Ok(ros_yaml::write(self)),
-                CameraFormat::Kalibr => kalibr::write(self),
-                CameraFormat::Mrcal => Ok(mrcal::write(self)),
-            })
-            .map_err(|fault| CameraError::NotInFormat {
-                format: format.name(),
-                fault,
-            })
+        let written = self.check().and_then(|()| match format {
+            CameraFormat::OpenCv => Ok(matrix_yaml::write_opencv(self)),
+            CameraFormat::Ros => Ok(matrix_yaml::write_ros(self)),
+            CameraFormat::Kalibr => kalibr::write(self),
+            CameraFormat::Mrcal => Ok(mrcal::write(self)),
+        });
+        let format = format.name();
+        written.map_err(|fault| CameraError::NotInFormat { format, fault })
     }
 }
 
@@ -95,12 +80,11 @@ fn parse(text: &str) -> Result<Camera, CameraFault> {
     if text.trim().is_empty() {
         return Err(CameraFault::Empty);
     }
-    let camera = match CameraFormat::of_text(text) {
-        Some(CameraFormat::OpenCv) => opencv_yaml::read(text)?,
-        Some(CameraFormat::Ros) => ros_yaml::read(text)?,
-        Some(CameraFormat::Kalibr) => kalibr::read(text)?,
-        Some(CameraFormat::Mrcal) => mrcal::read(text)?,
-        None => return Err(CameraFault::UnknownFormat),
+    let camera = match CameraFormat::detect(text).ok_or(CameraFault::UnknownFormat)? {
+        CameraFormat::OpenCv => matrix_yaml::read_opencv(text)?,
+        CameraFormat::Ros => matrix_yaml::read_ros(text)?,
+        CameraFormat::Kalibr => kalibr::read(text)?,
+        CameraFormat::Mrcal => mrcal::read(text)?,
     };
     let camera = marks::read(text, camera)?;
     camera.check()?;

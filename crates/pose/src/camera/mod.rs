@@ -6,11 +6,10 @@ mod format;
 mod guess;
 mod kalibr;
 mod marks;
+mod matrix_yaml;
 mod mrcal;
-mod opencv_yaml;
 pub mod projection;
 mod ray;
-mod ros_yaml;
 mod yaml;
 
 use scaleproof_core::files;
@@ -23,7 +22,6 @@ pub use guess::Guess;
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum CameraError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -103,13 +101,14 @@ impl Camera {
 
     /// Refuses numbers that no camera has: a file of something else, or one whose decimal commas became list commas.
     fn check(&self) -> Result<(), CameraFault> {
-        let Camera { fx, fy, cx, cy, .. } = *self;
-        let (width, height) = (f64::from(self.width), f64::from(self.height));
-        let larger = width.max(height);
-        if !(1.0..=100_000.0).contains(&width.min(height)) || larger > 100_000.0 {
-            let Camera { width, height, .. } = *self;
+        let &Camera {
+            width, height, fx, fy, ..
+        } = self;
+        if [width, height].iter().any(|side| !(1..=100_000).contains(side)) {
             return Err(CameraFault::Size { width, height });
         }
+        let (cx, cy, width, height) = (self.cx, self.cy, f64::from(width), f64::from(height));
+        let larger = width.max(height);
         // 169 to 0.6 degrees across.
         let (least, most) = (0.05 * larger, 100.0 * larger);
         if [fx, fy].iter().any(|f| !(least..=most).contains(f)) {
@@ -120,10 +119,8 @@ impl Camera {
             return Err(CameraFault::PrincipalPoint { cx, cy });
         }
         // Long lenses have small radii and large coefficients; this only keeps numbers that overflow away.
-        match self.distortion().iter().find(|k| !k.is_finite() || k.abs() > 1e9) {
-            Some(k) => Err(CameraFault::Coefficient(*k)),
-            None => Ok(()),
-        }
+        let odd = self.distortion().iter().find(|k| !k.is_finite() || k.abs() > 1e9);
+        odd.map_or(Ok(()), |k| Err(CameraFault::Coefficient(*k)))
     }
 
     /// The angle in degrees that one pixel covers at the centre of the image.

@@ -1,17 +1,8 @@
-//! What the YAML formats share: parsing with a one-line reason, numbers that every reader takes, matrices.
+//! What the YAML formats share: parsing with a one-line reason, numbers that every reader takes.
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::CameraFault;
-
-/// A matrix as OpenCV and ROS write it, row by row.
-#[derive(Deserialize)]
-pub(super) struct Matrix {
-    rows: usize,
-    cols: usize,
-    data: Vec<f64>,
-}
 
 /// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is no YAML directive, and its tag
 /// for matrices, which only OpenCV knows, are passed over.
@@ -20,40 +11,17 @@ pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Resu
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
     };
-    serde_saphyr::from_str(&body.replace("!!opencv-matrix", "")).map_err(|e| CameraFault::Syntax {
-        what,
-        reason: plain_reason(&e.to_string()).to_owned(),
-    })
-}
-
-/// The first line of what the parser says, without its own "error: line …" frame.
-fn plain_reason(reason: &str) -> &str {
-    let line = reason.lines().next().unwrap_or_default();
-    line.split_once("column ")
-        .map_or(line, |(_, rest)| rest.split_once(": ").map_or(rest, |(_, what)| what))
-}
-
-impl Matrix {
-    /// The numbers, as many as rows and columns say.
-    pub(super) fn numbers(self, name: &'static str) -> Result<Vec<f64>, CameraFault> {
-        let Matrix { rows, cols, data } = self;
-        let found = data.len();
-        let is_whole = rows.checked_mul(cols) == Some(found);
-        is_whole.then_some(data).ok_or(CameraFault::Matrix {
-            name,
-            rows,
-            cols,
-            found,
-        })
-    }
-
-    /// fx, fy, cx, cy of a camera matrix [fx 0 cx; 0 fy cy; 0 0 1].
-    pub(super) fn intrinsics(self, name: &'static str) -> Result<[f64; 4], CameraFault> {
-        match self.numbers(name)?[..] {
-            [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] => Ok([fx, fy, cx, cy]),
-            _ => Err(CameraFault::NoCameraMatrix(name)),
+    serde_saphyr::from_str(&body.replace("!!opencv-matrix", "")).map_err(|e| {
+        // The first line of what the parser says, without its own "error: line …" frame.
+        let reason = e.to_string();
+        let line = reason.lines().next().unwrap_or_default();
+        let behind_place = line.split_once("column ").map(|(_, rest)| rest);
+        let reason = behind_place.map_or(line, |rest| rest.split_once(": ").map_or(rest, |(_, what)| what));
+        CameraFault::Syntax {
+            what,
+            reason: reason.to_owned(),
         }
-    }
+    })
 }
 
 /// Numbers between commas. Each reads back as the same value, and has a point and a signed exponent: without them YAML 1.1

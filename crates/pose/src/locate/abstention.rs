@@ -6,7 +6,6 @@ use scaleproof_core::spelling::list;
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,
@@ -63,12 +62,6 @@ pub enum Abstention {
 }
 
 impl Abstention {
-    /// The tags leave the pose open altogether.
-    pub(super) const OPEN: Abstention = Abstention::Degenerate {
-        sigma_deg: 180.0,
-        edge_deg: 0.0,
-    };
-
     /// Whether tags disagree with each other, the scene or the camera, rather than being too few.
     pub fn is_disagreement(&self) -> bool {
         self.code() == "high_residual"
@@ -80,14 +73,14 @@ impl Abstention {
             Abstention::NoTags => "no_tags",
             Abstention::NoKnownTag { .. } => "no_known_tag",
             Abstention::BehindCamera => "behind_camera",
-            Abstention::HighResidual { .. } => "high_residual",
-            Abstention::NoMajority { .. } => "high_residual",
+            Abstention::HighResidual { .. } | Abstention::NoMajority { .. } | Abstention::OneTagBent { .. } => {
+                "high_residual"
+            }
             Abstention::Degenerate { .. } => "degenerate",
             Abstention::OneTagAmbiguous { .. } => "one_tag_ambiguous",
             Abstention::OneTagFrontal { .. } => "one_tag_frontal",
             Abstention::OneTagCovered { .. } => "one_tag_covered",
             Abstention::OneTagNoModel { .. } | Abstention::OneTagMissesOthers { .. } => "one_tag_contradicted",
-            Abstention::OneTagBent { .. } => "high_residual",
             Abstention::RivalPose { .. } => "rival_pose",
             Abstention::WrongCameraSize { .. } => "wrong_camera_size",
         }

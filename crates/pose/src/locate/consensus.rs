@@ -35,34 +35,39 @@ pub(super) struct Consensus<'a> {
     pub left_out: Vec<IgnoredTag>,
 }
 
+impl<'a> Consensus<'a> {
+    /// All tags, whether they agree or not.
+    pub(super) fn of_all(solver: Solver, matches: Vec<Match<'a>>, camera: &Camera) -> Consensus<'a> {
+        Consensus {
+            candidates: solver.candidates(&matches, camera),
+            matches,
+            left_out: Vec::new(),
+        }
+    }
+}
+
 /// All tags where they agree, else the majority that does.
 pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) -> Result<Consensus<'a>, Abstention> {
-    let candidates = Solver::EveryBranch.candidates(&matches, camera);
-    let best = candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
-    let all_agree =
-        |b: &PoseCandidate| disagreement(&b.pose, &matches, camera).is_some_and(|d| d.iter().all(|d| *d <= 1.0));
-    if matches.len() < MIN_AGREEING || best.is_some_and(all_agree) {
-        return Ok(Consensus {
-            matches,
-            candidates,
-            left_out: Vec::new(),
-        });
+    let all = Consensus::of_all(Solver::EveryBranch, matches, camera);
+    let (best, tags) = (
+        all.candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px)),
+        all.matches.len(),
+    );
+    let agree = |b: &PoseCandidate| Some(disagreement(&b.pose, &all.matches, camera)?.iter().all(|d| *d <= 1.0));
+    if tags < MIN_AGREEING || best.and_then(agree) == Some(true) {
+        return Ok(all);
     }
-    let tags = matches.len();
-    let (pose, kept) = majority(best, &matches, camera).ok_or(Abstention::NoMajority { tags })?;
+    let (pose, kept) = majority(best, &all.matches, camera).ok_or(Abstention::NoMajority { tags })?;
+    let matches = all.matches;
     let (matches, outliers): (Vec<_>, Vec<_>) = matches.into_iter().zip(&kept).partition(|(_, is_kept)| **is_kept);
     let matches: Vec<Match> = matches.into_iter().map(|(m, _)| m).collect();
-    let why = |m: &Match| diagnose_outlier(m, &pose, scene, camera);
+    let left_out = outliers.iter().map(|(m, _)| IgnoredTag {
+        id: m.tag.id,
+        why: diagnose_outlier(m, &pose, scene, camera),
+    });
     Ok(Consensus {
-        candidates: Solver::EveryBranch.candidates(&matches, camera),
-        matches,
-        left_out: outliers
-            .iter()
-            .map(|(m, _)| IgnoredTag {
-                id: m.tag.id,
-                why: why(m),
-            })
-            .collect(),
+        left_out: left_out.collect(),
+        ..Consensus::of_all(Solver::EveryBranch, matches, camera)
     })
 }
 
@@ -120,7 +125,7 @@ fn is_same(a: &Match, b: &Match) -> bool {
 fn settle(mut pose: Rigid, mut kept: Vec<bool>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
     while is_majority(&kept) {
         let members = chosen(matches, &kept);
-        pose = refine::refine(&pose, &Corners::of(&members), camera, NO_HUBER)?;
+        pose = refine::refine(&pose, &Corners::new(&members), camera, NO_HUBER)?;
         let disagreement = disagreement(&pose, &members, camera)?;
         let worst = (0..members.len()).max_by(|a, b| disagreement[*a].total_cmp(&disagreement[*b]))?;
         if disagreement[worst] <= 1.0 {
@@ -140,11 +145,9 @@ fn chosen<'a>(matches: &[Match<'a>], kept: &[bool]) -> Vec<Match<'a>> {
 /// How far each tag is from where the others expect it, in units of what is allowed, by the residuals of the fit to all: deleted
 /// residuals (Cook & Weisberg 1982, "Residuals and Influence in Regression", section 3.2) of a tag's eight coordinates.
 fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<f64>> {
-    let seen = LinearisedTag::of_all(pose, matches, camera)?;
-    let covariance = total(&seen)?;
-    let squares: f64 = seen.iter().map(|l| l.residual.norm_squared()).sum();
+    let (seen, covariance, squares) = linearised(pose, matches, camera)?;
     let freedom = 8.0 * (seen.len() as f64 - 1.0) - 6.0;
-    let of = |l: &LinearisedTag| {
+    let distance = |l: &LinearisedTag| {
         let kept = SMatrix::<f64, 8, 8>::identity() - l.jacobian * covariance * l.jacobian.transpose();
         // A tag that the others say nothing about cannot be tested: it does not agree.
         kept.cholesky().map_or(f64::INFINITY, |c| {
@@ -152,18 +155,16 @@ fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<
             deleted / allowed_px2(squares - deleted, freedom, camera)
         })
     };
-    Some(seen.iter().map(of).collect())
+    Some(seen.iter().map(distance).collect())
 }
 
 /// Which tags lie where a pose, fitted to some of them, expects them.
 fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camera) -> Option<Vec<bool>> {
-    let members = LinearisedTag::of_all(pose, fitted, camera)?;
-    let covariance = total(&members)?;
-    let squares: f64 = members.iter().map(|l| l.residual.norm_squared()).sum();
+    let (members, covariance, squares) = linearised(pose, fitted, camera)?;
     let allowed_px2 = allowed_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
     let agrees = |m: &Match| {
         let is_member = fitted.iter().any(|f| is_same(f, m));
-        let Some(l) = LinearisedTag::of(pose, m, camera) else {
+        let Some(l) = LinearisedTag::new(pose, m, camera) else {
             return false;
         };
         let expected = SMatrix::<f64, 8, 8>::identity() + l.jacobian * covariance * l.jacobian.transpose();
@@ -187,53 +188,48 @@ struct LinearisedTag {
 }
 
 impl LinearisedTag {
-    fn of(pose: &Rigid, m: &Match, camera: &Camera) -> Option<LinearisedTag> {
+    fn new(pose: &Rigid, m: &Match, camera: &Camera) -> Option<LinearisedTag> {
         let (mut residual, mut jacobian) = (SVector::<f64, 8>::zeros(), SMatrix::<f64, 8, 6>::zeros());
         for (i, (point, [u, v])) in m.tag.corners_mm().iter().zip(m.corners_px).enumerate() {
             let ([x, y], by_pose) = camera.project_by_pose(pose, point)?;
             (residual[2 * i], residual[2 * i + 1]) = (x - u, y - v);
             jacobian.fixed_view_mut::<2, 6>(2 * i, 0).copy_from(&by_pose);
         }
-        residual
-            .iter()
-            .all(|r: &f64| r.is_finite())
-            .then_some(LinearisedTag { residual, jacobian })
-    }
-
-    fn of_all(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<LinearisedTag>> {
-        matches.iter().map(|m| LinearisedTag::of(pose, m, camera)).collect()
+        let is_finite = residual.iter().all(|r: &f64| r.is_finite());
+        is_finite.then_some(LinearisedTag { residual, jacobian })
     }
 }
 
-/// (JᵀJ)⁻¹ over some tags.
-fn total(seen: &[LinearisedTag]) -> Option<Matrix6<f64>> {
+/// Some tags near a pose, (JᵀJ)⁻¹ over them, and the sum of their squared residuals, px².
+fn linearised(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<(Vec<LinearisedTag>, Matrix6<f64>, f64)> {
+    let seen = matches.iter().map(|m| LinearisedTag::new(pose, m, camera));
+    let seen = seen.collect::<Option<Vec<_>>>()?;
     let information: Matrix6<f64> = seen.iter().map(|l| l.jacobian.transpose() * l.jacobian).sum();
-    Some(information.cholesky()?.inverse())
+    let squares = seen.iter().map(|l| l.residual.norm_squared()).sum();
+    Some((seen, information.cholesky()?.inverse(), squares))
 }
 
 /// What is wrong with an outlier tag, by the pose of the others.
 fn diagnose_outlier(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> Ignored {
     let limit_px = doubt::limit_px(camera);
-    let expected =
-        |tag: &Tag| -> Option<Vec<[f64; 2]>> { tag.corners_mm().iter().map(|p| camera.project(&(pose * p))).collect() };
     // How many corners are where they are expected, when seen corner `i` is really corner `order(i)`.
     let fitting = |tag: &Tag, order: &dyn Fn(usize) -> usize| {
-        let Some(expected) = expected(tag) else { return 0 };
+        let Some(expected) = tag.corners_px(pose, camera) else {
+            return 0;
+        };
         let is_near = |i: &usize| {
             let ([x, y], [u, v]) = (expected[order(*i) % 4], m.corners_px[*i]);
             (x - u).hypot(y - v) <= limit_px
         };
         (0..4).filter(is_near).count()
     };
-    let others = scene
-        .tags
-        .iter()
-        .filter(|t| (t.family, t.id) != (m.tag.family, m.tag.id));
+    let is_other = |tag: &&Tag| (tag.family, tag.id) != (m.tag.family, m.tag.id);
+    let mut others = scene.tags.iter().filter(is_other);
     if (1..4).any(|by| fitting(m.tag, &|i| i + by) == 4) {
         Ignored::Turned
     } else if (0..4).any(|from| fitting(m.tag, &|i| from + 4 - i) == 4) {
         Ignored::Mirrored
-    } else if others.into_iter().any(|other| fitting(other, &|i| i) == 4) {
+    } else if others.any(|other| fitting(other, &|i| i) == 4) {
         Ignored::WrongId
     } else if fitting(m.tag, &|i| i) >= 3 {
         Ignored::CornerOff

@@ -67,12 +67,24 @@ pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene
     if !is_most(photos, is_bad) {
         return None;
     }
-    let wrong_sizes = is_most(photos, |p| matches!(p.result, Err(Abstention::WrongCameraSize(_))));
-    if wrong_sizes {
-        return Some(camera_size(photos));
+    if is_most(photos, |p| matches!(p.result, Err(Abstention::WrongCameraSize(_)))) {
+        let mut errors: Vec<SizeError> = Vec::new();
+        for photo in photos {
+            if let Err(Abstention::WrongCameraSize(e)) = &photo.result
+                && !errors.contains(e)
+            {
+                errors.push(e.clone());
+            }
+        }
+        return Some(Diagnosis::CameraSize { errors });
     }
     if is_without_tags(photos) {
-        return Some(other_families(others).unwrap_or_else(|| no_tags(photos, others)));
+        let no_tags = || Diagnosis::NoTags {
+            photos: photos.iter().filter(|p| p.seen.is_empty()).count(),
+            of: photos.len(),
+            searched_others: others.len(),
+        };
+        return Some(other_families(others).unwrap_or_else(no_tags));
     }
     let bad: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p)).collect();
     other_ids(photos, scene).or_else(|| wrong_number(&bad, photos.len(), scene))
@@ -83,42 +95,18 @@ fn is_most(photos: &[&LocatedPhoto], is: impl Fn(&LocatedPhoto) -> bool) -> bool
     count >= FEWEST && count as f64 >= MOST * photos.len() as f64
 }
 
-fn camera_size(photos: &[&LocatedPhoto]) -> Diagnosis {
-    let mut errors: Vec<SizeError> = Vec::new();
-    for photo in photos {
-        if let Err(Abstention::WrongCameraSize(e)) = &photo.result
-            && !errors.contains(e)
-        {
-            errors.push(e.clone());
-        }
-    }
-    Diagnosis::CameraSize { errors }
-}
-
-fn no_tags(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>]) -> Diagnosis {
-    Diagnosis::NoTags {
-        photos: photos.iter().filter(|p| p.seen.is_empty()).count(),
-        of: photos.len(),
-        searched_others: others.len(),
-    }
-}
-
 /// Families with two whole tags in most of the photos that were searched: single ones are found in grass and print alike.
 fn other_families(others: &[Vec<SeenTag>]) -> Option<Diagnosis> {
     let found = TagFamily::ALL.into_iter().filter_map(|(family, _)| {
-        let of = |seen: &Vec<SeenTag>| -> BTreeSet<u32> {
+        let whole = |seen: &Vec<SeenTag>| -> BTreeSet<u32> {
             let whole = seen.iter().filter(|tag| tag.family == family && tag.is_whole);
             whole.map(|tag| tag.id).collect()
         };
-        let ids: Vec<BTreeSet<u32>> = others.iter().map(of).collect();
+        let ids: Vec<BTreeSet<u32>> = others.iter().map(whole).collect();
         let with_two = ids.iter().filter(|ids| ids.len() >= 2).count();
         let is_there = with_two >= 2.min(others.len()) && 2 * with_two > others.len();
-        is_there.then(|| {
-            (
-                family,
-                ids.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect(),
-            )
-        })
+        let ids: BTreeSet<u32> = ids.into_iter().flatten().collect();
+        is_there.then(|| (family, Vec::from_iter(ids)))
     });
     let found: Vec<(TagFamily, Vec<u32>)> = found.collect();
     (!found.is_empty()).then_some(Diagnosis::OtherFamilies { found })
@@ -138,17 +126,12 @@ fn other_ids(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Diagnosis> {
         return None;
     }
     let all: BTreeSet<(TagFamily, u32)> = photos.iter().flat_map(|p| unknown(p)).collect();
-    let of = |family| {
-        all.iter()
-            .filter(|(f, _)| *f == family)
-            .map(|(_, id)| *id)
-            .collect::<Vec<u32>>()
+    let in_family = |family| {
+        let of_family = all.iter().filter(|(f, _)| *f == family);
+        (family, Vec::from_iter(of_family.map(|(_, id)| *id)))
     };
-    let (family, ids) = scene
-        .families()
-        .into_iter()
-        .map(|family| (family, of(family)))
-        .max_by_key(|(_, ids)| ids.len())?;
+    let by_family = scene.families().into_iter().map(in_family);
+    let (family, ids) = by_family.max_by_key(|(_, ids)| ids.len())?;
     Some(Diagnosis::OtherIds { family, ids })
 }
 
@@ -179,61 +162,49 @@ fn is_good(fit: &Factor, photos: usize) -> bool {
         && spread <= AGREEMENT * away
 }
 
-impl Factor {
-    fn fits(&self) -> String {
-        format!(
-            "{} of the {} photos with two tags or more fit",
-            self.healed, self.telling
-        )
-    }
-}
-
 impl Diagnosis {
     /// The cause as a sentence that names the files, and what to do.
     pub fn sentence(&self, scene: &Scene, scene_file: &Path, camera: &Camera, camera_file: &Path) -> String {
-        let (scene_file, camera_file) = (scene_file.display(), camera_file.display());
+        let (scene_file, camera_file) = (scene_file.display(), camera_file.display().to_string());
+        let fits = |Factor { healed, telling, .. }: &Factor| {
+            format!("{healed} of the {telling} photos with two tags or more fit")
+        };
         match self {
             Diagnosis::TagSize(size) => {
                 let (is, was) = tag_size(scene, size);
                 format!(
                     "the tags seem to be {is}, not {was} as {scene_file} says: so {}. Measure the black square of a printed tag: if it is \
                      as {scene_file} says, all tags stand {:.2} times as far apart as it says instead",
-                    size.fits(),
+                    fits(size),
                     1.0 / size.factor
                 )
             }
             Diagnosis::Focal(focal) => format!(
                 "{}: so {}. Are these photos of another camera or zoom, or cut out of larger ones? Calibrate this camera (scaleproof \
                  calibrate), or name its file",
-                focal_length(camera, &camera_file.to_string(), focal),
-                focal.fits()
+                focal_length(camera, &camera_file, focal),
+                fits(focal)
             ),
             Diagnosis::OtherIds { family, ids } => {
-                let own: Vec<u32> = scene
-                    .tags
-                    .iter()
-                    .filter(|t| t.family == *family)
-                    .map(|t| t.id)
-                    .collect();
+                let own = scene.tags.iter().filter(|t| t.family == *family);
+                let own = Vec::from_iter(own.map(|t| t.id));
                 format!(
                     "these photos show {} {}, and {scene_file} has {}: are these another scene's cards?",
-                    name(*family),
+                    family.name(),
                     ids_in_words(ids),
                     ids_in_words(&own)
                 )
             }
             Diagnosis::OtherFamilies { found } => {
-                let found: Vec<String> = found
-                    .iter()
-                    .map(|(f, ids)| format!("{} {}", name(*f), ids_in_words(ids)))
-                    .collect();
+                let tags = |(f, ids): &(TagFamily, Vec<u32>)| format!("{} {}", f.name(), ids_in_words(ids));
+                let found: Vec<String> = found.iter().map(tags).collect();
                 format!(
                     "these photos show {}, and {scene_file} has {} only: are these another scene's cards, or is `family` wrong there?",
                     found.join(" and "),
                     families(scene)
                 )
             }
-            Diagnosis::CameraSize { errors } => camera_sizes(errors, &camera_file.to_string()),
+            Diagnosis::CameraSize { errors } => camera_sizes(errors, &camera_file),
             Diagnosis::NoTags {
                 photos,
                 of,
@@ -310,13 +281,8 @@ fn camera_sizes(errors: &[SizeError], camera_file: &str) -> String {
 
 /// The families of a scene.
 fn families(scene: &Scene) -> String {
-    let names: Vec<&str> = scene.families().into_iter().map(name).collect();
+    let names: Vec<&str> = scene.families().into_iter().map(TagFamily::name).collect();
     names.join(" and ")
-}
-
-fn name(family: TagFamily) -> &'static str {
-    let named = TagFamily::ALL.iter().find(|(known, _)| *known == family);
-    named.map_or("tags", |(_, name)| name)
 }
 
 /// `id 7`, `ids 0 to 15`, `ids 1, 5 and 20 to 27`, at most some ranges.
@@ -330,8 +296,7 @@ fn ids_in_words(ids: &[u32]) -> String {
         }
     }
     let shown = |(first, last): &(u32, u32)| match last - first {
-        0 => vec![first.to_string()],
-        1 => vec![first.to_string(), last.to_string()],
+        0 | 1 => (*first..=*last).map(|id| id.to_string()).collect(),
         _ => vec![format!("{first} to {last}")],
     };
     let mut words: Vec<String> = ranges.iter().flat_map(shown).collect();

@@ -56,52 +56,34 @@ pub(super) fn without_rival(
     let Some(best) = found.first() else {
         return Err(Abstention::BehindCamera);
     };
-    let share = if matches.len() == 2 || matches.len() == 3 {
-        FEW_TAGS
-    } else {
-        1.0
-    };
-    let limit_px = share * limit_px(camera);
-    if best.rms_px > limit_px {
-        let rms_px = best.rms_px;
-        return Err(match matches {
-            [only] => Abstention::OneTagBent {
-                id: only.tag.id,
-                rms_px,
-                limit_px,
-            },
-            _ => Abstention::HighResidual { rms_px, limit_px },
+    let only = if let [only] = matches { Some(only) } else { None };
+    let (tags, id) = (matches.len(), matches.first().map_or(0, |first| first.tag.id));
+    let share = if (2..=3).contains(&tags) { FEW_TAGS } else { 1.0 };
+    let (rms_px, limit_px) = (best.rms_px, share * limit_px(camera));
+    if rms_px > limit_px {
+        return Err(match only {
+            Some(_) => Abstention::OneTagBent { id, rms_px, limit_px },
+            None => Abstention::HighResidual { rms_px, limit_px },
         });
     }
-    if let [only] = matches
-        && !only.is_whole
-    {
-        return Err(Abstention::OneTagCovered { id: only.tag.id });
+    if only.is_some_and(|only| !only.is_whole) {
+        return Err(Abstention::OneTagCovered { id });
     }
     let rival = found.iter().find(|c| is_different(&c.pose, &best.pose));
-    if let Some(rival) = rival.filter(|r| r.rms_px < MIN_RIVAL_RATIO * best.rms_px.max(NOISE_FLOOR_PX)) {
-        let (best_px, rival_px) = (best.rms_px, rival.rms_px);
-        return Err(match matches {
-            [only] => Abstention::OneTagAmbiguous {
-                id: only.tag.id,
-                best_px,
-                rival_px,
-            },
-            several => Abstention::RivalPose {
-                tags: several.len(),
+    if let Some(rival) = rival.filter(|r| r.rms_px < MIN_RIVAL_RATIO * rms_px.max(NOISE_FLOOR_PX)) {
+        let (best_px, rival_px) = (rms_px, rival.rms_px);
+        return Err(match only {
+            Some(_) => Abstention::OneTagAmbiguous { id, best_px, rival_px },
+            None => Abstention::RivalPose {
+                tags,
                 best_px,
                 rival_px,
             },
         });
     }
-    if let [only] = matches {
-        let tilt_deg = tilt_deg(only, best);
-        if tilt_deg < MIN_LONE_TILT_DEG {
-            return Err(Abstention::OneTagFrontal {
-                id: only.tag.id,
-                tilt_deg,
-            });
-        }
+    let tilt_deg = only.map(|only| tilt_deg(only, best));
+    if let Some(tilt_deg) = tilt_deg.filter(|tilt| *tilt < MIN_LONE_TILT_DEG) {
+        return Err(Abstention::OneTagFrontal { id, tilt_deg });
     }
     Ok((best.clone(), rival.cloned()))
 }
@@ -134,7 +116,7 @@ pub(super) fn settled(sigma: &Sigma, edge_deg: f64) -> Result<(), Abstention> {
 /// The angle between a tag's normal and the line of sight to its centre.
 fn tilt_deg(m: &Match, found: &PoseCandidate) -> f64 {
     let to_camera = found.pose.inverse() * Point3::origin() - m.tag.centre_mm;
-    m.tag.right.cross(&m.tag.up).angle(&to_camera).to_degrees()
+    m.tag.normal().angle(&to_camera).to_degrees()
 }
 
 /// True for poses that are not one pose up to noise.

@@ -1,6 +1,6 @@
 //! One factor that makes many photos fit: of the tags' sizes, or of the focal length.
 
-use super::matches::{self, Match};
+use super::matches;
 use super::solver::Solver;
 use super::{Located, LocatedPhoto, Warning, locate};
 use crate::camera::Camera;
@@ -56,16 +56,15 @@ pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Op
         let costs = photos.iter().map(|photo| cost(of, factor, photo, &scene));
         costs.sum::<f64>() / photos.len() as f64
     };
+    if photos.is_empty() {
+        return None;
+    }
     let steps = (MOST.ln() / STEP.ln()).ceil() as i32;
-    let tried = (-steps..=steps).map(|i| STEP.powi(i));
-    let (coarse, _) = (!photos.is_empty())
-        .then(|| tried.map(|f| (f, cost(f, &photos))).min_by(|a, b| a.1.total_cmp(&b.1)))
-        .flatten()?;
+    let tried = (-steps..=steps).map(|i| STEP.powi(i)).map(|f| (f, cost(f, &photos)));
+    let (coarse, _) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let factor = best_between(coarse / STEP, coarse * STEP, |f| cost(f, &photos));
-    let mut own: Vec<f64> = photos
-        .iter()
-        .map(|photo| best_between(factor / OWN_REACH, factor * OWN_REACH, |f| cost(f, &[*photo])))
-        .collect();
+    let own = |photo: &&LocatedPhoto| best_between(factor / OWN_REACH, factor * OWN_REACH, |f| cost(f, &[*photo]));
+    let mut own: Vec<f64> = photos.iter().map(own).collect();
     own.sort_by(f64::total_cmp);
     let quartile = |share: f64| own[((own.len() - 1) as f64 * share).round() as usize];
     let with_factor = scaled(of, scene, factor);
@@ -83,9 +82,8 @@ pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Op
 /// At most so many of some things, from the first to the last, evenly.
 pub fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
     let count = all.len().min(most);
-    (0..count)
-        .map(|i| all[i * (all.len() - 1) / (count - 1).max(1)])
-        .collect()
+    let at = |i: usize| all[i * (all.len() - 1) / (count - 1).max(1)];
+    (0..count).map(at).collect()
 }
 
 fn is_telling(photo: &LocatedPhoto, scene: &Scene) -> bool {
@@ -118,14 +116,11 @@ fn cost(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> f64
     let rms_deg = || {
         let camera = camera(of, factor, photo)?;
         let (matches, _) = matches::match_tags(&photo.seen, scene).ok()?;
-        Some(best_rms_px(&matches, &camera)? * photo.fitted.as_ref().ok()?.camera.deg_per_px())
+        let candidates = Solver::SqpnpRefined.candidates(&matches, &camera);
+        let best_px = candidates.into_iter().map(|c| c.rms_px).min_by(f64::total_cmp)?;
+        Some(best_px * photo.fitted.as_ref().ok()?.camera.deg_per_px())
     };
     rms_deg().map_or(worst, |rms| (rms * rms).min(worst))
-}
-
-fn best_rms_px(matches: &[Match], camera: &Camera) -> Option<f64> {
-    let candidates = Solver::SqpnpRefined.candidates(matches, camera);
-    candidates.into_iter().map(|c| c.rms_px).min_by(f64::total_cmp)
 }
 
 /// Located by at least two tags that agree, as in a good photo by a right camera, hardly one left out.

@@ -77,11 +77,9 @@ impl Match<'_> {
 }
 
 /// Area of a quadrilateral, px² (shoelace formula).
-pub(super) fn area_px(c: &[[f64; 2]; 4]) -> f64 {
-    let twice: f64 = (0..4)
-        .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
-        .sum();
-    twice.abs() / 2.0
+pub fn area_px(c: &[[f64; 2]; 4]) -> f64 {
+    let cross = |i: usize| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1];
+    (0..4).map(cross).sum::<f64>().abs() / 2.0
 }
 
 /// Corresponding corners: model frame in mm, image in px; four of each tag, tag after tag.
@@ -91,7 +89,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    pub(super) fn of(matches: &[Match]) -> Corners {
+    pub(super) fn new(matches: &[Match]) -> Corners {
         Corners {
             model_mm: matches.iter().flat_map(|m| m.tag.corners_mm()).collect(),
             image_px: matches.iter().flat_map(|m| m.corners_px).collect(),
@@ -121,20 +119,19 @@ pub(super) fn match_tags<'a>(
         }
     }
     if matches.iter().filter(|m| m.is_whole).count() >= 2 {
-        let covered = matches.iter().filter(|m| !m.is_whole).map(|m| IgnoredTag {
-            id: m.tag.id,
-            why: Ignored::PartlyCovered,
-        });
-        ignored.extend(covered);
-        matches.retain(|m| m.is_whole);
+        for covered in matches.extract_if(.., |m| !m.is_whole) {
+            let (id, why) = (covered.tag.id, Ignored::PartlyCovered);
+            ignored.push(IgnoredTag { id, why });
+        }
     }
     ignored.sort_unstable();
     ignored.dedup();
     match (matches.is_empty(), ignored.is_empty()) {
         (true, true) => Err(Abstention::NoTags),
-        (true, false) => Err(Abstention::NoKnownTag {
-            ids: ignored.iter().map(|i| i.id).collect(),
-        }),
+        (true, false) => {
+            let ids = ignored.iter().map(|i| i.id).collect();
+            Err(Abstention::NoKnownTag { ids })
+        }
         (false, _) => Ok((matches, ignored)),
     }
 }

@@ -28,14 +28,10 @@ pub(super) fn still_missing(
     let is_seen = |expected: &ExpectedTag| seen.iter().any(|s| (s.family, s.id) == (expected.family, expected.id));
     let expected = poses.iter().flat_map(|pose| plain_view::expected(pose, scene, camera));
     StillMissing {
-        has_pose: located.as_ref().is_ok_and(is_good),
+        // A pose that its tags hardly fit may be one that the tags not found yet refute.
+        has_pose: located.as_ref().is_ok_and(|l| !l.warnings.contains(&Warning::PoorFit)),
         expected: expected.filter(|expected| !is_seen(expected)).collect(),
     }
-}
-
-/// A pose that its tags hardly fit may be one that the tags not found yet refute.
-fn is_good(located: &Located) -> bool {
-    !located.warnings.contains(&Warning::PoorFit)
 }
 
 /// The different poses that tags allow which were refused as too few or not good enough.

@@ -23,7 +23,7 @@ use crate::camera::Camera;
 use crate::scene::{Bin, Scene, Viewpoint};
 use crate::tags::SeenTag;
 use consensus::Consensus;
-use matches::{Corners, Match};
+use matches::Corners;
 use refine::NO_HUBER;
 use scaleproof_core::geometry::Rigid;
 use solver::PoseCandidate;
@@ -31,14 +31,12 @@ use solver::PoseCandidate;
 pub use abstention::Abstention;
 pub use diagnosis::Diagnosis;
 pub use factor::spread;
-pub use matches::{Ignored, IgnoredTag};
-pub use photo::{LocatedPhoto, locate_photo};
-pub use photo::{locate_luma, locate_near, locate_tags};
+pub use matches::{Ignored, IgnoredTag, area_px};
+pub use photo::{LocatedPhoto, locate_luma, locate_near, locate_photo, locate_tags};
 pub use planar::planar_branches;
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
-pub use uncertainty::Sigma;
-pub use uncertainty::Uncertainty;
+pub use uncertainty::{Sigma, Uncertainty};
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +91,11 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         matches,
         candidates,
         left_out,
-    } = found(solver, matches, scene, camera)?;
+    } = if solver == Solver::EveryBranch {
+        consensus::find(matches, scene, camera)?
+    } else {
+        Consensus::of_all(solver, solver.used(matches), camera)
+    };
     let (best, rival) = doubt::without_rival(candidates, &matches, camera)?;
     if let [only] = &matches[..] {
         plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
@@ -101,15 +103,14 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     let has_outliers = !left_out.is_empty();
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
-    let corners = Corners::of(&matches);
-    let finished = finished(solver, &best, &corners, camera).and_then(|(pose, uncertainty)| {
-        let rms_px = refine::rms_px(&pose, &corners, camera)?;
-        Some((PoseCandidate { pose, rms_px }, uncertainty))
-    });
-    let (best, uncertainty) = finished.ok_or(Abstention::OPEN)?;
+    let corners = Corners::new(&matches);
+    let (best, uncertainty) = finished(solver, &best, &corners, camera).ok_or(Abstention::Degenerate {
+        sigma_deg: 180.0,
+        edge_deg: 0.0,
+    })?;
     let viewpoint = viewpoint(&best.pose, scene);
     let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
-    let mut sigma = uncertainty.of_viewpoint(&best.pose, scene.model.target_mm());
+    let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
     if has_outliers && is_poor_fit {
         sigma = doubt::misfit_sigma(sigma);
     }
@@ -122,6 +123,8 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
         (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
     });
+    let near_edge = (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge);
+    let poor_fit = is_poor_fit.then_some(Warning::PoorFit);
     let mut tags: Vec<u32> = matches.iter().map(|m| m.tag.id).collect();
     tags.sort_unstable();
     Ok(Located {
@@ -131,13 +134,7 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         sigma,
         bin,
         bin_probability,
-        warnings: [
-            (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge),
-            is_poor_fit.then_some(Warning::PoorFit),
-        ]
-        .into_iter()
-        .flatten()
-        .collect(),
+        warnings: near_edge.into_iter().chain(poor_fit).collect(),
         tags,
         ignored_tags,
         rms_px: best.rms_px,
@@ -145,31 +142,20 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
 }
 
 fn viewpoint(pose: &Rigid, scene: &Scene) -> Viewpoint {
-    Viewpoint::of_camera(pose.inverse() * Point3::origin(), scene.model.target_mm())
-}
-
-/// The tags a solver rests on, and the poses they might have.
-fn found<'a>(
-    solver: Solver,
-    matches: Vec<Match<'a>>,
-    scene: &Scene,
-    camera: &Camera,
-) -> Result<Consensus<'a>, Abstention> {
-    if solver == Solver::EveryBranch {
-        return consensus::find(matches, scene, camera);
-    }
-    let matches = solver.used(matches);
-    Ok(Consensus {
-        candidates: solver.candidates(&matches, camera),
-        matches,
-        left_out: Vec::new(),
-    })
+    Viewpoint::from_camera(pose.inverse() * Point3::origin(), scene.model.target_mm())
 }
 
 /// The pose a solver ends with and how far it may be off. `None` when the corners leave it open.
-fn finished(solver: Solver, best: &PoseCandidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
-    match solver {
-        Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
-        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?)),
-    }
+fn finished(
+    solver: Solver,
+    best: &PoseCandidate,
+    corners: &Corners,
+    camera: &Camera,
+) -> Option<(PoseCandidate, Uncertainty)> {
+    let (pose, uncertainty) = match solver {
+        Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera)?,
+        _ => (best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?),
+    };
+    let rms_px = refine::rms_px(&pose, corners, camera)?;
+    Some((PoseCandidate { pose, rms_px }, uncertainty))
 }

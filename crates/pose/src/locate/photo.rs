@@ -29,13 +29,8 @@ pub fn locate_photo(
     camera: &Camera,
     tags: &mut dyn TagDetector,
 ) -> Result<LocatedPhoto, PhotoError> {
-    Ok(locate_luma(
-        photo.luma_where_seen()?.as_ref(),
-        photo.turned_deg,
-        scene,
-        camera,
-        tags,
-    ))
+    let luma = photo.luma_where_seen()?;
+    Ok(locate_luma(luma.as_ref(), photo.turned_deg, scene, camera, tags))
 }
 
 /// Finds the tags in upright luma, which EXIF turned by `turned_deg`, and locates its camera: for frames that are no files.
@@ -59,15 +54,8 @@ pub fn locate_near(
     tags: &mut dyn TagDetector,
 ) -> LocatedPhoto {
     let [width, height] = luma.size();
-    let fitted = match camera.for_photo(width, height, turned_deg) {
-        Ok(fitted) => fitted,
-        Err(misfit) => {
-            return LocatedPhoto {
-                seen: tags.find(luma),
-                result: Err(Abstention::from(misfit.clone())),
-                fitted: Err(misfit),
-            };
-        }
+    let Ok(fitted) = camera.for_photo(width, height, turned_deg) else {
+        return locate_tags(tags.find(luma), (width, height), turned_deg, scene, camera);
     };
     let mut answered = None;
     let seen = tags.find_until(luma, &mut |seen| {

@@ -52,15 +52,14 @@ impl<'a> CornerEquations<'a> {
             let ([x, y], jacobian) = camera.project_by_pose(&pose, point)?;
             let residual = nalgebra::Vector2::new(x - u, y - v);
             let length = residual.norm();
-            let is_outlying = length > huber_px;
-            let weight = if is_outlying { huber_px / length } else { 1.0 };
+            let (weight, square) = if length > huber_px {
+                (huber_px / length, 2.0 * huber_px * length - huber_px * huber_px)
+            } else {
+                (1.0, length * length)
+            };
             information += weight * jacobian.transpose() * jacobian;
             gradient += weight * jacobian.transpose() * residual;
-            cost += if is_outlying {
-                2.0 * huber_px * length - huber_px * huber_px
-            } else {
-                length * length
-            };
+            cost += square;
         }
         cost.is_finite().then_some(CornerEquations {
             pose,
@@ -81,21 +80,20 @@ impl LeastSquares for CornerEquations<'_> {
 
     fn stepped(&self, damping: f64) -> Option<Self> {
         let diagonal = Matrix6::from_diagonal(&self.information.diagonal());
-        let step = -(self.information + diagonal * damping)
-            .cholesky()?
-            .solve(&self.gradient);
+        let damped = self.information + diagonal * damping;
+        let step = -damped.cholesky()?.solve(&self.gradient);
         CornerEquations::at(stepped(&self.pose, &step), self.corners, self.camera, self.huber_px)
     }
 }
 
 /// Distance between each seen corner and its projection, px; `None` when a corner has no pixel.
 pub(super) fn residuals_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<Vec<[f64; 2]>> {
-    let of = |(point, [u, v]): (&nalgebra::Point3<f64>, &[f64; 2])| {
+    let residual = |(point, [u, v]): (&nalgebra::Point3<f64>, &[f64; 2])| {
         let [x, y] = camera.project(&(pose * point))?;
         let residual = [x - u, y - v];
         residual.iter().all(|r| r.is_finite()).then_some(residual)
     };
-    corners.model_mm.iter().zip(&corners.image_px).map(of).collect()
+    corners.model_mm.iter().zip(&corners.image_px).map(residual).collect()
 }
 
 /// Root mean square distance of corners from where they were seen, px.

@@ -6,6 +6,7 @@ use super::planar::planar_branches;
 use super::refine::{self, NO_HUBER};
 use super::sqpnp::sqpnp;
 use crate::camera::Camera;
+use crate::scene::corners_in_tag_mm;
 use scaleproof_core::geometry::Rigid;
 
 /// How a pose is found from matched tags.
@@ -26,12 +27,8 @@ pub enum Solver {
 impl Solver {
     /// Every solver, from the simplest to the default.
     pub fn all() -> [Solver; 4] {
-        [
-            Solver::BestTag,
-            Solver::Sqpnp,
-            Solver::SqpnpRefined,
-            Solver::EveryBranch,
-        ]
+        use Solver::*;
+        [BestTag, Sqpnp, SqpnpRefined, EveryBranch]
     }
 
     /// A stable name for tables and programs.
@@ -55,20 +52,17 @@ impl Solver {
 
     /// Every pose that might be the one, unsorted.
     pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<PoseCandidate> {
-        let corners = Corners::of(matches);
+        let corners = Corners::new(matches);
         let refined = |starts: Vec<Rigid>| {
             let refined = |start| refine::refine(start, &corners, camera, NO_HUBER);
             starts.iter().filter_map(refined).collect()
         };
+        let of_all = || sqpnp(&corners.model_mm, &corners.image_px, camera).into_iter();
         let poses: Vec<Rigid> = match self {
             Solver::BestTag => branches(matches, camera),
-            Solver::Sqpnp => of_all(&corners, camera),
-            Solver::SqpnpRefined => refined(of_all(&corners, camera)),
-            Solver::EveryBranch => {
-                let mut starts = of_all(&corners, camera);
-                starts.extend(branches(matches, camera));
-                refined(starts)
-            }
+            Solver::Sqpnp => of_all().collect(),
+            Solver::SqpnpRefined => refined(of_all().collect()),
+            Solver::EveryBranch => refined(of_all().chain(branches(matches, camera)).collect()),
         };
         let with_rms = |pose| {
             Some(PoseCandidate {
@@ -90,18 +84,13 @@ pub(super) struct PoseCandidate {
 /// So many of the largest tags give their planar branches as starts; smaller ones add time and no new pose.
 const BRANCHED_TAGS: usize = 3;
 
-/// `T_camera_model` by SQPnP over all corners.
-fn of_all(corners: &Corners, camera: &Camera) -> Vec<Rigid> {
-    Vec::from_iter(sqpnp(&corners.model_mm, &corners.image_px, camera))
-}
-
 /// `T_camera_model` by both planar branches of each of the largest tags.
 fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
     let mut largest = matches.to_vec();
     largest_first(&mut largest);
     let of = |m: &Match| {
         let to_model = m.tag.pose().inverse();
-        let branches = planar_branches(&m.tag.corners_in_tag_mm(), &m.corners_px, camera);
+        let branches = planar_branches(&corners_in_tag_mm(m.tag.size_mm), &m.corners_px, camera);
         branches.into_iter().map(move |t_camera_tag| t_camera_tag * to_model)
     };
     largest.iter().take(BRANCHED_TAGS).flat_map(of).collect()

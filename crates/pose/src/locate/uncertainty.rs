@@ -60,7 +60,7 @@ impl Uncertainty {
     }
 
     /// Standard deviations of the viewpoint of a pose `T_camera_model`, by its first derivatives; infinite azimuth straight above.
-    pub(super) fn of_viewpoint(&self, pose: &Rigid, target_mm: Point3<f64>) -> Sigma {
+    pub(super) fn viewpoint_sigma(&self, pose: &Rigid, target_mm: Point3<f64>) -> Sigma {
         // A step moves the camera centre by -Rᵀυ: turning the camera about itself leaves it where it is.
         let shift = self.covariance.fixed_view::<3, 3>(3, 3);
         let rotation = pose.rotation.to_rotation_matrix().into_inner();
@@ -79,13 +79,8 @@ impl Uncertainty {
             d.z / distance,
         );
         let variance = (by_centre * centre * by_centre.transpose()).diagonal();
-        let sigma = |v: f64| {
-            if v.is_finite() {
-                v.max(0.0).sqrt()
-            } else {
-                f64::INFINITY
-            }
-        };
+        let finite = |v: f64| if v.is_finite() { v } else { f64::INFINITY };
+        let sigma = |v: f64| finite(v).max(0.0).sqrt();
         Sigma {
             azimuth_deg: sigma(variance[0]),
             pitch_deg: sigma(variance[1]),

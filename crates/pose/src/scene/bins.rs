@@ -2,14 +2,15 @@
 
 use std::cmp::Ordering;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Viewpoint;
 use scaleproof_core::geometry::angle::{turn, wrap_360};
 
 /// How viewpoints are divided: azimuth in equal steps, the first centred on the model's front; pitch and distance by
 /// centres, each photo going to the nearest.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Bins {
     /// Step in degrees; divides 360.
     pub azimuth_deg: f64,
@@ -83,11 +84,9 @@ impl Bins {
 
 /// The centre nearest to a value; the lower one on a tie. Centres are never empty (checked when the scene is read).
 fn nearest(centres: &[f64], value: f64) -> f64 {
-    centres
-        .iter()
-        .copied()
-        .min_by(|a, b| (a - value).abs().total_cmp(&(b - value).abs()))
-        .unwrap_or(value)
+    let off = |centre: &f64| (centre - value).abs();
+    let nearest = centres.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.unwrap_or(value)
 }
 
 #[cfg(test)]

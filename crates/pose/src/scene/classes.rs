@@ -92,11 +92,7 @@ fn is_readable(label: &str) -> bool {
 /// "car", "car or truck", "bus, car or truck".
 fn or(labels: &[String]) -> String {
     match labels {
-        [first @ .., before, last] => first
-            .iter()
-            .map(|label| format!("{label}, "))
-            .chain([format!("{before} or {last}")])
-            .collect(),
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
         _ => labels.concat(),
     }
 }
@@ -129,12 +125,10 @@ impl TryFrom<Written> for Classes {
 
 impl From<Classes> for Written {
     fn from(Classes(mut labels): Classes) -> Written {
-        match (labels.pop(), labels.is_empty()) {
-            (Some(only), true) => Written::One(only),
-            (last, _) => {
-                labels.extend(last);
-                Written::Several(labels)
-            }
+        if labels.len() == 1 {
+            Written::One(labels.remove(0))
+        } else {
+            Written::Several(labels)
         }
     }
 }

@@ -11,12 +11,12 @@ use super::{Bins, Classes, Envelope, ScaleModel, Scene, SceneFault, Tag, TagFami
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 
-/// Why a scene was refused. Every variant names the file and what to change.
+/// A scene file by its grammar alone.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
     model: ModelTable,
-    bins: BinsTable,
+    bins: Bins,
     #[serde(default, rename = "tag")]
     tags: Vec<TagTable>,
 }
@@ -40,14 +40,6 @@ enum EnvelopeWord {
     Box,
     Hull,
     Mesh,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BinsTable {
-    azimuth_deg: f64,
-    pitch_deg: Vec<f64>,
-    distance_mm: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -83,14 +75,8 @@ impl Scene {
 /// Checks what the grammar cannot: sizes, directions, duplicates.
 fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
     let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
-    let model = ScaleModel {
-        name: file.model.name,
-        scale: checked_scale(file.model.scale)?,
-        class: file.model.class,
-        size_mm: file.model.size_mm,
-        envelope,
-    };
-    for size in model.size_mm {
+    let scale = checked_scale(file.model.scale)?;
+    for size in file.model.size_mm {
         length::size_mm("a side of model.size_mm", size)?;
     }
     check_tag_count(file.tags.len() as u64)?;
@@ -101,12 +87,14 @@ fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
         }
     }
     Ok(Scene {
-        model,
-        bins: checked_bins(Bins {
-            azimuth_deg: file.bins.azimuth_deg,
-            pitch_deg: file.bins.pitch_deg,
-            distance_mm: file.bins.distance_mm,
-        })?,
+        model: ScaleModel {
+            name: file.model.name,
+            scale,
+            class: file.model.class,
+            size_mm: file.model.size_mm,
+            envelope,
+        },
+        bins: checked_bins(file.bins)?,
         tags,
     })
 }
@@ -126,27 +114,21 @@ fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelop
     match (word, mesh) {
         (_, Some(mesh)) if mesh.as_os_str().is_empty() => Err(SceneFault::EmptyMesh),
         (EnvelopeWord::Box, None) => Ok(Envelope::Box),
-        (EnvelopeWord::Hull, Some(mesh)) => Ok(Envelope::Hull(mesh)),
-        (EnvelopeWord::Mesh, Some(mesh)) => Ok(Envelope::Mesh(mesh)),
-        (EnvelopeWord::Hull, None) => Err(SceneFault::NoMesh("hull")),
-        (EnvelopeWord::Mesh, None) => Err(SceneFault::NoMesh("mesh")),
         (EnvelopeWord::Box, Some(_)) => Err(SceneFault::MeshOfBox),
+        (EnvelopeWord::Hull, mesh) => mesh.map(Envelope::Hull).ok_or(SceneFault::NoMesh("hull")),
+        (EnvelopeWord::Mesh, mesh) => mesh.map(Envelope::Mesh).ok_or(SceneFault::NoMesh("mesh")),
     }
 }
 
 /// The bins of a file or a preset, with their centres in order.
-pub(super) fn checked_bins(bins: Bins) -> Result<Bins, SceneFault> {
-    let step = bins.azimuth_deg;
-    let count = 360.0 / step;
+pub(super) fn checked_bins(mut bins: Bins) -> Result<Bins, SceneFault> {
+    let count = 360.0 / bins.azimuth_deg;
     // False for NaN, and for a step of 0.
     if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
-        return Err(SceneFault::AzimuthStep(step));
+        return Err(SceneFault::AzimuthStep(bins.azimuth_deg));
     }
-    let bins = Bins {
-        azimuth_deg: step,
-        pitch_deg: checked_centres(bins.pitch_deg, -90.0..=90.0, "bins.pitch_deg")?,
-        distance_mm: checked_centres(bins.distance_mm, 1.0..=FARTHEST_MM, "bins.distance_mm")?,
-    };
+    check_centres(&mut bins.pitch_deg, -90.0..=90.0, "bins.pitch_deg")?;
+    check_centres(&mut bins.distance_mm, 1.0..=FARTHEST_MM, "bins.distance_mm")?;
     let all = count.round() as usize * bins.pitch_deg.len() * bins.distance_mm.len();
     if all > MOST_BINS {
         return Err(SceneFault::TooManyBins(all));
@@ -154,32 +136,30 @@ pub(super) fn checked_bins(bins: Bins) -> Result<Bins, SceneFault> {
     Ok(bins)
 }
 
-fn checked_centres(
-    mut centres: Vec<f64>,
-    range: RangeInclusive<f64>,
-    what: &'static str,
-) -> Result<Vec<f64>, SceneFault> {
+/// Refuses impossible centres, and puts the others in order.
+fn check_centres(centres: &mut Vec<f64>, range: RangeInclusive<f64>, what: &'static str) -> Result<(), SceneFault> {
+    let (least, most) = range.clone().into_inner();
     if centres.is_empty() {
-        let example = range.start().max(15.0);
+        let example = least.max(15.0);
         return Err(SceneFault::NoCentre { what, example });
     }
-    if let Some(odd) = centres.iter().find(|c| !range.contains(c)) {
+    if let Some(value) = centres.iter().copied().find(|c| !range.contains(c)) {
         return Err(SceneFault::Centre {
             what,
-            value: *odd,
-            least: *range.start(),
-            most: *range.end(),
+            value,
+            least,
+            most,
         });
     }
     centres.sort_by(f64::total_cmp);
     centres.dedup();
-    Ok(centres)
+    Ok(())
 }
 
 fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
     let id = t.id;
-    if id >= t.family.count() {
-        let last = t.family.count() - 1;
+    let last = t.family.count() - 1;
+    if id > last {
         return Err(SceneFault::NoSuchTag { id, last });
     }
     for v in t.centre_mm {
@@ -198,27 +178,24 @@ fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
         centre_mm: Point3::from(t.centre_mm),
         right,
         up,
-        sigma: checked_sigma(t.sigma_mm, t.sigma_deg, id)?,
+        sigma: match (t.sigma_mm, t.sigma_deg) {
+            (None, None) => None,
+            (Some(mm), Some(deg)) if (0.0..=LONGEST_MM).contains(&mm) && (0.0..=360.0).contains(&deg) => {
+                Some(TagSigma { mm, deg })
+            }
+            _ => return Err(SceneFault::Sigma(id)),
+        },
     })
-}
-
-fn checked_sigma(mm: Option<f64>, deg: Option<f64>, id: u32) -> Result<Option<TagSigma>, SceneFault> {
-    match (mm, deg) {
-        (None, None) => Ok(None),
-        (Some(mm), Some(deg)) if (0.0..=LONGEST_MM).contains(&mm) && (0.0..=360.0).contains(&deg) => {
-            Ok(Some(TagSigma { mm, deg }))
-        }
-        _ => Err(SceneFault::Sigma(id)),
-    }
 }
 
 fn unit(v: [f64; 3], what: &'static str, id: u32) -> Result<Vector3<f64>, SceneFault> {
     let v = Vector3::from(v);
     let length = v.norm();
-    let is_unit = (length - 1.0).abs() < 1e-3;
-    is_unit
-        .then(|| v.normalize())
-        .ok_or(SceneFault::NotUnit { what, id, length })
+    if (length - 1.0).abs() < 1e-3 {
+        Ok(v.normalize())
+    } else {
+        Err(SceneFault::NotUnit { what, id, length })
+    }
 }
 
 #[cfg(test)]

@@ -17,11 +17,13 @@ pub use classes::Classes;
 pub use envelope::Envelope;
 pub use fault::SceneFault;
 pub use ring::TagRing;
-pub use tag::TagSigma;
-pub use tag::{Tag, TagFamily};
+pub use tag::{Tag, TagFamily, TagSigma, corners_in_tag_mm};
 pub use viewpoint::Viewpoint;
 
 use nalgebra::Point3;
+
+use crate::camera::Camera;
+use scaleproof_core::geometry::Rigid;
 
 /// A scene in the model frame: origin on the ground under the model's centre, x to its front, y to its left, z up; mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +48,22 @@ impl Scene {
         families.sort();
         families.dedup();
         families
+    }
+
+    /// Where a tag is in the image of a camera at the pose `T_camera_model`, or outside the image, px. `None` unless the cosine of the angle between
+    /// the tag's normal and the line of sight exceeds `facing`, and the model, grown by `margin_mm` on each side, leaves all corners in sight.
+    pub fn visible_px(
+        &self,
+        tag: &Tag,
+        (facing, margin_mm): (f64, f64),
+        pose: &Rigid,
+        camera: &Camera,
+    ) -> Option<[[f64; 2]; 4]> {
+        let centre = pose.inverse() * Point3::origin();
+        let is_facing = tag.normal().dot(&(centre - tag.centre_mm).normalize()) > facing;
+        let is_clear = |corner: &Point3<f64>| !self.model.hides(*corner, centre, margin_mm);
+        let is_visible = is_facing && tag.corners_mm().iter().all(is_clear);
+        is_visible.then(|| tag.corners_px(pose, camera))?
     }
 }
 
@@ -76,11 +94,8 @@ impl ScaleModel {
         let [length, width, height] = self.size_mm;
         std::array::from_fn(|i| {
             let side = |bit: usize, size: f64| if i >> bit & 1 == 1 { size / 2.0 } else { -size / 2.0 };
-            Point3::new(
-                side(0, length),
-                side(1, width),
-                if i >> 2 & 1 == 1 { height } else { 0.0 },
-            )
+            let up = if i >> 2 & 1 == 1 { height } else { 0.0 };
+            Point3::new(side(0, length), side(1, width), up)
         })
     }
 
@@ -88,15 +103,11 @@ impl ScaleModel {
     /// (slabs: Kay & Kajiya 1986).
     pub fn hides(&self, point: Point3<f64>, camera: Point3<f64>, grown_mm: f64) -> bool {
         let [length, width, height] = self.size_mm;
-        let slabs = [
-            (-length / 2.0, length / 2.0),
-            (-width / 2.0, width / 2.0),
-            (0.0, height),
-        ];
+        let (lows, highs) = ([-length / 2.0, -width / 2.0, 0.0], [length / 2.0, width / 2.0, height]);
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        for (axis, (low, high)) in slabs.into_iter().enumerate() {
+        for axis in 0..3 {
             let (from, by) = (camera[axis], point[axis] - camera[axis]);
-            let (low, high) = (low - grown_mm, high + grown_mm);
+            let (low, high) = (lows[axis] - grown_mm, highs[axis] + grown_mm);
             if by.abs() < 1e-9 {
                 if from < low || from > high {
                     return false;

@@ -89,20 +89,15 @@ impl TagRing {
 
     fn check(&self) -> Result<(), RingError> {
         let [length, width, height] = self.model.size_mm;
-        for (what, value) in [
-            ("radius", self.radius_mm),
-            ("tag size", self.tag_mm),
-            ("model length", length),
-            ("model width", width),
-            ("model height", height),
-        ] {
-            size_mm(what, value)?;
-        }
+        size_mm("radius", self.radius_mm)?;
+        size_mm("tag size", self.tag_mm)?;
+        size_mm("model length", length)?;
+        size_mm("model width", width)?;
+        size_mm("model height", height)?;
         checked_scale(self.model.scale)?;
-        if !TILT_DEG.contains(&self.tilt_deg) {
-            return Err(RingError::Tilt {
-                tilt_deg: self.tilt_deg,
-            });
+        let tilt_deg = self.tilt_deg;
+        if !TILT_DEG.contains(&tilt_deg) {
+            return Err(RingError::Tilt { tilt_deg });
         }
         let (ids, needed) = (self.family.count(), 3 * u64::from(self.count));
         if self.count < FEWEST || needed > u64::from(ids) {
@@ -122,16 +117,15 @@ impl TagRing {
         let flat_mm = self.with_white_mm() / 2.0 * std::f64::consts::SQRT_2;
         let tent_mm = self.card_reach_mm();
         let neighbours = (90.0 / f64::from(self.count)).to_radians().sin();
-        for (reason, least_mm) in [
-            (
-                "the model and the cards around it need",
-                model_mm + tent_mm.max(flat_mm),
-            ),
-            (
-                "so many cards of this size need",
-                (tent_mm + flat_mm) / 2.0 / neighbours,
-            ),
-        ] {
+        let beside_model = (
+            "the model and the cards around it need",
+            model_mm + tent_mm.max(flat_mm),
+        );
+        let in_ring = (
+            "so many cards of this size need",
+            (tent_mm + flat_mm) / 2.0 / neighbours,
+        );
+        for (reason, least_mm) in [beside_model, in_ring] {
             if self.radius_mm < least_mm {
                 return Err(RingError::TooTight {
                     radius_mm: self.radius_mm,

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::camera::Camera;
 use scaleproof_core::geometry::{Rigid, rigid};
 
 /// The AprilTag families a scene may use, by their usual names.
@@ -34,25 +35,34 @@ impl TagFamily {
         (TagFamily::TagStandard52h13, "tagstandard52h13"),
     ];
 
+    /// The name that `scene.toml` uses.
+    pub fn name(self) -> &'static str {
+        TagFamily::ALL[self as usize].1
+    }
+
     /// How many different tags the family has; ids run from 0 to one below it.
     pub fn count(self) -> u32 {
-        match self {
-            TagFamily::Tag16h5 => 30,
-            TagFamily::Tag25h9 => 35,
-            TagFamily::Tag36h11 => 587,
-            TagFamily::TagStandard41h12 => 2115,
-            TagFamily::TagStandard52h13 => 48714,
-        }
+        self.measures().0
+    }
+
+    /// Width of the outline that the corners lie on, in bit cells (`width_at_border` of the C library).
+    pub fn cells_across(self) -> f64 {
+        self.measures().1
     }
 
     /// Width of a tag with the white ring it needs, for a `size_mm` of 1.
     pub fn width_with_white(self) -> f64 {
+        self.measures().2 / self.cells_across()
+    }
+
+    /// How many tags there are; cells across the outline of one, and across its white ring.
+    fn measures(self) -> (u32, f64, f64) {
         match self {
-            TagFamily::Tag16h5 => 8.0 / 6.0,
-            TagFamily::Tag25h9 => 9.0 / 7.0,
-            TagFamily::Tag36h11 => 10.0 / 8.0,
-            TagFamily::TagStandard41h12 => 11.0 / 5.0,
-            TagFamily::TagStandard52h13 => 12.0 / 6.0,
+            TagFamily::Tag16h5 => (30, 6.0, 8.0),
+            TagFamily::Tag25h9 => (35, 7.0, 9.0),
+            TagFamily::Tag36h11 => (587, 8.0, 10.0),
+            TagFamily::TagStandard41h12 => (2115, 5.0, 11.0),
+            TagFamily::TagStandard52h13 => (48714, 6.0, 12.0),
         }
     }
 }
@@ -88,22 +98,29 @@ pub struct TagSigma {
 impl Tag {
     /// `T_model_tag`: maps tag coordinates to model coordinates, mm.
     pub fn pose(&self) -> Rigid {
-        let normal = self.right.cross(&self.up);
-        rigid::from_matrix(
-            Matrix3::from_columns(&[self.right, self.up, normal]),
-            self.centre_mm.coords,
-        )
+        let axes = Matrix3::from_columns(&[self.right, self.up, self.normal()]);
+        rigid::from_matrix(axes, self.centre_mm.coords)
     }
 
-    /// The corners in the tag frame, mm: top-left, top-right, bottom-right, bottom-left of the upright tag.
-    pub fn corners_in_tag_mm(&self) -> [Point3<f64>; 4] {
-        let h = self.size_mm / 2.0;
-        [[-h, h], [h, h], [h, -h], [-h, -h]].map(|[x, y]| Point3::new(x, y, 0.0))
+    /// Unit vector out of the paper, model frame.
+    pub fn normal(&self) -> Vector3<f64> {
+        self.right.cross(&self.up)
     }
 
-    /// The corners in the model frame, mm, in the same order.
+    /// The corners in the model frame, mm, in the order of [`corners_in_tag_mm`].
     pub fn corners_mm(&self) -> [Point3<f64>; 4] {
-        self.corners_in_tag_mm()
-            .map(|p| self.centre_mm + self.right * p.x + self.up * p.y)
+        corners_in_tag_mm(self.size_mm).map(|p| self.centre_mm + self.right * p.x + self.up * p.y)
     }
+
+    /// Where a camera at the pose `T_camera_model` projects the corners to, px; `None` where one has no pixel.
+    pub fn corners_px(&self, pose: &Rigid, camera: &Camera) -> Option<[[f64; 2]; 4]> {
+        let [a, b, c, d] = self.corners_mm().map(|corner| camera.project(&(pose * corner)));
+        Some([a?, b?, c?, d?])
+    }
+}
+
+/// The corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left of the upright tag.
+pub fn corners_in_tag_mm(size_mm: f64) -> [Point3<f64>; 4] {
+    let h = size_mm / 2.0;
+    [[-h, h], [h, h], [h, -h], [-h, -h]].map(|[x, y]| Point3::new(x, y, 0.0))
 }

@@ -19,7 +19,7 @@ pub struct Viewpoint {
 
 impl Viewpoint {
     /// The viewpoint of a camera centre; both points in the model frame, mm.
-    pub fn of_camera(centre_mm: Point3<f64>, target_mm: Point3<f64>) -> Viewpoint {
+    pub fn from_camera(centre_mm: Point3<f64>, target_mm: Point3<f64>) -> Viewpoint {
         let d = centre_mm - target_mm;
         Viewpoint {
             azimuth_deg: wrap_360(d.y.atan2(d.x).to_degrees()),
@@ -36,16 +36,12 @@ impl Viewpoint {
             && self.distance_mm.is_finite()
     }
 
-    /// The camera centre in the model frame, mm: the inverse of [`Viewpoint::of_camera`].
+    /// The camera centre in the model frame, mm: the inverse of [`Viewpoint::from_camera`].
     pub fn camera_centre_mm(&self, target_mm: Point3<f64>) -> Point3<f64> {
         let (azimuth, pitch) = (self.azimuth_deg.to_radians(), self.pitch_deg.to_radians());
         let ground = self.distance_mm * pitch.cos();
-        target_mm
-            + nalgebra::Vector3::new(
-                ground * azimuth.cos(),
-                ground * azimuth.sin(),
-                self.distance_mm * pitch.sin(),
-            )
+        let up = self.distance_mm * pitch.sin();
+        target_mm + nalgebra::Vector3::new(ground * azimuth.cos(), ground * azimuth.sin(), up)
     }
 }
 
@@ -57,7 +53,7 @@ mod tests {
 
     #[test]
     fn ninety_degrees_is_the_left_side() {
-        let v = Viewpoint::of_camera(Point3::new(0.0, 500.0, 64.0), Point3::new(0.0, 0.0, 64.0));
+        let v = Viewpoint::from_camera(Point3::new(0.0, 500.0, 64.0), Point3::new(0.0, 0.0, 64.0));
         assert_eq!((v.azimuth_deg, v.pitch_deg, v.distance_mm), (90.0, 0.0, 500.0));
     }
 
@@ -66,7 +62,7 @@ mod tests {
         fn camera_centres_round_trip(azimuth in 0.0..360.0_f64, pitch in -80.0..80.0_f64, distance in 100.0..3000.0_f64) {
             let target = Point3::new(0.0, 0.0, 64.5);
             let v = Viewpoint { azimuth_deg: azimuth, pitch_deg: pitch, distance_mm: distance };
-            let back = Viewpoint::of_camera(v.camera_centre_mm(target), target);
+            let back = Viewpoint::from_camera(v.camera_centre_mm(target), target);
             prop_assert!(turn(back.azimuth_deg, azimuth).abs() < 1e-9);
             prop_assert!((back.pitch_deg - pitch).abs() < 1e-9 && (back.distance_mm - distance).abs() < 1e-9);
         }

@@ -28,10 +28,8 @@ impl Scene {
 }
 
 fn table(tag: &Tag) -> String {
-    let family = TagFamily::ALL.iter().find(|(family, _)| *family == tag.family);
-    let family = family
-        .filter(|(family, _)| *family != TagFamily::default())
-        .map(|(_, name)| format!("family = \"{name}\"\n"));
+    let is_named = tag.family != TagFamily::default();
+    let family = is_named.then(|| format!("family = \"{}\"\n", tag.family.name()));
     let sigma = |s: super::TagSigma| format!("sigma_mm = {:.4}\nsigma_deg = {:.4}\n", s.mm, s.deg);
     format!(
         "\n[[tag]]\nid = {}\n{}size_mm = {}\ncentre_mm = {}\nright = {}\nup = {}\n{}",

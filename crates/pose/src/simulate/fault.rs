@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 
-use super::{SimulatedView, Simulator, visible};
+use super::{SimulatedView, Simulator};
 
 /// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,12 +69,8 @@ impl Simulator<'_> {
                 *corner = [corner[0] + px * angle.cos(), corner[1] + px * angle.sin()];
             }
             SimulatedFault::WrongId => {
-                let unseen = self
-                    .scene
-                    .tags
-                    .iter()
-                    .filter(|t| view.seen.iter().all(|s| s.id != t.id));
-                let unseen: Vec<u32> = unseen.map(|t| t.id).collect();
+                let ids = self.scene.tags.iter().map(|t| t.id);
+                let unseen: Vec<u32> = ids.filter(|id| view.seen.iter().all(|s| s.id != *id)).collect();
                 if unseen.is_empty() {
                     return false;
                 }
@@ -82,11 +78,8 @@ impl Simulator<'_> {
             }
             SimulatedFault::DuplicatedId => {
                 let mut copy = view.seen[at].clone();
-                let (x, y) = (
-                    self.rng.random_range(-200.0..200.0),
-                    self.rng.random_range(-200.0..200.0),
-                );
-                copy.corners_px.iter_mut().for_each(|c| *c = [c[0] + x, c[1] + y]);
+                let by: [f64; 2] = std::array::from_fn(|_| self.rng.random_range(-200.0..200.0));
+                copy.corners_px = copy.corners_px.map(|[x, y]| [x + by[0], y + by[1]]);
                 view.seen.push(copy);
             }
             SimulatedFault::MovedTag { .. } | SimulatedFault::TwistedTag { .. } => {
@@ -114,10 +107,8 @@ impl Simulator<'_> {
             }
             _ => return false,
         }
-        let Some(pixels) = visible::pixels(&tag, self.scene, self.camera, &view.pose) else {
-            return false;
-        };
-        view.seen[at].corners_px = self.noisy(pixels);
-        true
+        let seen = self.seen_px(&tag, &view.pose);
+        view.seen[at].corners_px = seen.unwrap_or(view.seen[at].corners_px);
+        seen.is_some()
     }
 }

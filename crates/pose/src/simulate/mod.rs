@@ -2,7 +2,6 @@
 //! that drive `locate` to where it must refuse.
 
 mod fault;
-mod visible;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -10,11 +9,16 @@ use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 
 use crate::camera::Camera;
-use crate::scene::{Scene, Viewpoint};
+use crate::scene::{Scene, Tag, Viewpoint};
 use crate::tags::SeenTag;
 use scaleproof_core::geometry::{Rigid, rigid};
 
 pub use fault::SimulatedFault;
+
+/// Cosine of the angle between a tag's normal and the line of sight below which no detector reads it.
+const GRAZING: f64 = 0.2;
+/// The model's box is taken smaller by this on each side, so that it does not hide what lies on it, mm.
+const SKIN_MM: f64 = 1.0;
 
 /// Errors of a detector's corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,14 +91,25 @@ impl<'a> Simulator<'a> {
 
     /// What a detector sees of the scene's tags under a pose `T_camera_model`.
     pub fn seen(&mut self, pose: &Rigid) -> Vec<SeenTag> {
-        let visible = visible::tags(self.scene, self.camera, pose);
-        let noisy = |(tag, pixels): (&crate::scene::Tag, [[f64; 2]; 4])| SeenTag {
-            id: tag.id,
-            family: tag.family,
-            corners_px: self.noisy(pixels),
-            is_whole: true,
+        let tags = &self.scene.tags;
+        let seen = |tag: &Tag| {
+            Some(SeenTag {
+                id: tag.id,
+                family: tag.family,
+                corners_px: self.seen_px(tag, pose)?,
+                is_whole: true,
+            })
         };
-        visible.into_iter().map(noisy).collect()
+        tags.iter().filter_map(seen).collect()
+    }
+
+    /// The pixels of a tag's corners with the detector's noise; `None` when the tag does not face the camera, stands outside the image or is behind
+    /// the model.
+    fn seen_px(&mut self, tag: &Tag, pose: &Rigid) -> Option<[[f64; 2]; 4]> {
+        let pixels = self.scene.visible_px(tag, (GRAZING, -SKIN_MM), pose, self.camera)?;
+        let [width, height] = [self.camera.width, self.camera.height].map(f64::from);
+        let is_inside = |[x, y]: &[f64; 2]| (0.0..width).contains(x) && (0.0..height).contains(y);
+        pixels.iter().all(is_inside).then(|| self.noisy(pixels))
     }
 
     /// Pixels with the detector's noise.

@@ -2,7 +2,7 @@
 
 use image::{GrayImage, Luma, RgbImage};
 
-use super::{SeenTag, TagHomography, border, cells_across, refine};
+use super::{SeenTag, TagHomography, border, refine};
 use scaleproof_core::statistics::upper_median;
 
 /// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
@@ -27,18 +27,16 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Looks at the whole tags; covered and cut ones say nothing of focus.
-    pub fn of(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
+    /// Measures the whole tags of a photo; covered and cut ones say nothing of focus.
+    pub fn measure(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
         let whole = || tags.iter().filter(|tag| tag.is_whole);
         let (mut across, mut along) = (Vec::new(), Vec::new());
         for tag in whole() {
             for side in 0..4 {
-                let Some(blur) = side_blur(grey, tag, side) else {
-                    continue;
-                };
                 let (a, b) = (tag.corners_px[side], tag.corners_px[(side + 1) % 4]);
                 let is_upright = (b[1] - a[1]).abs() > (b[0] - a[0]).abs();
-                if is_upright { &mut across } else { &mut along }.push(blur);
+                let blurs = if is_upright { &mut across } else { &mut along };
+                blurs.extend(side_blur(grey, tag, side));
             }
         }
         Appearance {
@@ -61,7 +59,7 @@ pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
 
 /// `None` where the side's cells are too small, or it touches the image's border.
 fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
-    let cells = cells_across(tag.family);
+    let cells = tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);
     let cell = refine::cell_px(&homography, side, cells);
     if cell.is_nan() || cell < MIN_CELL_PX {
@@ -74,7 +72,7 @@ fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
 
 /// The lighter of the rings half a cell inside and outside the outline: families differ in which that is.
 fn white(grey: &GrayImage, tag: &SeenTag) -> Option<f64> {
-    let half_cell = 0.5 / cells_across(tag.family);
+    let half_cell = 0.5 / tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);
     let tone = |depth| upper_median(&border::ring(grey, &homography, depth)?);
     Some(tone(half_cell)?.max(tone(-half_cell)?))

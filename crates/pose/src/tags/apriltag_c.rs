@@ -4,9 +4,8 @@ use apriltag::{Detection, Detector, DetectorBuilder, Family, Image};
 use image::GrayImage;
 
 use super::search::{Found, Search};
-use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
+use super::{CornersBy, StartError, TagDetectorChoice};
 use crate::scene::TagFamily;
-use scaleproof_photo::photo::Luma;
 
 /// More corrected bits than this and noise starts to look like tags.
 const MAX_HAMMING: usize = 1;
@@ -21,12 +20,27 @@ pub struct AprilTagC {
 }
 
 impl AprilTagC {
+    /// Name and version, for a result's provenance; the build script knows which C library is linked.
+    pub const PROVENANCE: &str = concat!(
+        "apriltag C ",
+        env!("APRILTAG_VERSION"),
+        " (",
+        env!("APRILTAG_ORIGIN"),
+        ", decimate 1)"
+    );
+
     /// A detector for some families.
     pub fn new(families: &[TagFamily]) -> Result<AprilTagC, StartError> {
-        let detectors = families
-            .iter()
-            .map(|family| Ok((*family, detector(*family)?)))
-            .collect::<Result<_, _>>()?;
+        let start = |family| {
+            let builder = DetectorBuilder::new().add_family_bits(c_family(family), MAX_HAMMING);
+            let mut detector = builder.build()?;
+            detector.set_thread_number(1); // photos are spread over threads instead
+            detector.set_decimation(1.0);
+            detector.set_refine_edges(true);
+            Ok::<_, apriltag::Error>(detector)
+        };
+        let choice = TagDetectorChoice::AprilTagC(CornersBy::Fit);
+        let detectors = choice.for_each_family(families, start)?;
         Ok(AprilTagC { detectors })
     }
 }
@@ -45,36 +59,6 @@ impl Search for AprilTagC {
         }
         found
     }
-}
-
-fn detector(family: TagFamily) -> Result<Detector, StartError> {
-    let mut detector = DetectorBuilder::new()
-        .add_family_bits(c_family(family), MAX_HAMMING)
-        .build()
-        .map_err(|e| TagDetectorChoice::AprilTagC(CornersBy::Fit).failed(e))?;
-    detector.set_thread_number(1); // photos are spread over threads instead
-    detector.set_decimation(1.0);
-    detector.set_refine_edges(true);
-    Ok(detector)
-}
-
-/// With the library's own corners.
-impl TagDetector for AprilTagC {
-    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
-        let grey = luma.whole();
-        self.search(grey).iter().map(|found| found.seen(grey)).collect()
-    }
-}
-
-impl AprilTagC {
-    /// Name and version, for a result's provenance; the build script knows which C library is linked.
-    pub const PROVENANCE: &str = concat!(
-        "apriltag C ",
-        env!("APRILTAG_VERSION"),
-        " (",
-        env!("APRILTAG_ORIGIN"),
-        ", decimate 1)"
-    );
 }
 
 fn c_family(family: TagFamily) -> Family {

@@ -24,11 +24,11 @@ const MAX_OFF: usize = 1;
 pub(super) fn is_whole(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> bool {
     let homography = TagHomography::to(corners_px);
     let half_cell = 0.5 / cells;
-    let (Some(inside), Some(outside)) = (ring(grey, &homography, half_cell), ring(grey, &homography, -half_cell))
-    else {
-        return false;
+    let levels = |depth| {
+        let ring = ring(grey, &homography, depth)?;
+        Some((upper_median(&ring)?, ring))
     };
-    let (Some(dark), Some(light)) = (upper_median(&inside), upper_median(&outside)) else {
+    let (Some((dark, inside)), Some((light, outside))) = (levels(half_cell), levels(-half_cell)) else {
         return false;
     };
     // Families differ in which of the two is the dark one, and light falls off across a tag; both are fine.

@@ -81,15 +81,15 @@ impl Cascade {
 
     /// A faster one, which misses small tags: the fastest finder alone, on a small image.
     pub fn live(families: &[TagFamily]) -> Result<Cascade, StartError> {
-        let search = match rivals::fast(families)?.into_iter().next() {
-            Some(fastest) => fastest,
-            None => Box::new(AprilTagC::new(families)?),
+        let stage = Stage {
+            search: match rivals::fast(families)?.into_iter().next() {
+                Some(fastest) => fastest,
+                None => Box::new(AprilTagC::new(families)?),
+            },
+            view: View::Reduced(SEARCHED_LIVE_PX),
+            need: Need::MissingTags,
         };
-        let view = View::Reduced(SEARCHED_LIVE_PX);
-        let need = Need::MissingTags;
-        Ok(Cascade {
-            stages: vec![Stage { search, view, need }],
-        })
+        Ok(Cascade { stages: vec![stage] })
     }
 }
 
@@ -128,7 +128,7 @@ impl TagDetector for Cascade {
         let mut tags = MergedTags::default();
         let (mut seen, mut left) = looked(&mut tags, luma, missing);
         for stage in &mut self.stages {
-            if is_done(&left) {
+            if left.has_pose && !left.expected.iter().any(|tag| tag.is_in_plain_view) {
                 break;
             }
             if stage.need == Need::NoPose && left.has_pose {
@@ -143,11 +143,6 @@ impl TagDetector for Cascade {
     }
 }
 
-/// Whether there is a pose and every tag in plain view is there.
-fn is_done(left: &StillMissing) -> bool {
-    left.has_pose && !left.expected.iter().any(|tag| tag.is_in_plain_view)
-}
-
 /// Looks for what is missing in its places, until nothing more is found there.
 fn looked(
     tags: &mut MergedTags,
@@ -156,11 +151,8 @@ fn looked(
 ) -> (Vec<SeenTag>, StillMissing) {
     let (mut seen, mut left) = asked(tags, missing);
     for _ in 0..MOST_LOOKS {
-        let found: Vec<TagFit> = left
-            .expected
-            .iter()
-            .filter_map(|tag| expected::look(luma, tag))
-            .collect();
+        let expected = left.expected.iter();
+        let found: Vec<TagFit> = expected.filter_map(|tag| expected::look(luma, tag)).collect();
         if found.is_empty() {
             break;
         }

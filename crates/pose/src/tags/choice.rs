@@ -50,7 +50,6 @@ pub enum CornersBy {
 /// Why a tag detector could not start.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum StartError {
     #[error(
         "the tag detector '{name}' is not known; use one of {}{}",
@@ -60,7 +59,7 @@ pub enum StartError {
     Unknown { name: String },
     #[error(
         "the tag detector {detector} cannot read tags of the family {}: use one of {}",
-        family_name(*family),
+        family.name(),
         names(TagDetectorChoice::ALL.iter().filter(|d| d.reads(*family)))
     )]
     Family {
@@ -136,7 +135,7 @@ impl TagDetectorChoice {
         }
     }
 
-    /// The error for the first family a detector cannot read.
+    /// Refuses families that a detector cannot read.
     pub(super) fn check_families(self, families: &[TagFamily]) -> Result<(), StartError> {
         match families.iter().find(|family| !self.reads(**family)) {
             None => Ok(()),
@@ -147,17 +146,23 @@ impl TagDetectorChoice {
         }
     }
 
-    /// A library's own error.
-    pub(super) fn failed(self, reason: impl fmt::Display) -> StartError {
-        StartError::Library {
+    /// A library's detector for each family, since libraries do not say which family a tag belongs to.
+    pub(super) fn for_each_family<D, E: fmt::Display>(
+        self,
+        families: &[TagFamily],
+        start: impl Fn(TagFamily) -> Result<D, E>,
+    ) -> Result<Vec<(TagFamily, D)>, StartError> {
+        self.check_families(families)?;
+        let started = families.iter().map(|family| Ok((*family, start(*family)?)));
+        started.collect::<Result<_, E>>().map_err(|reason| StartError::Library {
             detector: self,
             reason: reason.to_string(),
-        }
+        })
     }
 }
 
 impl CornersBy {
-    pub(super) fn open<S: Search + TagDetector + 'static>(self, search: S) -> Box<dyn TagDetector> {
+    pub(super) fn open<S: Search + 'static>(self, search: S) -> Box<dyn TagDetector> {
         match self {
             CornersBy::Fit => Box::new(WithFittedCorners(search)),
             CornersBy::Library => Box::new(search),
@@ -182,9 +187,4 @@ impl FromStr for TagDetectorChoice {
 
 fn names<'a>(choices: impl Iterator<Item = &'a TagDetectorChoice>) -> String {
     choices.map(|choice| choice.name()).collect::<Vec<_>>().join(", ")
-}
-
-fn family_name(family: TagFamily) -> &'static str {
-    let named = TagFamily::ALL.iter().find(|(known, _)| *known == family);
-    named.map_or("of this scene", |(_, name)| name)
 }

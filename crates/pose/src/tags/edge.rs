@@ -54,12 +54,8 @@ type Parameters = SVector<f64, 5>;
 /// Fits light = outside + (inside − outside) · Φ((across − offset − slope · along) / blur), Φ the normal distribution.
 /// `None` when there is no such edge in the band of half width `band`, px. `guess`: of an earlier fit, which saves steps.
 pub(super) fn fit(pixels: &[EdgePixel], band: f64, guess: Option<EdgeProfile>) -> Option<Edge> {
-    let band_pixels = BandPixels::of(pixels);
-    let profile = match guess {
-        Some(profile) => profile,
-        None => band_pixels.first_guess(band)?,
-    };
-    let EdgeProfile { blur, outside, inside } = profile;
+    let band_pixels = BandPixels::new(pixels);
+    let EdgeProfile { blur, outside, inside } = guess.or_else(|| band_pixels.first_guess(band))?;
     let start = Parameters::from([0.0, 0.0, blur, outside, inside]);
     let fitted = minimise(EdgeEquations::at(start, &band_pixels, band), &LIMITS);
     let [offset, slope, blur, outside, inside] = fitted.parameters.into();
@@ -80,7 +76,7 @@ struct BandPixels {
 }
 
 impl BandPixels {
-    fn of(pixels: &[EdgePixel]) -> BandPixels {
+    fn new(pixels: &[EdgePixel]) -> BandPixels {
         let light = linear_light();
         BandPixels {
             along: pixels.iter().map(|p| p.along as f32).collect(),
@@ -105,28 +101,28 @@ impl BandPixels {
     }
 
     /// The sums of all pixels.
-    fn sums(&self, parameters: &Parameters) -> [f64; SUMS] {
+    fn sums(&self, parameters: &Parameters) -> Sums {
         let whole = self.light.len() / LANES * LANES;
         let lists = [&self.along, &self.across, &self.light].map(|list| list.split_at(whole));
         let many = sums_of_many(lists.map(|(many, _)| many), parameters);
         let rest = sums_by::<1>(lists.map(|(_, rest)| rest), parameters);
-        std::array::from_fn(|i| many[i] + rest[i])
+        std::array::from_fn(|i| std::array::from_fn(|j| many[i][j] + rest[i][j]))
     }
 }
 
 /// Pixels that are summed side by side.
 const LANES: usize = 8;
 
-/// How many sums there are.
-const SUMS: usize = 20;
-
 /// With the density d and the share s = Φ at a pixel, its place a along and u across, and its misfit r: the sums of d², d²a, d²u, (da)², d²au,
 /// (du)², d, da, du, ds, das, dus, s, s², rd, rda, rdu, r, rs, r².
+type Sums = [[f64; 5]; 4];
+
+/// The [`Sums`] of N pixels side by side.
 #[inline(always)]
-fn sums_by<const N: usize>([along, across, light]: [&[f32]; 3], parameters: &Parameters) -> [f64; SUMS] {
+fn sums_by<const N: usize>([along, across, light]: [&[f32]; 3], parameters: &Parameters) -> Sums {
     let [offset, slope, blur, outside, inside] = (*parameters).map(|p| p as f32).into();
     let (per_blur, contrast) = (1.0 / blur, inside - outside);
-    let mut sums = [[0.0; N]; SUMS];
+    let mut sums = [[[0.0; N]; 5]; 4];
     let lists = along.as_chunks::<N>().0.iter().zip(across.as_chunks::<N>().0);
     for ((a, across), light) in lists.zip(light.as_chunks::<N>().0) {
         let u: [f32; N] = std::array::from_fn(|i| (across[i] - offset - slope * a[i]) * per_blur);
@@ -139,13 +135,13 @@ fn sums_by<const N: usize>([along, across, light]: [&[f32]; 3], parameters: &Par
             [times(da, s), times(du, s), s, times(s, s), times(r, d)],
             [times(r, da), times(r, du), r, times(r, s), times(r, r)],
         ];
-        for (sum, term) in sums.iter_mut().zip(terms.as_flattened()) {
+        for (sum, term) in sums.as_flattened_mut().iter_mut().zip(terms.as_flattened()) {
             for i in 0..N {
                 sum[i] += term[i];
             }
         }
     }
-    sums.map(|lanes| lanes.iter().copied().map(f64::from).sum())
+    sums.map(|row| row.map(|lanes| lanes.into_iter().map(f64::from).sum()))
 }
 
 #[inline(always)]
@@ -154,7 +150,7 @@ fn times<const N: usize>(a: [f32; N], b: [f32; N]) -> [f32; N] {
 }
 
 /// Several pixels side by side.
-fn sums_of_many(lists: [&[f32]; 3], parameters: &Parameters) -> [f64; SUMS] {
+fn sums_of_many(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has the instructions.
@@ -166,7 +162,7 @@ fn sums_of_many(lists: [&[f32]; 3], parameters: &Parameters) -> [f64; SUMS] {
 /// [`sums_by`] compiled for AVX2, to bit-identical results: nothing is contracted or reordered.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn sums_by_avx2(lists: [&[f32]; 3], parameters: &Parameters) -> [f64; SUMS] {
+fn sums_by_avx2(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
     sums_by::<LANES>(lists, parameters)
 }
 
@@ -187,28 +183,9 @@ impl<'a> EdgeEquations<'a> {
     fn at(parameters: Parameters, pixels: &'a BandPixels, band: f64) -> EdgeEquations<'a> {
         let [_, _, blur, outside, inside] = parameters.into();
         let t = -(inside - outside) / blur;
-        let [
-            dd,
-            dda,
-            ddu,
-            dada,
-            dadu,
-            dudu,
-            d,
-            da,
-            du,
-            ds,
-            das,
-            dus,
-            s,
-            ss,
-            rd,
-            rda,
-            rdu,
-            r,
-            rs,
-            rr,
-        ] = pixels.sums(&parameters);
+        let [first, second, third, fourth] = pixels.sums(&parameters);
+        let ([dd, dda, ddu, dada, dadu], [dudu, d, da, du, ds]) = (first, second);
+        let ([das, dus, s, ss, rd], [rda, rdu, r, rs, rr]) = (third, fourth);
         let count = pixels.light.len() as f64;
         let rows = [
             [t * t * dd, 0.0, 0.0, 0.0, 0.0],
@@ -248,10 +225,8 @@ impl LeastSquares for EdgeEquations<'_> {
 fn linear_light() -> &'static [f32; 256] {
     static TABLE: std::sync::LazyLock<[f32; 256]> = std::sync::LazyLock::new(|| {
         // Not `palette`'s own table of 8-bit levels, which is exact to 7e-7 only.
-        std::array::from_fn(|level| {
-            let light: f64 = Srgb::into_linear(level as f64 / 255.0);
-            light as f32
-        })
+        let light = |level| -> f64 { Srgb::into_linear(level as f64 / 255.0) };
+        std::array::from_fn(|level| light(level) as f32)
     });
     &TABLE
 }

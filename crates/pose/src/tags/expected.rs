@@ -3,13 +3,13 @@
 
 use image::GrayImage;
 
+use super::TagImage;
 use super::border;
 use super::fit::TagFit;
 use super::likeness::{CellPattern, Likeness};
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
-use super::{TagImage, cells_across};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::Luma;
 
@@ -35,6 +35,8 @@ pub struct StillMissing {
     pub expected: Vec<ExpectedTag>,
 }
 
+type Corners = [[f64; 2]; 4];
+
 /// How far from its place a tag is looked for, and in which steps: in bit cells.
 const REACH_CELLS: f64 = 2.5;
 const STEP_CELLS: f64 = 0.5;
@@ -50,15 +52,11 @@ const LEAST_CELL_PX: f64 = 1.5;
 /// The tag at its place, or nearby, if its code is there and its sides are seen.
 pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
     let tag = TagImage::new(expected.family, expected.id)?;
-    let cells = cells_across(expected.family);
-    let pattern = CellPattern::of(&tag);
+    let cells = expected.family.cells_across();
+    let pattern = CellPattern::new(&tag);
     // Far corners of a tag seen at a slant have smaller cells than near ones: reach is counted in the larger.
-    let part = Part::around(
-        luma,
-        &expected.corners_px,
-        cells,
-        (REACH_CELLS + refine::REACH.0, refine::REACH.1),
-    );
+    let reach = (REACH_CELLS + refine::REACH.0, refine::REACH.1);
+    let part = Part::around(luma, &expected.corners_px, cells, reach);
     let (grey, place) = (&part.pixels, part.inside(&expected.corners_px));
     let (outline, corners_px) = confirmed(grey, &place, &pattern, cells).or_else(|| {
         let near = most_alike(grey, &place, &pattern, cells)?;
@@ -73,12 +71,7 @@ pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
 }
 
 /// The corners fitted to the sides that are seen near a place, if the code is between them.
-fn confirmed(
-    grey: &GrayImage,
-    corners_px: &[[f64; 2]; 4],
-    pattern: &CellPattern,
-    cells: f64,
-) -> Option<(TagSides, [[f64; 2]; 4])> {
+fn confirmed(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<(TagSides, Corners)> {
     let outline = refine::outline(grey, corners_px, cells)?;
     let fitted = outline.corners(0.0)?;
     let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted)?;
@@ -87,12 +80,7 @@ fn confirmed(
 }
 
 /// The place within reach that looks most like the tag.
-fn most_alike(
-    grey: &GrayImage,
-    corners_px: &[[f64; 2]; 4],
-    pattern: &CellPattern,
-    cells: f64,
-) -> Option<[[f64; 2]; 4]> {
+fn most_alike(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<Corners> {
     let [a, b, c, d] = corners_px;
     let along = |from: &[f64; 2], to: &[f64; 2]| [0, 1].map(|k| (to[k] - from[k]) / cells);
     let (right, down) = (along(a, b), along(a, d));
@@ -101,19 +89,16 @@ fn most_alike(
         return None;
     }
     let steps = (REACH_CELLS / STEP_CELLS) as i32;
-    let mut best: Option<([[f64; 2]; 4], f64)> = None;
+    let (mut best, mut most) = (None, f64::NEG_INFINITY);
     for i in -steps..=steps {
         for j in -steps..=steps {
             let (u, v) = (f64::from(i) * STEP_CELLS, f64::from(j) * STEP_CELLS);
             let moved = corners_px.map(|p| [0, 1].map(|k| p[k] + u * right[k] + v * down[k]));
-            let Some(likeness) = pattern.rough_likeness(grey, &moved) else {
-                continue;
-            };
-            if best.is_none_or(|(_, best)| likeness.of_all > best) {
-                best = Some((moved, likeness.of_all));
+            let likeness = pattern.rough_likeness(grey, &moved);
+            if let Some(Likeness { of_all, .. }) = likeness.filter(|likeness| likeness.of_all > most) {
+                (best, most) = (Some(moved), of_all);
             }
         }
     }
-    best.filter(|(_, of_all)| *of_all >= LEAST_ALL / 2.0)
-        .map(|(place, _)| place)
+    best.filter(|_| most >= LEAST_ALL / 2.0)
 }

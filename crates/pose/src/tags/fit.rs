@@ -3,7 +3,7 @@
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::{Found, Search};
-use super::{SeenTag, TagDetector, TagImage, cells_across, inset};
+use super::{SeenTag, TagDetector, TagImage, inset};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_photo::photo::Luma;
 
@@ -42,7 +42,7 @@ pub(super) struct TagFit {
 
 impl TagFit {
     pub(super) fn new(found: Found, luma: &dyn Luma) -> TagFit {
-        let cells = cells_across(found.family);
+        let cells = found.family.cells_across();
         let part = Part::around(luma, &found.corners_px, cells, refine::REACH);
         let outline = refine::outline(&part.pixels, &part.inside(&found.corners_px), cells);
         TagFit::with(found, part, outline)

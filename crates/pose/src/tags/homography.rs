@@ -2,13 +2,8 @@
 
 /// The projective map of the unit square onto four pixels (Heckbert 1989, "Fundamentals of Texture Mapping", 2.2.3).
 pub(super) struct TagHomography {
-    a: f64,
-    b: f64,
-    d: f64,
-    e: f64,
-    g: f64,
-    h: f64,
-    origin: [f64; 2],
+    /// The rows of the matrix: those of x, y and the denominator.
+    rows: [[f64; 3]; 3],
 }
 
 impl TagHomography {
@@ -20,24 +15,16 @@ impl TagHomography {
         let determinant = dx1 * dy2 - dx2 * dy1;
         let g = (sum(0) * dy2 - dx2 * sum(1)) / determinant;
         let h = (dx1 * sum(1) - sum(0) * dy1) / determinant;
+        let row = |i: usize| [p1[i] - p0[i] + g * p1[i], p3[i] - p0[i] + h * p3[i], p0[i]];
         TagHomography {
-            a: p1[0] - p0[0] + g * p1[0],
-            b: p3[0] - p0[0] + h * p3[0],
-            d: p1[1] - p0[1] + g * p1[1],
-            e: p3[1] - p0[1] + h * p3[1],
-            g,
-            h,
-            origin: *p0,
+            rows: [row(0), row(1), [g, h, 1.0]],
         }
     }
 
     /// The pixel of a point of the unit square.
     pub(super) fn pixel(&self, u: f64, v: f64) -> [f64; 2] {
-        let w = self.g * u + self.h * v + 1.0;
-        [
-            (self.a * u + self.b * v + self.origin[0]) / w,
-            (self.d * u + self.e * v + self.origin[1]) / w,
-        ]
+        let [x, y, w] = self.rows.map(|[a, b, c]| a * u + b * v + c);
+        [x / w, y / w]
     }
 
     /// The pixel at a share of a side, from its first corner on, and a share of the way across to the opposite side.

@@ -6,7 +6,7 @@
 
 use image::GrayImage;
 
-use super::{Modules, TagHomography, TagImage, refine};
+use super::{TagHomography, TagImage, refine};
 
 /// Below so many pixels a cell, the blur of its other edge moves an edge too.
 const MIN_CELL_PX: f64 = 4.0;
@@ -27,8 +27,7 @@ const MAX_CELLS: f64 = 0.25;
 ///
 /// `corners_px`: the outline as fitted by [`refine::outline`].
 pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagImage) -> Option<f64> {
-    let cells = tag.border_modules();
-    let n = cells as f64;
+    let n = tag.border_modules() as f64;
     let homography = TagHomography::to(corners_px);
     let (mut weight, mut moved) = (0.0, 0.0);
     for side in 0..4 {
@@ -52,15 +51,14 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
     }
     // The outline lies `inset` inwards, so the far edge is looked for (1 − 2 / n) · inset inwards; it lies `inset` outwards.
     let inset = -moved / weight / (2.0 - 2.0 / n);
-    let smallest = (0..4)
-        .map(|side| refine::cell_px(&homography, side, n))
-        .fold(f64::INFINITY, f64::min);
+    let cells = (0..4).map(|side| refine::cell_px(&homography, side, n));
+    let smallest = cells.fold(f64::INFINITY, f64::min);
     (inset.abs() < MAX_CELLS * smallest).then_some(inset)
 }
 
 /// For each cell along a side: whether the cell behind the ring differs from the ring. The two end cells belong to the ring.
 fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
-    let (modules, n): (&Modules, usize) = (tag.modules(), tag.border_modules());
+    let (modules, n) = (tag.modules(), tag.border_modules());
     let first = (modules.side() - n) / 2;
     let at = |along: usize, depth: usize| {
         let (row, column) = match side {
@@ -71,21 +69,15 @@ fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
         };
         modules.is_black(first + row, first + column)
     };
-    (0..n)
-        .map(|along| (1..n - 1).contains(&along) && at(along, 1) != at(along, 0))
-        .collect()
+    let differs = |along| (1..n - 1).contains(&along) && at(along, 1) != at(along, 0);
+    (0..n).map(differs).collect()
 }
 
 /// The runs of `true`: first cell and the one after the last.
 fn runs(differs: &[bool]) -> Vec<(usize, usize)> {
-    let mut runs: Vec<(usize, usize)> = Vec::new();
-    for (i, _) in differs.iter().enumerate().filter(|(_, differs)| **differs) {
-        match runs.last_mut() {
-            Some(run) if run.1 == i => run.1 = i + 1,
-            _ => runs.push((i, i + 1)),
-        }
-    }
-    runs
+    let cells: Vec<(usize, &bool)> = differs.iter().enumerate().collect();
+    let runs = cells.chunk_by(|a, b| a.1 == b.1).filter(|run| *run[0].1);
+    runs.map(|run| (run[0].0, run[run.len() - 1].0 + 1)).collect()
 }
 
 #[cfg(test)]

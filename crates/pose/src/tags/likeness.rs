@@ -33,7 +33,7 @@ pub(super) struct Likeness {
 
 impl CellPattern {
     /// The cells of a tag with its white ring.
-    pub(super) fn of(tag: &TagImage) -> CellPattern {
+    pub(super) fn new(tag: &TagImage) -> CellPattern {
         let (modules, border) = (tag.modules(), tag.border_modules());
         let (side, first) = (modules.side(), (modules.side() - border) / 2);
         let middle = |i: usize| (i as f64 + 0.5 - first as f64) / border as f64;
@@ -58,7 +58,9 @@ impl CellPattern {
     /// How much a place looks like the tag; `None` where it leaves the image or is of one tone.
     pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4]) -> Option<Likeness> {
         let homography = TagHomography::to(corners_px);
-        let step = SAMPLES.map(|s| s * self.cell_share());
+        // Neighbouring cells are a cell apart.
+        let cell_share = self.cells.get(1).map_or(0.0, |second| second.u - self.cells[0].u);
+        let step = SAMPLES.map(|s| s * cell_share);
         let mean = |cell: &Cell| {
             let mut sum = 0.0;
             for du in step {
@@ -75,13 +77,6 @@ impl CellPattern {
     pub(super) fn rough_likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4]) -> Option<Likeness> {
         let homography = TagHomography::to(corners_px);
         self.correlation(|cell| level(grey, homography.pixel(cell.u, cell.v)))
-    }
-
-    fn cell_share(&self) -> f64 {
-        match &self.cells[..] {
-            [first, second, ..] => second.u - first.u,
-            _ => 0.0,
-        }
     }
 
     fn correlation(&self, tone: impl Fn(&Cell) -> Option<f64>) -> Option<Likeness> {

@@ -1,8 +1,8 @@
 //! The tags of several searches of one photo as one list: each is fitted once.
 
-use super::SeenTag;
 use super::fit::{self, TagFit};
 use super::search::Found;
+use super::{SeenTag, shortest_side_px};
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 
@@ -21,10 +21,8 @@ impl MergedTags {
     /// tags, of which no pose uses either. Different ids in one place contradict each other, and no search is believed there.
     pub(super) fn add(&mut self, found: Vec<Found>, luma: &dyn Luma) {
         for new in found {
-            let is_fitted = self
-                .here(&new)
-                .is_some_and(|i| is_same(&self.fits[i].found, &new) && self.fits[i].is_fitted());
-            if !is_fitted {
+            let known = self.here(&new).map(|i| &self.fits[i]);
+            if !known.is_some_and(|known| is_same(&known.found, &new) && known.is_fitted()) {
                 self.add_fit(TagFit::new(new, luma));
             }
         }
@@ -50,9 +48,8 @@ impl MergedTags {
     /// Which of the known tags is in a tag's place.
     fn here(&self, tag: &Found) -> Option<usize> {
         let (place, reach) = (middle(tag), half_side(tag));
-        self.fits
-            .iter()
-            .position(|known| distance(middle(&known.found), place) < reach)
+        let is_here = |known: &TagFit| distance(middle(&known.found), place) < reach;
+        self.fits.iter().position(is_here)
     }
 
     /// The tags with the corners of their fits.
@@ -75,7 +72,5 @@ fn middle(found: &Found) -> [f64; 2] {
 }
 
 fn half_side(found: &Found) -> f64 {
-    let c = &found.corners_px;
-    let sides = (0..4).map(|i| distance(c[i], c[(i + 1) % 4]));
-    sides.fold(f64::INFINITY, f64::min) / 2.0
+    shortest_side_px(&found.corners_px) / 2.0
 }

@@ -2,10 +2,6 @@
 
 mod appearance;
 mod apriltag_c;
-#[cfg(feature = "full")]
-mod aruco;
-#[cfg(feature = "full")]
-mod aruco_markers;
 mod border;
 mod cascade;
 mod choice;
@@ -16,14 +12,14 @@ mod fit;
 mod homography;
 mod inset;
 mod likeness;
-#[cfg(feature = "full")]
-mod locus;
 mod merge;
 mod modules;
-#[cfg(feature = "full")]
-mod opencv_markers;
 mod part;
 mod refine;
+#[cfg(feature = "full")]
+mod rivals;
+#[cfg(not(feature = "full"))]
+#[path = "no_rivals.rs"]
 mod rivals;
 mod search;
 mod start;
@@ -34,24 +30,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::TagFamily;
 use homography::TagHomography;
+use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 
 pub use appearance::{Appearance, paper_levels};
 pub use apriltag_c::AprilTagC;
-#[cfg(feature = "full")]
-pub use aruco::ArucoOpenCv;
-#[cfg(feature = "full")]
-pub use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
 pub use cascade::Cascade;
-pub use choice::ArucoRefiner;
-pub use choice::{CornersBy, StartError, TagDetectorChoice};
+pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 pub use coarse_to_fine::CoarseToFine;
 pub use expected::{ExpectedTag, StillMissing};
-#[cfg(feature = "full")]
-pub use locus::Locus;
 pub use modules::Modules;
-#[cfg(feature = "full")]
-pub use opencv_markers::{MarkerSearch, SeenMarker};
+pub use rivals::*;
 pub use search::{enlarged, least_reduction};
 pub use tag_image::TagImage;
 
@@ -72,11 +61,12 @@ pub struct SeenTag {
 impl SeenTag {
     /// A tag with its corners in this project's order and pixel convention; its border is looked at in the photo.
     fn new(family: TagFamily, id: u32, corners_px: [[f64; 2]; 4], grey: &GrayImage) -> SeenTag {
+        let is_whole = border::is_whole(grey, &corners_px, family.cells_across());
         SeenTag {
             id,
             family,
             corners_px,
-            is_whole: border::is_whole(grey, &corners_px, cells_across(family)),
+            is_whole,
         }
     }
 }
@@ -94,7 +84,7 @@ pub trait TagDetector {
     }
 }
 
-impl<D: TagDetector + ?Sized> TagDetector for Box<D> {
+impl TagDetector for Box<dyn TagDetector> {
     fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
         (**self).find(luma)
     }
@@ -104,13 +94,11 @@ impl<D: TagDetector + ?Sized> TagDetector for Box<D> {
     }
 }
 
-/// Width of the outline the corners lie on, in bit cells (`width_at_border` of the C library).
-pub fn cells_across(family: TagFamily) -> f64 {
-    match family {
-        TagFamily::Tag16h5 => 6.0,
-        TagFamily::Tag25h9 => 7.0,
-        TagFamily::Tag36h11 => 8.0,
-        TagFamily::TagStandard41h12 => 5.0,
-        TagFamily::TagStandard52h13 => 6.0,
-    }
+/// The lengths of the four sides between corners, px: the first from the first corner to the second.
+pub fn sides_px(corners_px: &[[f64; 2]; 4]) -> [f64; 4] {
+    std::array::from_fn(|i| distance(corners_px[i], corners_px[(i + 1) % 4]))
+}
+
+fn shortest_side_px(corners_px: &[[f64; 2]; 4]) -> f64 {
+    sides_px(corners_px).into_iter().fold(f64::INFINITY, f64::min)
 }

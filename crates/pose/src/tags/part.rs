@@ -2,7 +2,7 @@
 
 use image::GrayImage;
 
-use scaleproof_core::geometry::distance;
+use super::sides_px;
 use scaleproof_photo::photo::Luma;
 
 /// Pixels about a tag. Where its own pixel (0, 0) lies in the image is added to all that leaves this room.
@@ -22,8 +22,8 @@ impl Part {
         cells: f64,
         (reach, reach_px): (f64, f64),
     ) -> Part {
-        let sides = (0..4).map(|i| distance(corners_px[i], corners_px[(i + 1) % 4]));
-        let margin = sides.fold(0.0, f64::max) / cells * reach + reach_px + MARGIN_PX;
+        let longest = sides_px(corners_px).into_iter().fold(0.0, f64::max);
+        let margin = longest / cells * reach + reach_px + MARGIN_PX;
         let most = luma.size();
         let ends = [0, 1].map(|k| {
             let along = corners_px.map(|corner| corner[k]);
@@ -35,13 +35,9 @@ impl Part {
             (start, end.saturating_sub(start))
         });
         let (start, size) = (ends.map(|(start, _)| start), ends.map(|(_, size)| size));
-        let is_empty = size.contains(&0);
+        let pixels = (!size.contains(&0)).then(|| luma.part(start, size));
         Part {
-            pixels: if is_empty {
-                GrayImage::default()
-            } else {
-                luma.part(start, size)
-            },
+            pixels: pixels.unwrap_or_default(),
             origin: start.map(f64::from),
         }
     }

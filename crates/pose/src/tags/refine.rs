@@ -7,8 +7,8 @@
 
 use image::GrayImage;
 
-use super::TagHomography;
 use super::edge::{self, Edge, EdgePixel, EdgeProfile};
+use super::{TagHomography, shortest_side_px};
 use scaleproof_core::geometry::distance;
 
 /// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
@@ -55,30 +55,20 @@ impl TagSides {
 ///
 /// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
 pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
-    let most_px = shortest_side(corners_px) / cells;
+    let most_px = shortest_side_px(corners_px) / cells;
     let reached = |outline: &TagSides| {
         let corners = outline.corners(0.0)?;
         (furthest(corners_px, &corners) <= most_px).then_some(corners)
     };
-    let rough = Fit {
-        grey,
-        cells,
-        rows: ROUGH_ROWS,
-        guess: None,
-    };
-    let rough = rough
-        .once(corners_px)
-        .and_then(|outline| Some((reached(&outline)?, outline)));
-    let (mut corners, mut guess) = rough.map_or((*corners_px, None), |(corners, outline)| (corners, Some(outline)));
+    let (mut corners, mut guess) = (*corners_px, None);
+    if let Some(rough) = sides(grey, corners_px, cells, ROUGH_ROWS, None)
+        && let Some(found) = reached(&rough)
+    {
+        (corners, guess) = (found, Some(rough));
+    }
     let mut round = 1;
     loop {
-        let fit = Fit {
-            grey,
-            cells,
-            rows: 1,
-            guess: guess.as_ref(),
-        };
-        let outline = fit.once(&corners)?;
+        let outline = sides(grey, &corners, cells, 1, guess.as_ref())?;
         let refined = reached(&outline)?;
         if furthest(&corners, &refined) < CENTRED_PX || round == MAX_ROUNDS {
             return Some(outline);
@@ -92,55 +82,38 @@ fn furthest(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
     (0..4).map(|i| distance(a[i], b[i])).fold(0.0, f64::max)
 }
 
-/// How the sides of one tag are fitted.
-struct Fit<'a> {
-    grey: &'a GrayImage,
-    /// Width of the outline in bit cells.
+/// Fits the four sides once, to one row of pixels across them in `rows`. `guess`: an earlier fit.
+fn sides(
+    grey: &GrayImage,
+    corners: &[[f64; 2]; 4],
     cells: f64,
-    /// One row of pixels in so many is looked at.
     rows: usize,
-    /// An earlier fit.
-    guess: Option<&'a TagSides>,
-}
-
-impl Fit<'_> {
-    fn once(&self, corners: &[[f64; 2]; 4]) -> Option<TagSides> {
-        let homography = TagHomography::to(corners);
-        let side = |side| self.lines_of_side(corners, side, &homography);
-        Some(TagSides([side(0)?, side(1)?, side(2)?, side(3)?]))
-    }
-
-    /// A side's line near its first and near its second corner; the same one when the side is short.
-    fn lines_of_side(
-        &self,
-        corners: &[[f64; 2]; 4],
-        side: usize,
-        homography: &TagHomography,
-    ) -> Option<(EdgeLine, EdgeLine)> {
+    guess: Option<&TagSides>,
+) -> Option<TagSides> {
+    let homography = TagHomography::to(corners);
+    // A side's line near its first and near its second corner; the same one when the side is short.
+    let lines_of = |side: usize| {
         let (from, to) = (corners[side], corners[(side + 1) % 4]);
         let length = distance(from, to);
-        let band = (BAND_CELLS * cell_px(homography, side, self.cells)).min(MAX_BAND_PX);
-        let skip = END_CELLS * length / self.cells;
+        let band = (BAND_CELLS * cell_px(&homography, side, cells)).min(MAX_BAND_PX);
+        let skip = END_CELLS * length / cells;
         if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
             return None;
         }
-        let (first, second) = self
-            .guess
-            .map(|sides| (sides.0[side].0.profile, sides.0[side].1.profile))
-            .unzip();
+        let guess = guess.map(|sides| &sides.0[side]);
+        let (first, second) = guess.map(|(first, second)| (first.profile, second.profile)).unzip();
         let segment = |start: f64, end: f64, guess: Option<EdgeProfile>| {
             let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
-            EdgeSegment::between(at(start), at(end)).fit(self.grey, band, self.rows, guess)
+            EdgeSegment::between(at(start), at(end)).fit(grey, band, rows, guess)
         };
         if length <= 2.0 * REACH_PX {
             let line = segment(skip, length - skip, first)?;
             return Some((line, line));
         }
-        Some((
-            segment(skip, skip + REACH_PX, first)?,
-            segment(length - skip - REACH_PX, length - skip, second)?,
-        ))
-    }
+        let near_first = segment(skip, skip + REACH_PX, first)?;
+        Some((near_first, segment(length - skip - REACH_PX, length - skip, second)?))
+    };
+    Some(TagSides([lines_of(0)?, lines_of(1)?, lines_of(2)?, lines_of(3)?]))
 }
 
 /// How wide the bit cells along a side are across it, px: the smaller of its two ends.
@@ -233,17 +206,10 @@ impl EdgeSegment {
 
     /// The pixels of a band about the segment, of one row across it in `rows`; `None` when the band leaves the image.
     fn samples(&self, grey: &GrayImage, band: f64, rows: usize) -> Option<Vec<EdgePixel>> {
-        let EdgeSegment {
-            middle,
-            direction,
-            half,
-        } = self;
+        let (middle, direction, half) = (self.middle, self.direction, self.half);
         // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
-        let (main, other) = if direction[0].abs() >= direction[1].abs() {
-            (0, 1)
-        } else {
-            (1, 0)
-        };
+        let main = usize::from(direction[0].abs() < direction[1].abs());
+        let other = 1 - main;
         let steep = direction[other] / direction[main];
         let spread = band / direction[main].abs();
         let reach = half * direction[main].abs();
@@ -268,10 +234,4 @@ impl EdgeSegment {
         }
         Some(samples)
     }
-}
-
-fn shortest_side(corners: &[[f64; 2]; 4]) -> f64 {
-    (0..4)
-        .map(|i| distance(corners[i], corners[(i + 1) % 4]))
-        .fold(f64::INFINITY, f64::min)
 }

@@ -2,7 +2,7 @@
 
 use image::GrayImage;
 
-use super::SeenTag;
+use super::{SeenTag, TagDetector};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::Luma;
 
@@ -14,13 +14,6 @@ pub(super) struct Found {
     pub corners_px: [[f64; 2]; 4],
 }
 
-impl Found {
-    /// The tag with the corners that were found.
-    pub(super) fn seen(&self, grey: &GrayImage) -> SeenTag {
-        SeenTag::new(self.family, self.id, self.corners_px, grey)
-    }
-}
-
 /// A library that finds tags.
 pub(super) trait Search {
     /// Every tag of the library's families in an image that the library can search.
@@ -29,6 +22,15 @@ pub(super) trait Search {
     /// Every tag of the library's families, in any order.
     fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
         within_bounds(grey, |grey| self.search_all(grey))
+    }
+}
+
+/// A library's tags with its own corners.
+impl<S: Search> TagDetector for S {
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        let grey = luma.whole();
+        let seen = |tag: &Found| SeenTag::new(tag.family, tag.id, tag.corners_px, grey);
+        self.search(grey).iter().map(seen).collect()
     }
 }
 
@@ -47,23 +49,6 @@ fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>)
         Vec::new()
     } else {
         reduced_by(grey, factor, search)
-    }
-}
-
-/// A library that is shown the image twice as large.
-#[cfg(feature = "full")]
-pub(super) struct Enlarged<S>(pub S);
-
-#[cfg(feature = "full")]
-impl<S: Search> Search for Enlarged<S> {
-    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
-        let (width, height) = grey.dimensions();
-        let large = image::imageops::resize(grey, 2 * width, 2 * height, image::imageops::FilterType::CatmullRom);
-        let mut found = self.0.search(&large);
-        for tag in &mut found {
-            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5)); // as in `enlarged`
-        }
-        found
     }
 }
 

@@ -14,8 +14,7 @@ impl TagDetectorChoice {
             TagDetectorChoice::Cascade => Box::new(Cascade::new(families)?),
             TagDetectorChoice::CoarseToFine => Box::new(CoarseToFine::new(families)?),
             TagDetectorChoice::AprilTagC(by) => by.open(AprilTagC::new(families)?),
-            TagDetectorChoice::Aruco(refiner, by) => rivals::aruco(families, refiner, by)?,
-            TagDetectorChoice::Locus(by) => rivals::locus(families, by)?,
+            TagDetectorChoice::Aruco(..) | TagDetectorChoice::Locus(_) => rivals::open(self, families)?,
         })
     }
 

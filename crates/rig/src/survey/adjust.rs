@@ -6,10 +6,10 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
 use super::network::{Poses, Sighting, TagNetwork};
-use super::residual::{NO_PIXEL, corners_mm, linear, squared_px};
+use super::residual::{NO_PIXEL, linear};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
-use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::corners_in_tag_mm;
 
 /// What a corner's distance costs.
 #[derive(Debug, Clone, Copy)]
@@ -47,36 +47,20 @@ pub(super) enum Free {
 }
 
 /// The total cost of the sightings whose two poses are known.
-pub(super) fn cost(net: &TagNetwork, poses: &Poses, loss: Loss, camera: &Camera) -> f64 {
-    let of = |s| {
-        let pose = poses.camera_tag(s)?;
-        let squared = squared_px(&pose, net.tags[s.tag].size_mm, &s.corners_px, camera);
-        Some(squared.iter().map(|e| loss.cost(*e)).sum::<f64>())
-    };
-    net.sightings.iter().filter_map(of).sum()
+pub(super) fn cost(net: &TagNetwork, poses: &Poses, loss: Loss) -> f64 {
+    let cost = |s| Some(net.squared_px(s, poses)?.iter().map(|e| loss.cost(*e)).sum::<f64>());
+    net.sightings.iter().filter_map(cost).sum()
 }
 
 /// Moves the free poses downhill until nothing is gained any more, and returns the cost.
-pub(super) fn adjust(
-    net: &TagNetwork,
-    poses: &mut Poses,
-    free: Free,
-    loss: Loss,
-    camera: &Camera,
-    most_steps: usize,
-) -> f64 {
+pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss, most_steps: usize) -> f64 {
     let limits = Limits {
         first_damping: 1e-3,
         most_trials: 10 * most_steps, // those that are refused count, too
         relative_gain: 1e-9,
         absolute_gain: 1e-12,
     };
-    let problem = Problem {
-        net,
-        free,
-        loss,
-        camera,
-    };
+    let problem = Problem { net, free, loss };
     let found = minimise(NetworkEquations::at(problem, poses.clone()), &limits);
     *poses = found.poses;
     found.cost
@@ -84,12 +68,11 @@ pub(super) fn adjust(
 
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
-pub(super) fn covariances(net: &TagNetwork, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
+pub(super) fn covariances(net: &TagNetwork, poses: &Poses) -> Option<Vec<Option<Matrix6<f64>>>> {
     let problem = Problem {
         net,
         free: Free::All,
         loss: Loss::Squared,
-        camera,
     };
     let normal = NetworkEquations::at(problem, poses.clone());
     let inverse = Cholesky::new(normal.reduced(0.0)?.0)?.inverse();
@@ -99,7 +82,7 @@ pub(super) fn covariances(net: &TagNetwork, poses: &Poses, camera: &Camera) -> O
 
 /// How many numbers are adjusted when all is free.
 pub(super) fn unknowns(net: &TagNetwork, poses: &Poses) -> usize {
-    let slots = Slots::of(net, poses, Free::All);
+    let slots = Slots::new(net, poses, Free::All);
     6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
 }
 
@@ -110,10 +93,10 @@ struct Slots {
 }
 
 impl Slots {
-    fn of(net: &TagNetwork, poses: &Poses, free: Free) -> Slots {
+    fn new(net: &TagNetwork, poses: &Poses, free: Free) -> Slots {
         let used = |known: &dyn Fn(usize) -> bool, count: usize| {
             let mut next = 0..;
-            (0..count).map(|i| if known(i) { next.next() } else { None }).collect()
+            (0..count).map(|i| known(i).then(|| next.next())?).collect()
         };
         let sees = |s: &Sighting| poses.camera_tag(s).is_some();
         let tag = |t: usize| {
@@ -134,10 +117,9 @@ impl Slots {
 
 #[derive(Clone, Copy)]
 struct Problem<'a> {
-    net: &'a TagNetwork,
+    net: &'a TagNetwork<'a>,
     free: Free,
     loss: Loss,
-    camera: &'a Camera,
 }
 
 /// The normal equations `H δ = −g`, in blocks.
@@ -157,18 +139,10 @@ struct NetworkEquations<'a> {
 /// The tags' own system (matrix and right side), and the inverses of the photos' blocks that led to it.
 type Reduced = (DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>);
 
-struct Step {
-    tags: DVector<f64>,
-    photos: Vec<Vector6<f64>>,
-}
-
 impl<'a> NetworkEquations<'a> {
     fn at(problem: Problem<'a>, poses: Poses) -> NetworkEquations<'a> {
-        let slots = Slots::of(problem.net, &poses, problem.free);
-        let (tags, photos) = (
-            slots.tags.iter().flatten().count(),
-            slots.photos.iter().flatten().count(),
-        );
+        let slots = Slots::new(problem.net, &poses, problem.free);
+        let [tags, photos] = [&slots.tags, &slots.photos].map(|slots| slots.iter().flatten().count());
         let mut normal = NetworkEquations {
             problem,
             poses,
@@ -189,11 +163,11 @@ impl<'a> NetworkEquations<'a> {
         let Some(camera_tag) = self.poses.camera_tag(s) else {
             return;
         };
-        let Problem { net, loss, camera, .. } = self.problem;
+        let Problem { net, loss, .. } = self.problem;
         let (tag, photo) = (self.slots.tags[s.tag], self.slots.photos[s.photo]);
         let mut tie = Matrix6::zeros();
-        for (corner, seen) in corners_mm(net.tags[s.tag].size_mm).iter().zip(&s.corners_px) {
-            let Some(l) = linear(&camera_tag, corner, seen, camera) else {
+        for (corner, seen) in corners_in_tag_mm(net.tags[s.tag].size_mm).iter().zip(&s.corners_px) {
+            let Some(l) = linear(&camera_tag, corner, seen, net.camera) else {
                 self.cost += loss.cost(NO_PIXEL);
                 continue;
             };
@@ -241,7 +215,8 @@ impl<'a> NetworkEquations<'a> {
         Some((matrix, right, inverses))
     }
 
-    fn step(&self, damping: f64) -> Option<Step> {
+    /// The poses after the step that solves the equations.
+    fn moved(&self, damping: f64) -> Option<Poses> {
         let (matrix, right, inverses) = self.reduced(damping)?;
         let tags = if right.is_empty() {
             right
@@ -249,30 +224,23 @@ impl<'a> NetworkEquations<'a> {
             Cholesky::new(matrix)?.solve(&right)
         };
         let photo = |p: usize| {
-            let tied: Vector6<f64> = self.ties[p]
-                .iter()
-                .map(|(t, tie)| tie.transpose() * tags.fixed_rows::<6>(6 * t))
-                .sum();
+            let tied = self.ties[p].iter();
+            let tied: Vector6<f64> = tied.map(|(t, tie)| tie.transpose() * tags.fixed_rows::<6>(6 * t)).sum();
             inverses[p] * -(self.photo_gradient[p] + tied)
         };
-        let photos = (0..self.photos.len()).map(photo).collect();
-        Some(Step { tags, photos })
-    }
-
-    fn moved(&self, step: &Step) -> Poses {
         let exp = |d: &[f64]| rigid::from_rotation_vector([d[3], d[4], d[5]], [d[0], d[1], d[2]]);
         let mut moved = self.poses.clone();
         for (pose, slot) in moved.tags.iter_mut().zip(&self.slots.tags) {
             if let (Some(pose), Some(s)) = (pose, slot) {
-                *pose *= exp(&step.tags.as_slice()[6 * s..6 * s + 6]);
+                *pose *= exp(&tags.as_slice()[6 * s..6 * s + 6]);
             }
         }
         for (pose, slot) in moved.photos.iter_mut().zip(&self.slots.photos) {
             if let (Some(pose), Some(s)) = (pose, slot) {
-                *pose = exp(step.photos[*s].as_slice()) * *pose;
+                *pose = exp(photo(*s).as_slice()) * *pose;
             }
         }
-        moved
+        Some(moved)
     }
 }
 
@@ -282,7 +250,6 @@ impl LeastSquares for NetworkEquations<'_> {
     }
 
     fn stepped(&self, damping: f64) -> Option<Self> {
-        let moved = self.moved(&self.step(damping)?);
-        Some(NetworkEquations::at(self.problem, moved))
+        Some(NetworkEquations::at(self.problem, self.moved(damping)?))
     }
 }

@@ -9,7 +9,6 @@ use nalgebra::Vector6;
 use super::adjust::{Free, Loss, adjust};
 use super::network::{Poses, TagNetwork};
 use scaleproof_core::geometry::{Rigid, rigid};
-use scaleproof_pose::camera::Camera;
 
 /// What is expected of a detector before anything is measured: σ in px.
 const EXPECTED_PX: f64 = 0.3;
@@ -33,14 +32,7 @@ pub(super) struct SharedShift {
 
 /// Moves all edges to where the adjustment leaves least (a parabola through three adjustments, three times), corrects the
 /// sightings, and adjusts the poses. `moved_px`: what was already taken out; `noise_px`: σ of a corner coordinate.
-pub(super) fn fit(
-    net: &mut TagNetwork,
-    poses: &mut Poses,
-    loss: Loss,
-    camera: &Camera,
-    moved_px: f64,
-    noise_px: f64,
-) -> SharedShift {
+pub(super) fn fit(net: &mut TagNetwork, poses: &mut Poses, loss: Loss, moved_px: f64, noise_px: f64) -> SharedShift {
     let mut moved_px = moved_px;
     // The expectation, in the unit of the cost.
     let stiffness = 2.0 * (noise_px / EXPECTED_PX).powi(2);
@@ -48,7 +40,7 @@ pub(super) fn fit(
     for _ in 0..3 {
         let at = |px: f64| {
             let mut near = poses.clone();
-            let left = adjust(&shifted(net, px), &mut near, Free::All, loss, camera, 30);
+            let left = adjust(&shifted(net, px), &mut near, Free::All, loss, 30);
             (left, near)
         };
         let ((less, inner), (here, _), (more, outer)) = (at(-STEP_PX), at(0.0), at(STEP_PX));
@@ -62,13 +54,9 @@ pub(super) fn fit(
         };
         *net = shifted(net, step);
         moved_px += step;
-        adjust(net, poses, Free::All, loss, camera, 50);
-        by_tag = inner
-            .tags
-            .iter()
-            .zip(&outer.tags)
-            .map(|(a, b)| Some(rate(a.as_ref()?, b.as_ref()?)))
-            .collect();
+        adjust(net, poses, Free::All, loss, 50);
+        let pairs = inner.tags.iter().zip(&outer.tags);
+        by_tag = pairs.map(|(a, b)| Some(rate(a.as_ref()?, b.as_ref()?))).collect();
     }
     let pull = curvature + stiffness;
     SharedShift {
@@ -83,7 +71,7 @@ fn rate(inner: &Rigid, outer: &Rigid) -> Vector6<f64> {
     Vector6::new(place[0], place[1], place[2], turn[0], turn[1], turn[2]) / (2.0 * STEP_PX)
 }
 
-fn shifted(net: &TagNetwork, px: f64) -> TagNetwork {
+fn shifted<'a>(net: &TagNetwork<'a>, px: f64) -> TagNetwork<'a> {
     let mut moved = net.clone();
     for s in &mut moved.sightings {
         s.corners_px = outwards(&s.corners_px, px);

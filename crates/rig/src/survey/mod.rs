@@ -119,21 +119,21 @@ pub struct PhotoReport {
 pub fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Result<Survey, SurveyError> {
     let (mut net, mut left_out) = network(photos, given, camera)?;
     check_connected(&net)?;
-    let mut poses = grow::grown(&net, camera).map_err(|_| SurveyError::TwoArrangements)?;
-    let noise_px = suspects::noise_px(&net, &poses, camera);
-    let shared = edges::fit(&mut net, &mut poses, grow::rough(camera), camera, 0.0, noise_px);
-    let net = without_suspects(net, &mut poses, photos, camera, &mut left_out)?;
-    let net = without_doubtful(net, &mut poses, photos, camera, &mut left_out);
+    let mut poses = grow::grown(&net).map_err(|_| SurveyError::TwoArrangements)?;
+    let (noise_px, rough) = (suspects::noise_px(&net, &poses), grow::rough(&net));
+    let shared = edges::fit(&mut net, &mut poses, rough, 0.0, noise_px);
+    let net = without_suspects(net, &mut poses, photos, &mut left_out)?;
+    let net = without_doubtful(net, &mut poses, photos, &mut left_out);
     check_connected(&net)?;
-    finished(net, poses, shared.moved_px, photos, given, camera, left_out)
+    finished(net, poses, shared.moved_px, photos, given, left_out)
 }
 
 /// The usable sightings: whole tags of known size that are seen once in the photo.
-fn network(
+fn network<'a>(
     photos: &[PhotoTags],
     given: &SurveyInput,
-    camera: &Camera,
-) -> Result<(TagNetwork, Vec<LeftOutTag>), SurveyError> {
+    camera: &'a Camera,
+) -> Result<(TagNetwork<'a>, Vec<LeftOutTag>), SurveyError> {
     let mut keys: Vec<TagKey> = photos.iter().flat_map(|p| &p.seen).map(|s| (s.family, s.id)).collect();
     keys.extend(given.fixed);
     keys.sort_unstable();
@@ -163,6 +163,7 @@ fn network(
         }
     }
     let net = TagNetwork {
+        camera,
         tags,
         photos: photos.len(),
         sightings,
@@ -237,34 +238,28 @@ fn check_connected(net: &TagNetwork) -> Result<(), SurveyError> {
 }
 
 /// Leaves out the tags that the photos disagree about, one after the other, and adjusts the rest anew each time.
-fn without_suspects(
-    mut net: TagNetwork,
+fn without_suspects<'a>(
+    mut net: TagNetwork<'a>,
     poses: &mut Poses,
     photos: &[PhotoTags],
-    camera: &Camera,
     left_out: &mut Vec<LeftOutTag>,
-) -> Result<TagNetwork, SurveyError> {
+) -> Result<TagNetwork<'a>, SurveyError> {
     let names = |numbers: &[usize]| numbers.iter().map(|p| photos[*p].name.clone()).collect::<Vec<_>>();
     let all = net.sightings.len();
     loop {
-        let noise_px = suspects::noise_px(&net, poses, camera);
-        let too_much = noise_px > MAX_NOISE_DEG / camera.deg_per_px() || 3 * net.sightings.len() < 2 * all;
-        if too_much {
-            let limit_px = MAX_NOISE_DEG / camera.deg_per_px();
-            return Err(SurveyError::Disagree {
-                rms_px: noise_px,
-                limit_px,
-            });
+        let (rms_px, limit_px) = (suspects::noise_px(&net, poses), MAX_NOISE_DEG / net.camera.deg_per_px());
+        if rms_px > limit_px || 3 * net.sightings.len() < 2 * all {
+            return Err(SurveyError::Disagree { rms_px, limit_px });
         }
-        let limit_px = suspects::limit_px(noise_px, camera);
-        let Some((tag, fault)) = suspects::worst(&net, poses, limit_px, camera) else {
+        let limit_px = suspects::limit_px(&net, rms_px);
+        let Some((tag, fault)) = suspects::worst(&net, poses, limit_px) else {
             return Ok(net);
         };
         let SizedTag { key, size_mm, fixed } = net.tags[tag].clone();
         let reason = match fault {
             TagFault::BadlySeen { photos } => {
                 net.sightings.retain(|s| s.tag != tag || !photos.contains(&s.photo));
-                readjust(&net, poses, camera);
+                readjust(&net, poses);
                 continue;
             }
             TagFault::NotWhereGiven { mm } => {
@@ -287,13 +282,13 @@ fn without_suspects(
         }
         left_out.push(leave(key, reason));
         net.sightings.retain(|s| s.tag != tag);
-        readjust(&net, poses, camera);
+        readjust(&net, poses);
     }
 }
 
-fn readjust(net: &TagNetwork, poses: &mut Poses, camera: &Camera) {
+fn readjust(net: &TagNetwork, poses: &mut Poses) {
     forget_unseen(net, poses);
-    adjust(net, poses, Free::All, grow::rough(camera), camera, 50);
+    adjust(net, poses, Free::All, grow::rough(net), 50);
 }
 
 /// A pose that no sighting supports any more is no pose.
@@ -312,18 +307,17 @@ fn forget_unseen(net: &TagNetwork, poses: &mut Poses) {
 
 /// Leaves out photos and tags that could be in another pose. A tag that a single photo shows stays when that photo excludes its rival;
 /// that it has not moved, and has its stated size, nothing checks.
-fn without_doubtful(
-    mut net: TagNetwork,
+fn without_doubtful<'a>(
+    mut net: TagNetwork<'a>,
     poses: &mut Poses,
     photos: &[PhotoTags],
-    camera: &Camera,
     left_out: &mut Vec<LeftOutTag>,
-) -> TagNetwork {
-    adjust(&net, poses, Free::All, Loss::Squared, camera, 50);
+) -> TagNetwork<'a> {
+    adjust(&net, poses, Free::All, Loss::Squared, 50);
     loop {
         // A photo is only as sure as the tags that other photos, or the scene, vouch for.
         let vouched = net.with(|s| net.tags[s.tag].fixed.is_some() || net.of_tag(s.tag).count() > 1);
-        let doubtful = |p: &usize| net.of_photo(*p).next().is_some() && photo_has_rival(&vouched, poses, *p, camera);
+        let doubtful = |p: &usize| net.of_photo(*p).next().is_some() && photo_has_rival(&vouched, poses, *p);
         if let Some(photo) = (0..net.photos).find(doubtful) {
             net.sightings.retain(|s| s.photo != photo);
         } else {
@@ -333,12 +327,12 @@ fn without_doubtful(
                 match (seen.next(), seen.next()) {
                     (Some(only), None) => {
                         let is_frontal = tilt_deg(only, poses).is_none_or(|tilt| tilt < MIN_LONE_TILT_DEG);
-                        let is_doubtful = is_frontal || tag_has_rival(&net, poses, t, MIN_LONE_RIVAL_RATIO, camera);
+                        let is_doubtful = is_frontal || tag_has_rival(&net, poses, t, MIN_LONE_RIVAL_RATIO);
                         is_doubtful.then(|| LeftOutReason::SeenOnce {
                             photo: photos[only.photo].name.clone(),
                         })
                     }
-                    _ => tag_has_rival(&net, poses, t, MIN_RIVAL_RATIO, camera).then_some(LeftOutReason::Ambiguous),
+                    _ => tag_has_rival(&net, poses, t, MIN_RIVAL_RATIO).then_some(LeftOutReason::Ambiguous),
                 }
             };
             let doubtful = (0..net.tags.len()).filter(free).find_map(|t| Some((t, reason(t)?)));
@@ -347,7 +341,7 @@ fn without_doubtful(
             net.sightings.retain(|s| s.tag != tag);
         }
         forget_unseen(&net, poses);
-        adjust(&net, poses, Free::All, Loss::Squared, camera, 50);
+        adjust(&net, poses, Free::All, Loss::Squared, 50);
     }
     // What was only seen in photos that are left out.
     for (t, tag) in net.tags.iter().enumerate() {
@@ -360,7 +354,7 @@ fn without_doubtful(
 }
 
 /// True when a different pose of a photo leaves almost as little; also when nothing vouches for it.
-fn photo_has_rival(vouched: &TagNetwork, poses: &Poses, photo: usize, camera: &Camera) -> bool {
+fn photo_has_rival(vouched: &TagNetwork, poses: &Poses, photo: usize) -> bool {
     let own = vouched.with(|s| s.photo == photo);
     if own.sightings.is_empty() {
         return true;
@@ -373,23 +367,14 @@ fn photo_has_rival(vouched: &TagNetwork, poses: &Poses, photo: usize, camera: &C
         Free::Photo(photo),
         candidates,
         MIN_RIVAL_RATIO,
-        camera,
     )
 }
 
 /// True when a different pose of a tag leaves less than so many times as much.
-fn tag_has_rival(net: &TagNetwork, poses: &Poses, tag: usize, ratio: f64, camera: &Camera) -> bool {
+fn tag_has_rival(net: &TagNetwork, poses: &Poses, tag: usize, ratio: f64) -> bool {
     let own = net.with(|s| s.tag == tag);
     let candidates = grow::tag_candidates(&own, poses, tag);
-    has_rival(
-        &own,
-        poses,
-        |p| &mut p.tags[tag],
-        Free::Tag(tag),
-        candidates,
-        ratio,
-        camera,
-    )
+    has_rival(&own, poses, |p| &mut p.tags[tag], Free::Tag(tag), candidates, ratio)
 }
 
 /// The angle between a tag's normal and the line of sight to its centre.
@@ -406,16 +391,15 @@ fn has_rival(
     free: Free,
     candidates: Vec<Rigid>,
     ratio: f64,
-    camera: &Camera,
 ) -> bool {
     let mut best = poses.clone();
-    let left = adjust(own, &mut best, free, Loss::Squared, camera, 30);
+    let left = adjust(own, &mut best, free, Loss::Squared, 30);
     let Some(pose) = *place(&mut best) else { return true };
     let floor = 4.0 * own.sightings.len() as f64 * NOISE_FLOOR_PX.powi(2);
     candidates.into_iter().any(|start| {
         let mut other = poses.clone();
         *place(&mut other) = Some(start);
-        let rival = adjust(own, &mut other, free, Loss::Squared, camera, 30);
+        let rival = adjust(own, &mut other, free, Loss::Squared, 30);
         let different = place(&mut other).is_some_and(|other| grow::is_different(&other, &pose));
         different && rival < ratio.powi(2) * left.max(floor)
     })
@@ -428,13 +412,12 @@ fn finished(
     moved_px: f64,
     photos: &[PhotoTags],
     given: &SurveyInput,
-    camera: &Camera,
     mut left_out: Vec<LeftOutTag>,
 ) -> Result<Survey, SurveyError> {
-    let noise_px = suspects::noise_px(&net, &poses, camera);
-    let shared = edges::fit(&mut net, &mut poses, Loss::Squared, camera, moved_px, noise_px);
+    let noise_px = suspects::noise_px(&net, &poses);
+    let shared = edges::fit(&mut net, &mut poses, Loss::Squared, moved_px, noise_px);
     let net = &net;
-    let left = adjust(net, &mut poses, Free::All, Loss::Squared, camera, 100);
+    let left = adjust(net, &mut poses, Free::All, Loss::Squared, 100);
     let numbers = 8 * net.sightings.len();
     let spare = numbers
         .checked_sub(adjust::unknowns(net, &poses))
@@ -442,12 +425,12 @@ fn finished(
     let spare = spare.ok_or(SurveyError::Undetermined)?;
     let noise_px = (left / spare as f64).sqrt();
     // Whatever the steps before have missed ends here, not in the file.
-    let rms_px = suspects::largest_rms_px(net, &poses, camera);
-    let limit_px = 2.0 * suspects::limit_px(suspects::noise_px(net, &poses, camera), camera);
+    let rms_px = suspects::largest_rms_px(net, &poses);
+    let limit_px = 2.0 * suspects::limit_px(net, suspects::noise_px(net, &poses));
     if rms_px > limit_px {
         return Err(SurveyError::Disagree { rms_px, limit_px });
     }
-    let covariances = adjust::covariances(net, &poses, camera).ok_or(SurveyError::Undetermined)?;
+    let covariances = adjust::covariances(net, &poses).ok_or(SurveyError::Undetermined)?;
     let (mut tags, mut reports) = (Vec::new(), Vec::new());
     for (t, sized) in net.tags.iter().enumerate() {
         let (family, id) = sized.key;
@@ -495,14 +478,14 @@ fn finished(
         photos: photos
             .iter()
             .enumerate()
-            .map(|(p, tags)| photo_report(net, &poses, p, tags, camera))
+            .map(|(p, tags)| photo_report(net, &poses, p, tags))
             .collect(),
         noise_px,
         edge_shift_px: shared.moved_px,
     })
 }
 
-fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags, camera: &Camera) -> PhotoReport {
+fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags) -> PhotoReport {
     let own = net.with(|s| s.photo == photo);
     let mut used: Vec<u32> = own.sightings.iter().map(|s| net.tags[s.tag].key.1).collect();
     used.sort_unstable();
@@ -511,7 +494,7 @@ fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags,
     ignored_tags.sort_unstable();
     ignored_tags.dedup();
     let corners = 4.0 * used.len() as f64;
-    let rms_px = (adjust::cost(&own, poses, Loss::Squared, camera) / corners).sqrt();
+    let rms_px = (adjust::cost(&own, poses, Loss::Squared) / corners).sqrt();
     PhotoReport {
         name: tags.name.clone(),
         pose: poses.photos[photo],

@@ -1,6 +1,8 @@
 //! Which tag was seen in which photo: the network that is adjusted, and the parts it falls into.
 
+use super::residual::squared_px;
 use scaleproof_core::geometry::Rigid;
+use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::TagFamily;
 
 /// A tag's name: ids are only unique within a family.
@@ -26,8 +28,11 @@ pub(super) struct Sighting {
     pub branches: Vec<Rigid>,
 }
 
+/// All sightings by one camera.
 #[derive(Debug, Clone)]
-pub(super) struct TagNetwork {
+pub(super) struct TagNetwork<'a> {
+    /// The survey's camera; it fits every photo.
+    pub camera: &'a Camera,
     pub tags: Vec<SizedTag>,
     pub photos: usize,
     pub sightings: Vec<Sighting>,
@@ -47,7 +52,7 @@ impl Poses {
     }
 }
 
-impl TagNetwork {
+impl TagNetwork<'_> {
     pub(super) fn of_tag(&self, tag: usize) -> impl Iterator<Item = &Sighting> {
         self.sightings.iter().filter(move |s| s.tag == tag)
     }
@@ -56,8 +61,14 @@ impl TagNetwork {
         self.sightings.iter().filter(move |s| s.photo == photo)
     }
 
+    /// Squared distance in px² of each corner of a sighting from where the poses put it; `None` when a pose is unknown.
+    pub(super) fn squared_px(&self, s: &Sighting, poses: &Poses) -> Option<[f64; 4]> {
+        let pose = poses.camera_tag(s)?;
+        Some(squared_px(&pose, self.tags[s.tag].size_mm, &s.corners_px, self.camera))
+    }
+
     /// The network with only the sightings that `keep` accepts; all tags and photos stay.
-    pub(super) fn with(&self, keep: impl Fn(&Sighting) -> bool) -> TagNetwork {
+    pub(super) fn with(&self, keep: impl Fn(&Sighting) -> bool) -> Self {
         TagNetwork {
             sightings: self.sightings.iter().filter(|s| keep(s)).cloned().collect(),
             ..self.clone()
@@ -78,13 +89,11 @@ impl TagNetwork {
             let tags: Vec<usize> = self.of_photo(photo).map(|s| s.tag).collect();
             tags.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }
-        let seen: Vec<usize> = (0..self.tags.len())
-            .filter(|t| self.of_tag(*t).next().is_some())
-            .collect();
-        let mut groups: Vec<Vec<usize>> = (0..self.tags.len())
-            .map(|g| seen.iter().copied().filter(|t| group[*t] == g).collect())
-            .filter(|g: &Vec<usize>| !g.is_empty())
-            .collect();
+        let is_seen = |t: &usize| self.of_tag(*t).next().is_some();
+        let seen = Vec::from_iter((0..self.tags.len()).filter(is_seen));
+        let members = |g| Vec::from_iter(seen.iter().copied().filter(|t| group[*t] == g));
+        let mut groups: Vec<Vec<usize>> = (0..self.tags.len()).map(members).collect();
+        groups.retain(|g| !g.is_empty());
         groups.sort_by_key(|g| !g.iter().any(|t| self.tags[*t].fixed.is_some()));
         groups
     }

@@ -4,28 +4,23 @@ use nalgebra::{Matrix2x3, Matrix2x6, Point3, Vector2};
 
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::camera::Camera;
+use scaleproof_pose::scene::corners_in_tag_mm;
 
 /// Squared distance that stands for a corner without a pixel: behind the camera, or beyond the lens model. px².
 pub(super) const NO_PIXEL: f64 = 1e8;
 
-/// The corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left.
-pub(super) fn corners_mm(size_mm: f64) -> [Point3<f64>; 4] {
-    let h = size_mm / 2.0;
-    [[-h, h], [h, h], [h, -h], [-h, -h]].map(|[x, y]| Point3::new(x, y, 0.0))
-}
-
 /// Squared distance in px² between each seen corner and its projection.
 pub(super) fn squared_px(camera_tag: &Rigid, size_mm: f64, seen_px: &[[f64; 2]; 4], camera: &Camera) -> [f64; 4] {
-    let corners = corners_mm(size_mm);
+    let corners = corners_in_tag_mm(size_mm);
     std::array::from_fn(|i| match camera.project(&(camera_tag * corners[i])) {
         Some([x, y]) => (x - seen_px[i][0]).powi(2) + (y - seen_px[i][1]).powi(2),
         None => NO_PIXEL,
     })
 }
 
-/// Root mean square over the four corners, px.
-pub(super) fn rms_px(camera_tag: &Rigid, size_mm: f64, seen_px: &[[f64; 2]; 4], camera: &Camera) -> f64 {
-    (squared_px(camera_tag, size_mm, seen_px, camera).iter().sum::<f64>() / 4.0).sqrt()
+/// Root mean square over four corners, px.
+pub(super) fn rms_px(squared_px: [f64; 4]) -> f64 {
+    (squared_px.iter().sum::<f64>() / 4.0).sqrt()
 }
 
 /// One corner, linearised: residual (projected minus seen, px) and its derivatives by translation (mm) and rotation (rad).
@@ -83,7 +78,7 @@ mod tests {
             let camera = Camera::pinhole(1280, 960, 1180.0, 1170.0, 640.0, 480.0).with_distortion(&[-0.08, 0.03, 0.001, -0.002]);
             let photo = rigid::from_rotation_vector(r, [t[0], t[1], 800.0 + t[2]]);
             let tag = rigid::from_rotation_vector([r[2], r[0], r[1]], [t[2], t[0], t[1]]);
-            let (corner, seen) = (corners_mm(50.0)[1], [600.0, 500.0]);
+            let (corner, seen) = (corners_in_tag_mm(50.0)[1], [600.0, 500.0]);
             let at = linear(&(photo * tag), &corner, &seen, &camera).unwrap();
             let mut step = Vector6::zeros();
             step[axis] = 1e-4;

@@ -4,7 +4,6 @@ use super::adjust::{Free, Loss, adjust, cost, unknowns};
 use super::grow::{rough, tag_candidates};
 use super::network::{Poses, Sighting, TagNetwork};
 use super::residual::rms_px;
-use scaleproof_pose::camera::Camera;
 
 /// A sighting is off when its corners are so many σ off (root mean square over the corners; √2 σ is usual).
 const OFF_SIGMAS: f64 = 6.0;
@@ -41,18 +40,9 @@ pub(super) enum TagFault {
 }
 
 /// σ of a corner coordinate in px, by the median residual, which a few bad tags do not change.
-pub(super) fn noise_px(net: &TagNetwork, poses: &Poses, camera: &Camera) -> f64 {
-    let mut squared: Vec<f64> = Vec::new();
-    for s in &net.sightings {
-        if let Some(pose) = poses.camera_tag(s) {
-            squared.extend(super::residual::squared_px(
-                &pose,
-                net.tags[s.tag].size_mm,
-                &s.corners_px,
-                camera,
-            ));
-        }
-    }
+pub(super) fn noise_px(net: &TagNetwork, poses: &Poses) -> f64 {
+    let squared = net.sightings.iter().filter_map(|s| net.squared_px(s, poses));
+    let mut squared: Vec<f64> = squared.flatten().collect();
     if squared.is_empty() {
         return 0.0;
     }
@@ -64,40 +54,32 @@ pub(super) fn noise_px(net: &TagNetwork, poses: &Poses, camera: &Camera) -> f64 
 }
 
 /// A root mean square above this is off.
-pub(super) fn limit_px(noise_px: f64, camera: &Camera) -> f64 {
-    (OFF_SIGMAS * noise_px).max(LEAST_OFF_DEG / camera.deg_per_px())
+pub(super) fn limit_px(net: &TagNetwork, noise_px: f64) -> f64 {
+    (OFF_SIGMAS * noise_px).max(LEAST_OFF_DEG / net.camera.deg_per_px())
 }
 
-fn rms(s: &Sighting, net: &TagNetwork, poses: &Poses, camera: &Camera) -> Option<f64> {
-    Some(rms_px(
-        &poses.camera_tag(s)?,
-        net.tags[s.tag].size_mm,
-        &s.corners_px,
-        camera,
-    ))
+fn rms(s: &Sighting, net: &TagNetwork, poses: &Poses) -> Option<f64> {
+    net.squared_px(s, poses).map(rms_px)
 }
 
 /// The largest root mean square of any sighting, px.
-pub(super) fn largest_rms_px(net: &TagNetwork, poses: &Poses, camera: &Camera) -> f64 {
-    let all = net.sightings.iter().filter_map(|s| rms(s, net, poses, camera));
+pub(super) fn largest_rms_px(net: &TagNetwork, poses: &Poses) -> f64 {
+    let all = net.sightings.iter().filter_map(|s| rms(s, net, poses));
     all.fold(0.0, f64::max)
 }
 
 /// The tag that is furthest off, and what is wrong with it; `None` when every tag fits.
 ///
 /// The others are adjusted without it first, so that it does not judge itself.
-pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit_px: f64, camera: &Camera) -> Option<(usize, TagFault)> {
-    let off = net
-        .sightings
-        .iter()
-        .filter_map(|s| Some((rms(s, net, poses, camera)?, s.tag)));
+pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit_px: f64) -> Option<(usize, TagFault)> {
+    let off = net.sightings.iter().filter_map(|s| Some((rms(s, net, poses)?, s.tag)));
     let mut tags: Vec<(f64, usize)> = off.filter(|(rms, _)| *rms > limit_px).collect();
     tags.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut asked = Vec::new();
     for (_, tag) in tags {
         if !asked.contains(&tag) {
             asked.push(tag);
-            if let Some(fault) = fault(net, poses, tag, limit_px, camera) {
+            if let Some(fault) = fault(net, poses, tag, limit_px) {
                 return Some((tag, fault));
             }
         }
@@ -105,10 +87,10 @@ pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit_px: f64, camera: &Cam
     None
 }
 
-fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<TagFault> {
-    let (own, poses) = alone(net, poses, tag, camera);
+fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Option<TagFault> {
+    let (own, poses) = alone(net, poses, tag);
     let everywhere: Vec<usize> = net.of_tag(tag).map(|s| s.photo).collect();
-    let group = largest_group(&own, &poses, tag, limit_px, camera);
+    let group = largest_group(&own, &poses, tag, limit_px);
     if let Some((place, here)) = &group
         && here.len() == everywhere.len()
     {
@@ -116,7 +98,7 @@ fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Ca
         let mm = (given.translation.vector - place.tags[tag]?.translation.vector).norm();
         return Some(TagFault::NotWhereGiven { mm });
     }
-    if let Some(fits_mm) = other_size(&own, &poses, tag, limit_px, camera) {
+    if let Some(fits_mm) = other_size(&own, &poses, tag, limit_px) {
         return Some(TagFault::WrongSize { fits_mm });
     }
     let Some((place, here)) = group else {
@@ -125,10 +107,10 @@ fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Ca
     let rest = own.with(|s| !here.contains(&s.photo));
     let off_mm = rest.sightings.iter().filter_map(|s| {
         let depth_mm = place.camera_tag(s)?.translation.z;
-        Some(rms(s, &rest, &place, camera)? * depth_mm * camera.deg_per_px().to_radians())
+        Some(rms(s, &rest, &place)? * depth_mm * net.camera.deg_per_px().to_radians())
     });
     let off_mm = off_mm.fold(0.0, f64::max);
-    let there = largest_group(&rest, &poses, tag, limit_px, camera).filter(|_| off_mm > LEAST_MOVE_MM);
+    let there = largest_group(&rest, &poses, tag, limit_px).filter(|_| off_mm > LEAST_MOVE_MM);
     Some(match there {
         Some((other, there)) => TagFault::Moved {
             mm: (place.tags[tag]?.translation.vector - other.tags[tag]?.translation.vector).norm(),
@@ -142,45 +124,35 @@ fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Ca
 }
 
 /// The sightings of one tag, and the photos' poses as the other tags have them.
-fn alone(net: &TagNetwork, poses: &Poses, tag: usize, camera: &Camera) -> (TagNetwork, Poses) {
+fn alone<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize) -> (TagNetwork<'a>, Poses) {
     let mut others = net.with(|s| s.tag != tag);
     let mut poses = poses.clone();
-    let is_fixed = |t: &super::network::SizedTag| t.fixed.is_some();
-    if others.sightings.iter().all(|s| !is_fixed(&others.tags[s.tag])) {
+    if others.sightings.iter().all(|s| others.tags[s.tag].fixed.is_none()) {
         // The one fixed tag is in question: another one holds the frame meanwhile.
         let most = (0..others.tags.len()).max_by_key(|t| (others.of_tag(*t).count(), std::cmp::Reverse(*t)));
         if let Some(most) = most {
             others.tags[most].fixed = poses.tags[most];
         }
     }
-    adjust(&others, &mut poses, Free::All, rough(camera), camera, 50);
+    adjust(&others, &mut poses, Free::All, rough(net), 50);
     let mut own = net.with(|s| s.tag == tag && others.of_photo(s.photo).next().is_some());
     own.tags[tag].fixed = None;
     (own, poses)
 }
 
 /// The pose of a tag that fits in most of its photos, and those photos.
-fn largest_group(
-    own: &TagNetwork,
-    poses: &Poses,
-    tag: usize,
-    limit_px: f64,
-    camera: &Camera,
-) -> Option<(Poses, Vec<usize>)> {
+fn largest_group(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Option<(Poses, Vec<usize>)> {
     let fits = |poses: &Poses| -> Vec<usize> {
-        let fitting = own
-            .sightings
-            .iter()
-            .filter(|s| rms(s, own, poses, camera).is_some_and(|r| r <= limit_px));
-        fitting.map(|s| s.photo).collect()
+        let is_fitting = |s: &&Sighting| rms(s, own, poses).is_some_and(|r| r <= limit_px);
+        own.sightings.iter().filter(is_fitting).map(|s| s.photo).collect()
     };
     let groups = tag_candidates(own, poses, tag).into_iter().map(|start| {
         let mut placed = poses.clone();
         placed.tags[tag] = Some(start);
-        adjust(own, &mut placed, Free::Tag(tag), rough(camera), camera, 30);
+        adjust(own, &mut placed, Free::Tag(tag), rough(own), 30);
         let group = fits(&placed);
         let together = own.with(|s| group.contains(&s.photo));
-        adjust(&together, &mut placed, Free::Tag(tag), Loss::Squared, camera, 30);
+        adjust(&together, &mut placed, Free::Tag(tag), Loss::Squared, 30);
         let group = fits(&placed);
         (placed, group)
     });
@@ -194,7 +166,7 @@ fn largest_group(
 }
 
 /// The size with which the tag fits in all its photos, when it is seen in two at least and the size is not the stated one.
-fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<f64> {
+fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Option<f64> {
     let stated_mm = own.tags[tag].size_mm;
     let fitted = |ln_ratio: f64| {
         let ratio = ln_ratio.exp();
@@ -207,12 +179,12 @@ fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera
         let placed = |start| {
             let mut placed = poses.clone();
             placed.tags[tag] = Some(start);
-            (cost(&sized, &placed, rough(camera), camera), placed)
+            (cost(&sized, &placed, rough(own)), placed)
         };
         let starts = tag_candidates(&sized, poses, tag).into_iter().map(placed);
         let nearest = starts.min_by(|a, b| a.0.total_cmp(&b.0));
         let mut placed = nearest.map_or_else(|| poses.clone(), |(_, placed)| placed);
-        let left = adjust(&sized, &mut placed, Free::Tag(tag), Loss::Squared, camera, 30);
+        let left = adjust(&sized, &mut placed, Free::Tag(tag), Loss::Squared, 30);
         (left, sized, placed)
     };
     // From a third to three times the stated size; then the best of the steps is refined by golden section.
@@ -228,9 +200,7 @@ fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera
     }
     let ratio = ((low + high) / 2.0).exp();
     let (_, sized, placed) = fitted(ratio.ln());
-    let fits = sized
-        .sightings
-        .iter()
-        .all(|s| rms(s, &sized, &placed, camera).is_some_and(|r| r <= limit_px));
+    let is_fitting = |s: &Sighting| rms(s, &sized, &placed).is_some_and(|r| r <= limit_px);
+    let fits = sized.sightings.iter().all(is_fitting);
     (fits && own.sightings.len() > 1 && (ratio - 1.0).abs() > SIZE_TOLERANCE).then_some(stated_mm * ratio)
 }

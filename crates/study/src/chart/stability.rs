@@ -253,8 +253,8 @@ impl<'a> Maker<'a> {
             let centre = tag.centre_mm + away * tilted(tag, self.amount, around);
             // The camera looks at the tag; the view's own viewpoint is from the model's target.
             let pose =
-                scaleproof_pose::simulate::looking_at(&Viewpoint::of_camera(centre, tag.centre_mm), tag.centre_mm);
-            (pose, Viewpoint::of_camera(centre, target))
+                scaleproof_pose::simulate::looking_at(&Viewpoint::from_camera(centre, tag.centre_mm), tag.centre_mm);
+            (pose, Viewpoint::from_camera(centre, target))
         });
         let (pose, viewpoint) = attempts.find(|(pose, _)| shows(&self.camera, &(pose * target)))?;
         let seen = Simulator::new(&alone, &self.camera, noise, seed).seen(&pose);

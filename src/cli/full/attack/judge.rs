@@ -169,7 +169,7 @@ impl Sectors {
             views
                 .map(|view| {
                     let camera_mm = view.frame.pose().inverse() * Point3::origin();
-                    sector(Viewpoint::of_camera(camera_mm, Point3::origin()).azimuth_deg)
+                    sector(Viewpoint::from_camera(camera_mm, Point3::origin()).azimuth_deg)
                 })
                 .collect(),
         )

@@ -1,7 +1,7 @@
 //! The markers of OpenCV's ArUco dictionaries, asked of OpenCV, so that no table of codes is kept twice.
 
-use super::opencv_markers::markers;
-use super::{ArucoRefiner, MarkerSearch, Modules};
+use super::opencv_markers::{MarkerSearch, markers};
+use crate::tags::{ArucoRefiner, Modules};
 
 /// OpenCV's predefined dictionaries, in the order of its numbers for them (`PREDEFINED_DICTIONARY_NAME`).
 const NAMES: [&str; 21] = [

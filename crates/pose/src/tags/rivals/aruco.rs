@@ -4,13 +4,12 @@ use image::GrayImage;
 use opencv::core::Mat;
 
 use super::opencv_markers::{MarkerSearch, SeenMarker};
-use super::search::{Found, Search};
-use super::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
-use scaleproof_photo::photo::Luma;
+use crate::tags::search::{Found, Search};
+use crate::tags::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 
 /// OpenCV's ArUco detector at full size.
-pub struct ArucoOpenCv {
+pub(super) struct ArucoOpenCv {
     searches: Vec<(TagFamily, MarkerSearch)>,
     /// Where the refiner has the centre of the first pixel, px.
     pixel_centre: f64,
@@ -18,28 +17,14 @@ pub struct ArucoOpenCv {
 
 impl ArucoOpenCv {
     /// A detector for some families.
-    pub fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
+    pub(super) fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
         let choice = TagDetectorChoice::Aruco(refiner, CornersBy::Fit);
-        choice.check_families(families)?;
-        let known = families
-            .iter()
-            .filter_map(|family| Some((*family, dictionary(*family)?)));
-        let searches = known.map(|(family, number)| Ok((family, MarkerSearch::new(number, 1, refiner)?)));
+        let start = |family| MarkerSearch::new(dictionary(family), 1, refiner).map_err(|e| e.message);
         Ok(ArucoOpenCv {
-            searches: searches
-                .collect::<opencv::Result<_>>()
-                .map_err(|e| choice.failed(e.message))?,
+            searches: choice.for_each_family(families, start)?,
             // Measured on rendered tags: OpenCV's copy of AprilTag keeps that library's convention.
             pixel_centre: if refiner == ArucoRefiner::AprilTag { 0.5 } else { 0.0 },
         })
-    }
-}
-
-/// With OpenCV's own corners.
-impl TagDetector for ArucoOpenCv {
-    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
-        let grey = luma.whole();
-        self.search(grey).iter().map(|found| found.seen(grey)).collect()
     }
 }
 
@@ -50,10 +35,12 @@ impl Search for ArucoOpenCv {
             // An exception of OpenCV is an image it finds nothing in.
             let seen = find(grey, search).unwrap_or_default();
             found.extend(seen.into_iter().filter_map(|marker| {
+                // OpenCV's image of an AprilTag is the tag turned by 180°, so its first corner is our third.
+                let [a, b, c, d] = marker.corners_px.map(|corner| corner.map(|v| v - self.pixel_centre));
                 Some(Found {
                     family: *family,
                     id: u32::try_from(marker.id).ok()?,
-                    corners_px: upright(marker.corners_px).map(|corner| corner.map(|v| v - self.pixel_centre)),
+                    corners_px: [c, d, a, b],
                 })
             }));
         }
@@ -61,13 +48,12 @@ impl Search for ArucoOpenCv {
     }
 }
 
-/// OpenCV's number of a family's dictionary.
-fn dictionary(family: TagFamily) -> Option<i32> {
+/// OpenCV's number of a family's dictionary; it has none of the Standard families, which [`TagDetectorChoice::reads`] refuses.
+fn dictionary(family: TagFamily) -> i32 {
     match family {
-        TagFamily::Tag16h5 => Some(17),
-        TagFamily::Tag25h9 => Some(18),
-        TagFamily::Tag36h11 => Some(20),
-        TagFamily::TagStandard41h12 | TagFamily::TagStandard52h13 => None,
+        TagFamily::Tag16h5 => 17,
+        TagFamily::Tag25h9 => 18,
+        _ => 20,
     }
 }
 
@@ -76,9 +62,4 @@ fn find(grey: &GrayImage, search: &MarkerSearch) -> opencv::Result<Vec<SeenMarke
         return Ok(Vec::new());
     };
     search.find(&Mat::new_rows_cols_with_data(rows, columns, grey.as_raw().as_slice())?)
-}
-
-/// OpenCV's image of an AprilTag is the tag turned by 180°, so its first corner is our third.
-fn upright([a, b, c, d]: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
-    [c, d, a, b]
 }

@@ -14,7 +14,7 @@ use opencv::objdetect::{
 };
 use opencv::prelude::*;
 
-use super::{ArucoRefiner, Modules};
+use crate::tags::{ArucoRefiner, Modules};
 
 /// One square marker: OpenCV's id, and its corners in px, clockwise from OpenCV's first.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,88 @@
+//! The tag detectors that need OpenCV and locus-core, for comparison and as stages of the cascade: the feature `full` has them.
+
+mod aruco;
+mod aruco_markers;
+mod locus;
+mod opencv_markers;
+
+use image::GrayImage;
+use image::imageops::{FilterType, resize};
+
+use super::search::{Found, Search};
+use super::{ArucoRefiner, CornersBy, StartError, TagDetector, TagDetectorChoice};
+use crate::scene::TagFamily;
+use aruco::ArucoOpenCv;
+use locus::Locus;
+
+pub use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
+pub use opencv_markers::{MarkerSearch, SeenMarker};
+
+type Searches = Result<Vec<Box<dyn Search>>, StartError>;
+
+/// The version of the OpenCV that this program runs with.
+pub fn opencv_version() -> Option<String> {
+    opencv::core::get_version_string().ok()
+}
+
+/// Names and versions of the detectors that the cascade asks before C AprilTag, for a result's provenance.
+pub(super) fn libraries() -> String {
+    let opencv = opencv_version().unwrap_or_default();
+    format!("locus-core {}, OpenCV {opencv}, ", Locus::VERSION)
+}
+
+/// The finders that the cascade asks before C AprilTag, the fastest first.
+pub(super) fn fast(families: &[TagFamily]) -> Searches {
+    let mut searches: Vec<Box<dyn Search>> = Vec::new();
+    if let Some(read) = read_by(LOCUS, families) {
+        searches.push(Box::new(Locus::unrefined(&read)?));
+    }
+    if let Some(read) = read_by(ARUCO, families) {
+        searches.push(Box::new(ArucoOpenCv::new(&read, ArucoRefiner::None)?));
+    }
+    Ok(searches)
+}
+
+/// Finders of tags in noise and blur that the others miss.
+pub(super) fn for_noise(families: &[TagFamily]) -> Searches {
+    let locus = read_by(LOCUS, families).map(|read| Ok(Box::new(Locus::for_noise(&read)?) as _));
+    locus.into_iter().collect()
+}
+
+/// Finders of small tags that the others miss.
+pub(super) fn for_small_tags(families: &[TagFamily]) -> Searches {
+    let aruco = |read: Vec<_>| Ok(Box::new(Enlarged(ArucoOpenCv::new(&read, ArucoRefiner::None)?)) as _);
+    read_by(ARUCO, families).map(aruco).into_iter().collect()
+}
+
+const LOCUS: TagDetectorChoice = TagDetectorChoice::Locus(CornersBy::Fit);
+const ARUCO: TagDetectorChoice = TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit);
+
+/// The families that a detector reads; `None` when there are none.
+fn read_by(detector: TagDetectorChoice, families: &[TagFamily]) -> Option<Vec<TagFamily>> {
+    let read: Vec<TagFamily> = families.iter().copied().filter(|f| detector.reads(*f)).collect();
+    (!read.is_empty()).then_some(read)
+}
+
+/// Starts a detector of OpenCV or locus-core.
+pub(super) fn open(detector: TagDetectorChoice, families: &[TagFamily]) -> Result<Box<dyn TagDetector>, StartError> {
+    let by = detector.corners_by();
+    Ok(match detector {
+        TagDetectorChoice::Aruco(refiner, _) => by.open(ArucoOpenCv::new(families, refiner)?),
+        _ => by.open(Locus::new(families)?),
+    })
+}
+
+/// A library that is shown the image twice as large.
+struct Enlarged<S>(S);
+
+impl<S: Search> Search for Enlarged<S> {
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
+        let (width, height) = grey.dimensions();
+        let large = resize(grey, 2 * width, 2 * height, FilterType::CatmullRom);
+        let mut found = self.0.search(&large);
+        for tag in &mut found {
+            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5)); // as in `enlarged`
+        }
+        found
+    }
+}
