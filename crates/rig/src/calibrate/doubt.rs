@@ -1,10 +1,9 @@
 //! When photos do not make a camera, and what makes one weaker.
 
-use super::fit::CameraFit;
+use super::fit::{CameraFit, View};
 use super::ladder::{CandidateModel, normal};
 use super::model::LensModel;
 use super::sharpness::BLURRED_PX;
-use super::view::View;
 use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
@@ -58,27 +57,26 @@ pub(super) fn alike(
     // The first of the most frequent sizes.
     let most = board_photos.iter().map(|s| count(s.size)).max().unwrap_or(0);
     let usual = board_photos.iter().map(|s| s.size).find(|size| count(*size) == most);
+    let (w, h) = usual.unwrap_or_default();
     let widths: Vec<f64> = board_photos.iter().filter_map(|s| s.edge_width_px).collect();
     let blurred = BLURRED_PX.max(BLUR_TIMES * upper_median(&widths).unwrap_or(0.0));
     let mut kept = Vec::new();
     for board_photo in board_photos {
-        let reason = match (usual, board_photo.edge_width_px) {
-            (Some((w, h)), _) if board_photo.size != (w, h) => Some(format!(
-                "it is {}×{} and most photos are {w}×{h}: a camera file holds for one size; use original photos, whose EXIF data says how they were turned",
-                board_photo.size.0, board_photo.size.1
-            )),
-            (_, Some(width)) if width > blurred => Some(format!(
+        let (width, height) = board_photo.size;
+        let reason = if board_photo.size != (w, h) {
+            format!(
+                "it is {width}×{height} and most photos are {w}×{h}: a camera file holds for one size; use original photos, whose EXIF data says how they were turned"
+            )
+        } else if let Some(width) = board_photo.edge_width_px.filter(|width| *width > blurred) {
+            format!(
                 "it is blurred: its edges are {width:.0} px wide, more than {blurred:.0} px; hold board and camera still"
-            )),
-            _ => None,
+            )
+        } else {
+            kept.push(board_photo);
+            continue;
         };
-        match reason {
-            Some(reason) => left_out.push(UnusedPhoto {
-                file: board_photo.file,
-                reason,
-            }),
-            None => kept.push(board_photo),
-        }
+        let file = board_photo.file;
+        left_out.push(UnusedPhoto { file, reason });
     }
     (kept, left_out)
 }
@@ -88,10 +86,8 @@ pub(super) fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> R
     if board_photos.len() >= LEAST_PHOTOS {
         return Ok(());
     }
-    let first = left_out.first().map_or_else(
-        || "give more photos".to_owned(),
-        |out| format!("{}: {}", out.file, out.reason),
-    );
+    let first = left_out.first().map(|out| format!("{}: {}", out.file, out.reason));
+    let first = first.unwrap_or_else(|| "give more photos".to_owned());
     Err(match board_photos.len() {
         0 => CalibrationError::NoPhotos { first },
         usable => CalibrationError::FewPhotos {
@@ -105,11 +101,11 @@ pub(super) fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> R
 /// Refuses photos that all show the board from one side.
 pub(super) fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> {
     let normals: Vec<_> = fit.poses.iter().map(normal).collect();
-    let angles = normals
+    let pairs = normals
         .iter()
         .enumerate()
-        .flat_map(|(i, a)| normals[..i].iter().map(|b| a.angle(b).to_degrees()));
-    let spread_deg = angles.fold(0.0, f64::max);
+        .flat_map(|(i, a)| normals[..i].iter().map(move |b| (a, b)));
+    let spread_deg = pairs.map(|(a, b)| a.angle(b).to_degrees()).fold(0.0, f64::max);
     if spread_deg < LEAST_SPREAD_DEG {
         return Err(CalibrationError::SameTilt { spread_deg });
     }
@@ -153,14 +149,18 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     }
     let missing = missing_corners(&found.coverage);
     if !missing.is_empty() {
+        let is_turned = found.photos.iter().any(|photo| photo.turned_deg != 0);
+        let sensor = if is_turned {
+            " (as the sensor sees it, before EXIF turns it)"
+        } else {
+            ""
+        };
+        let missing = match &missing[..] {
+            [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+            one => one.concat(),
+        };
         say(format!(
-            "no photo shows the board in the {} of the image{}, so the camera is a guess there: hold the board into the corners",
-            listed(&missing),
-            if found.photos.iter().any(|photo| photo.turned_deg != 0) {
-                " (as the sensor sees it, before EXIF turns it)"
-            } else {
-                ""
-            }
+            "no photo shows the board in the {missing} of the image{sensor}, so the camera is a guess there: hold the board into the corners"
         ));
     }
     let folded = found.map.cells.iter().filter(|c| c.sigma_px.is_none()).count();
@@ -193,26 +193,15 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
 
 /// Corners of the image, a fifth of each side, where no board corner was seen.
 fn missing_corners(coverage: &[u32]) -> Vec<&'static str> {
-    let names = [
+    let corners = [
         ("top left", 0, 0),
         ("top right", 8, 0),
         ("bottom left", 0, 8),
         ("bottom right", 8, 8),
     ];
-    let empty = |x: usize, y: usize| {
+    let is_empty = |x: usize, y: usize| {
         (y..y + 2).all(|row| (x..x + 2).all(|column| coverage.get(row * COVERAGE + column).is_none_or(|n| *n == 0)))
     };
-    names
-        .into_iter()
-        .filter(|(_, x, y)| empty(*x, *y))
-        .map(|(name, ..)| name)
-        .collect()
-}
-
-fn listed(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [only] => (*only).to_owned(),
-        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
-    }
+    let missing = corners.into_iter().filter(|(_, x, y)| is_empty(*x, *y));
+    missing.map(|(name, ..)| name).collect()
 }

@@ -7,10 +7,11 @@
 use nalgebra::{DMatrix, DVector, Matrix6, Point3, SMatrix, SVector, Vector2, Vector6};
 
 use super::model::{self, ALL, LensModel};
-use super::view::View;
 use scaleproof_core::geometry::{Rigid, rigid::stepped};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
+use scaleproof_pose::camera::Camera;
 use scaleproof_pose::camera::projection::{by_step, project_unchecked};
+use scaleproof_pose::locate::planar_branches;
 
 /// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
 const LIMITS: Limits = Limits {
@@ -21,6 +22,28 @@ const LIMITS: Limits = Limits {
 };
 /// So many of the best starting focal lengths are followed.
 const FOLLOWED: usize = 2;
+
+/// What a fit sees of one photo: points whose places are known (mm; those of a board have z = 0), and where the photo shows them (px).
+#[derive(Debug, Clone)]
+pub struct View {
+    pub points_mm: Vec<Point3<f64>>,
+    pub seen_px: Vec<[f64; 2]>,
+}
+
+impl View {
+    /// Every other point, from `first` on.
+    pub fn half(&self, first: usize) -> View {
+        View {
+            points_mm: self.points_mm.iter().skip(first).step_by(2).copied().collect(),
+            seen_px: self.seen_px.iter().skip(first).step_by(2).copied().collect(),
+        }
+    }
+
+    /// `T_camera_board` of both planar branches with a camera.
+    pub fn starting_poses(&self, camera: &[f64; ALL]) -> Vec<Rigid> {
+        planar_branches(&self.points_mm, &self.seen_px, &model::camera((1, 1), camera))
+    }
+}
 
 /// A camera and poses that explain the views best, in least squares.
 #[derive(Debug, Clone)]
@@ -45,6 +68,16 @@ pub(super) fn fit(model: LensModel, views: &[View], camera: [f64; ALL], poses: V
     Some(minimise(CameraEquations::at(start, views)?, &LIMITS).fit)
 }
 
+/// The camera that explains the views best, in least squares, with the poses free: of a model, from a start, whose other numbers stay. What is
+/// seen is in the frame of the camera's image. `poses`: `T_camera_points` of each view, about. `None` where the fit finds none.
+pub fn refit(model: LensModel, start: &Camera, views: &[View], poses: Vec<Rigid>) -> Option<Camera> {
+    let [fx, fy, cx, cy, distortion @ ..] = fit(model, views, start.parameters(), poses)?.camera;
+    let mut found = start.clone().with_distortion(&distortion);
+    (found.fx, found.fy, found.cx, found.cy) = (fx, fy, cx, cy);
+    found.sigma_px = None;
+    Some(found)
+}
+
 /// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
 pub(super) fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
     let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
@@ -62,11 +95,9 @@ pub(super) fn first(size: (u32, u32), views: &[View]) -> Option<CameraFit> {
     };
     let mut starts: Vec<_> = BY_LONGER_SIDE.iter().filter_map(start).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    starts
-        .into_iter()
-        .take(FOLLOWED)
-        .filter_map(|(_, camera, poses)| fit(LensModel::F, views, camera, poses))
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+    let followed = starts.into_iter().take(FOLLOWED);
+    let fits = followed.filter_map(|(_, camera, poses)| fit(LensModel::F, views, camera, poses));
+    fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// The better branch of a planar view, refined.
@@ -79,8 +110,10 @@ fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
 impl CameraFit {
     /// Seen minus projected, px, of each corner of each view.
     pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
-        let of = |(view, pose)| residuals(view, &self.camera, pose).collect();
-        views.iter().zip(&self.poses).map(of).collect()
+        let pairs = views.iter().zip(&self.poses);
+        pairs
+            .map(|(view, pose)| residuals(view, &self.camera, pose).collect())
+            .collect()
     }
 
     /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
@@ -94,19 +127,16 @@ impl CameraFit {
             .filter(|n| *n > 0)?;
         // Scaled to a unit diagonal before it is inverted: focal lengths are thousands, k3 is a hundredth.
         let scale = DVector::from_iterator(reduced.nrows(), reduced.diagonal().iter().map(|d| d.max(1e-300).sqrt()));
-        let scaled = DMatrix::from_fn(reduced.nrows(), reduced.ncols(), |r, c| {
-            reduced[(r, c)] / (scale[r] * scale[c])
-        });
-        let inverse = scaled.cholesky()?.inverse();
+        let scaled = reduced.map_with_location(|r, c, v| v / (scale[r] * scale[c]));
         let variance = self.cost / free as f64;
-        let covariance = DMatrix::from_fn(reduced.nrows(), reduced.ncols(), |r, c| {
-            variance * inverse[(r, c)] / (scale[r] * scale[c])
-        });
+        let inverse = scaled.cholesky()?.inverse();
+        let covariance = inverse.map_with_location(|r, c, v| variance * v / (scale[r] * scale[c]));
         covariance.iter().all(|v| v.is_finite()).then_some(covariance)
     }
 }
 
 /// The normal equations of one view: camera × camera, camera × pose, pose × pose.
+#[derive(Default)]
 struct Block {
     camera: SMatrix<f64, ALL, ALL>,
     by_camera: SVector<f64, ALL>,
@@ -120,14 +150,7 @@ struct Block {
 impl Block {
     /// `None` when the residuals are not finite.
     fn at(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
-        let mut block = Block {
-            camera: SMatrix::zeros(),
-            by_camera: SVector::zeros(),
-            cross: SMatrix::zeros(),
-            pose: Matrix6::zeros(),
-            by_pose: Vector6::zeros(),
-            cost: 0.0,
-        };
+        let mut block = Block::default();
         for (point, [u, v]) in view.points_mm.iter().zip(&view.seen_px) {
             let p = pose * point;
             let at = project_unchecked(camera, &p);
@@ -194,8 +217,11 @@ struct CameraEquations<'a> {
 impl<'a> CameraEquations<'a> {
     fn at(fit: CameraFit, views: &'a [View]) -> Option<CameraEquations<'a>> {
         let parameters = fit.model.parameters_to_numbers();
-        let of = |(view, pose)| Block::at(view, &fit.camera, pose);
-        let blocks: Vec<Block> = views.iter().zip(&fit.poses).map(of).collect::<Option<_>>()?;
+        let blocks = views
+            .iter()
+            .zip(&fit.poses)
+            .map(|(view, pose)| Block::at(view, &fit.camera, pose));
+        let blocks: Vec<Block> = blocks.collect::<Option<_>>()?;
         let camera: SMatrix<f64, ALL, ALL> = blocks.iter().map(|b| b.camera).sum();
         let by_camera: SVector<f64, ALL> = blocks.iter().map(|b| b.by_camera).sum();
         Some(CameraEquations {
@@ -239,17 +265,15 @@ impl LeastSquares for CameraEquations<'_> {
         }
         let moved = |(pose, block): (&Rigid, &Block)| {
             let right = block.by_pose - block.cross.transpose() * &change;
-            let step = block
-                .damped_pose(damping)
-                .cholesky()?
-                .solve(&Vector6::from_column_slice(right.as_slice()));
-            Some(stepped(pose, &step))
+            let right = Vector6::from_column_slice(right.as_slice());
+            Some(stepped(pose, &block.damped_pose(damping).cholesky()?.solve(&right)))
         };
         let poses = self.fit.poses.iter().zip(&self.blocks).map(moved);
+        let poses = poses.collect::<Option<_>>()?;
         let fit = CameraFit {
             camera,
-            poses: poses.collect::<Option<_>>()?,
-            ..self.fit.clone()
+            poses,
+            ..self.fit
         };
         CameraEquations::at(fit, self.views)
     }

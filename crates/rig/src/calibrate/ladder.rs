@@ -2,9 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::fit::{self, CameraFit};
+use super::fit::{self, CameraFit, View};
 use super::model::{ALL, LensModel};
-use super::view::View;
 use scaleproof_core::geometry::Rigid;
 
 /// At most so many folds; each leaves whole photos out.

@@ -1,6 +1,5 @@
 //! Photos of a board become a camera no larger than they bear out, with what it is worth, or a reason why not.
 
-mod choice_text;
 mod detect;
 mod doubt;
 mod fit;
@@ -8,11 +7,9 @@ mod ladder;
 mod model;
 mod outliers;
 mod page;
-mod refit;
 mod sharpness;
 mod summary;
 mod uncertainty;
-mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -23,16 +20,14 @@ use scaleproof_photo::photo::Photo;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::Camera;
 
-pub use choice_text::{choice_lines, numbers};
 pub use detect::check;
 pub use doubt::{CalibrationCaution, CalibrationError};
+pub use fit::{View, refit};
 pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
-pub use refit::refit;
-pub use summary::json;
+pub use summary::{choice_lines, json, numbers};
 pub use uncertainty::UncertaintyMap;
-pub use view::View;
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,12 +58,9 @@ pub struct BoardPhoto {
 
 impl BoardPhoto {
     fn view(&self, places: &[[f64; 2]]) -> View {
+        let point = |c: &SeenCorner| Point3::new(places[c.id][0], places[c.id][1], 0.0);
         View {
-            points_mm: self
-                .corners
-                .iter()
-                .map(|c| Point3::new(places[c.id][0], places[c.id][1], 0.0))
-                .collect(),
+            points_mm: self.corners.iter().map(point).collect(),
             seen_px: self.corners.iter().map(|c| c.px).collect(),
         }
     }
@@ -154,18 +146,15 @@ pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -
 }
 
 fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, UnusedPhoto> {
-    let file = path
-        .file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned();
-    let out = |reason: String| UnusedPhoto {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    let file = name.to_string_lossy().into_owned();
+    let out = |e: &dyn std::error::Error| UnusedPhoto {
         file: file.clone(),
-        reason,
+        reason: e.to_string(),
     };
-    let photo = Photo::open(path).map_err(|e| out(e.to_string()))?;
-    let luma = photo.sensor_luma().map_err(|e| out(e.to_string()))?;
-    let corners = detect::find(&luma, board).map_err(|e| out(e.to_string()))?;
+    let photo = Photo::open(path).map_err(|e| out(&e))?;
+    let luma = photo.sensor_luma().map_err(|e| out(&e))?;
+    let corners = detect::find(&luma, board).map_err(|e| out(&e))?;
     Ok(BoardPhoto {
         edge_width_px: sharpness::edge_width_px(&luma, &corners),
         file,
@@ -190,10 +179,7 @@ pub fn calibrate(
     doubt::enough(&board_photos, &left_out)?;
     let size = board_photos[0].size;
     let cleaned = outliers::clean(board_photos, size, &places).ok_or(CalibrationError::NoFit)?;
-    left_out.extend(cleaned.dropped.into_iter().map(|(board_photo, reason)| UnusedPhoto {
-        file: board_photo.file,
-        reason,
-    }));
+    left_out.extend(cleaned.dropped);
     let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
     doubt::seen_from_several_sides(&cleaned.first)?;
     let mut models = ladder::fit_ladder(cleaned.first, &views);
@@ -244,25 +230,23 @@ fn photo_results(
     board_photos: &[BoardPhoto],
     fit: &fit::CameraFit,
     views: &[View],
-    middle_mm: [f64; 2],
+    [x, y]: [f64; 2],
 ) -> Vec<PhotoResult> {
-    let residuals = fit.residuals(views);
-    let of =
-        |((board_photo, pose), residuals_px): ((&BoardPhoto, &scaleproof_core::geometry::Rigid), Vec<[f64; 2]>)| {
+    let photos = board_photos.iter().zip(&fit.poses).zip(fit.residuals(views));
+    let results = photos.map(|((photo, pose), residuals_px)| PhotoResult {
+        file: photo.file.clone(),
+        turned_deg: photo.turned_deg,
+        corners_px: photo.corners.iter().map(|c| c.px).collect(),
+        rms_px: {
             let squared: f64 = residuals_px.iter().map(|[x, y]| x * x + y * y).sum();
-            let [x, y] = middle_mm;
-            PhotoResult {
-                file: board_photo.file.clone(),
-                turned_deg: board_photo.turned_deg,
-                corners_px: board_photo.corners.iter().map(|c| c.px).collect(),
-                rms_px: (squared / residuals_px.len().max(1) as f64).sqrt(),
-                residuals_px,
-                tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
-                distance_mm: (pose * nalgebra::Point3::new(x, y, 0.0)).coords.norm(),
-                edge_width_px: board_photo.edge_width_px,
-            }
-        };
-    board_photos.iter().zip(&fit.poses).zip(residuals).map(of).collect()
+            (squared / residuals_px.len().max(1) as f64).sqrt()
+        },
+        residuals_px,
+        tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
+        distance_mm: (pose * Point3::new(x, y, 0.0)).coords.norm(),
+        edge_width_px: photo.edge_width_px,
+    });
+    results.collect()
 }
 
 fn coverage(photos: &[PhotoResult], (width, height): (u32, u32)) -> Vec<u32> {

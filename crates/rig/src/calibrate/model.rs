@@ -75,12 +75,8 @@ pub(super) fn camera((width, height): (u32, u32), all: &[f64; ALL]) -> Camera {
 
 /// Where the smallest model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
 pub(super) fn start((width, height): (u32, u32), focal_px: f64) -> [f64; ALL] {
+    let [cx, cy] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0);
     let mut all = [0.0; ALL];
-    all[..4].copy_from_slice(&[
-        focal_px,
-        focal_px,
-        (f64::from(width) - 1.0) / 2.0,
-        (f64::from(height) - 1.0) / 2.0,
-    ]);
+    all[..4].copy_from_slice(&[focal_px, focal_px, cx, cy]);
     all
 }

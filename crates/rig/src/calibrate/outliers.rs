@@ -1,9 +1,8 @@
 //! Photos and corners that disagree with all the others.
 
-use super::BoardPhoto;
-use super::fit::{self, CameraFit};
+use super::fit::{self, CameraFit, View};
 use super::model::LensModel;
-use super::view::View;
+use super::{BoardPhoto, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
 /// Judged by a model rich enough that a lens is no outlier.
@@ -20,8 +19,7 @@ const LOST_SHARE: f64 = 0.2;
 /// What was left out, and the fit of the smallest model over the rest.
 pub(super) struct Cleaned {
     pub board_photos: Vec<BoardPhoto>,
-    /// The photo, and the sentence why.
-    pub dropped: Vec<(BoardPhoto, String)>,
+    pub dropped: Vec<UnusedPhoto>,
     /// Corners left out of photos that stay.
     pub lost_corners: usize,
     pub first: CameraFit,
@@ -33,24 +31,17 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
     loop {
         let views: Vec<View> = board_photos.iter().map(|s| s.view(places)).collect();
         let first = fit::first(size, &views)?;
-        let Some(judge) = judge(&first, &views) else {
-            return Some(Cleaned {
-                board_photos,
-                dropped,
-                lost_corners,
-                first,
-            });
-        };
-        let lengths: Vec<Vec<f64>> = judge
-            .residuals(&views)
-            .iter()
-            .map(|view| view.iter().map(|[x, y]| x.hypot(*y)).collect())
-            .collect();
-        if let Some((worst, sentence)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
-            dropped.push((board_photos.remove(worst), sentence));
+        let length = |residuals: &Vec<[f64; 2]>| residuals.iter().map(|[x, y]| x.hypot(*y)).collect();
+        // Without a judge nothing disagrees.
+        let judged = judge(&first, &views).map_or_else(Vec::new, |judge| judge.residuals(&views));
+        let lengths: Vec<Vec<f64>> = judged.iter().map(length).collect();
+        if let Some((worst, reason)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
+            let file = board_photos.remove(worst).file;
+            dropped.push(UnusedPhoto { file, reason });
             continue;
         }
         let lost = drop_corners(&mut board_photos, &lengths);
+        lost_corners += lost;
         if lost == 0 {
             return Some(Cleaned {
                 board_photos,
@@ -59,7 +50,6 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
                 first,
             });
         }
-        lost_corners += lost;
     }
 }
 
@@ -93,9 +83,8 @@ fn drop_corners(board_photos: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize 
     for (board_photo, lengths) in board_photos.iter_mut().zip(lengths) {
         let mut lengths = lengths.iter();
         let before = board_photo.corners.len();
-        board_photo
-            .corners
-            .retain(|_| lengths.next().is_none_or(|d| *d <= limit));
+        let is_kept = |_: &_| lengths.next().is_none_or(|d| *d <= limit);
+        board_photo.corners.retain(is_kept);
         lost += before - board_photo.corners.len();
     }
     lost

@@ -1,41 +1,34 @@
-//! The calibration for programs.
+//! The calibration for programs, and in sentences: what was chosen and what was dropped.
 
 use serde_json::{Value, json};
 
-use super::Calibration;
+use super::{Calibration, CandidateModel, PhotoResult};
 
 /// One JSON object; keys carry their units.
 pub fn json(found: &Calibration) -> Value {
     let (c, s) = (&found.camera, &found.sigmas);
-    let photos: Vec<Value> = found
-        .photos
-        .iter()
-        .map(|p| {
-            json!({
-                "file": p.file,
-                "corners": p.corners_px.len(),
-                "rms_px": p.rms_px,
-                "tilt_deg": p.tilt_deg,
-                "distance_mm": p.distance_mm,
-                "edge_width_px": p.edge_width_px,
-            })
+    let photo = |p: &PhotoResult| {
+        json!({
+            "file": p.file,
+            "corners": p.corners_px.len(),
+            "rms_px": p.rms_px,
+            "tilt_deg": p.tilt_deg,
+            "distance_mm": p.distance_mm,
+            "edge_width_px": p.edge_width_px,
         })
-        .collect();
-    let ladder: Vec<Value> = found
-        .models
-        .iter()
-        .enumerate()
-        .map(|(i, r)| {
-            json!({
-                "model": r.model,
-                "parameters": r.model.parameters(),
-                "held_out_px": r.held_out_px,
-                "held_out_sigma_px": r.error_px,
-                "is_chosen": i == found.chosen,
-                "moves": r.moves,
-            })
+    };
+    let model = |(i, r): (usize, &CandidateModel)| {
+        json!({
+            "model": r.model,
+            "parameters": r.model.parameters(),
+            "held_out_px": r.held_out_px,
+            "held_out_sigma_px": r.error_px,
+            "is_chosen": i == found.chosen,
+            "moves": r.moves,
         })
-        .collect();
+    };
+    let photos: Vec<Value> = found.photos.iter().map(photo).collect();
+    let ladder: Vec<Value> = found.models.iter().enumerate().map(model).collect();
     json!({
         "board": found.board,
         "image_width_px": c.width,
@@ -54,4 +47,48 @@ pub fn json(found: &Calibration) -> Value {
         "coverage_10x10": found.coverage,
         "cautions": found.cautions,
     })
+}
+
+/// The chosen model and, for each other, what it would change.
+pub fn choice_lines(found: &Calibration) -> Vec<String> {
+    let chosen = found.chosen_model();
+    let best = found.best_held_out_px();
+    let mut lines = vec![format!(
+        "model: {} ({} numbers), held-out error {:.3} px, {:.1} % above the best of the ladder",
+        chosen.model.name(),
+        chosen.model.parameters(),
+        chosen.held_out_px,
+        100.0 * (chosen.held_out_px / best - 1.0)
+    )];
+    for (i, model) in found.models.iter().enumerate().filter(|(i, _)| *i != found.chosen) {
+        let verdict = if i < found.chosen { "too small" } else { "not needed" };
+        lines.push(format!(
+            "dropped {}: {verdict}, held-out error {:.3} px; it would move the camera by up to {:.3}° in azimuth and {:.2} mm ({:.3} %) in distance",
+            model.model.name(),
+            model.held_out_px,
+            model.moves.direction_deg,
+            model.moves.distance_mm,
+            model.moves.distance_percent
+        ));
+    }
+    lines
+}
+
+/// A number of the camera: its name, value, standard deviation (`None` where the model holds it) and unit.
+pub(super) type Number = (&'static str, f64, Option<f64>, &'static str);
+
+/// The camera's numbers; coefficients that the model does not have are left out.
+pub fn numbers(found: &Calibration) -> Vec<Number> {
+    const NAMES: [&str; 12] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
+    let all = NAMES
+        .into_iter()
+        .zip(found.camera.parameters())
+        .zip(found.sigmas)
+        .enumerate();
+    let known = all.filter(|(i, (_, sigma))| *i < 4 || *sigma > 0.0);
+    let number = |(i, ((name, value), sigma))| {
+        let unit = if i < 4 { " px" } else { "" };
+        (name, value, (sigma > 0.0).then_some(sigma), unit)
+    };
+    known.map(number).collect()
 }

@@ -38,13 +38,10 @@ pub(super) fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (
     let side = w.max(h) / f64::from(CELLS);
     let count = |length: f64| ((length / side).round() as u32).max(1);
     let (columns, rows) = (count(w), count(h));
-    let middles: Vec<[f64; 2]> = (0..rows)
-        .flat_map(|row| (0..columns).map(move |column| (column, row)))
-        .map(|(column, row)| {
-            let at = |n: u32, of: u32, length: f64| (f64::from(n) + 0.5) * length / f64::from(of) - 0.5;
-            [at(column, columns, w), at(row, rows, h)]
-        })
-        .collect();
+    let at = |n: u32, of: u32, length: f64| (f64::from(n) + 0.5) * length / f64::from(of) - 0.5;
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let middle = |(column, row)| [at(column, columns, w), at(row, rows, h)];
+    let middles: Vec<[f64; 2]> = places.map(middle).collect();
     let camera = model::camera((width, height), &fit.camera);
     let derivatives: Vec<_> = middles.iter().map(|px| Derivatives::at(fit, &camera, *px)).collect();
     let turn = implied_turn(derivatives.iter().flatten(), covariance.nrows());

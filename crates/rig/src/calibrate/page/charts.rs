@@ -35,12 +35,8 @@ pub(super) fn coverage(found: &Calibration) -> Markup {
 /// Seen minus projected, enlarged.
 pub(super) fn residuals(found: &Calibration) -> Markup {
     let (w, _) = size(found);
-    let lengths: Vec<f64> = found
-        .photos
-        .iter()
-        .flat_map(|p| &p.residuals_px)
-        .map(|[x, y]| x.hypot(*y))
-        .collect();
+    let residuals = found.photos.iter().flat_map(|p| &p.residuals_px);
+    let lengths: Vec<f64> = residuals.map(|[x, y]| x.hypot(*y)).collect();
     let usual = upper_median(&lengths).unwrap_or(1.0).max(1e-6);
     let times = round_to_one_digit(w / 45.0 / usual);
     let body = html! {
@@ -98,10 +94,8 @@ fn figure(found: &Calibration, title: &str, note: &str, body: &Markup) -> Markup
 /// The convex hull of all corners.
 fn region(found: &Calibration) -> Markup {
     let corners = found.photos.iter().flat_map(|p| p.corners_px.iter().copied()).collect();
-    let points: Vec<String> = convex_hull(corners)
-        .iter()
-        .map(|[x, y]| format!("{:.1},{:.1}", x + 0.5, y + 0.5))
-        .collect();
+    let point = |[x, y]: [f64; 2]| format!("{:.1},{:.1}", x + 0.5, y + 0.5);
+    let points: Vec<String> = convex_hull(corners).into_iter().map(point).collect();
     let (w, _) = size(found);
     let dash = format!("{0:.0} {0:.0}", w / 80.0);
     html! {
@@ -116,13 +110,8 @@ fn size(found: &Calibration) -> (f64, f64) {
 /// From white to a dark blue.
 fn blue(share: f64) -> String {
     let share = share.clamp(0.0, 1.0);
-    let mix = |from: f64, to: f64| (from + (to - from) * share).round() as u8;
-    format!(
-        "#{:02x}{:02x}{:02x}",
-        mix(255.0, 18.0),
-        mix(255.0, 72.0),
-        mix(255.0, 128.0)
-    )
+    let [r, g, b] = [18.0, 72.0, 128.0].map(|to| (255.0 + (to - 255.0) * share).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 fn round_to_one_digit(v: f64) -> f64 {

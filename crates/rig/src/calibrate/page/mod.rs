@@ -56,21 +56,17 @@ fn headline(found: &Calibration) -> Markup {
 }
 
 fn camera_table(found: &Calibration) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "number" } th { "value" } th { "σ" } } }
-                tbody {
-                    @for (name, value, sigma, unit) in numbers(found) {
-                        tr {
-                            td { (name) }
-                            td { (format!("{value:.4}")) (unit) }
-                            td { @match sigma { Some(s) => { (format!("{s:.4}")) (unit) }, None => { "held" } } }
-                        }
-                    }
-                }
+    let rows = html! {
+        @for (name, value, sigma, unit) in numbers(found) {
+            tr {
+                td { (name) }
+                td { (format!("{value:.4}")) (unit) }
+                td { @match sigma { Some(s) => { (format!("{s:.4}")) (unit) }, None => { "held" } } }
             }
         }
+    };
+    html! {
+        (table(&["number", "value", "σ"], &rows))
         p.note {
             "σ is one standard deviation, from the scatter of the residuals (" (format!("{:.3}", found.rms_px)) " px, root mean square). "
             "It holds as far as the board is flat and the model right."
@@ -80,33 +76,32 @@ fn camera_table(found: &Calibration) -> Markup {
 
 fn ladder(found: &Calibration) -> Markup {
     let worst = found.models.iter().map(|r| r.held_out_px).fold(0.0, f64::max);
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "model" } th { "numbers" } th.bar { "" } th { "error on unseen corners" }
-                        th { "moves azimuth by" } th { "moves distance by" }
-                    }
-                }
-                tbody {
-                    @for (i, r) in found.models.iter().enumerate() {
-                        tr.chosen[i == found.chosen] {
-                            td { (r.model.name()) }
-                            td { (r.model.parameters()) }
-                            td.bar { i style=(width(r.held_out_px, worst)) {} }
-                            td { (format!("{:.3} ± {:.3} px", r.held_out_px, r.error_px)) }
-                            @if i == found.chosen {
-                                td { "chosen" } td {}
-                            } @else {
-                                td { (format!("{:.3}°", r.moves.direction_deg)) }
-                                td { (format!("{:.2} mm ({:.3} %)", r.moves.distance_mm, r.moves.distance_percent)) }
-                            }
-                        }
-                    }
+    let rows = html! {
+        @for (i, r) in found.models.iter().enumerate() {
+            tr.chosen[i == found.chosen] {
+                td { (r.model.name()) }
+                td { (r.model.parameters()) }
+                td.bar { i style=(width(r.held_out_px, worst)) {} }
+                td { (format!("{:.3} ± {:.3} px", r.held_out_px, r.error_px)) }
+                @if i == found.chosen {
+                    td { "chosen" } td {}
+                } @else {
+                    td { (format!("{:.3}°", r.moves.direction_deg)) }
+                    td { (format!("{:.2} mm ({:.3} %)", r.moves.distance_mm, r.moves.distance_percent)) }
                 }
             }
         }
+    };
+    let heads = [
+        "model",
+        "numbers",
+        "",
+        "error on unseen corners",
+        "moves azimuth by",
+        "moves distance by",
+    ];
+    html! {
+        (table(&heads, &rows))
         p.note {
             "The smallest model within one standard error, and 5 %, of the best is taken. Each is fitted without some photos; in these the pose comes "
             "from every other corner, and the error is that of the remaining corners. “Moves” is how far the camera of a photo would be "
@@ -117,41 +112,43 @@ fn ladder(found: &Calibration) -> Markup {
 
 fn photos(found: &Calibration) -> Markup {
     let worst = found.photos.iter().map(|p| p.rms_px).fold(0.0, f64::max);
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "photo" } th.bar { "" } th { "error" } th { "corners" } th { "tilt" } th { "distance" } th { "edge width" }
-                    }
-                }
-                tbody {
-                    @for p in &found.photos {
-                        tr {
-                            td { (p.file) }
-                            td.bar { i style=(width(p.rms_px, worst)) {} }
-                            td { (format!("{:.3} px", p.rms_px)) }
-                            td { (p.corners_px.len()) }
-                            td { (format!("{:.1}°", p.tilt_deg)) }
-                            td { (format!("{:.0} mm", p.distance_mm)) }
-                            td { @if let Some(w) = p.edge_width_px { (format!("{w:.1} px")) } @else { "–" } }
-                        }
-                    }
-                }
+    let rows = html! {
+        @for p in &found.photos {
+            tr {
+                td { (p.file) }
+                td.bar { i style=(width(p.rms_px, worst)) {} }
+                td { (format!("{:.3} px", p.rms_px)) }
+                td { (p.corners_px.len()) }
+                td { (format!("{:.1}°", p.tilt_deg)) }
+                td { (format!("{:.0} mm", p.distance_mm)) }
+                td { @if let Some(w) = p.edge_width_px { (format!("{w:.1} px")) } @else { "–" } }
             }
         }
-    }
+    };
+    table(
+        &["photo", "", "error", "corners", "tilt", "distance", "edge width"],
+        &rows,
+    )
 }
 
 fn left_out(found: &Calibration) -> Markup {
     html! {
         @if !found.left_out.is_empty() {
             h3 { "Left out" }
-            div.scroll {
-                table {
-                    thead { tr { th { "photo" } th { "reason" } } }
-                    tbody { @for out in &found.left_out { tr { td { (out.file) } td.wrap { (out.reason) } } } }
-                }
+            (table(&["photo", "reason"], &html! {
+                @for out in &found.left_out { tr { td { (out.file) } td.wrap { (out.reason) } } }
+            }))
+        }
+    }
+}
+
+/// A table; the column without a head holds bars.
+fn table(heads: &[&str], rows: &Markup) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                thead { tr { @for head in heads { @if head.is_empty() { th.bar { "" } } @else { th { (head) } } } } }
+                tbody { (rows) }
             }
         }
     }
