@@ -5,7 +5,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
-use super::network::{Poses, Sighting, TagNetwork};
+use super::network::{Node, Poses, Sighting, TagNetwork};
 use super::residual::{NO_PIXEL, linear};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
@@ -42,8 +42,7 @@ impl Loss {
 pub(super) enum Free {
     /// Every photo and every tag that is not fixed.
     All,
-    Photo(usize),
-    Tag(usize),
+    Only(Node),
 }
 
 /// The total cost of the sightings whose two poses are known.
@@ -100,14 +99,13 @@ impl Slots {
         };
         let sees = |s: &Sighting| poses.camera_tag(s).is_some();
         let tag = |t: usize| {
-            let may_move = match free {
-                Free::All => net.tags[t].fixed.is_none(),
-                Free::Tag(only) => only == t,
-                Free::Photo(_) => false,
-            };
-            may_move && net.of_tag(t).any(sees)
+            let may_move = free == Free::Only(Node::Tag(t)) || free == Free::All && !net.is_fixed(t);
+            may_move && net.of(Node::Tag(t)).any(sees)
         };
-        let photo = |p: usize| (free == Free::All || free == Free::Photo(p)) && net.of_photo(p).any(sees);
+        let photo = |p: usize| {
+            let may_move = free == Free::Only(Node::Photo(p)) || free == Free::All;
+            may_move && net.of(Node::Photo(p)).any(sees)
+        };
         Slots {
             tags: used(&tag, net.tags.len()),
             photos: used(&photo, net.photos),

@@ -1,7 +1,7 @@
 //! First poses for the adjustment: from one photo of a fixed tag, photo by photo, every planar branch a candidate.
 
 use super::adjust::{Free, Loss, adjust, cost};
-use super::network::{Poses, Sighting, TagNetwork};
+use super::network::{Node, Poses, Sighting, TagNetwork};
 use super::residual::squared_px;
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::locate::area_px;
@@ -59,17 +59,16 @@ pub(super) fn grown(net: &TagNetwork) -> Result<Poses, TwoArrangements> {
 
 /// Photos of the most and largest fixed tags, each with its best pose and the best different one.
 fn starts(net: &TagNetwork) -> Vec<(usize, Rigid)> {
-    let fixed = net.with(|s| net.tags[s.tag].fixed.is_some());
-    let shows_any = |p: &usize| fixed.of_photo(*p).next().is_some();
-    let mut photos: Vec<usize> = (0..net.photos).filter(shows_any).collect();
-    let size = |p: &usize| fixed.of_photo(*p).map(|s| area_px(&s.corners_px)).sum::<f64>();
+    let fixed = net.with(|s| net.is_fixed(s.tag));
+    let mut photos: Vec<usize> = (0..net.photos).filter(|p| fixed.is_seen(Node::Photo(*p))).collect();
+    let size = |p: &usize| fixed.of(Node::Photo(*p)).map(|s| area_px(&s.corners_px)).sum::<f64>();
     photos.sort_by(|a, b| size(b).total_cmp(&size(a)));
     photos.truncate(FIRST_PHOTOS);
     let known = known(net);
     let mut starts = Vec::new();
     for photo in photos {
-        let cost = |pose: &Rigid| photo_cost(&fixed, &known, photo, pose);
-        let mut poses = photo_candidates(&fixed, &known, photo);
+        let cost = |pose: &Rigid| node_cost(&fixed, &known, Node::Photo(photo), pose);
+        let mut poses = candidates(&fixed, &known, Node::Photo(photo));
         poses.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         let best = poses.first();
         let rival = poses.iter().find(|p| best.is_some_and(|best| is_different(p, best)));
@@ -111,14 +110,9 @@ fn grow(net: &TagNetwork, photo: usize, pose: Rigid) -> (f64, Poses) {
 
 /// Lets every tag and photo take a better candidate, then adjusts all.
 fn settle(net: &TagNetwork, poses: &mut Poses, steps: usize) -> f64 {
-    for tag in (0..net.tags.len()).filter(|t| net.tags[*t].fixed.is_none()) {
-        if poses.tags[tag].is_some() {
-            poses.tags[tag] = best_tag(net, poses, tag);
-        }
-    }
-    for photo in 0..net.photos {
-        if poses.photos[photo].is_some() {
-            poses.photos[photo] = best_photo(net, poses, photo);
+    for node in net.free() {
+        if poses.of(node).is_some() {
+            *poses.of(node) = best(net, poses, node);
         }
     }
     adjust(net, poses, Free::All, rough(net), steps)
@@ -129,7 +123,7 @@ fn place_tags(net: &TagNetwork, poses: &mut Poses) -> bool {
     let mut any = false;
     for tag in 0..net.tags.len() {
         if poses.tags[tag].is_none() {
-            poses.tags[tag] = best_tag(net, poses, tag);
+            poses.tags[tag] = best(net, poses, Node::Tag(tag));
             any |= poses.tags[tag].is_some();
         }
     }
@@ -138,68 +132,53 @@ fn place_tags(net: &TagNetwork, poses: &mut Poses) -> bool {
 
 /// Places the photo that shows the most placed tags; true when there was one.
 fn place_photo(net: &TagNetwork, poses: &mut Poses) -> bool {
-    let shows = |p: &usize| net.of_photo(*p).filter(|s| poses.tags[s.tag].is_some()).count();
+    let shows = |p: &usize| net.of(Node::Photo(*p)).filter(|s| poses.tags[s.tag].is_some()).count();
     let waiting = (0..net.photos).filter(|p| poses.photos[*p].is_none() && shows(p) > 0);
     let Some(photo) = waiting.max_by_key(|p| (shows(p), std::cmp::Reverse(*p))) else {
         return false;
     };
-    poses.photos[photo] = best_photo(net, poses, photo);
+    poses.photos[photo] = best(net, poses, Node::Photo(photo));
     if poses.photos[photo].is_some() {
-        adjust(net, poses, Free::Photo(photo), rough(net), 20);
+        adjust(net, poses, Free::Only(Node::Photo(photo)), rough(net), 20);
     }
     poses.photos[photo].is_some()
 }
 
-/// The candidate pose of a tag, or the one it has, that leaves least in the placed photos.
-fn best_tag(net: &TagNetwork, poses: &Poses, tag: usize) -> Option<Rigid> {
-    let candidates = tag_candidates(net, poses, tag).into_iter().chain(poses.tags[tag]);
-    least(candidates, |pose| tag_cost(net, poses, tag, pose))
-}
-
-/// The candidate pose of a photo, or the one it has, that leaves least of the placed tags.
-fn best_photo(net: &TagNetwork, poses: &Poses, photo: usize) -> Option<Rigid> {
-    let candidates = photo_candidates(net, poses, photo).into_iter();
-    least(candidates.chain(poses.photos[photo]), |pose| {
-        photo_cost(net, poses, photo, pose)
-    })
-}
-
-fn least(candidates: impl Iterator<Item = Rigid>, cost: impl Fn(&Rigid) -> f64) -> Option<Rigid> {
+/// The candidate pose of a photo or a tag, or the one it has, that leaves least in the sightings whose other end is placed.
+fn best(net: &TagNetwork, poses: &mut Poses, node: Node) -> Option<Rigid> {
+    let candidates = candidates(net, poses, node).into_iter().chain(*poses.of(node));
+    let cost = |pose: &Rigid| node_cost(net, poses, node, pose);
     candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-/// `T_model_tag` by each branch in each placed photo.
-pub(super) fn tag_candidates(net: &TagNetwork, poses: &Poses, tag: usize) -> Vec<Rigid> {
-    let placed = net
-        .of_tag(tag)
-        .filter_map(|s| Some((s, poses.photos[s.photo]?.inverse())));
-    placed
-        .flat_map(|(s, photo)| s.branches.iter().map(move |branch| photo * branch))
-        .collect()
+/// The poses of a photo (`T_camera_model`) or a tag (`T_model_tag`) by each branch of each sighting whose other end is placed.
+pub(super) fn candidates(net: &TagNetwork, poses: &Poses, node: Node) -> Vec<Rigid> {
+    let by = |s: &Sighting| -> Option<Vec<Rigid>> {
+        let branches = s.branches.iter();
+        Some(match node {
+            Node::Photo(_) => {
+                let tag = poses.tags[s.tag]?.inverse();
+                branches.map(|branch| branch * tag).collect()
+            }
+            Node::Tag(_) => {
+                let photo = poses.photos[s.photo]?.inverse();
+                branches.map(|branch| photo * branch).collect()
+            }
+        })
+    };
+    net.of(node).filter_map(by).flatten().collect()
 }
 
-/// `T_camera_model` by each branch of each placed tag.
-pub(super) fn photo_candidates(net: &TagNetwork, poses: &Poses, photo: usize) -> Vec<Rigid> {
-    let placed = net
-        .of_photo(photo)
-        .filter_map(|s| Some((s, poses.tags[s.tag]?.inverse())));
-    placed
-        .flat_map(|(s, tag)| s.branches.iter().map(move |branch| branch * tag))
-        .collect()
-}
-
-fn tag_cost(net: &TagNetwork, poses: &Poses, tag: usize, pose: &Rigid) -> f64 {
-    let placed = net.of_tag(tag).filter_map(|s| Some((s, poses.photos[s.photo]?)));
-    placed.map(|(s, photo)| sighting_cost(net, s, &(photo * pose))).sum()
-}
-
-fn photo_cost(net: &TagNetwork, poses: &Poses, photo: usize, pose: &Rigid) -> f64 {
-    let placed = net.of_photo(photo).filter_map(|s| Some((s, poses.tags[s.tag]?)));
-    placed.map(|(s, tag)| sighting_cost(net, s, &(pose * tag))).sum()
-}
-
-fn sighting_cost(net: &TagNetwork, s: &Sighting, camera_tag: &Rigid) -> f64 {
+/// What a pose of a photo or a tag leaves in the sightings whose other end is placed.
+fn node_cost(net: &TagNetwork, poses: &Poses, node: Node, pose: &Rigid) -> f64 {
     let loss = rough(net);
-    let squared = squared_px(camera_tag, net.tags[s.tag].size_mm, &s.corners_px, net.camera);
-    squared.iter().map(|e| loss.cost(*e)).sum()
+    let cost = |s: &Sighting| {
+        let camera_tag = match node {
+            Node::Photo(_) => pose * poses.tags[s.tag]?,
+            Node::Tag(_) => poses.photos[s.photo]? * pose,
+        };
+        let squared = squared_px(&camera_tag, net.tags[s.tag].size_mm, &s.corners_px, net.camera);
+        Some(squared.iter().map(|e| loss.cost(*e)).sum::<f64>())
+    };
+    net.of(node).filter_map(cost).sum()
 }

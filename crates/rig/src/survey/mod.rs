@@ -8,17 +8,17 @@ mod edges;
 mod grow;
 mod look;
 mod network;
-mod planar;
 mod problem;
 mod residual;
 mod sizes;
 mod suspects;
 
 use adjust::{Free, Loss, adjust};
-use network::{Poses, Sighting, SizedTag, TagKey, TagNetwork};
+use network::{Node, Poses, Sighting, SizedTag, TagKey, TagNetwork};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::scene::{Scene, Tag, TagFamily, TagSigma};
+use scaleproof_pose::locate::planar_branches;
+use scaleproof_pose::scene::{Scene, Tag, TagFamily, TagSigma, corners_in_tag_mm};
 use scaleproof_pose::tags::SeenTag;
 use suspects::TagFault;
 
@@ -151,7 +151,7 @@ fn network<'a>(
             let Some(tag) = tags.iter().position(|t| t.key == (s.family, s.id)) else {
                 continue;
             };
-            let branches = planar::branches(tags[tag].size_mm, &s.corners_px, camera);
+            let branches = branches(tags[tag].size_mm, &s.corners_px, camera);
             if !branches.is_empty() {
                 sightings.push(Sighting {
                     tag,
@@ -169,69 +169,68 @@ fn network<'a>(
         sightings,
     };
     for (t, tag) in net.tags.iter().enumerate() {
-        if tag.fixed.is_none() && net.of_tag(t).next().is_none() {
+        if tag.fixed.is_none() && !net.is_seen(Node::Tag(t)) {
             left_out.push(leave(tag.key, LeftOutReason::NeverWhole));
         }
     }
     Ok((net, left_out))
 }
 
+/// Both planar branches, `T_camera_tag`, the better first; none when there is no pose before the camera.
+fn branches(size_mm: f64, corners_px: &[[f64; 2]; 4], camera: &Camera) -> Vec<Rigid> {
+    let mut found = planar_branches(&corners_in_tag_mm(size_mm), corners_px, camera);
+    let rms = |pose: &Rigid| residual::rms_px(residual::squared_px(pose, size_mm, corners_px, camera));
+    found.retain(|pose| pose.translation.z > 0.0 && rms(pose) < 100.0);
+    found.sort_by(|a, b| rms(a).total_cmp(&rms(b)));
+    found
+}
+
 fn is_usable(s: &SeenTag, seen: &[SeenTag]) -> bool {
-    let times = seen
-        .iter()
-        .filter(|other| (other.family, other.id) == (s.family, s.id))
-        .count();
+    let is_same = |other: &&SeenTag| (other.family, other.id) == (s.family, s.id);
+    let times = seen.iter().filter(is_same).count();
     s.is_whole && times == 1 && s.corners_px.iter().flatten().all(|v| v.is_finite())
 }
 
 /// The size of a tag, and its pose when it is fixed.
 fn sized(key: TagKey, given: &SurveyInput) -> Result<Option<SizedTag>, SurveyError> {
     let (family, id) = key;
-    let stated = given
-        .sizes
-        .filter(|_| family == given.family)
-        .and_then(|sizes| sizes.of(id));
+    let sizes = given.sizes.filter(|_| family == given.family);
+    let stated = sizes.and_then(|sizes| sizes.size_mm(id));
     let known = given.scene.tag(family, id);
-    if !given.fixed.contains(&key) {
-        let size = stated.or(known.map(|t| t.size_mm));
-        return Ok(size.map(|size_mm| SizedTag {
-            key,
-            size_mm,
-            fixed: None,
-        }));
+    let scene_mm = known.map(|tag| tag.size_mm);
+    let is_fixed = given.fixed.contains(&key);
+    if let (true, Some(given_mm), Some(scene_mm)) = (is_fixed, stated, scene_mm)
+        && given_mm != scene_mm
+    {
+        return Err(SurveyError::TwoSizes { id, scene_mm, given_mm });
     }
-    let known = known.ok_or(SurveyError::FixedUnknown { id })?;
-    match stated {
-        Some(given_mm) if given_mm != known.size_mm => Err(SurveyError::TwoSizes {
-            id,
-            scene_mm: known.size_mm,
-            given_mm,
-        }),
-        _ => Ok(Some(SizedTag {
-            key,
-            size_mm: known.size_mm,
-            fixed: Some(known.pose()),
-        })),
+    if is_fixed && known.is_none() {
+        return Err(SurveyError::FixedUnknown { id });
     }
+    Ok(stated.or(scene_mm).map(|size_mm| SizedTag {
+        key,
+        size_mm,
+        fixed: known.filter(|_| is_fixed).map(Tag::pose),
+    }))
 }
 
 fn check_connected(net: &TagNetwork) -> Result<(), SurveyError> {
-    let photos = (0..net.photos).filter(|p| net.of_photo(*p).next().is_some()).count();
+    let photos = (0..net.photos).filter(|p| net.is_seen(Node::Photo(*p))).count();
     if photos < 2 {
         return Err(SurveyError::TooFewPhotos { photos });
     }
-    let ids = |tags: &mut dyn Iterator<Item = usize>| tags.map(|t| net.tags[t].key.1).collect::<Vec<u32>>();
-    let fixed = |t: &usize| net.tags[*t].fixed.is_some();
-    if !net.sightings.iter().any(|s| fixed(&s.tag)) {
-        let ids = ids(&mut (0..net.tags.len()).filter(fixed));
+    if !net.sightings.iter().any(|s| net.is_fixed(s.tag)) {
+        let fixed = net.tags.iter().filter(|tag| tag.fixed.is_some());
+        let ids = fixed.map(|tag| tag.key.1).collect();
         return Err(SurveyError::NoFixedTag { ids });
     }
-    if net.sightings.iter().all(|s| fixed(&s.tag)) {
+    if net.sightings.iter().all(|s| net.is_fixed(s.tag)) {
         return Err(SurveyError::NothingToSurvey);
     }
     let groups = net.groups();
     if groups.len() > 1 {
-        let all = groups.iter().map(|g| ids(&mut g.iter().copied())).collect();
+        let ids = |group: Vec<usize>| group.into_iter().map(|t| net.tags[t].key.1).collect();
+        let all = groups.into_iter().map(ids).collect();
         return Err(SurveyError::Disconnected { all });
     }
     Ok(())
@@ -293,15 +292,8 @@ fn readjust(net: &TagNetwork, poses: &mut Poses) {
 
 /// A pose that no sighting supports any more is no pose.
 fn forget_unseen(net: &TagNetwork, poses: &mut Poses) {
-    for (t, pose) in poses.tags.iter_mut().enumerate() {
-        if net.tags[t].fixed.is_none() && net.of_tag(t).next().is_none() {
-            *pose = None;
-        }
-    }
-    for (p, pose) in poses.photos.iter_mut().enumerate() {
-        if net.of_photo(p).next().is_none() {
-            *pose = None;
-        }
+    for node in net.free().filter(|node| !net.is_seen(*node)) {
+        *poses.of(node) = None;
     }
 }
 
@@ -316,65 +308,42 @@ fn without_doubtful<'a>(
     adjust(&net, poses, Free::All, Loss::Squared, 50);
     loop {
         // A photo is only as sure as the tags that other photos, or the scene, vouch for.
-        let vouched = net.with(|s| net.tags[s.tag].fixed.is_some() || net.of_tag(s.tag).count() > 1);
-        let doubtful = |p: &usize| net.of_photo(*p).next().is_some() && photo_has_rival(&vouched, poses, *p);
-        if let Some(photo) = (0..net.photos).find(doubtful) {
-            net.sightings.retain(|s| s.photo != photo);
+        let vouched = net.with(|s| net.is_fixed(s.tag) || net.of(Node::Tag(s.tag)).count() > 1);
+        let is_doubtful = |photo: &Node| net.is_seen(*photo) && has_rival(&vouched, poses, *photo, MIN_RIVAL_RATIO);
+        let doubtful = if let Some(photo) = (0..net.photos).map(Node::Photo).find(is_doubtful) {
+            photo
         } else {
-            let free = |t: &usize| net.tags[*t].fixed.is_none() && net.of_tag(*t).next().is_some();
             let reason = |t: usize| {
-                let mut seen = net.of_tag(t);
-                match (seen.next(), seen.next()) {
-                    (Some(only), None) => {
-                        let is_frontal = tilt_deg(only, poses).is_none_or(|tilt| tilt < MIN_LONE_TILT_DEG);
-                        let is_doubtful = is_frontal || tag_has_rival(&net, poses, t, MIN_LONE_RIVAL_RATIO);
-                        is_doubtful.then(|| LeftOutReason::SeenOnce {
-                            photo: photos[only.photo].name.clone(),
-                        })
-                    }
-                    _ => tag_has_rival(&net, poses, t, MIN_RIVAL_RATIO).then_some(LeftOutReason::Ambiguous),
+                let mut seen = net.of(Node::Tag(t));
+                let (first, second) = (seen.next()?, seen.next());
+                if second.is_some() {
+                    let is_doubtful = has_rival(&net, poses, Node::Tag(t), MIN_RIVAL_RATIO);
+                    return is_doubtful.then_some(LeftOutReason::Ambiguous);
                 }
+                let is_frontal = tilt_deg(first, poses).is_none_or(|tilt| tilt < MIN_LONE_TILT_DEG);
+                let is_doubtful = is_frontal || has_rival(&net, poses, Node::Tag(t), MIN_LONE_RIVAL_RATIO);
+                let photo = photos[first.photo].name.clone();
+                is_doubtful.then_some(LeftOutReason::SeenOnce { photo })
             };
-            let doubtful = (0..net.tags.len()).filter(free).find_map(|t| Some((t, reason(t)?)));
-            let Some((tag, reason)) = doubtful else { break };
+            let mut free = (0..net.tags.len()).filter(|t| !net.is_fixed(*t));
+            let Some((tag, reason)) = free.find_map(|t| Some((t, reason(t)?))) else {
+                break;
+            };
             left_out.push(leave(net.tags[tag].key, reason));
-            net.sightings.retain(|s| s.tag != tag);
-        }
+            Node::Tag(tag)
+        };
+        net.sightings.retain(|s| !s.is_of(doubtful));
         forget_unseen(&net, poses);
         adjust(&net, poses, Free::All, Loss::Squared, 50);
     }
     // What was only seen in photos that are left out.
     for (t, tag) in net.tags.iter().enumerate() {
         let known = left_out.iter().any(|l| (l.family, l.id) == tag.key);
-        if tag.fixed.is_none() && !known && net.of_tag(t).next().is_none() {
+        if tag.fixed.is_none() && !known && !net.is_seen(Node::Tag(t)) {
             left_out.push(leave(tag.key, LeftOutReason::Ambiguous));
         }
     }
     net
-}
-
-/// True when a different pose of a photo leaves almost as little; also when nothing vouches for it.
-fn photo_has_rival(vouched: &TagNetwork, poses: &Poses, photo: usize) -> bool {
-    let own = vouched.with(|s| s.photo == photo);
-    if own.sightings.is_empty() {
-        return true;
-    }
-    let candidates = grow::photo_candidates(&own, poses, photo);
-    has_rival(
-        &own,
-        poses,
-        |p| &mut p.photos[photo],
-        Free::Photo(photo),
-        candidates,
-        MIN_RIVAL_RATIO,
-    )
-}
-
-/// True when a different pose of a tag leaves less than so many times as much.
-fn tag_has_rival(net: &TagNetwork, poses: &Poses, tag: usize, ratio: f64) -> bool {
-    let own = net.with(|s| s.tag == tag);
-    let candidates = grow::tag_candidates(&own, poses, tag);
-    has_rival(&own, poses, |p| &mut p.tags[tag], Free::Tag(tag), candidates, ratio)
 }
 
 /// The angle between a tag's normal and the line of sight to its centre.
@@ -384,24 +353,22 @@ fn tilt_deg(s: &Sighting, poses: &Poses) -> Option<f64> {
     Some(normal.angle(&-camera_tag.translation.vector).to_degrees())
 }
 
-fn has_rival(
-    own: &TagNetwork,
-    poses: &Poses,
-    place: impl Fn(&mut Poses) -> &mut Option<Rigid>,
-    free: Free,
-    candidates: Vec<Rigid>,
-    ratio: f64,
-) -> bool {
+/// True when a different pose of a photo or a tag leaves less than so many times as much; also when no sighting vouches for it.
+fn has_rival(net: &TagNetwork, poses: &Poses, node: Node, ratio: f64) -> bool {
+    let own = net.with(|s| s.is_of(node));
+    if own.sightings.is_empty() {
+        return true;
+    }
     let mut best = poses.clone();
-    let left = adjust(own, &mut best, free, Loss::Squared, 30);
-    let Some(pose) = *place(&mut best) else { return true };
+    let left = adjust(&own, &mut best, Free::Only(node), Loss::Squared, 30);
+    let Some(pose) = *best.of(node) else { return true };
     let floor = 4.0 * own.sightings.len() as f64 * NOISE_FLOOR_PX.powi(2);
-    candidates.into_iter().any(|start| {
+    grow::candidates(&own, poses, node).into_iter().any(|start| {
         let mut other = poses.clone();
-        *place(&mut other) = Some(start);
-        let rival = adjust(own, &mut other, free, Loss::Squared, 30);
-        let different = place(&mut other).is_some_and(|other| grow::is_different(&other, &pose));
-        different && rival < ratio.powi(2) * left.max(floor)
+        *other.of(node) = Some(start);
+        let rival = adjust(&own, &mut other, Free::Only(node), Loss::Squared, 30);
+        let is_different = other.of(node).is_some_and(|other| grow::is_different(&other, &pose));
+        is_different && rival < ratio.powi(2) * left.max(floor)
     })
 }
 
@@ -450,10 +417,7 @@ fn finished(
                     mm: worst(0),
                     deg: worst(3).to_degrees(),
                 };
-                Some(Tag {
-                    sigma: Some(sigma),
-                    ..standing(sized, &pose)
-                })
+                Some(standing(sized, &pose, sigma))
             }
             _ => None,
         };
@@ -462,12 +426,13 @@ fn finished(
             family,
             id,
             is_fixed: sized.fixed.is_some(),
-            photos: net.of_tag(t).count(),
+            photos: net.of(Node::Tag(t)).count(),
             shift: known.map(|known| shift(&known.pose(), &tag.pose())),
         });
         tags.push(tag);
     }
     left_out.sort_by_key(|l| (l.family, l.id));
+    let photos = photos.iter().enumerate();
     Ok(Survey {
         scene: Scene {
             tags,
@@ -475,18 +440,14 @@ fn finished(
         },
         tags: reports,
         left_out,
-        photos: photos
-            .iter()
-            .enumerate()
-            .map(|(p, tags)| photo_report(net, &poses, p, tags))
-            .collect(),
+        photos: photos.map(|(p, tags)| photo_report(net, &poses, p, tags)).collect(),
         noise_px,
         edge_shift_px: shared.moved_px,
     })
 }
 
 fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags) -> PhotoReport {
-    let own = net.with(|s| s.photo == photo);
+    let own = net.with(|s| s.is_of(Node::Photo(photo)));
     let mut used: Vec<u32> = own.sightings.iter().map(|s| net.tags[s.tag].key.1).collect();
     used.sort_unstable();
     let is_used = |s: &SeenTag| own.sightings.iter().any(|o| net.tags[o.tag].key == (s.family, s.id));
@@ -504,7 +465,7 @@ fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags)
     }
 }
 
-fn standing(tag: &SizedTag, pose: &Rigid) -> Tag {
+fn standing(tag: &SizedTag, pose: &Rigid, sigma: TagSigma) -> Tag {
     let axes = pose.rotation.to_rotation_matrix();
     Tag {
         id: tag.key.1,
@@ -513,7 +474,7 @@ fn standing(tag: &SizedTag, pose: &Rigid) -> Tag {
         centre_mm: pose.translation.vector.into(),
         right: axes.matrix().column(0).into_owned(),
         up: axes.matrix().column(1).into_owned(),
-        sigma: None,
+        sigma: Some(sigma),
     }
 }
 

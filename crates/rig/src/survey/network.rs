@@ -28,6 +28,16 @@ pub(super) struct Sighting {
     pub branches: Vec<Rigid>,
 }
 
+impl Sighting {
+    /// Whether it is of a photo or a tag.
+    pub(super) fn is_of(&self, node: Node) -> bool {
+        match node {
+            Node::Photo(photo) => self.photo == photo,
+            Node::Tag(tag) => self.tag == tag,
+        }
+    }
+}
+
 /// All sightings by one camera.
 #[derive(Debug, Clone)]
 pub(super) struct TagNetwork<'a> {
@@ -36,6 +46,13 @@ pub(super) struct TagNetwork<'a> {
     pub tags: Vec<SizedTag>,
     pub photos: usize,
     pub sightings: Vec<Sighting>,
+}
+
+/// A photo or a tag: what has a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Node {
+    Photo(usize),
+    Tag(usize),
 }
 
 /// Poses as far as they are known: `T_model_tag` of the tags, `T_camera_model` of the photos.
@@ -50,15 +67,35 @@ impl Poses {
     pub(super) fn camera_tag(&self, s: &Sighting) -> Option<Rigid> {
         Some(self.photos[s.photo]? * self.tags[s.tag]?)
     }
+
+    /// The pose of a photo or a tag.
+    pub(super) fn of(&mut self, node: Node) -> &mut Option<Rigid> {
+        match node {
+            Node::Photo(photo) => &mut self.photos[photo],
+            Node::Tag(tag) => &mut self.tags[tag],
+        }
+    }
 }
 
 impl TagNetwork<'_> {
-    pub(super) fn of_tag(&self, tag: usize) -> impl Iterator<Item = &Sighting> {
-        self.sightings.iter().filter(move |s| s.tag == tag)
+    /// The sightings of a photo or a tag.
+    pub(super) fn of(&self, node: Node) -> impl Iterator<Item = &Sighting> {
+        self.sightings.iter().filter(move |s| s.is_of(node))
     }
 
-    pub(super) fn of_photo(&self, photo: usize) -> impl Iterator<Item = &Sighting> {
-        self.sightings.iter().filter(move |s| s.photo == photo)
+    /// Whether anything is seen of a photo or a tag.
+    pub(super) fn is_seen(&self, node: Node) -> bool {
+        self.of(node).next().is_some()
+    }
+
+    pub(super) fn is_fixed(&self, tag: usize) -> bool {
+        self.tags[tag].fixed.is_some()
+    }
+
+    /// The tags that are not fixed, then the photos.
+    pub(super) fn free(&self) -> impl Iterator<Item = Node> {
+        let tags = (0..self.tags.len()).filter(move |t| !self.is_fixed(*t));
+        tags.map(Node::Tag).chain((0..self.photos).map(Node::Photo))
     }
 
     /// Squared distance in px² of each corner of a sighting from where the poses put it; `None` when a pose is unknown.
@@ -83,18 +120,17 @@ impl TagNetwork<'_> {
             let (from, to) = (group[a].max(group[b]), group[a].min(group[b]));
             group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
         };
-        let fixed: Vec<usize> = (0..self.tags.len()).filter(|t| self.tags[*t].fixed.is_some()).collect();
+        let fixed: Vec<usize> = (0..self.tags.len()).filter(|t| self.is_fixed(*t)).collect();
         fixed.windows(2).for_each(|pair| join(pair[0], pair[1]));
         for photo in 0..self.photos {
-            let tags: Vec<usize> = self.of_photo(photo).map(|s| s.tag).collect();
+            let tags: Vec<usize> = self.of(Node::Photo(photo)).map(|s| s.tag).collect();
             tags.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }
-        let is_seen = |t: &usize| self.of_tag(*t).next().is_some();
-        let seen = Vec::from_iter((0..self.tags.len()).filter(is_seen));
+        let seen = Vec::from_iter((0..self.tags.len()).filter(|t| self.is_seen(Node::Tag(*t))));
         let members = |g| Vec::from_iter(seen.iter().copied().filter(|t| group[*t] == g));
         let mut groups: Vec<Vec<usize>> = (0..self.tags.len()).map(members).collect();
         groups.retain(|g| !g.is_empty());
-        groups.sort_by_key(|g| !g.iter().any(|t| self.tags[*t].fixed.is_some()));
+        groups.sort_by_key(|g| !g.iter().any(|t| self.is_fixed(*t)));
         groups
     }
 }

@@ -1,14 +1,15 @@
 //! Which tag has which size, as in `0-7:50,8-15:40`.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// Tag sizes in mm by id.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sizes(Vec<(std::ops::RangeInclusive<u32>, f64)>);
+pub struct Sizes(Vec<(RangeInclusive<u32>, f64)>);
 
 impl Sizes {
     /// The size of a tag, when one is given.
-    pub fn of(&self, id: u32) -> Option<f64> {
+    pub fn size_mm(&self, id: u32) -> Option<f64> {
         self.0.iter().find(|(ids, _)| ids.contains(&id)).map(|(_, size)| *size)
     }
 }
@@ -35,7 +36,7 @@ impl FromStr for Sizes {
         if !text.contains(':') {
             return Ok(Sizes(vec![(0..=u32::MAX, size(text)?)]));
         }
-        let mut sizes: Vec<(std::ops::RangeInclusive<u32>, f64)> = Vec::new();
+        let mut sizes: Vec<(RangeInclusive<u32>, f64)> = Vec::new();
         for part in text.split(',') {
             let unclear = || SizesError::Unclear(part.to_owned());
             let (ids, mm) = part.split_once(':').ok_or_else(unclear)?;
@@ -45,10 +46,9 @@ impl FromStr for Sizes {
             if ids.is_empty() {
                 return Err(SizesError::Backwards(part.to_owned()));
             }
-            if sizes
-                .iter()
-                .any(|(other, _)| other.start() <= ids.end() && ids.start() <= other.end())
-            {
+            let overlaps =
+                |(other, _): &(RangeInclusive<u32>, f64)| other.start() <= ids.end() && ids.start() <= other.end();
+            if sizes.iter().any(overlaps) {
                 return Err(SizesError::Twice(part.to_owned()));
             }
             sizes.push((ids, size(mm)?));
@@ -74,10 +74,10 @@ mod tests {
     fn ranges_single_ids_and_one_size_for_all() {
         let sizes: Sizes = "0-7:50, 8:40.5".parse().unwrap();
         assert_eq!(
-            [0, 7, 8, 9].map(|id| sizes.of(id)),
+            [0, 7, 8, 9].map(|id| sizes.size_mm(id)),
             [Some(50.0), Some(50.0), Some(40.5), None]
         );
-        assert_eq!("50".parse::<Sizes>().unwrap().of(500), Some(50.0));
+        assert_eq!("50".parse::<Sizes>().unwrap().size_mm(500), Some(50.0));
     }
 
     #[test]

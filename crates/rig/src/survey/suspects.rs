@@ -1,8 +1,8 @@
 //! Tags that the photos disagree about: moved between photos, of another size than stated, not where they were said to be.
 
 use super::adjust::{Free, Loss, adjust, cost, unknowns};
-use super::grow::{rough, tag_candidates};
-use super::network::{Poses, Sighting, TagNetwork};
+use super::grow::{candidates, rough};
+use super::network::{Node, Poses, Sighting, TagNetwork};
 use super::residual::rms_px;
 
 /// A sighting is off when its corners are so many σ off (root mean square over the corners; √2 σ is usual).
@@ -89,7 +89,7 @@ pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit_px: f64) -> Option<(u
 
 fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Option<TagFault> {
     let (own, poses) = alone(net, poses, tag);
-    let everywhere: Vec<usize> = net.of_tag(tag).map(|s| s.photo).collect();
+    let everywhere: Vec<usize> = net.of(Node::Tag(tag)).map(|s| s.photo).collect();
     let group = largest_group(&own, &poses, tag, limit_px);
     if let Some((place, here)) = &group
         && here.len() == everywhere.len()
@@ -127,15 +127,15 @@ fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Option<T
 fn alone<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize) -> (TagNetwork<'a>, Poses) {
     let mut others = net.with(|s| s.tag != tag);
     let mut poses = poses.clone();
-    if others.sightings.iter().all(|s| others.tags[s.tag].fixed.is_none()) {
+    if others.sightings.iter().all(|s| !others.is_fixed(s.tag)) {
         // The one fixed tag is in question: another one holds the frame meanwhile.
-        let most = (0..others.tags.len()).max_by_key(|t| (others.of_tag(*t).count(), std::cmp::Reverse(*t)));
+        let most = (0..others.tags.len()).max_by_key(|t| (others.of(Node::Tag(*t)).count(), std::cmp::Reverse(*t)));
         if let Some(most) = most {
             others.tags[most].fixed = poses.tags[most];
         }
     }
     adjust(&others, &mut poses, Free::All, rough(net), 50);
-    let mut own = net.with(|s| s.tag == tag && others.of_photo(s.photo).next().is_some());
+    let mut own = net.with(|s| s.tag == tag && others.is_seen(Node::Photo(s.photo)));
     own.tags[tag].fixed = None;
     (own, poses)
 }
@@ -146,13 +146,13 @@ fn largest_group(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> 
         let is_fitting = |s: &&Sighting| rms(s, own, poses).is_some_and(|r| r <= limit_px);
         own.sightings.iter().filter(is_fitting).map(|s| s.photo).collect()
     };
-    let groups = tag_candidates(own, poses, tag).into_iter().map(|start| {
+    let groups = candidates(own, poses, Node::Tag(tag)).into_iter().map(|start| {
         let mut placed = poses.clone();
         placed.tags[tag] = Some(start);
-        adjust(own, &mut placed, Free::Tag(tag), rough(own), 30);
+        adjust(own, &mut placed, Free::Only(Node::Tag(tag)), rough(own), 30);
         let group = fits(&placed);
         let together = own.with(|s| group.contains(&s.photo));
-        adjust(&together, &mut placed, Free::Tag(tag), Loss::Squared, 30);
+        adjust(&together, &mut placed, Free::Only(Node::Tag(tag)), Loss::Squared, 30);
         let group = fits(&placed);
         (placed, group)
     });
@@ -181,10 +181,10 @@ fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Opt
             placed.tags[tag] = Some(start);
             (cost(&sized, &placed, rough(own)), placed)
         };
-        let starts = tag_candidates(&sized, poses, tag).into_iter().map(placed);
+        let starts = candidates(&sized, poses, Node::Tag(tag)).into_iter().map(placed);
         let nearest = starts.min_by(|a, b| a.0.total_cmp(&b.0));
         let mut placed = nearest.map_or_else(|| poses.clone(), |(_, placed)| placed);
-        let left = adjust(&sized, &mut placed, Free::Tag(tag), Loss::Squared, 30);
+        let left = adjust(&sized, &mut placed, Free::Only(Node::Tag(tag)), Loss::Squared, 30);
         (left, sized, placed)
     };
     // From a third to three times the stated size; then the best of the steps is refined by golden section.
