@@ -1,5 +1,7 @@
 //! Where the corners that a detector names lie on the board.
 
+use std::ops::Range;
+
 use super::Definition;
 
 /// A square of modules on the board: a ChArUco marker or a tag.
@@ -18,10 +20,8 @@ impl Definition {
         match self {
             Self::Charuco { squares, square_mm, .. } | Self::Chessboard { squares, square_mm, .. } => {
                 let [columns, rows] = *squares;
-                (1..rows)
-                    .flat_map(|row| (1..columns).map(move |column| (column, row)))
-                    .map(|(column, row)| [f64::from(column) * square_mm, f64::from(row) * square_mm])
-                    .collect()
+                let corner = |at: [u32; 2]| at.map(|n| f64::from(n) * square_mm);
+                row_by_row(1..columns, 1..rows).map(corner).collect()
             }
             Self::Aprilgrid { .. } => self.markers().iter().flat_map(|m| m.corners_mm).collect(),
         }
@@ -29,89 +29,41 @@ impl Definition {
 
     /// The markers of a ChArUco board or the tags of an AprilGrid, by id from 0 up; a chessboard has none.
     pub fn markers(&self) -> Vec<Marker> {
-        match self {
-            Self::Chessboard { .. } => Vec::new(),
+        // The side of one, where the first row and column begin, and from one to the next.
+        let (places, side, first, step): (Vec<[u32; 2]>, f64, f64, f64) = match self {
+            Self::Chessboard { .. } => return Vec::new(),
             Self::Charuco {
-                squares,
+                squares: [columns, rows],
                 square_mm,
                 marker_mm,
                 ..
             } => {
-                let [columns, rows] = *squares;
-                let inset = (square_mm - marker_mm) / 2.0;
-                (0..rows)
-                    .flat_map(|row| (0..columns).map(move |column| (column, row)))
-                    .filter(|(column, row)| (column + row) % 2 == 1)
-                    .zip(0..)
-                    .map(|((column, row), id)| {
-                        let at = |n: u32| f64::from(n) * square_mm + inset;
-                        Marker::new(id, [at(column), at(row)], *marker_mm)
-                    })
-                    .collect()
+                let white = row_by_row(0..*columns, 0..*rows).filter(|[column, row]| (column + row) % 2 == 1);
+                (white.collect(), *marker_mm, (square_mm - marker_mm) / 2.0, *square_mm)
             }
             Self::Aprilgrid {
-                tags,
+                tags: [columns, rows],
                 tag_mm,
                 tag_spacing,
                 ..
             } => {
-                let ([columns, rows], gap) = (*tags, tag_mm * tag_spacing);
-                (0..rows)
-                    .flat_map(|up| (0..columns).map(move |column| (column, rows - 1 - up)))
-                    .zip(0..)
-                    .map(|((column, row), id)| {
-                        let at = |n: u32| gap + f64::from(n) * (tag_mm + gap);
-                        Marker::new(id, [at(column), at(row)], *tag_mm)
-                    })
-                    .collect()
+                let (gap, upwards) = (tag_mm * tag_spacing, row_by_row(0..*columns, 0..*rows));
+                let places = upwards.map(|[column, up]| [column, rows - 1 - up]);
+                (places.collect(), *tag_mm, gap, tag_mm + gap)
             }
-        }
+        };
+        let marker = |(id, place): (u32, [u32; 2])| {
+            let [x, y] = place.map(|n| f64::from(n) * step + first);
+            Marker {
+                id,
+                corners_mm: [[x, y], [x + side, y], [x + side, y + side], [x, y + side]],
+            }
+        };
+        (0..).zip(places).map(marker).collect()
     }
 }
 
-impl Marker {
-    fn new(id: u32, [x, y]: [f64; 2], side: f64) -> Self {
-        Self {
-            id,
-            corners_mm: [[x, y], [x + side, y], [x + side, y + side], [x, y + side]],
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn corners_and_markers_lie_where_they_are_printed() {
-        let charuco = Definition::Charuco {
-            squares: [9, 7],
-            square_mm: 22.0,
-            marker_mm: 16.0,
-            dictionary: "DICT_5X5_100".into(),
-            legacy_layout: false,
-        };
-        assert_eq!(charuco.corners_mm().len(), 48);
-        assert_eq!(
-            charuco.corners_mm()[8],
-            [22.0, 44.0],
-            "the second row starts with corner 8"
-        );
-        assert_eq!(charuco.markers().len(), 31);
-        // The upper left square is black, so marker 0 stands in the second.
-        assert_eq!(charuco.markers()[0].corners_mm[2], [41.0, 19.0]);
-        let grid = Definition::Aprilgrid {
-            tags: [6, 5],
-            tag_mm: 20.0,
-            tag_spacing: 0.3,
-            family: "tag36h11".into(),
-            border_modules: 2,
-        };
-        assert_eq!(grid.corners_mm().len(), 120);
-        let [x, y] = grid.corners_mm()[3];
-        assert!(
-            (x - 6.0).abs() < 1e-9 && (y - 130.0).abs() < 1e-9,
-            "tag 0 is at the bottom left"
-        );
-    }
+/// Every column and row, row by row.
+fn row_by_row(columns: Range<u32>, rows: Range<u32>) -> impl Iterator<Item = [u32; 2]> {
+    rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
 }

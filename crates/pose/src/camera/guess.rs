@@ -109,15 +109,15 @@ fn resized(width: u32, height: u32, lens: &Lens) -> Result<f64, GuessError> {
     // EXIF counts as recorded, and some writers as upright; only the larger and the smaller side are compared.
     let (long, short) = (recorded_width.max(recorded_height), recorded_width.min(recorded_height));
     let recorded = Camera::pinhole(long, short, 1.0, 1.0, 0.0, 0.0);
-    match recorded.scaled_to(width.max(height), width.min(height)) {
-        Ok(_) => Ok(f64::from(width.max(height)) / f64::from(long)),
-        Err(_) => Err(GuessError::Cropped {
-            width,
-            height,
-            recorded_width,
-            recorded_height,
-        }),
-    }
+    let larger = width.max(height);
+    let scaled = recorded.scaled_to(larger, width.min(height));
+    scaled.map_err(|_| GuessError::Cropped {
+        width,
+        height,
+        recorded_width,
+        recorded_height,
+    })?;
+    Ok(f64::from(larger) / f64::from(long))
 }
 
 /// From the 35 mm equivalent: the focal length that would see as much on a frame of 36 × 24 mm.

@@ -48,98 +48,86 @@ impl<'a> Consensus<'a> {
 
 /// All tags where they agree, else the majority that does.
 pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) -> Result<Consensus<'a>, Abstention> {
-    let all = Consensus::of_all(Solver::EveryBranch, matches, camera);
-    let (best, tags) = (
-        all.candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px)),
-        all.matches.len(),
-    );
+    let mut all = Consensus::of_all(Solver::EveryBranch, matches, camera);
+    let best = all.candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
     let agree = |b: &PoseCandidate| Some(disagreement(&b.pose, &all.matches, camera)?.iter().all(|d| *d <= 1.0));
+    let tags = all.matches.len();
     if tags < MIN_AGREEING || best.and_then(agree) == Some(true) {
         return Ok(all);
     }
-    let (pose, kept) = majority(best, &all.matches, camera).ok_or(Abstention::NoMajority { tags })?;
-    let matches = all.matches;
-    let (matches, outliers): (Vec<_>, Vec<_>) = matches.into_iter().zip(&kept).partition(|(_, is_kept)| **is_kept);
-    let matches: Vec<Match> = matches.into_iter().map(|(m, _)| m).collect();
-    let left_out = outliers.iter().map(|(m, _)| IgnoredTag {
+    let Majority { pose, members } = majority(best, &all.matches, camera).ok_or(Abstention::NoMajority { tags })?;
+    all.matches.retain(|m| !members.iter().any(|member| is_same(m, member)));
+    let left_out = all.matches.iter().map(|m| IgnoredTag {
         id: m.tag.id,
         why: diagnose_outlier(m, &pose, scene, camera),
     });
     Ok(Consensus {
         left_out: left_out.collect(),
-        ..Consensus::of_all(Solver::EveryBranch, matches, camera)
+        ..Consensus::of_all(Solver::EveryBranch, members, camera)
     })
 }
 
-/// The pose that a majority of tags agrees on, and which do. `None` without a majority, and with two of them.
+/// A pose, and the tags that agree on it.
+struct Majority<'a> {
+    pose: Rigid,
+    members: Vec<Match<'a>>,
+}
+
+/// The pose that a majority of tags agrees on. `None` without a majority, and with two of them.
 ///
 /// One or two moved tags show up when all are fitted; where more do not, some pair of whole ones does not know of them.
-fn majority(start: Option<&PoseCandidate>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
-    if let Some(found) = start.and_then(|s| settle(s.pose, vec![true; matches.len()], matches, camera)) {
+fn majority<'a>(start: Option<&PoseCandidate>, matches: &[Match<'a>], camera: &Camera) -> Option<Majority<'a>> {
+    if let Some(found) = start.and_then(|s| settle(s.pose, matches.to_vec(), matches.len(), camera)) {
         return Some(found);
     }
     let mut largest = matches.to_vec();
     largest_first(&mut largest);
     largest.truncate(ASKED_TAGS);
-    let mut found: Vec<(Rigid, Vec<bool>)> = Vec::new();
+    let mut found: Vec<Majority> = Vec::new();
     for (i, one) in largest.iter().enumerate() {
         for other in &largest[i + 1..] {
             let pair = [one.clone(), other.clone()];
-            let is_of = |kept: &[bool]| pair.iter().all(|p| chosen(matches, kept).iter().any(|m| is_same(m, p)));
-            if !found.iter().any(|(_, kept)| is_of(kept)) {
+            let has = |members: &[Match], p| members.iter().any(|m| is_same(m, p));
+            if !found.iter().any(|found| pair.iter().all(|p| has(&found.members, p))) {
                 found.extend(majority_by(&pair, matches, camera));
             }
         }
     }
-    let (pose, kept) = found.iter().max_by_key(|(_, kept)| count(kept))?;
-    let has_rival = found.iter().any(|(other, _)| doubt::is_different(other, pose));
-    (!has_rival).then(|| (*pose, kept.clone()))
+    let best = (0..found.len()).max_by_key(|i| found[*i].members.len())?;
+    let has_rival = found
+        .iter()
+        .any(|other| doubt::is_different(&other.pose, &found[best].pose));
+    (!has_rival).then(|| found.swap_remove(best))
 }
 
 /// The majorities that agree with the poses of a pair.
-fn majority_by(pair: &[Match], matches: &[Match], camera: &Camera) -> Vec<(Rigid, Vec<bool>)> {
+fn majority_by<'a>(pair: &[Match], matches: &[Match<'a>], camera: &Camera) -> Vec<Majority<'a>> {
     let by = |candidate: &PoseCandidate| {
-        let kept = expected_by(&candidate.pose, pair, matches, camera)?;
-        settle(candidate.pose, kept, matches, camera)
+        let members = expected_by(&candidate.pose, pair, matches, camera)?;
+        settle(candidate.pose, members, matches.len(), camera)
     };
     let candidates = Solver::EveryBranch.candidates(pair, camera);
     let fitting = candidates.iter().filter(|c| c.rms_px <= doubt::limit_px(camera));
     fitting.filter_map(by).collect()
 }
 
-fn count(kept: &[bool]) -> usize {
-    kept.iter().filter(|k| **k).count()
-}
-
-/// Two of three tags at least: with fewer, tags that a wrong camera or scene file puts at odds would be dropped until the rest
-/// agrees on a wrong pose.
-fn is_majority(kept: &[bool]) -> bool {
-    count(kept) >= MIN_AGREEING && 3 * count(kept) >= 2 * kept.len()
-}
-
 fn is_same(a: &Match, b: &Match) -> bool {
     std::ptr::eq(a.tag, b.tag)
 }
 
-/// Fits the chosen tags and drops the one that agrees least with the others, until all agree. `None` when that leaves no majority.
-fn settle(mut pose: Rigid, mut kept: Vec<bool>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
-    while is_majority(&kept) {
-        let members = chosen(matches, &kept);
+/// Fits some of all tags and drops the one that agrees least with the others, until all agree. `None` when that leaves no majority: two of three
+/// tags at least, since with fewer, tags that a wrong camera or scene file puts at odds would be dropped until the rest agrees on a wrong pose.
+fn settle<'a>(mut pose: Rigid, mut members: Vec<Match<'a>>, all: usize, camera: &Camera) -> Option<Majority<'a>> {
+    while members.len() >= MIN_AGREEING && 3 * members.len() >= 2 * all {
         pose = refine::refine(&pose, &Corners::new(&members), camera, NO_HUBER)?;
         let disagreement = disagreement(&pose, &members, camera)?;
         let worst = (0..members.len()).max_by(|a, b| disagreement[*a].total_cmp(&disagreement[*b]))?;
         if disagreement[worst] <= 1.0 {
-            return Some((pose, kept));
+            return Some(Majority { pose, members });
         }
-        let dropped = matches.iter().position(|m| is_same(m, &members[worst]))?;
-        kept[dropped] = false;
+        members.remove(worst);
     }
     None
-}
-
-fn chosen<'a>(matches: &[Match<'a>], kept: &[bool]) -> Vec<Match<'a>> {
-    let chosen = matches.iter().zip(kept).filter(|(_, is_kept)| **is_kept);
-    chosen.map(|(m, _)| m.clone()).collect()
 }
 
 /// How far each tag is from where the others expect it, in units of what is allowed, by the residuals of the fit to all: deleted
@@ -159,10 +147,10 @@ fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<
 }
 
 /// Which tags lie where a pose, fitted to some of them, expects them.
-fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camera) -> Option<Vec<bool>> {
+fn expected_by<'a>(pose: &Rigid, fitted: &[Match], matches: &[Match<'a>], camera: &Camera) -> Option<Vec<Match<'a>>> {
     let (members, covariance, squares) = linearised(pose, fitted, camera)?;
     let allowed_px2 = allowed_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
-    let agrees = |m: &Match| {
+    let agrees = |m: &&Match| {
         let is_member = fitted.iter().any(|f| is_same(f, m));
         let Some(l) = LinearisedTag::new(pose, m, camera) else {
             return false;
@@ -171,7 +159,7 @@ fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camer
         let square = expected.cholesky().map(|c| l.residual.dot(&c.solve(&l.residual)));
         is_member || square.is_some_and(|square| square <= allowed_px2)
     };
-    Some(matches.iter().map(agrees).collect())
+    Some(matches.iter().filter(agrees).cloned().collect())
 }
 
 /// The squared distance at which a tag still agrees, px², by the squared residuals of the others and their degrees of freedom.

@@ -171,7 +171,14 @@ impl Diagnosis {
         };
         match self {
             Diagnosis::TagSize(size) => {
-                let (is, was) = tag_size(scene, size);
+                // What the tags are and what the scene says, as widths where all have one.
+                let mut sizes = scene.tags.iter().map(|tag| tag.size_mm);
+                let (is, was) = match sizes.next() {
+                    Some(first) if sizes.all(|s| s == first) => {
+                        (format!("{:.1} mm wide", first * size.factor), format!("{first} mm"))
+                    }
+                    _ => (format!("{:.2} times as wide", size.factor), "as wide".to_owned()),
+                };
                 format!(
                     "the tags seem to be {is}, not {was} as {scene_file} says: so {}. Measure the black square of a printed tag: if it is \
                      as {scene_file} says, all tags stand {:.2} times as far apart as it says instead",
@@ -179,12 +186,17 @@ impl Diagnosis {
                     1.0 / size.factor
                 )
             }
-            Diagnosis::Focal(focal) => format!(
-                "{}: so {}. Are these photos of another camera or zoom, or cut out of larger ones? Calibrate this camera (scaleproof \
-                 calibrate), or name its file",
-                focal_length(camera, &camera_file, focal),
-                fits(focal)
-            ),
+            Diagnosis::Focal(focal) => {
+                let off = 100.0 * (1.0 / focal.factor - 1.0);
+                let (too, is_px) = (if off > 0.0 { "long" } else { "short" }, camera.fx * focal.factor);
+                format!(
+                    "the focal length in {camera_file} seems {:.0} % too {too} (some {is_px:.0} px, not {:.0}): so {}. Are these photos of \
+                     another camera or zoom, or cut out of larger ones? Calibrate this camera (scaleproof calibrate), or name its file",
+                    off.abs(),
+                    camera.fx,
+                    fits(focal)
+                )
+            }
             Diagnosis::OtherIds { family, ids } => {
                 let own = scene.tags.iter().filter(|t| t.family == *family);
                 let own = Vec::from_iter(own.map(|t| t.id));
@@ -229,28 +241,6 @@ impl Diagnosis {
     }
 }
 
-/// What the tags are and what the scene says, as widths where all have one.
-fn tag_size(scene: &Scene, size: &Factor) -> (String, String) {
-    let mut sizes = scene.tags.iter().map(|tag| tag.size_mm);
-    match sizes.next() {
-        Some(first) if sizes.all(|s| s == first) => {
-            (format!("{:.1} mm wide", first * size.factor), format!("{first} mm"))
-        }
-        _ => (format!("{:.2} times as wide", size.factor), "as wide".to_owned()),
-    }
-}
-
-fn focal_length(camera: &Camera, camera_file: &str, focal: &Factor) -> String {
-    let off = 100.0 * (1.0 / focal.factor - 1.0);
-    format!(
-        "the focal length in {camera_file} seems {:.0} % too {} (some {:.0} px, not {:.0})",
-        off.abs(),
-        if off > 0.0 { "long" } else { "short" },
-        camera.fx * focal.factor,
-        camera.fx
-    )
-}
-
 fn camera_sizes(errors: &[SizeError], camera_file: &str) -> String {
     let (mut cropped, mut turned, mut own) = (Vec::new(), Vec::new(), "");
     for error in errors {
@@ -261,22 +251,18 @@ fn camera_sizes(errors: &[SizeError], camera_file: &str) -> String {
         own = camera;
         kind.push(photo.as_str());
     }
-    let sizes = |photos: &[&str]| match photos {
+    let (photos, advice) = if cropped.is_empty() {
+        let advice = "with no EXIF data that says which way they were turned: use the original photos, or calibrate with photos held this way";
+        (turned, advice)
+    } else {
+        let advice = "another aspect ratio: were they cut, or taken with another camera or format? Use the original photos, or calibrate at this size";
+        (cropped, advice)
+    };
+    let sizes = match &photos[..] {
         [first, second, third, _, ..] => format!("{first}, {second}, {third} and others"),
         few => few.join(" and "),
     };
-    match (&cropped[..], &turned[..]) {
-        ([], turned) => format!(
-            "{camera_file} is for photos of {own}, and these are {}, with no EXIF data that says which way they were turned: use the \
-             original photos, or calibrate with photos held this way",
-            sizes(turned)
-        ),
-        (cropped, _) => format!(
-            "{camera_file} is for photos of {own}, and these are {}, another aspect ratio: were they cut, or taken with another camera or \
-             format? Use the original photos, or calibrate at this size",
-            sizes(cropped)
-        ),
-    }
+    format!("{camera_file} is for photos of {own}, and these are {sizes}, {advice}")
 }
 
 /// The families of a scene.
@@ -286,7 +272,7 @@ fn families(scene: &Scene) -> String {
 }
 
 /// `id 7`, `ids 0 to 15`, `ids 1, 5 and 20 to 27`, at most some ranges.
-fn ids_in_words(ids: &[u32]) -> String {
+pub fn ids_in_words(ids: &[u32]) -> String {
     let sorted: BTreeSet<u32> = ids.iter().copied().collect();
     let mut ranges: Vec<(u32, u32)> = Vec::new();
     for id in &sorted {
@@ -314,18 +300,3 @@ fn ids_in_words(ids: &[u32]) -> String {
 
 /// More would not be read.
 const MOST_RANGES: usize = 8;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ids_are_said_in_ranges() {
-        let words = |ids: &[u32]| ids_in_words(ids);
-        assert_eq!(words(&[7]), "id 7");
-        assert_eq!(words(&[3, 0, 1, 2]), "ids 0 to 3");
-        assert_eq!(words(&[1, 2, 9]), "ids 1, 2 and 9");
-        let even: Vec<u32> = (0..40).step_by(2).collect();
-        assert_eq!(words(&even), "ids 0, 2, 4, 6, 8, 10, 12 and others");
-    }
-}

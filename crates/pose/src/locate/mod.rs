@@ -36,7 +36,7 @@ pub use photo::{LocatedPhoto, locate_luma, locate_near, locate_photo, locate_tag
 pub use planar::planar_branches;
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
-pub use uncertainty::{Sigma, Uncertainty};
+pub use uncertainty::{Sigma, Uncertainty, bin_probability};
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]

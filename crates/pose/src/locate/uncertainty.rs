@@ -98,7 +98,7 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
     let mut pose = *start;
     let mut noise_px = EXPECTED_NOISE_PX;
     for _ in 0..6 {
-        let clipped = Clipped::of(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
+        let clipped = Clipped::new(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
         // Of normal residuals, Huber's ψ leaves this share of the squares: 1 - exp(-HUBER_SIGMAS²/2).
         let kept = 1.0 - (-HUBER_SIGMAS * HUBER_SIGMAS / 2.0f64).exp();
         noise_px = pooled(clipped.squares / kept, clipped.freedom).sqrt();
@@ -109,7 +109,7 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
 
 /// How far a pose may be off that minimises residuals with this Huber threshold, px ([`NO_HUBER`]: least squares).
 pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
-    let clipped = Clipped::of(pose, corners, camera, huber_px)?;
+    let clipped = Clipped::new(pose, corners, camera, huber_px)?;
     let variance = pooled(clipped.squares, clipped.freedom) / (clipped.derivative * clipped.derivative);
     let information = CornerEquations::at(*pose, corners, camera, NO_HUBER)?.information;
     Some(Uncertainty {
@@ -135,7 +135,7 @@ struct Clipped {
 }
 
 impl Clipped {
-    fn of(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Clipped> {
+    fn new(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Clipped> {
         let residuals = refine::residuals_px(pose, corners, camera)?;
         let count = residuals.len() as f64;
         let lengths = residuals.iter().map(|[x, y]| x.hypot(*y));
@@ -143,11 +143,8 @@ impl Clipped {
         for length in lengths {
             squares += length.min(huber_px).powi(2);
             // Beyond the threshold, ψ has the threshold's length: it changes across its direction only.
-            derivative += if length > huber_px {
-                huber_px / length / 2.0
-            } else {
-                1.0
-            };
+            let is_beyond = length > huber_px;
+            derivative += if is_beyond { huber_px / length / 2.0 } else { 1.0 };
         }
         Some(Clipped {
             squares,
@@ -158,12 +155,12 @@ impl Clipped {
 }
 
 /// The probability that the camera is in a bin: normal errors, azimuth wrapped around, the three taken as independent.
-pub(super) fn bin_probability(bin: &Bin, bins: &Bins, v: &Viewpoint, sigma: &Sigma) -> f64 {
+pub fn bin_probability(bin: &Bin, bins: &Bins, v: &Viewpoint, sigma: &Sigma) -> f64 {
     let half = bins.azimuth_deg / 2.0;
     let off = turn(bin.azimuth_deg, v.azimuth_deg);
-    let azimuth: f64 = [-360.0, 0.0, 360.0]
-        .iter()
-        .map(|round| between(-half, half, off + round, sigma.azimuth_deg))
+    let turns = [-360.0, 0.0, 360.0].iter();
+    let azimuth: f64 = turns
+        .map(|turn| between(-half, half, off + turn, sigma.azimuth_deg))
         .sum();
     let (pitch_from, pitch_to) = edges(&bins.pitch_deg, bin.pitch_deg);
     let (near, far) = edges(&bins.distance_mm, bin.distance_mm);
@@ -181,41 +178,4 @@ fn edges(centres: &[f64], centre: f64) -> (f64, f64) {
         below.fold(f64::NEG_INFINITY, f64::max),
         above.fold(f64::INFINITY, f64::min),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn bins() -> Bins {
-        Bins {
-            azimuth_deg: 45.0,
-            pitch_deg: vec![0.0, 15.0, 30.0],
-            distance_mm: vec![850.0],
-        }
-    }
-
-    fn probability(azimuth_deg: f64, pitch_deg: f64, sigma_deg: f64) -> f64 {
-        let v = Viewpoint {
-            azimuth_deg,
-            pitch_deg,
-            distance_mm: 900.0,
-        };
-        let sigma = Sigma {
-            azimuth_deg: sigma_deg,
-            pitch_deg: sigma_deg,
-            distance_mm: 5.0,
-        };
-        bin_probability(&bins().bin_of(&v), &bins(), &v, &sigma)
-    }
-
-    #[test]
-    fn on_an_edge_it_is_a_half_and_in_the_middle_one() {
-        assert!((probability(22.5, 15.0, 0.1) - 0.5).abs() < 1e-9);
-        assert!((probability(337.5, 15.0, 0.1) - 0.5).abs() < 1e-9);
-        assert!((probability(359.9, 40.0, 0.1) - 1.0).abs() < 1e-9);
-        assert!((probability(22.5, 7.5, 0.1) - 0.25).abs() < 1e-9);
-        // One σ inside the edge: Φ(1).
-        assert!((probability(21.5, 15.0, 1.0) - 0.841_344_746).abs() < 1e-6);
-    }
 }

@@ -13,19 +13,19 @@ use crate::scene::TagFamily;
 use scaleproof_photo::photo::{Luma, REDUCTIONS};
 
 /// Images of at most this long side are searched as they are, larger ones reduced to it at most.
-const SEARCHED_PX: u32 = 1600;
+pub(super) const SEARCHED_PX: u32 = 1600;
 
 /// The first finder is shown the larger ones still smaller, at least this long: tags that it misses are looked for where the pose expects them.
 const SMALL_PX: u32 = 800;
 
 /// Live images are reduced to at most this long side, px: the answer must come soon, and the next image brings another chance.
-const SEARCHED_LIVE_PX: u32 = 640;
+pub(super) const SEARCHED_LIVE_PX: u32 = 640;
 
 /// Tags that are found in their places make a better pose, which tells more places; so often at most.
 const MOST_LOOKS: usize = 3;
 
-/// With so many whole tags a pose is likely beyond doubt: where nobody says what is missing.
-const ENOUGH_TAGS: usize = 2;
+/// With so many whole tags a pose is likely beyond doubt, and small ones that a reduced image hides are not missed: where nobody says what is missing.
+pub(super) const ENOUGH_TAGS: usize = 2;
 
 /// Finders in turn. Holds C memory, so each thread makes its own.
 pub struct Cascade {

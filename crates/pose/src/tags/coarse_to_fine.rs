@@ -1,20 +1,12 @@
-//! The default: tags are found on a reduced image, their corners fitted at full size.
+//! The default before the cascade: tags are found on a reduced image, their corners fitted at full size.
 
 use super::apriltag_c::AprilTagC;
+use super::cascade::{ENOUGH_TAGS, SEARCHED_LIVE_PX, SEARCHED_PX};
 use super::fit::fitted;
 use super::search::{Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::Luma;
-
-/// The long side of the image that is searched. Below it nothing is reduced.
-const SEARCHED_PX: u32 = 1600;
-
-/// The long side of a live image that is searched, px: the answer must come soon, and the next image brings another chance.
-const SEARCHED_LIVE_PX: u32 = 640;
-
-/// With so many whole tags a pose is beyond doubt, and the small ones that a reduced image hides are not missed.
-const ENOUGH_TAGS: usize = 2;
 
 /// C AprilTag on a reduced image, and our own corners. Holds C memory, so each thread makes its own.
 pub struct CoarseToFine {

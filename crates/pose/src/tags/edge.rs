@@ -6,17 +6,6 @@ use palette::encoding::{IntoLinear, Srgb};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_core::statistics::normal::fast_cdf_and_density;
 
-/// One pixel of the band.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct EdgePixel {
-    /// Along the first guess of the edge, from −1 to 1.
-    pub along: f64,
-    /// Across it, px; positive inside the tag.
-    pub across: f64,
-    /// Grey level as stored.
-    pub level: u8,
-}
-
 /// Where the edge is: `offset + slope · along` px across the first guess.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
@@ -53,14 +42,13 @@ type Parameters = SVector<f64, 5>;
 
 /// Fits light = outside + (inside − outside) · Φ((across − offset − slope · along) / blur), Φ the normal distribution.
 /// `None` when there is no such edge in the band of half width `band`, px. `guess`: of an earlier fit, which saves steps.
-pub(super) fn fit(pixels: &[EdgePixel], band: f64, guess: Option<EdgeProfile>) -> Option<Edge> {
-    let band_pixels = BandPixels::new(pixels);
-    let EdgeProfile { blur, outside, inside } = guess.or_else(|| band_pixels.first_guess(band))?;
+pub(super) fn fit(pixels: &BandPixels, band: f64, guess: Option<EdgeProfile>) -> Option<Edge> {
+    let EdgeProfile { blur, outside, inside } = guess.or_else(|| pixels.first_guess(band))?;
     let start = Parameters::from([0.0, 0.0, blur, outside, inside]);
-    let fitted = minimise(EdgeEquations::at(start, &band_pixels, band), &LIMITS);
+    let fitted = minimise(EdgeEquations::at(start, pixels, band), &LIMITS);
     let [offset, slope, blur, outside, inside] = fitted.parameters.into();
     let contrast = (inside - outside).abs();
-    let misfit = (fitted.cost / pixels.len() as f64).sqrt();
+    let misfit = (fitted.cost / pixels.light.len() as f64).sqrt();
     let seen =
         contrast > MIN_CONTRAST && misfit < MAX_MISFIT * contrast && blur < band && offset.abs() + slope.abs() < band;
     let profile = EdgeProfile { blur, outside, inside };
@@ -69,20 +57,20 @@ pub(super) fn fit(pixels: &[EdgePixel], band: f64, guess: Option<EdgeProfile>) -
 
 /// The pixels of a band, a list for each quantity: several pixels then take one instruction. Single precision is 4 parts in 10⁸ of full light,
 /// a step of a photo's 256 is 4 parts in 10³.
-struct BandPixels {
+#[derive(Default)]
+pub(super) struct BandPixels {
     along: Vec<f32>,
     across: Vec<f32>,
     light: Vec<f32>,
 }
 
 impl BandPixels {
-    fn new(pixels: &[EdgePixel]) -> BandPixels {
-        let light = linear_light();
-        BandPixels {
-            along: pixels.iter().map(|p| p.along as f32).collect(),
-            across: pixels.iter().map(|p| p.across as f32).collect(),
-            light: pixels.iter().map(|p| light[usize::from(p.level)]).collect(),
-        }
+    /// Adds a pixel: where it is along the first guess of the edge, from −1 to 1, and across it, px, positive inside the tag; its grey level as
+    /// stored.
+    pub(super) fn push(&mut self, along: f64, across: f64, level: u8) {
+        self.along.push(along as f32);
+        self.across.push(across as f32);
+        self.light.push(linear_light()[usize::from(level)]);
     }
 
     /// Levels from the two outer thirds of the band; `None` without pixels on both sides.

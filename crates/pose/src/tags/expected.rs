@@ -6,7 +6,7 @@ use image::GrayImage;
 use super::TagImage;
 use super::border;
 use super::fit::TagFit;
-use super::likeness::{CellPattern, Likeness};
+use super::likeness::{CellPattern, FINE, Likeness, ROUGH};
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
@@ -74,7 +74,7 @@ pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
 fn confirmed(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<(TagSides, Corners)> {
     let outline = refine::outline(grey, corners_px, cells)?;
     let fitted = outline.corners(0.0)?;
-    let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted)?;
+    let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted, &FINE)?;
     let is_tag = of_all >= LEAST_ALL && of_code >= LEAST_CODE;
     (is_tag && border::is_whole(grey, &fitted, cells)).then_some((outline, fitted))
 }
@@ -94,7 +94,7 @@ fn most_alike(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cel
         for j in -steps..=steps {
             let (u, v) = (f64::from(i) * STEP_CELLS, f64::from(j) * STEP_CELLS);
             let moved = corners_px.map(|p| [0, 1].map(|k| p[k] + u * right[k] + v * down[k]));
-            let likeness = pattern.rough_likeness(grey, &moved);
+            let likeness = pattern.likeness(grey, &moved, &ROUGH);
             if let Some(Likeness { of_all, .. }) = likeness.filter(|likeness| likeness.of_all > most) {
                 (best, most) = (Some(moved), of_all);
             }

@@ -57,7 +57,7 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
 }
 
 /// For each cell along a side: whether the cell behind the ring differs from the ring. The two end cells belong to the ring.
-fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
+pub fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
     let (modules, n) = (tag.modules(), tag.border_modules());
     let first = (modules.side() - n) / 2;
     let at = |along: usize, depth: usize| {
@@ -74,37 +74,8 @@ fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
 }
 
 /// The runs of `true`: first cell and the one after the last.
-fn runs(differs: &[bool]) -> Vec<(usize, usize)> {
+pub fn runs(differs: &[bool]) -> Vec<(usize, usize)> {
     let cells: Vec<(usize, &bool)> = differs.iter().enumerate().collect();
     let runs = cells.chunk_by(|a, b| a.1 == b.1).filter(|run| *run[0].1);
     runs.map(|run| (run[0].0, run[run.len() - 1].0 + 1)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::TagFamily;
-
-    #[test]
-    fn runs_are_joined() {
-        assert_eq!(runs(&[false, true, true, false, true, false]), [(1, 3), (4, 5)]);
-        assert_eq!(runs(&[false, false]), []);
-    }
-
-    #[test]
-    fn the_cells_behind_the_ring_are_the_code_s_outer_bits() {
-        // Tag 0 of tag36h11, 0xd5d628584: rows 110101 011101 011000 101000 010110 000100; a set bit is white.
-        let tag = TagImage::new(TagFamily::Tag36h11, 0).unwrap();
-        let white = |side| {
-            let text: String = behind_the_ring(&tag, side)
-                .iter()
-                .map(|w| if *w { '1' } else { '0' })
-                .collect();
-            text[1..7].to_owned()
-        };
-        assert_eq!(
-            [white(0), white(1), white(2), white(3)],
-            ["110101", "110000", "001000", "001001"]
-        );
-    }
 }

@@ -5,8 +5,10 @@ use image::GrayImage;
 use super::border::level;
 use super::{TagHomography, TagImage};
 
-/// Samples along each side of a cell, and how far from its middle the outer ones are, in cells.
-const SAMPLES: [f64; 3] = [-0.25, 0.0, 0.25];
+/// Samples along each side of a cell: how far from its middle they are, in cells.
+pub(super) const FINE: [f64; 3] = [-0.25, 0.0, 0.25];
+/// The middle of each cell alone: nine times as fast as [`FINE`].
+pub(super) const ROUGH: [f64; 1] = [0.0];
 
 /// A tag's cells as they would correlate: +1 white, −1 black.
 pub(super) struct CellPattern {
@@ -55,40 +57,30 @@ impl CellPattern {
         }
     }
 
-    /// How much a place looks like the tag; `None` where it leaves the image or is of one tone.
-    pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4]) -> Option<Likeness> {
+    /// How much a place looks like the tag, by samples of each cell so far from its middle each way ([`FINE`] or [`ROUGH`]); `None` where it leaves
+    /// the image or is of one tone.
+    pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4], samples: &[f64]) -> Option<Likeness> {
         let homography = TagHomography::to(corners_px);
         // Neighbouring cells are a cell apart.
         let cell_share = self.cells.get(1).map_or(0.0, |second| second.u - self.cells[0].u);
-        let step = SAMPLES.map(|s| s * cell_share);
-        let mean = |cell: &Cell| {
+        let tone = |cell: &Cell| {
             let mut sum = 0.0;
-            for du in step {
-                for dv in step {
-                    sum += level(grey, homography.pixel(cell.u + du, cell.v + dv))?;
+            for u in samples {
+                for v in samples {
+                    let [u, v] = [cell.u + u * cell_share, cell.v + v * cell_share];
+                    sum += level(grey, homography.pixel(u, v))?;
                 }
             }
             Some(sum)
         };
-        self.correlation(mean)
-    }
-
-    /// How much a place looks like the tag, by the middle of each cell alone: nine times as fast as [`Self::likeness`].
-    pub(super) fn rough_likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4]) -> Option<Likeness> {
-        let homography = TagHomography::to(corners_px);
-        self.correlation(|cell| level(grey, homography.pixel(cell.u, cell.v)))
-    }
-
-    fn correlation(&self, tone: impl Fn(&Cell) -> Option<f64>) -> Option<Likeness> {
         let tones: Vec<f64> = self.cells.iter().map(tone).collect::<Option<_>>()?;
-        let of = |is_wanted: fn(&Cell) -> bool| {
+        let correlation = |is_wanted: fn(&Cell) -> bool| {
             let wanted = self.cells.iter().zip(&tones).filter(|(cell, _)| is_wanted(cell));
-            let pairs: Vec<(f64, f64)> = wanted.map(|(cell, tone)| (cell.white, *tone)).collect();
-            pearson(&pairs)
+            pearson(&wanted.map(|(cell, tone)| (cell.white, *tone)).collect::<Vec<_>>())
         };
         Some(Likeness {
-            of_all: of(|_| true)?,
-            of_code: of(|cell| cell.is_code)?,
+            of_all: correlation(|_| true)?,
+            of_code: correlation(|cell| cell.is_code)?,
         })
     }
 }

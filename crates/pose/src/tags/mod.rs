@@ -2,7 +2,7 @@
 
 mod appearance;
 mod apriltag_c;
-mod border;
+pub mod border;
 mod cascade;
 mod choice;
 mod coarse_to_fine;
@@ -10,7 +10,7 @@ mod edge;
 mod expected;
 mod fit;
 mod homography;
-mod inset;
+pub mod inset;
 mod likeness;
 mod merge;
 mod modules;
@@ -29,7 +29,6 @@ use image::GrayImage;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::TagFamily;
-use homography::TagHomography;
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 
@@ -39,9 +38,10 @@ pub use cascade::Cascade;
 pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 pub use coarse_to_fine::CoarseToFine;
 pub use expected::{ExpectedTag, StillMissing};
+pub use homography::TagHomography;
 pub use modules::Modules;
 pub use rivals::*;
-pub use search::{enlarged, least_reduction};
+pub use search::{enlarged, least_reduction, library_reduction};
 pub use tag_image::TagImage;
 
 /// One tag found in a photo.

@@ -7,7 +7,7 @@
 
 use image::GrayImage;
 
-use super::edge::{self, Edge, EdgePixel, EdgeProfile};
+use super::edge::{self, BandPixels, Edge, EdgeProfile};
 use super::{TagHomography, shortest_side_px};
 use scaleproof_core::geometry::distance;
 
@@ -205,7 +205,7 @@ impl EdgeSegment {
     }
 
     /// The pixels of a band about the segment, of one row across it in `rows`; `None` when the band leaves the image.
-    fn samples(&self, grey: &GrayImage, band: f64, rows: usize) -> Option<Vec<EdgePixel>> {
+    fn samples(&self, grey: &GrayImage, band: f64, rows: usize) -> Option<BandPixels> {
         let (middle, direction, half) = (self.middle, self.direction, self.half);
         // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
         let main = usize::from(direction[0].abs() < direction[1].abs());
@@ -218,18 +218,16 @@ impl EdgeSegment {
         if !inside(main, reach) || !inside(other, reach * steep.abs() + spread) {
             return None; // also when a number is not finite
         }
-        let mut samples = Vec::new();
+        let mut samples = BandPixels::default();
         let along = (middle[main] - reach).ceil() as u32..=(middle[main] + reach).floor() as u32;
         for m in along.step_by(rows) {
             let centre = middle[other] + (f64::from(m) - middle[main]) * steep;
             for o in (centre - spread).ceil() as u32..=(centre + spread).floor() as u32 {
                 let (x, y) = if main == 0 { (m, o) } else { (o, m) };
                 let (dx, dy) = (f64::from(x) - middle[0], f64::from(y) - middle[1]);
-                samples.push(EdgePixel {
-                    along: (dx * direction[0] + dy * direction[1]) / half,
-                    across: dy * direction[0] - dx * direction[1],
-                    level: grey.get_pixel(x, y).0[0],
-                });
+                let along = (dx * direction[0] + dy * direction[1]) / half;
+                let across = dy * direction[0] - dx * direction[1];
+                samples.push(along, across, grey.get_pixel(x, y).0[0]);
             }
         }
         Some(samples)

@@ -19,9 +19,12 @@ pub(super) trait Search {
     /// Every tag of the library's families in an image that the library can search.
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found>;
 
-    /// Every tag of the library's families, in any order.
+    /// Every tag of the library's families, in any order: none in a tiny image, and a huge one is searched reduced.
     fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
-        within_bounds(grey, |grey| self.search_all(grey))
+        let factor = library_reduction(grey);
+        factor.map_or_else(Vec::new, |factor| {
+            reduced_by(grey, factor, |grey| self.search_all(grey))
+        })
     }
 }
 
@@ -42,14 +45,10 @@ const LEAST_SIDE_PX: u32 = 16;
 /// megapixels shows no smaller tags than one of 33.
 const MOST_SEARCHED_PX: u64 = 34_000_000;
 
-/// Searches what a library can search: nothing in a tiny image, a huge one reduced.
-fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
+/// The whole factor by which an image is reduced before a library searches it; `None` where that leaves too little of it.
+pub fn library_reduction(grey: &GrayImage) -> Option<u32> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
-    if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
-        Vec::new()
-    } else {
-        reduced_by(grey, factor, search)
-    }
+    (grey.width().min(grey.height()) / factor >= LEAST_SIDE_PX).then_some(factor)
 }
 
 /// The least whole factor by which an image has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
@@ -76,32 +75,4 @@ pub(super) fn reduced_by(luma: &dyn Luma, factor: u32, mut search: impl FnMut(&G
 /// A place of a reduced image in the whole one: pixel 0 of the reduced image covers pixels 0 to `factor` − 1.
 pub fn enlarged(place_px: [f64; 2], factor: u32) -> [f64; 2] {
     place_px.map(|v| (v + 0.5) * f64::from(factor) - 0.5)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_library_sees_nothing_tiny_and_nothing_huge() {
-        let seen_by_library = |width: u32, height: u32| {
-            let mut seen = None;
-            within_bounds(&GrayImage::new(width, height), |grey| {
-                seen = Some(grey.dimensions());
-                Vec::new()
-            });
-            seen
-        };
-        assert_eq!(seen_by_library(1, 1), None);
-        assert_eq!(seen_by_library(4000, LEAST_SIDE_PX - 1), None);
-        assert_eq!(seen_by_library(LEAST_SIDE_PX, LEAST_SIDE_PX), Some((16, 16)));
-        assert_eq!(seen_by_library(6000, 4000), Some((6000, 4000)));
-        assert_eq!(seen_by_library(12_000, 9_000), Some((6000, 4500)));
-        assert_eq!(seen_by_library(3_000_000, 20), None, "nothing is left of it");
-        assert_eq!(
-            seen_by_library(65_535, 64),
-            Some((21_845, 21)),
-            "longer sides end the C library"
-        );
-    }
 }

@@ -10,7 +10,9 @@ use super::sharpness::{BLURRED_PX, edge_width_px};
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 use scaleproof_pose::board::{Definition, Marker};
-use scaleproof_pose::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search};
+use scaleproof_pose::tags::{
+    DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, sides_px,
+};
 
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -78,9 +80,9 @@ pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorne
         return find_in(grey, board);
     }
     let mut found = find_in(&grey.reduced(factor), board)?;
-    found
-        .iter_mut()
-        .for_each(|corner| corner.px = enlarged(corner.px, factor));
+    for corner in &mut found {
+        corner.px = enlarged(corner.px, factor);
+    }
     Ok(found)
 }
 
@@ -133,9 +135,8 @@ struct PlacedMarker {
 impl PlacedMarker {
     /// The shortest side, in px per mm of the board.
     fn px_per_mm(&self) -> f64 {
-        let side = |i: usize| distance(self.corners_px[i], self.corners_px[(i + 1) % 4]);
-        let mm = distance(self.marker.corners_mm[0], self.marker.corners_mm[1]);
-        (0..4).map(side).fold(f64::INFINITY, f64::min) / mm
+        let [mm, ..] = sides_px(&self.marker.corners_mm);
+        sides_px(&self.corners_px).into_iter().fold(f64::INFINITY, f64::min) / mm
     }
 }
 
@@ -143,42 +144,39 @@ impl PlacedMarker {
 fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<PlacedMarker>, NoBoard> {
     let all = board.markers();
     let times = |id: i32| seen.iter().filter(|m| m.id == id).count();
-    let placed: Vec<PlacedMarker> = seen
-        .iter()
-        .filter(|m| times(m.id) == 1)
-        .filter_map(|m| {
-            Some(PlacedMarker {
-                marker: *all.get(usize::try_from(m.id).ok()?)?,
-                corners_px: [0, 1, 2, 3].map(|i| m.corners_px[(first + i) % 4]),
-            })
+    let place = |m: &SeenMarker| {
+        Some(PlacedMarker {
+            marker: *all.get(usize::try_from(m.id).ok()?)?,
+            corners_px: [0, 1, 2, 3].map(|i| m.corners_px[(first + i) % 4]),
         })
-        .collect();
-    let foreign = seen.iter().filter(|m| m.id as usize >= all.len()).count();
+    };
+    let once = seen.iter().filter(|m| times(m.id) == 1);
+    let placed: Vec<PlacedMarker> = once.filter_map(place).collect();
+    let (foreign, seen) = (seen.iter().filter(|m| m.id as usize >= all.len()).count(), seen.len());
     if foreign > placed.len() {
-        return Err(NoBoard::Foreign {
-            foreign,
-            seen: seen.len(),
-        });
+        return Err(NoBoard::Foreign { foreign, seen });
     }
     Ok(placed)
 }
 
 fn charuco(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
+    let Definition::Charuco { square_mm, .. } = board else {
+        return Ok(Vec::new());
+    };
     let mut found = Vec::new();
     for (id, corner) in board.corners_mm().into_iter().enumerate() {
         // The two white squares that meet in this corner are the two with the nearest markers.
         let near = |p: &&PlacedMarker| {
-            let [x, y] = centre(&p.marker);
-            let Definition::Charuco { square_mm, .. } = board else {
-                return false;
-            };
-            (x - corner[0]).abs() < *square_mm && (y - corner[1]).abs() < *square_mm
+            let [a, _, c, _] = p.marker.corners_mm;
+            (0..2).all(|k| ((a[k] + c[k]) / 2.0 - corner[k]).abs() < *square_mm)
         };
         let beside: Vec<&PlacedMarker> = seen.iter().filter(near).collect();
         let [a, b] = beside[..] else { continue };
         let from = [a, b].map(|p| p.marker.corners_mm).concat();
         let to = [a, b].map(|p| p.corners_px).concat();
-        let Some(guess) = carried(&from, &to, corner)? else {
+        // The corner carried into the image by the homography of the two markers.
+        let homography = calib3d::find_homography_ext_def(&points(&from), &points(&to))?;
+        let Some(guess) = through(&homography, corner) else {
             continue;
         };
         let nearest_mm = from.iter().map(|p| distance(*p, corner)).fold(f64::INFINITY, f64::min);
@@ -220,12 +218,11 @@ fn chessboard(image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCo
     if !calib3d::find_chessboard_corners_sb(image, size, &mut corners, flags)? {
         return Ok(Vec::new());
     }
-    let px = |p: Point2f| [f64::from(p.x), f64::from(p.y)];
-    Ok(corners
-        .iter()
-        .enumerate()
-        .map(|(id, p)| SeenCorner { id, px: px(p) })
-        .collect())
+    let corner = |(id, p): (usize, Point2f)| SeenCorner {
+        id,
+        px: [p.x, p.y].map(f64::from),
+    };
+    Ok(corners.iter().enumerate().map(corner).collect())
 }
 
 /// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.
@@ -245,12 +242,6 @@ fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<
     Ok((distance(px, guess) < half.min(4.0)).then_some(px))
 }
 
-/// A point of the board carried into the image by the homography of known points.
-fn carried(from: &[[f64; 2]], to: &[[f64; 2]], point: [f64; 2]) -> opencv::Result<Option<[f64; 2]>> {
-    let h = calib3d::find_homography_ext_def(&points(from), &points(to))?;
-    Ok(through(&h, point))
-}
-
 fn through(h: &Mat, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [a, b, c, d, e, f, g, i, j]: [f64; 9] = h.data_typed::<f64>().ok()?.try_into().ok()?;
     let w = g * x + i * y + j;
@@ -262,8 +253,7 @@ fn through(h: &Mat, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
     const BENT_SHARE: f64 = 0.04;
     let places = board.corners_mm();
-    let from: Vec<[f64; 2]> = found.iter().map(|c| places[c.id]).collect();
-    let to: Vec<[f64; 2]> = found.iter().map(|c| c.px).collect();
+    let (from, to): (Vec<[f64; 2]>, Vec<[f64; 2]>) = found.iter().map(|c| (places[c.id], c.px)).unzip();
     let extent = |axis: usize| {
         let all = to.iter().map(|p| p[axis]);
         all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
@@ -283,9 +273,4 @@ fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCor
 
 fn points(list: &[[f64; 2]]) -> Vector<Point2d> {
     list.iter().map(|[x, y]| Point2d::new(*x, *y)).collect()
-}
-
-fn centre(marker: &Marker) -> [f64; 2] {
-    let [a, _, c, _] = marker.corners_mm;
-    [(a[0] + c[0]) / 2.0, (a[1] + c[1]) / 2.0]
 }

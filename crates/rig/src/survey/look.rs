@@ -69,11 +69,10 @@ pub fn look(
             scaled.entry(caution).or_default().push(&tags.name);
         }
     }
-    let scaled = scaled
-        .into_iter()
-        .map(|(caution, names)| format!("{}: {caution}", names.join(", ")));
+    let scaled = scaled.into_iter();
+    let cautions = scaled.map(|(caution, names)| format!("{}: {caution}", names.join(", ")));
     Ok(SurveyPhotos {
-        cautions: scaled.chain(camera.guess.map(|guess| guess.caution())).collect(),
+        cautions: cautions.chain(camera.guess.map(|guess| guess.caution())).collect(),
         photos: found.into_iter().map(|(_, tags, _)| tags).collect(),
     })
 }

@@ -9,7 +9,7 @@ mod grow;
 mod look;
 mod network;
 mod problem;
-mod residual;
+pub mod residual;
 mod sizes;
 mod suspects;
 
@@ -22,6 +22,7 @@ use scaleproof_pose::scene::{Scene, Tag, TagFamily, TagSigma, corners_in_tag_mm}
 use scaleproof_pose::tags::SeenTag;
 use suspects::TagFault;
 
+pub use edges::outwards;
 pub use look::{SurveyPhotos, look};
 pub use problem::{LeftOutReason, SurveyError};
 pub use sizes::Sizes;

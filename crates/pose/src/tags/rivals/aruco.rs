@@ -3,7 +3,7 @@
 use image::GrayImage;
 use opencv::core::Mat;
 
-use super::opencv_markers::{MarkerSearch, SeenMarker};
+use super::markers::{MarkerSearch, SeenMarker};
 use crate::scene::TagFamily;
 use crate::tags::search::{Found, Search};
 use crate::tags::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};

@@ -1,9 +1,8 @@
 //! The tag detectors that need OpenCV and locus-core, for comparison and as stages of the cascade: the feature `full` has them.
 
 mod aruco;
-mod aruco_markers;
 mod locus;
-mod opencv_markers;
+mod markers;
 
 use image::GrayImage;
 use image::imageops::{FilterType, resize};
@@ -14,8 +13,7 @@ use crate::scene::TagFamily;
 use aruco::ArucoOpenCv;
 use locus::Locus;
 
-pub use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
-pub use opencv_markers::{MarkerSearch, SeenMarker};
+pub use markers::{DictionaryError, MarkerDictionary, MarkerSearch, SeenMarker, marker_search};
 
 type Searches = Result<Vec<Box<dyn Search>>, StartError>;
 

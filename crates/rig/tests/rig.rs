@@ -1,0 +1,8 @@
+//! The tests of crate `scaleproof-rig`: one program, a module for each file of the crate that it tests.
+
+#[path = "rig/survey_edges.rs"]
+mod survey_edges;
+#[path = "rig/survey_residual.rs"]
+mod survey_residual;
+#[path = "rig/survey_sizes.rs"]
+mod survey_sizes;
