@@ -9,7 +9,6 @@ mod marks;
 mod matrix_yaml;
 mod mrcal;
 pub mod projection;
-mod ray;
 pub mod yaml;
 
 use scaleproof_core::files;

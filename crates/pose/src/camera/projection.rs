@@ -1,14 +1,20 @@
-//! The projection of a point into the image, and its derivatives by the point, the pose and the camera.
+//! The projection of a point into the image, its derivatives by the point, the pose and the camera, and the way back from
+//! a pixel to the direction that it looks in.
 //!
 //! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Point3, SMatrix};
+use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Point3, SMatrix, Vector2};
 
 use super::Camera;
 use scaleproof_core::geometry::Rigid;
 
 /// Every number of a camera: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
 pub const PARAMETERS: usize = 12;
+
+/// Newton steps; five are enough for lenses that are no fisheyes.
+const NEWTON_STEPS: usize = 50;
+/// A direction is found when it projects this close to the pixel.
+const EXACT_PX: f64 = 1e-6;
 
 /// The pixel of a point, and its Jacobians.
 pub struct ProjectedPoint {
@@ -66,11 +72,33 @@ impl Camera {
 
     /// The camera's numbers in the order of `PARAMETERS`.
     pub fn parameters(&self) -> [f64; PARAMETERS] {
-        let mut all = [
-            self.fx, self.fy, self.cx, self.cy, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        ];
-        all[4..].copy_from_slice(self.distortion());
-        all
+        let [k1, k2, p1, p2, k3, k4, k5, k6] = *self.distortion();
+        [self.fx, self.fy, self.cx, self.cy, k1, k2, p1, p2, k3, k4, k5, k6]
+    }
+
+    /// The widest distance from the optical axis, at depth 1, at which [`Camera::project`] answers.
+    pub fn widest_radius(&self) -> f64 {
+        self.distortion.valid_radius
+    }
+
+    /// The point at depth 1 that a pixel shows, by Newton's method from the pinhole's answer; `None` where the lens model ends.
+    pub fn point_at(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        let target = Vector2::new((pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy);
+        let mut found = target;
+        for _ in 0..NEWTON_STEPS {
+            // What lies beyond the lens model is brought back to its edge.
+            let radius = found.norm();
+            if radius > self.widest_radius() {
+                found *= 0.999 * self.widest_radius() / radius;
+            }
+            let (at, by_xy) = distort(self.distortion(), found.x, found.y);
+            let off = target - Vector2::from(at);
+            if (self.fx * off.x).hypot(self.fy * off.y) < EXACT_PX {
+                return Some(found.into());
+            }
+            found += by_xy.try_inverse()? * off;
+        }
+        None
     }
 
     /// A point's normalised coordinates where the lens model holds.
@@ -100,7 +128,7 @@ fn by_point([fx, fy]: [f64; 2], [x, y]: [f64; 2], z: f64, by_xy: &Matrix2<f64>) 
 }
 
 /// Distorts normalised coordinates (depth 1); with the derivative by them.
-pub(super) fn distort(k: &[f64; 8], x: f64, y: f64) -> ([f64; 2], Matrix2<f64>) {
+fn distort(k: &[f64; 8], x: f64, y: f64) -> ([f64; 2], Matrix2<f64>) {
     let [k1, k2, p1, p2, k3, k4, k5, k6] = *k;
     let r2 = x * x + y * y;
     let (above, below) = radial_terms(k, r2);

@@ -1,6 +1,6 @@
 //! The one way from a photo to its pose: decode its luma, find tags in it, fit the camera to it, locate.
 
-use super::missing::still_missing;
+use super::plain_view::still_missing;
 use super::{Abstention, Located, locate};
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::scene::Scene;

@@ -1,13 +1,16 @@
-//! What a pose says the photo should show besides the tag it rests on.
+//! What a pose says the photo should show besides the tags it rests on: for a search that stops when nothing is missing, and against a pose that
+//! the photo contradicts.
 //!
 //! A lone tag whose card was turned, or that was read as another one, fits perfectly in a wrong place. The rest of the image
 //! can contradict it: the model is not where the camera looks, or tags that should be in plain view are not there.
 
 use super::abstention::Abstention;
-use super::matches::{Match, area_px};
+use super::matches::{self, Match, area_px};
+use super::solver::Solver;
+use super::{Located, Warning, doubt};
 use crate::camera::Camera;
 use crate::scene::{Scene, Tag};
-use crate::tags::{ExpectedTag, SeenTag};
+use crate::tags::{ExpectedTag, SeenTag, StillMissing};
 use scaleproof_core::geometry::Rigid;
 
 /// Tags further turned away than this may be missed by a detector: cosine of 60°.
@@ -51,6 +54,51 @@ fn is_in_plain_view(tag: &Tag, least_px2: f64, pose: &Rigid, scene: &Scene, came
     visible.is_some_and(|seen| area_px(&seen) >= least_px2 && seen.iter().all(is_inside))
 }
 
+/// Without a pose, so many of the poses that the tags allow are believed for the time of a look.
+const MOST_POSES: usize = 4;
+
+/// What is still missing, by the pose found so far or, without one, by those the tags allow; without any tag, by a guess.
+pub(super) fn still_missing(
+    located: &Result<Located, Abstention>,
+    guess: Option<&Rigid>,
+    seen: &[SeenTag],
+    scene: &Scene,
+    camera: &Camera,
+) -> StillMissing {
+    let poses = match located {
+        Ok(located) => vec![located.pose],
+        Err(_) if seen.is_empty() => guess.copied().into_iter().collect(),
+        Err(_) => allowed(seen, scene, camera),
+    };
+    let is_seen = |expected: &ExpectedTag| seen.iter().any(|s| (s.family, s.id) == (expected.family, expected.id));
+    let expected = poses.iter().flat_map(|pose| expected(pose, scene, camera));
+    StillMissing {
+        // A pose that its tags hardly fit may be one that the tags not found yet refute.
+        has_pose: located.as_ref().is_ok_and(|l| !l.warnings.contains(&Warning::PoorFit)),
+        expected: expected.filter(|expected| !is_seen(expected)).collect(),
+    }
+}
+
+/// The different poses that tags allow which were refused as too few or not good enough.
+fn allowed(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Vec<Rigid> {
+    let Ok((matches, _)) = matches::match_tags(seen, scene) else {
+        return Vec::new();
+    };
+    let mut candidates = Solver::EveryBranch.candidates(&matches, camera);
+    for only in matches.iter().filter(|_| matches.len() > 1) {
+        candidates.extend(Solver::EveryBranch.candidates(std::slice::from_ref(only), camera));
+    }
+    candidates.sort_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
+    let mut poses: Vec<Rigid> = Vec::new();
+    for candidate in candidates {
+        if poses.iter().all(|known| doubt::is_different(known, &candidate.pose)) {
+            poses.push(candidate.pose);
+        }
+    }
+    poses.truncate(MOST_POSES);
+    poses
+}
+
 /// Tags turned further away than this show no code: cosine of 78°.
 const LEAST_FACING: f64 = 0.2;
 
@@ -58,7 +106,7 @@ const LEAST_FACING: f64 = 0.2;
 const PLAIN_CELL_PX: f64 = 3.0;
 
 /// The tags that a pose lets a photo show, and where.
-pub(super) fn expected(pose: &Rigid, scene: &Scene, camera: &Camera) -> Vec<ExpectedTag> {
+fn expected(pose: &Rigid, scene: &Scene, camera: &Camera) -> Vec<ExpectedTag> {
     let expected = |tag: &Tag| {
         let corners_px = scene.visible_px(tag, (LEAST_FACING, 0.0), pose, camera)?;
         let least_px2 = (PLAIN_CELL_PX * tag.family.cells_across()).powi(2);

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
-use super::rays;
 use crate::camera::Camera;
 use scaleproof_core::geometry::{Rigid, homography, rigid};
 
@@ -13,14 +12,14 @@ pub fn planar_branches(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera
 }
 
 fn both(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Option<[Rigid; 2]> {
-    let seen = rays::at(seen_px, camera)?;
+    let seen = directions(seen_px, camera)?;
     // The branches differ in how the plane is tilted about the origin, which is where the points are.
     let middle = in_plane_mm.iter().map(|p| p.coords).sum::<Vector3<f64>>() / in_plane_mm.len() as f64;
     let centred: Vec<_> = in_plane_mm.iter().map(|p| p - middle).collect();
     let plane: Vec<_> = centred.iter().map(|p| [p.x, p.y]).collect();
     let map = homography::fitted(&plane, &seen)?;
     let pose = |rotation| {
-        let translation = rays::translation(&rotation, &centred, &seen)? - rotation * middle;
+        let translation = translation(&rotation, &centred, &seen)? - rotation * middle;
         Some(rigid::from_matrix(rotation, translation))
     };
     let [one, other] = rotations(&map)?;
@@ -49,7 +48,7 @@ fn rotations(map: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
         let second = Vector3::new(upper[(0, 1)], upper[(1, 1)], sign * b2);
         turn * Matrix3::from_columns(&[first, second, first.cross(&second)])
     };
-    Some([1.0, -1.0].map(|sign| rays::nearest_rotation(&branch(sign))))
+    Some([1.0, -1.0].map(|sign| nearest_rotation(&branch(sign))))
 }
 
 /// The rotation by the smallest angle that takes the optical axis to the direction of a point at depth 1.
@@ -57,4 +56,36 @@ fn towards(point: Vector2<f64>) -> Matrix3<f64> {
     let direction = Vector3::new(point.x, point.y, 1.0);
     let turn = nalgebra::Rotation3::rotation_between(&Vector3::z(), &direction);
     turn.map_or_else(Matrix3::identity, nalgebra::Rotation3::into_inner)
+}
+
+/// The points at depth 1 that pixels show; `None` where the lens model does not reach one.
+fn directions(pixels: &[[f64; 2]], camera: &Camera) -> Option<Vec<[f64; 2]>> {
+    pixels.iter().map(|pixel| camera.point_at(*pixel)).collect()
+}
+
+/// The rows of (1, 0, −u) and (0, 1, −v), squared and added: what a point (X, Y, Z) leaves of (X − uZ)² + (Y − vZ)².
+pub(super) fn square([u, v]: [f64; 2]) -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, -u, 0.0, 1.0, -v, -u, -v, u * u + v * v)
+}
+
+/// The translation that leaves the least Σ (X − uZ)² + (Y − vZ)² for a rotation; `None` when the directions leave it open.
+pub(super) fn translation(rotation: &Matrix3<f64>, model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Vector3<f64>> {
+    let (mut sum, mut moved) = (Matrix3::zeros(), Vector3::zeros());
+    for (point, ray) in model.iter().zip(seen) {
+        let q = square(*ray);
+        sum += q;
+        moved += q * (rotation * point.coords);
+    }
+    Some(-sum.try_inverse()? * moved)
+}
+
+/// The rotation nearest to a matrix (Frobenius norm; Kabsch 1976).
+pub(super) fn nearest_rotation(m: &Matrix3<f64>) -> Matrix3<f64> {
+    let svd = m.svd(true, true);
+    let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
+        return Matrix3::identity();
+    };
+    let sign = (u * v).determinant().signum();
+    // nalgebra sorts singular values, so the last is the smallest.
+    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v
 }

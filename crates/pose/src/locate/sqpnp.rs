@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, SVector, SymmetricEigen, Vector3};
 
-use super::rays;
+use super::planar::{nearest_rotation, square, translation};
 use crate::camera::Camera;
 use scaleproof_core::geometry::{Rigid, rigid};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
@@ -32,7 +32,7 @@ pub fn sqpnp(model_mm: &[Point3<f64>], image_px: &[[f64; 2]], camera: &Camera) -
     let scale = model.iter().map(|p| (p.coords - mean).norm()).sum::<f64>() / count;
     let scaled: Vec<_> = model.iter().map(|p| Point3::from((p.coords - mean) / scale)).collect();
     let rotation = best_rotation(&scaled, &seen)?;
-    let translation = rays::translation(&rotation, &scaled, &seen)? * scale - rotation * mean;
+    let translation = translation(&rotation, &scaled, &seen)? * scale - rotation * mean;
     (translation.iter().all(|v| v.is_finite())).then(|| rigid::from_matrix(rotation, translation))
 }
 
@@ -49,7 +49,7 @@ fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64
         }
         for sign in [1.0, -1.0] {
             let start = matrix(&(sign * eigen.eigenvectors.column(i)));
-            let found = minimum(rays::nearest_rotation(&start), &form);
+            let found = minimum(nearest_rotation(&start), &form);
             let cost = cost(&found, &form);
             if best.is_none_or(|(least, _)| cost < least) && is_in_front(&found, model, seen) {
                 best = Some((cost, found));
@@ -64,7 +64,7 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<QuadraticForm> {
     let of_point = |p: &Point3<f64>| SMatrix::<f64, 3, 9>::from_fn(|i, j| if j / 3 == i { p[j % 3] } else { 0.0 });
     let (mut sum, mut crossed) = (Matrix3::zeros(), SMatrix::<f64, 3, 9>::zeros());
     for (point, ray) in model.iter().zip(seen) {
-        let q = rays::square(*ray);
+        let q = square(*ray);
         sum += q;
         crossed += q * of_point(point);
     }
@@ -72,7 +72,7 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<QuadraticForm> {
     let mut form = QuadraticForm::zeros();
     for (point, ray) in model.iter().zip(seen) {
         let left = of_point(point) + follow;
-        form += left.transpose() * rays::square(*ray) * left;
+        form += left.transpose() * square(*ray) * left;
     }
     form.iter().all(|v| v.is_finite()).then_some(form)
 }
@@ -85,7 +85,7 @@ fn minimum(start: Matrix3<f64>, form: &QuadraticForm) -> Matrix3<f64> {
         relative_gain: 0.0,
         absolute_gain: 0.0,
     };
-    rays::nearest_rotation(&minimise(OnRotations::at(start, form), &limits).rotation)
+    nearest_rotation(&minimise(OnRotations::at(start, form), &limits).rotation)
 }
 
 /// The form at a rotation.
@@ -129,7 +129,7 @@ fn cost(rotation: &Matrix3<f64>, form: &QuadraticForm) -> f64 {
 /// Whether the middle of the points is in front of the camera.
 fn is_in_front(rotation: &Matrix3<f64>, model: &[Point3<f64>], seen: &[[f64; 2]]) -> bool {
     // The points are centred: their middle is where the translation puts it.
-    rays::translation(rotation, model, seen).is_some_and(|t| t.z > 0.0)
+    translation(rotation, model, seen).is_some_and(|t| t.z > 0.0)
 }
 
 fn numbers(m: &Matrix3<f64>) -> Nine {

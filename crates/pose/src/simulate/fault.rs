@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use rand::RngExt;
 
 use super::{SimulatedView, Simulator};
+use crate::scene::Tag;
 
 /// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,8 +83,17 @@ impl Simulator<'_> {
                 copy.corners_px = copy.corners_px.map(|[x, y]| [x + by[0], y + by[1]]);
                 view.seen.push(copy);
             }
-            SimulatedFault::MovedTag { .. } | SimulatedFault::TwistedTag { .. } => {
-                return self.displace(view, at, fault);
+            SimulatedFault::MovedTag { mm } => {
+                let angle: f64 = self.rng.random_range(0.0..std::f64::consts::TAU);
+                let shift = mm * Vector3::new(angle.cos(), angle.sin(), 0.0);
+                return self.displace(view, at, |tag| tag.centre_mm += shift);
+            }
+            SimulatedFault::TwistedTag { deg } => {
+                let (sin, cos) = deg.to_radians().sin_cos();
+                let twist = |tag: &mut Tag| {
+                    (tag.right, tag.up) = (cos * tag.right + sin * tag.up, cos * tag.up - sin * tag.right);
+                };
+                return self.displace(view, at, twist);
             }
             _ => return false,
         }
@@ -91,24 +101,14 @@ impl Simulator<'_> {
     }
 
     /// Shifts or turns the card of a seen tag; not one that would then be out of sight.
-    fn displace(&mut self, view: &mut SimulatedView, at: usize, fault: SimulatedFault) -> bool {
-        let seen = &view.seen[at];
+    fn displace(&mut self, view: &mut SimulatedView, at: usize, by: impl FnOnce(&mut Tag)) -> bool {
+        let seen = &mut view.seen[at];
         let Some(mut tag) = self.scene.tag(seen.family, seen.id).cloned() else {
             return false;
         };
-        match fault {
-            SimulatedFault::MovedTag { mm } => {
-                let angle: f64 = self.rng.random_range(0.0..std::f64::consts::TAU);
-                tag.centre_mm += mm * Vector3::new(angle.cos(), angle.sin(), 0.0);
-            }
-            SimulatedFault::TwistedTag { deg } => {
-                let (sin, cos) = deg.to_radians().sin_cos();
-                (tag.right, tag.up) = (cos * tag.right + sin * tag.up, cos * tag.up - sin * tag.right);
-            }
-            _ => return false,
-        }
-        let seen = self.seen_px(&tag, &view.pose);
-        view.seen[at].corners_px = seen.unwrap_or(view.seen[at].corners_px);
-        seen.is_some()
+        by(&mut tag);
+        let corners_px = self.seen_px(&tag, &view.pose);
+        seen.corners_px = corners_px.unwrap_or(seen.corners_px);
+        corners_px.is_some()
     }
 }

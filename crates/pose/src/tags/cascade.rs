@@ -7,7 +7,7 @@ use super::apriltag_c::AprilTagC;
 use super::expected::{self, StillMissing};
 use super::fit::TagFit;
 use super::merge::MergedTags;
-use super::search::{Found, Search, reduced_by};
+use super::search::{Found, Search, Strength, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::{Luma, REDUCTIONS};
@@ -68,13 +68,13 @@ impl Cascade {
         let mut add = |searches: Vec<Box<dyn Search>>, view, need| {
             stages.extend(searches.into_iter().map(|search| Stage { search, view, need }));
         };
-        let mut fast = rivals::fast(families)?;
+        let mut fast = rivals::finders(Strength::Speed, families)?;
         let others = fast.split_off(fast.len().min(1));
         add(fast, View::Small, Need::MissingTags);
         add(others, reduced, Need::MissingTags);
-        add(rivals::for_noise(families)?, reduced, Need::NoPose);
+        add(rivals::finders(Strength::Noise, families)?, reduced, Need::NoPose);
         add(vec![c()?], reduced, Need::MissingTags);
-        add(rivals::for_small_tags(families)?, reduced, Need::NoPose);
+        add(rivals::finders(Strength::SmallTags, families)?, reduced, Need::NoPose);
         add(vec![c()?], View::Whole, Need::NoPose);
         Ok(Cascade { stages })
     }
@@ -82,7 +82,7 @@ impl Cascade {
     /// A faster one, which misses small tags: the fastest finder alone, on a small image.
     pub fn live(families: &[TagFamily]) -> Result<Cascade, StartError> {
         let stage = Stage {
-            search: match rivals::fast(families)?.into_iter().next() {
+            search: match rivals::finders(Strength::Speed, families)?.into_iter().next() {
                 Some(fastest) => fastest,
                 None => Box::new(AprilTagC::new(families)?),
             },

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use CornersBy::{Fit, Library};
+
 use super::TagDetector;
 use super::fit::WithFittedCorners;
 use super::search::Search;
@@ -76,44 +78,48 @@ pub enum StartError {
 }
 
 impl TagDetectorChoice {
-    /// Every detector; the default first, those with a library's own corners last.
-    pub const ALL: [TagDetectorChoice; 14] = [
-        TagDetectorChoice::Cascade,
-        TagDetectorChoice::CoarseToFine,
-        TagDetectorChoice::AprilTagC(CornersBy::Fit),
-        TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit),
-        TagDetectorChoice::Aruco(ArucoRefiner::Subpix, CornersBy::Fit),
-        TagDetectorChoice::Aruco(ArucoRefiner::Contour, CornersBy::Fit),
-        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, CornersBy::Fit),
-        TagDetectorChoice::Locus(CornersBy::Fit),
-        TagDetectorChoice::AprilTagC(CornersBy::Library),
-        TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Library),
-        TagDetectorChoice::Aruco(ArucoRefiner::Subpix, CornersBy::Library),
-        TagDetectorChoice::Aruco(ArucoRefiner::Contour, CornersBy::Library),
-        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, CornersBy::Library),
-        TagDetectorChoice::Locus(CornersBy::Library),
+    /// Every detector with its name; the default first, those with a library's own corners last.
+    const NAMED: [(TagDetectorChoice, &str); 14] = [
+        (TagDetectorChoice::Cascade, "cascade"),
+        (TagDetectorChoice::CoarseToFine, "coarse-to-fine"),
+        (TagDetectorChoice::AprilTagC(Fit), "apriltag"),
+        (TagDetectorChoice::Aruco(ArucoRefiner::None, Fit), "aruco"),
+        (TagDetectorChoice::Aruco(ArucoRefiner::Subpix, Fit), "aruco-subpix"),
+        (TagDetectorChoice::Aruco(ArucoRefiner::Contour, Fit), "aruco-contour"),
+        (TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, Fit), "aruco-apriltag"),
+        (TagDetectorChoice::Locus(Fit), "locus"),
+        (TagDetectorChoice::AprilTagC(Library), "apriltag-raw"),
+        (TagDetectorChoice::Aruco(ArucoRefiner::None, Library), "aruco-raw"),
+        (
+            TagDetectorChoice::Aruco(ArucoRefiner::Subpix, Library),
+            "aruco-subpix-raw",
+        ),
+        (
+            TagDetectorChoice::Aruco(ArucoRefiner::Contour, Library),
+            "aruco-contour-raw",
+        ),
+        (
+            TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, Library),
+            "aruco-apriltag-raw",
+        ),
+        (TagDetectorChoice::Locus(Library), "locus-raw"),
     ];
+
+    /// Every detector; the default first, those with a library's own corners last.
+    pub const ALL: [TagDetectorChoice; 14] = {
+        let mut all = [TagDetectorChoice::Cascade; 14];
+        let mut i = 0;
+        while i < all.len() {
+            all[i] = Self::NAMED[i].0;
+            i += 1;
+        }
+        all
+    };
 
     /// The name it is chosen by.
     pub fn name(self) -> &'static str {
-        use ArucoRefiner::{AprilTag, Contour, None, Subpix};
-        use CornersBy::{Fit, Library};
-        match self {
-            TagDetectorChoice::Cascade => "cascade",
-            TagDetectorChoice::CoarseToFine => "coarse-to-fine",
-            TagDetectorChoice::AprilTagC(Fit) => "apriltag",
-            TagDetectorChoice::AprilTagC(Library) => "apriltag-raw",
-            TagDetectorChoice::Aruco(None, Fit) => "aruco",
-            TagDetectorChoice::Aruco(None, Library) => "aruco-raw",
-            TagDetectorChoice::Aruco(Subpix, Fit) => "aruco-subpix",
-            TagDetectorChoice::Aruco(Subpix, Library) => "aruco-subpix-raw",
-            TagDetectorChoice::Aruco(Contour, Fit) => "aruco-contour",
-            TagDetectorChoice::Aruco(Contour, Library) => "aruco-contour-raw",
-            TagDetectorChoice::Aruco(AprilTag, Fit) => "aruco-apriltag",
-            TagDetectorChoice::Aruco(AprilTag, Library) => "aruco-apriltag-raw",
-            TagDetectorChoice::Locus(Fit) => "locus",
-            TagDetectorChoice::Locus(Library) => "locus-raw",
-        }
+        let named = Self::NAMED.iter().find(|(choice, _)| *choice == self);
+        named.map_or("", |(_, name)| name)
     }
 
     /// Who says where its corners are.

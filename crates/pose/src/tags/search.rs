@@ -14,6 +14,16 @@ pub(super) struct Found {
     pub corners_px: [[f64; 2]; 4],
 }
 
+/// What the cascade uses a library for.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Strength {
+    Speed,
+    /// It finds tags in noise and blur that the others miss.
+    Noise,
+    /// It finds small tags that the others miss.
+    SmallTags,
+}
+
 /// A library that finds tags.
 pub(super) trait Search {
     /// Every tag of the library's families in an image that the library can search.

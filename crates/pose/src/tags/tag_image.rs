@@ -43,6 +43,7 @@ impl TagImage {
     }
 }
 
+type Create = unsafe extern "C" fn() -> *mut sys::apriltag_family_t;
 type Destroy = unsafe extern "C" fn(*mut sys::apriltag_family_t);
 
 /// A family of the C library; the only place of this program that calls the library without the `apriltag` crate.
@@ -53,20 +54,15 @@ struct CFamily {
 
 impl CFamily {
     fn new(family: TagFamily) -> Option<Self> {
-        // SAFETY: the `create` functions take nothing and return a family that their own `destroy` frees, or null.
-        let (family, destroy) = unsafe {
-            match family {
-                TagFamily::Tag16h5 => (sys::tag16h5_create(), sys::tag16h5_destroy as Destroy),
-                TagFamily::Tag25h9 => (sys::tag25h9_create(), sys::tag25h9_destroy as Destroy),
-                TagFamily::Tag36h11 => (sys::tag36h11_create(), sys::tag36h11_destroy as Destroy),
-                TagFamily::TagStandard41h12 => {
-                    (sys::tagStandard41h12_create(), sys::tagStandard41h12_destroy as Destroy)
-                }
-                TagFamily::TagStandard52h13 => {
-                    (sys::tagStandard52h13_create(), sys::tagStandard52h13_destroy as Destroy)
-                }
-            }
+        let (create, destroy): (Create, Destroy) = match family {
+            TagFamily::Tag16h5 => (sys::tag16h5_create, sys::tag16h5_destroy),
+            TagFamily::Tag25h9 => (sys::tag25h9_create, sys::tag25h9_destroy),
+            TagFamily::Tag36h11 => (sys::tag36h11_create, sys::tag36h11_destroy),
+            TagFamily::TagStandard41h12 => (sys::tagStandard41h12_create, sys::tagStandard41h12_destroy),
+            TagFamily::TagStandard52h13 => (sys::tagStandard52h13_create, sys::tagStandard52h13_destroy),
         };
+        // SAFETY: the `create` functions take nothing and return a family that their own `destroy` frees, or null.
+        let family = unsafe { create() };
         NonNull::new(family).map(|family| Self { family, destroy })
     }
 

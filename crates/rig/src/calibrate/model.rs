@@ -37,13 +37,23 @@ impl LensModel {
 
     /// What people call it.
     pub fn name(self) -> &'static str {
+        self.facts().0
+    }
+
+    /// How many numbers are fitted.
+    pub fn parameters(self) -> usize {
+        self.facts().1
+    }
+
+    /// Its name, and how many numbers are fitted.
+    fn facts(self) -> (&'static str, usize) {
         match self {
-            LensModel::F => "f",
-            LensModel::FC => "f, c",
-            LensModel::K1 => "f, c, k1",
-            LensModel::K1K2 => "f, c, k1, k2",
-            LensModel::PlumbBob => "plumb_bob",
-            LensModel::Rational => "rational",
+            LensModel::F => ("f", 1),
+            LensModel::FC => ("f, c", 3),
+            LensModel::K1 => ("f, c, k1", 4),
+            LensModel::K1K2 => ("f, c, k1, k2", 5),
+            LensModel::PlumbBob => ("plumb_bob", 9),
+            LensModel::Rational => ("rational", ALL),
         }
     }
 
@@ -53,18 +63,6 @@ impl LensModel {
         DMatrix::from_fn(ALL, self.parameters(), |number, p| {
             f64::from(u8::from(number.saturating_sub(shared) == p))
         })
-    }
-
-    /// How many numbers are fitted.
-    pub fn parameters(self) -> usize {
-        match self {
-            LensModel::F => 1,
-            LensModel::FC => 3,
-            LensModel::K1 => 4,
-            LensModel::K1K2 => 5,
-            LensModel::PlumbBob => 9,
-            LensModel::Rational => ALL,
-        }
     }
 }
 

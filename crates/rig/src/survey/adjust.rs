@@ -59,8 +59,8 @@ pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss
         relative_gain: 1e-9,
         absolute_gain: 1e-12,
     };
-    let problem = Problem { net, free, loss };
-    let found = minimise(NetworkEquations::at(problem, poses.clone()), &limits);
+    let start = NetworkEquations::at(net, free, loss, poses.clone());
+    let found = minimise(start, &limits);
     *poses = found.poses;
     found.cost
 }
@@ -68,12 +68,7 @@ pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
 pub(super) fn covariances(net: &TagNetwork, poses: &Poses) -> Option<Vec<Option<Matrix6<f64>>>> {
-    let problem = Problem {
-        net,
-        free: Free::All,
-        loss: Loss::Squared,
-    };
-    let normal = NetworkEquations::at(problem, poses.clone());
+    let normal = NetworkEquations::at(net, Free::All, Loss::Squared, poses.clone());
     let inverse = Cholesky::new(normal.reduced(0.0)?.0)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.slots.tags.iter().map(block).collect())
@@ -113,16 +108,11 @@ impl Slots {
     }
 }
 
-#[derive(Clone, Copy)]
-struct Problem<'a> {
+/// The normal equations `H δ = −g`, in blocks.
+struct NetworkEquations<'a> {
     net: &'a TagNetwork<'a>,
     free: Free,
     loss: Loss,
-}
-
-/// The normal equations `H δ = −g`, in blocks.
-struct NetworkEquations<'a> {
-    problem: Problem<'a>,
     poses: Poses,
     cost: f64,
     slots: Slots,
@@ -138,11 +128,13 @@ struct NetworkEquations<'a> {
 type Reduced = (DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>);
 
 impl<'a> NetworkEquations<'a> {
-    fn at(problem: Problem<'a>, poses: Poses) -> NetworkEquations<'a> {
-        let slots = Slots::new(problem.net, &poses, problem.free);
+    fn at(net: &'a TagNetwork<'a>, free: Free, loss: Loss, poses: Poses) -> NetworkEquations<'a> {
+        let slots = Slots::new(net, &poses, free);
         let [tags, photos] = [&slots.tags, &slots.photos].map(|slots| slots.iter().flatten().count());
         let mut normal = NetworkEquations {
-            problem,
+            net,
+            free,
+            loss,
             poses,
             cost: 0.0,
             slots,
@@ -152,7 +144,7 @@ impl<'a> NetworkEquations<'a> {
             tag_gradient: vec![Vector6::zeros(); tags],
             photo_gradient: vec![Vector6::zeros(); photos],
         };
-        problem.net.sightings.iter().for_each(|s| normal.add(s));
+        net.sightings.iter().for_each(|s| normal.add(s));
         normal
     }
 
@@ -161,7 +153,7 @@ impl<'a> NetworkEquations<'a> {
         let Some(camera_tag) = self.poses.camera_tag(s) else {
             return;
         };
-        let Problem { net, loss, .. } = self.problem;
+        let (net, loss) = (self.net, self.loss);
         let (tag, photo) = (self.slots.tags[s.tag], self.slots.photos[s.photo]);
         let mut tie = Matrix6::zeros();
         for (corner, seen) in corners_in_tag_mm(net.tags[s.tag].size_mm).iter().zip(&s.corners_px) {
@@ -248,6 +240,11 @@ impl LeastSquares for NetworkEquations<'_> {
     }
 
     fn stepped(&self, damping: f64) -> Option<Self> {
-        Some(NetworkEquations::at(self.problem, self.moved(damping)?))
+        Some(NetworkEquations::at(
+            self.net,
+            self.free,
+            self.loss,
+            self.moved(damping)?,
+        ))
     }
 }

@@ -28,20 +28,15 @@ pub(super) fn is_different(a: &Rigid, b: &Rigid) -> bool {
     a.rotation.angle_to(&b.rotation).to_degrees() > SAME_TURN_DEG
 }
 
-/// Two arrangements that explain the photos almost equally well.
-pub(super) struct TwoArrangements;
-
 /// Every start is grown to the end, and the arrangement that leaves least is taken; a photo pose in it that is different in
-/// another arrangement that leaves almost as little is a doubt about all of them.
-pub(super) fn grown(net: &TagNetwork) -> Result<Poses, TwoArrangements> {
+/// another arrangement that leaves almost as little makes all of them uncertain: `None`.
+pub(super) fn grown(net: &TagNetwork) -> Option<Poses> {
     let starts = starts(net).into_iter();
     let mut found: Vec<(f64, Poses)> = starts.map(|(photo, pose)| grow(net, photo, pose)).collect();
     // A start that reaches fewer poses has left less only because it explains less.
     let reached = |p: &Poses| p.tags.iter().chain(&p.photos).flatten().count();
     found.sort_by(|(cost_a, a), (cost_b, b)| reached(b).cmp(&reached(a)).then(cost_a.total_cmp(cost_b)));
-    let Some((least, best)) = found.first() else {
-        return Err(TwoArrangements);
-    };
+    let (least, best) = found.first()?;
     let differs = |p: &Poses| {
         let pairs = p.photos.iter().zip(&best.photos);
         let mut pairs = pairs.filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?)));
@@ -51,10 +46,7 @@ pub(super) fn grown(net: &TagNetwork) -> Result<Poses, TwoArrangements> {
     let floor = 0.01 * 8.0 * net.sightings.len() as f64;
     let rivals = found.iter().filter(|(_, p)| differs(p));
     let rival = rivals.map(|(c, _)| *c).fold(f64::INFINITY, f64::min);
-    if rival < MIN_RIVAL_COST * least.max(floor) {
-        return Err(TwoArrangements);
-    }
-    Ok(best.clone())
+    (rival >= MIN_RIVAL_COST * least.max(floor)).then(|| best.clone())
 }
 
 /// Photos of the most and largest fixed tags, each with its best pose and the best different one.

@@ -120,7 +120,7 @@ pub struct PhotoReport {
 pub fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Result<Survey, SurveyError> {
     let (mut net, mut left_out) = network(photos, given, camera)?;
     check_connected(&net)?;
-    let mut poses = grow::grown(&net).map_err(|_| SurveyError::TwoArrangements)?;
+    let mut poses = grow::grown(&net).ok_or(SurveyError::TwoArrangements)?;
     let (noise_px, rough) = (suspects::noise_px(&net, &poses), grow::rough(&net));
     let shared = edges::fit(&mut net, &mut poses, rough, 0.0, noise_px);
     let net = without_suspects(net, &mut poses, photos, &mut left_out)?;

@@ -7,15 +7,13 @@ mod markers;
 use image::GrayImage;
 use image::imageops::{FilterType, resize};
 
-use super::search::{Found, Search};
+use super::search::{Found, Search, Strength};
 use super::{ArucoRefiner, CornersBy, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 use aruco::ArucoOpenCv;
 use locus::Locus;
 
 pub use markers::{DictionaryError, MarkerDictionary, MarkerSearch, SeenMarker, marker_search};
-
-type Searches = Result<Vec<Box<dyn Search>>, StartError>;
 
 /// The version of the OpenCV that this program runs with.
 pub fn opencv_version() -> Option<String> {
@@ -28,28 +26,26 @@ pub(super) fn libraries() -> String {
     format!("locus-core {}, OpenCV {opencv}, ", Locus::VERSION)
 }
 
-/// The finders that the cascade asks before C AprilTag, the fastest first.
-pub(super) fn fast(families: &[TagFamily]) -> Searches {
-    let mut searches: Vec<Box<dyn Search>> = Vec::new();
-    if let Some(read) = read_by(LOCUS, families) {
-        searches.push(Box::new(Locus::unrefined(&read)?));
+/// The finders that the cascade uses for their strength, the fastest first.
+pub(super) fn finders(strength: Strength, families: &[TagFamily]) -> Result<Vec<Box<dyn Search>>, StartError> {
+    let mut finders: Vec<Box<dyn Search>> = Vec::new();
+    if let (Some(read), Strength::Speed | Strength::Noise) = (read_by(LOCUS, families), strength) {
+        let is_for_noise = strength == Strength::Noise;
+        let start = if is_for_noise {
+            Locus::for_noise
+        } else {
+            Locus::unrefined
+        };
+        finders.push(Box::new(start(&read)?));
     }
-    if let Some(read) = read_by(ARUCO, families) {
-        searches.push(Box::new(ArucoOpenCv::new(&read, ArucoRefiner::None)?));
+    if let (Some(read), Strength::Speed | Strength::SmallTags) = (read_by(ARUCO, families), strength) {
+        let aruco = ArucoOpenCv::new(&read, ArucoRefiner::None)?;
+        finders.push(match strength {
+            Strength::SmallTags => Box::new(Enlarged(aruco)),
+            _ => Box::new(aruco),
+        });
     }
-    Ok(searches)
-}
-
-/// Finders of tags in noise and blur that the others miss.
-pub(super) fn for_noise(families: &[TagFamily]) -> Searches {
-    let locus = read_by(LOCUS, families).map(|read| Ok(Box::new(Locus::for_noise(&read)?) as _));
-    locus.into_iter().collect()
-}
-
-/// Finders of small tags that the others miss.
-pub(super) fn for_small_tags(families: &[TagFamily]) -> Searches {
-    let aruco = |read: Vec<_>| Ok(Box::new(Enlarged(ArucoOpenCv::new(&read, ArucoRefiner::None)?)) as _);
-    read_by(ARUCO, families).map(aruco).into_iter().collect()
+    Ok(finders)
 }
 
 const LOCUS: TagDetectorChoice = TagDetectorChoice::Locus(CornersBy::Fit);
