@@ -91,8 +91,7 @@ impl Tally {
         self.blamed += usize::from(located.ignored_tags.iter().any(|i| Some(i.id) != view.struck));
         self.azimuth_deg
             .push(turn(located.viewpoint.azimuth_deg, truth.azimuth_deg).abs());
-        self.mahalanobis
-            .push(located.uncertainty.squared_mahalanobis(&located.pose, &view.pose));
+        self.mahalanobis.push(squared_mahalanobis(located, &view.pose));
     }
 
     fn mean_mahalanobis(&self) -> f64 {
@@ -472,6 +471,13 @@ fn taken() -> Vec<Taken> {
     truth["photos"].as_array().unwrap().iter().map(of).collect()
 }
 
+/// The squared Mahalanobis distance of the true pose from the found one: 6 in the mean when the covariance is right.
+fn squared_mahalanobis(located: &Located, truth: &Rigid) -> f64 {
+    let step = rigid::step_between(&located.pose, truth);
+    let inverse = located.uncertainty.covariance.cholesky();
+    inverse.map_or(f64::INFINITY, |c| step.dot(&c.solve(&step)))
+}
+
 fn default_detector(scene: &Scene) -> Box<dyn TagDetector> {
     TagDetectorChoice::default().open(&scene.families()).unwrap()
 }
@@ -567,7 +573,7 @@ fn the_photos_are_as_far_from_the_truth_as_they_say() {
             let Ok(located) = locate(&detector.find(&spoiled), &scene, &camera) else {
                 continue;
             };
-            squares.push(located.uncertainty.squared_mahalanobis(&located.pose, &photo.pose));
+            squares.push(squared_mahalanobis(&located, &photo.pose));
             if (*spoil, *amount) == as_taken {
                 println!(
                     "{}: {} tags, Mahalanobis² {:.2}, noise {:.2} px, σ azimuth {:.4}°, off {:.4}°, ignored {:?}",

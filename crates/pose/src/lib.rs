@@ -1,4 +1,4 @@
-//! From a photo to the camera pose: scenes, cameras, boards, AprilTags, pose estimation with its doubt, simulated views.
+//! From a photo to the camera pose: scenes, cameras, boards, AprilTags, pose estimation with its uncertainty, simulated views.
 //!
 //! [`locate::locate_photo`] is the one way from a photo to its pose. It returns an [`locate::Abstention`] with the reason instead of a pose that it
 //! cannot be sure of.

@@ -1,4 +1,4 @@
-//! What a board is: the file that is written beside it, for whoever detects it.
+//! The file that describes a board, for the programs that detect it.
 
 use std::path::{Path, PathBuf};
 

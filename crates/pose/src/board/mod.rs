@@ -1,4 +1,4 @@
-//! Calibration boards: the file that describes one, and where its corners are, for whoever prints or finds it.
+//! Calibration boards: the file that describes one, and where its corners are, for printing and detection.
 
 mod corners;
 mod definition;

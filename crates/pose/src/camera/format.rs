@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Camera, CameraError, CameraFault, kalibr, marks, matrix_yaml, mrcal};
+use super::{Camera, CameraError, CameraFault, kalibr, matrix_yaml, mrcal, yaml};
 use scaleproof_core::files::{self, FileError};
 
 /// A camera file format.
@@ -86,7 +86,7 @@ fn parse(text: &str) -> Result<Camera, CameraFault> {
         CameraFormat::Kalibr => kalibr::read(text)?,
         CameraFormat::Mrcal => mrcal::read(text)?,
     };
-    let camera = marks::read(text, camera)?;
+    let camera = yaml::read_marks(text, camera)?;
     camera.check()?;
     Ok(camera)
 }

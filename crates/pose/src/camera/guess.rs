@@ -64,11 +64,7 @@ impl Guess {
 }
 
 /// A focal length in pixels and its bound in percent.
-#[derive(Debug, Clone, Copy)]
-struct Focal {
-    px: f64,
-    percent: f64,
-}
+type Focal = (f64, f64);
 
 impl Camera {
     /// A pinhole for an upright photo of a size in pixels: square pixels, the principal point in the middle, the focal
@@ -81,20 +77,20 @@ impl Camera {
         }
         let resized = resized(width, height, lens)?;
         let (a, b) = (from_35_mm(width, height, lens), from_sensor(resized, lens));
-        let focal = match (a, b) {
-            (Some(a), Some(b)) if (a.px / b.px - 1.0).abs() * 100.0 > a.percent + b.percent => {
-                return Err(GuessError::Contradiction { a_px: a.px, b_px: b.px });
+        let (px, percent) = match (a, b) {
+            (Some((a_px, a)), Some((b_px, b))) if (a_px / b_px - 1.0).abs() * 100.0 > a + b => {
+                return Err(GuessError::Contradiction { a_px, b_px });
             }
-            (Some(a), Some(b)) => [a, b][usize::from(b.percent < a.percent)],
+            (Some(a), Some(b)) => [a, b][usize::from(b.1 < a.1)],
             (a, b) => a.or(b).ok_or(GuessError::NoFocalLength)?,
         };
-        let percent = focal.percent + (zoom - 1.0).abs() * 100.0;
+        let percent = percent + (zoom - 1.0).abs() * 100.0;
         let centre = |side: u32| (f64::from(side) - 1.0) / 2.0;
         let camera = Camera {
             guess: Some(Guess {
                 focal_percent: (percent * 10.0).ceil() / 10.0,
             }),
-            ..Camera::pinhole(width, height, focal.px, focal.px, centre(width), centre(height))
+            ..Camera::pinhole(width, height, px, px, centre(width), centre(height))
         };
         camera.check().map_err(|_| GuessError::NoFocalLength)?;
         Ok(camera)
@@ -122,7 +118,7 @@ fn resized(width: u32, height: u32, lens: &Lens) -> Result<f64, GuessError> {
 
 /// From the 35 mm equivalent: the focal length that would see as much on a frame of 36 × 24 mm.
 ///
-/// CIPA DCG-001 compares diagonals; some makers compare long sides instead. The difference counts as doubt, beside the
+/// CIPA DCG-001 compares diagonals; some makers compare long sides instead. The difference counts as uncertainty, beside the
 /// rounding to whole millimetres.
 fn from_35_mm(width: u32, height: u32, lens: &Lens) -> Option<Focal> {
     // Cameras are known that write tens of thousands here.
@@ -132,7 +128,7 @@ fn from_35_mm(width: u32, height: u32, lens: &Lens) -> Option<Focal> {
     let by_long_side_px = equivalent_mm * f64::from(width.max(height)) / 36.0;
     let rounding = 50.0 / equivalent_mm;
     let percent = rounding + (by_long_side_px / px - 1.0).abs() * 100.0 + focus_percent(lens);
-    Some(Focal { px, percent })
+    Some((px, percent))
 }
 
 /// From the focal length in mm and the pixels per mm of the sensor.
@@ -144,10 +140,8 @@ fn from_sensor(resized: f64, lens: &Lens) -> Option<Focal> {
     if !(50.0..=2000.0).contains(&px_per_mm) || !(0.5..=2000.0).contains(&focal_mm) {
         return None;
     }
-    Some(Focal {
-        px: focal_mm * px_per_mm * resized,
-        percent: NOMINAL_PERCENT + focus_percent(lens),
-    })
+    let percent = NOMINAL_PERCENT + focus_percent(lens);
+    Some((focal_mm * px_per_mm * resized, percent))
 }
 
 /// A lens that focuses near moves away from the sensor: at distance d by f / (d − f) of its focal length (thin lens), here

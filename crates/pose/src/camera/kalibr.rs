@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::{Camera, CameraFault, marks, yaml};
+use super::{Camera, CameraFault, yaml};
 
 /// One camera of the chain; where it stands in the chain does not matter here.
 #[derive(Deserialize)]
@@ -64,7 +64,7 @@ pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
     Ok(format!(
         "{}cam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: radtan\n  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n  \
          rostopic: /cam0/image_raw\n",
-        marks::write(camera),
+        yaml::write_marks(camera),
         yaml::list(&[fx, fy, cx, cy]),
         yaml::list(&[k1, k2, p1, p2]),
         camera.width,

@@ -6,7 +6,7 @@
 
 use serde::Deserialize;
 
-use super::{Camera, CameraFault, marks, yaml};
+use super::{Camera, CameraFault, yaml};
 
 /// The keys we need. The others are passed over: date, flags and errors belong to the writers, and the rectification and projection of a single
 /// camera follow from the rest.
@@ -102,7 +102,7 @@ pub(super) fn write_opencv(camera: &Camera) -> String {
     let coefficients = camera.needed_coefficients(&[5, 8]);
     format!(
         "%YAML:1.0\n---\n{}image_width: {}\nimage_height: {}\n{}{}",
-        marks::write(camera),
+        yaml::write_marks(camera),
         camera.width,
         camera.height,
         matrix("camera_matrix", 3, &camera_matrix(camera)),
@@ -126,7 +126,7 @@ pub(super) fn write_ros(camera: &Camera) -> String {
     let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let projection = [fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
     [
-        marks::write(camera),
+        yaml::write_marks(camera),
         format!("image_width: {}\nimage_height: {}\n", camera.width, camera.height),
         "camera_name: camera\n".to_owned(),
         matrix("camera_matrix", 3, &camera_matrix(camera)),

@@ -5,7 +5,6 @@ mod fit;
 mod format;
 mod guess;
 mod kalibr;
-mod marks;
 mod matrix_yaml;
 mod mrcal;
 pub mod projection;

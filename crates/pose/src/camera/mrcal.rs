@@ -5,7 +5,7 @@
 
 use serde::Deserialize;
 
-use super::{Camera, CameraFault, marks, yaml};
+use super::{Camera, CameraFault, yaml};
 
 /// The keys we need; where the camera stood and what it was calibrated from are passed over.
 #[derive(Deserialize)]
@@ -69,7 +69,7 @@ pub(super) fn write(camera: &Camera) -> String {
     format!(
         "{}{{\n    'lensmodel': '{}',\n\n    # fx, fy, cx, cy, then the coefficients in OpenCV's order\n    'intrinsics': [ {} ],\n\n    \
          # the camera's own frame\n    'extrinsics': [ 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 ],\n\n    'imagersize': [ {}, {} ],\n}}\n",
-        marks::write(camera),
+        yaml::write_marks(camera),
         model.map_or("", |(name, _)| name),
         yaml::list(&intrinsics),
         camera.width,

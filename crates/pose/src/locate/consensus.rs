@@ -9,7 +9,7 @@ use super::abstention::Abstention;
 use super::doubt;
 use super::matches::{Corners, Ignored, IgnoredTag, Match};
 use super::refine::{self, NO_HUBER};
-use super::solver::{PoseCandidate, Solver, largest_first};
+use super::solver::{PoseCandidate, Solver, largest};
 use super::uncertainty::pooled;
 use crate::camera::Camera;
 use crate::scene::{Scene, Tag};
@@ -22,7 +22,7 @@ const AGREES: f64 = 8.0 * 3.5 * 3.5;
 /// Noise that is believed at most, as an angle: with more, several moved tags would excuse each other.
 pub(super) const MAX_NOISE_DEG: f64 = 0.05;
 
-/// Pairs of so many of the largest tags are asked what they see.
+/// So many of the largest tags are paired to find a majority that agrees with each pair.
 const ASKED_TAGS: usize = 8;
 
 /// A majority is at least so many tags.
@@ -37,7 +37,7 @@ pub(super) struct Consensus<'a> {
 
 impl<'a> Consensus<'a> {
     /// All tags, whether they agree or not.
-    pub(super) fn of_all(solver: Solver, matches: Vec<Match<'a>>, camera: &Camera) -> Consensus<'a> {
+    pub(super) fn unchecked(solver: Solver, matches: Vec<Match<'a>>, camera: &Camera) -> Consensus<'a> {
         Consensus {
             candidates: solver.candidates(&matches, camera),
             matches,
@@ -48,7 +48,7 @@ impl<'a> Consensus<'a> {
 
 /// All tags where they agree, else the majority that does.
 pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) -> Result<Consensus<'a>, Abstention> {
-    let mut all = Consensus::of_all(Solver::EveryBranch, matches, camera);
+    let mut all = Consensus::unchecked(Solver::EveryBranch, matches, camera);
     let best = all.candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
     let agree = |b: &PoseCandidate| Some(disagreement(&b.pose, &all.matches, camera)?.iter().all(|d| *d <= 1.0));
     let tags = all.matches.len();
@@ -63,7 +63,7 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
     });
     Ok(Consensus {
         left_out: left_out.collect(),
-        ..Consensus::of_all(Solver::EveryBranch, members, camera)
+        ..Consensus::unchecked(Solver::EveryBranch, members, camera)
     })
 }
 
@@ -80,9 +80,7 @@ fn majority<'a>(start: Option<&PoseCandidate>, matches: &[Match<'a>], camera: &C
     if let Some(found) = start.and_then(|s| settle(s.pose, matches.to_vec(), matches.len(), camera)) {
         return Some(found);
     }
-    let mut largest = matches.to_vec();
-    largest_first(&mut largest);
-    largest.truncate(ASKED_TAGS);
+    let largest = largest(matches, ASKED_TAGS);
     let mut found: Vec<Majority> = Vec::new();
     for (i, one) in largest.iter().enumerate() {
         for other in &largest[i + 1..] {

@@ -92,7 +92,7 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     } = if solver == Solver::EveryBranch {
         consensus::find(matches, scene, camera)?
     } else {
-        Consensus::of_all(solver, solver.used(matches), camera)
+        Consensus::unchecked(solver, solver.used(matches), camera)
     };
     let (best, rival) = doubt::without_rival(candidates, &matches, camera)?;
     if let [only] = &matches[..] {

@@ -42,12 +42,11 @@ impl Solver {
     }
 
     /// The matches this solver looks at.
-    pub(super) fn used<'a>(self, mut matches: Vec<Match<'a>>) -> Vec<Match<'a>> {
-        if self == Solver::BestTag {
-            largest_first(&mut matches);
-            matches.truncate(1);
+    pub(super) fn used<'a>(self, matches: Vec<Match<'a>>) -> Vec<Match<'a>> {
+        match self {
+            Solver::BestTag => largest(&matches, 1),
+            _ => matches,
         }
-        matches
     }
 
     /// Every pose that might be the one, unsorted.
@@ -86,16 +85,18 @@ const BRANCHED_TAGS: usize = 3;
 
 /// `T_camera_model` by both planar branches of each of the largest tags.
 fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
-    let mut largest = matches.to_vec();
-    largest_first(&mut largest);
-    let of = |m: &Match| {
+    let branches = |m: Match| {
         let to_model = m.tag.pose().inverse();
         let branches = planar_branches(&corners_in_tag_mm(m.tag.size_mm), &m.corners_px, camera);
         branches.into_iter().map(move |t_camera_tag| t_camera_tag * to_model)
     };
-    largest.iter().take(BRANCHED_TAGS).flat_map(of).collect()
+    largest(matches, BRANCHED_TAGS).into_iter().flat_map(branches).collect()
 }
 
-pub(super) fn largest_first(matches: &mut [Match]) {
-    matches.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));
+/// So many of the largest tags, the largest first.
+pub(super) fn largest<'a>(matches: &[Match<'a>], most: usize) -> Vec<Match<'a>> {
+    let mut largest = matches.to_vec();
+    largest.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));
+    largest.truncate(most);
+    largest
 }

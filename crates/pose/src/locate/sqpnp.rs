@@ -48,10 +48,12 @@ fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64
             break;
         }
         for sign in [1.0, -1.0] {
-            let start = matrix(&(sign * eigen.eigenvectors.column(i)));
+            let start = Matrix3::from_row_iterator((sign * eigen.eigenvectors.column(i)).iter().copied());
             let found = minimum(nearest_rotation(&start), &form);
             let cost = cost(&found, &form);
-            if best.is_none_or(|(least, _)| cost < least) && is_in_front(&found, model, seen) {
+            // The points are centred: their middle is where the translation puts it.
+            let is_in_front = || translation(&found, model, seen).is_some_and(|t| t.z > 0.0);
+            if best.is_none_or(|(least, _)| cost < least) && is_in_front() {
                 best = Some((cost, found));
             }
         }
@@ -126,16 +128,6 @@ fn cost(rotation: &Matrix3<f64>, form: &QuadraticForm) -> f64 {
     r.dot(&(form * r))
 }
 
-/// Whether the middle of the points is in front of the camera.
-fn is_in_front(rotation: &Matrix3<f64>, model: &[Point3<f64>], seen: &[[f64; 2]]) -> bool {
-    // The points are centred: their middle is where the translation puts it.
-    translation(rotation, model, seen).is_some_and(|t| t.z > 0.0)
-}
-
 fn numbers(m: &Matrix3<f64>) -> Nine {
     Nine::from_iterator(m.transpose().iter().copied())
-}
-
-fn matrix(r: &Nine) -> Matrix3<f64> {
-    Matrix3::from_row_iterator(r.iter().copied())
 }

@@ -11,7 +11,7 @@ use super::refine::{self, CornerEquations, NO_HUBER};
 use super::solver::PoseCandidate;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Viewpoint};
-use scaleproof_core::geometry::{Rigid, angle::turn, rigid::step_between};
+use scaleproof_core::geometry::{Rigid, angle::turn};
 use scaleproof_core::statistics::normal::between;
 
 /// Corner noise that is expected before a residual was seen, px per axis, and how many residuals that expectation weighs: eight
@@ -44,15 +44,6 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// The squared Mahalanobis distance of the true pose from the found one: 6 in the mean when the covariance is right.
-    /// Infinite when the covariance has no inverse.
-    pub fn squared_mahalanobis(&self, found: &Rigid, truth: &Rigid) -> f64 {
-        let step = step_between(found, truth);
-        self.covariance
-            .cholesky()
-            .map_or(f64::INFINITY, |c| step.dot(&c.solve(&step)))
-    }
-
     /// How likely a rival is, relative to the best pose, by `count` corners with normal noise.
     pub(super) fn likelihood(&self, rival: &PoseCandidate, best: &PoseCandidate, count: usize) -> f64 {
         let squares = |c: &PoseCandidate| count as f64 * c.rms_px * c.rms_px;

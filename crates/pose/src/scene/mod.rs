@@ -3,7 +3,6 @@
 
 mod bins;
 mod classes;
-mod envelope;
 mod fault;
 mod file;
 mod ring;
@@ -14,11 +13,12 @@ mod write;
 
 pub use bins::{Bin, Bins};
 pub use classes::Classes;
-pub use envelope::Envelope;
 pub use fault::SceneFault;
 pub use ring::TagRing;
 pub use tag::{Tag, TagFamily, TagSigma, corners_in_tag_mm};
 pub use viewpoint::Viewpoint;
+
+use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 
@@ -118,5 +118,46 @@ impl ScaleModel {
             (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
         }
         enter < leave
+    }
+}
+
+/// The shape whose projection is a photo's truth box. A mesh is a `.glb`, `.obj`, `.stl` or `.ply`; its path counts from the scene
+/// file's folder.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Envelope {
+    /// The box of the model's size.
+    #[default]
+    Box,
+    /// The convex hull of a mesh.
+    Hull(PathBuf),
+    /// A mesh.
+    Mesh(PathBuf),
+}
+
+impl Envelope {
+    /// The word in `scene.toml`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Envelope::Box => "box",
+            Envelope::Hull(_) => "hull",
+            Envelope::Mesh(_) => "mesh",
+        }
+    }
+
+    /// The file it is made of.
+    pub fn mesh(&self) -> Option<&Path> {
+        match self {
+            Envelope::Box => None,
+            Envelope::Hull(path) | Envelope::Mesh(path) => Some(path),
+        }
+    }
+
+    /// The envelope with its mesh at another path, made from its path so far; a box stays as it is.
+    pub fn with_mesh(self, place: impl FnOnce(PathBuf) -> PathBuf) -> Envelope {
+        match self {
+            Envelope::Box => Envelope::Box,
+            Envelope::Hull(path) => Envelope::Hull(place(path)),
+            Envelope::Mesh(path) => Envelope::Mesh(place(path)),
+        }
     }
 }

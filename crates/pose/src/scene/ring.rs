@@ -117,24 +117,20 @@ impl TagRing {
         let flat_mm = self.with_white_mm() / 2.0 * std::f64::consts::SQRT_2;
         let tent_mm = self.card_reach_mm();
         let neighbours = (90.0 / f64::from(self.count)).to_radians().sin();
-        let beside_model = (
-            "the model and the cards around it need",
-            model_mm + tent_mm.max(flat_mm),
-        );
-        let in_ring = (
-            "so many cards of this size need",
-            (tent_mm + flat_mm) / 2.0 / neighbours,
-        );
-        for (reason, least_mm) in [beside_model, in_ring] {
-            if self.radius_mm < least_mm {
-                return Err(RingError::TooTight {
-                    radius_mm: self.radius_mm,
-                    reason,
-                    least_mm: least_mm.ceil(),
-                });
-            }
+        let (beside_model, in_ring) = (model_mm + tent_mm.max(flat_mm), (tent_mm + flat_mm) / 2.0 / neighbours);
+        let (reason, least_mm) = if self.radius_mm < beside_model {
+            ("the model and the cards around it need", beside_model)
+        } else {
+            ("so many cards of this size need", in_ring)
+        };
+        if self.radius_mm >= least_mm {
+            return Ok(());
         }
-        Ok(())
+        Err(RingError::TooTight {
+            radius_mm: self.radius_mm,
+            reason,
+            least_mm: least_mm.ceil(),
+        })
     }
 
     fn with_white_mm(&self) -> f64 {

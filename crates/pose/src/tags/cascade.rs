@@ -1,11 +1,11 @@
 //! The default: several finders one after the other, the fastest first, until nothing is missing.
 //!
-//! Whoever calls says what the tags found so far leave open: whether they make a pose, and where it expects tags that were not found. Those
-//! are looked for in their places before the next finder starts.
+//! The caller says what the tags found so far leave open: whether they make a pose, and where that pose expects tags that were not found. The
+//! cascade looks for those in their places before the next finder starts.
 
 use super::apriltag_c::AprilTagC;
 use super::expected::{self, StillMissing};
-use super::fit::TagFit;
+use super::fit::{TagFit, fitted};
 use super::merge::MergedTags;
 use super::search::{Found, Search, Strength, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
@@ -13,26 +13,26 @@ use crate::scene::TagFamily;
 use scaleproof_photo::photo::{Luma, REDUCTIONS};
 
 /// Images of at most this long side are searched as they are, larger ones reduced to it at most.
-pub(super) const SEARCHED_PX: u32 = 1600;
+const SEARCHED_PX: u32 = 1600;
 
 /// The first finder is shown the larger ones still smaller, at least this long: tags that it misses are looked for where the pose expects them.
 const SMALL_PX: u32 = 800;
 
 /// Live images are reduced to at most this long side, px: the answer must come soon, and the next image brings another chance.
-pub(super) const SEARCHED_LIVE_PX: u32 = 640;
+const SEARCHED_LIVE_PX: u32 = 640;
 
 /// Tags that are found in their places make a better pose, which tells more places; so often at most.
 const MOST_LOOKS: usize = 3;
 
 /// With so many whole tags a pose is likely beyond doubt, and small ones that a reduced image hides are not missed: where nobody says what is missing.
-pub(super) const ENOUGH_TAGS: usize = 2;
+const ENOUGH_TAGS: usize = 2;
 
 /// Finders in turn. Holds C memory, so each thread makes its own.
 pub struct Cascade {
     stages: Vec<Stage>,
 }
 
-/// One finder and when it is asked.
+/// One finder and when it runs.
 struct Stage {
     search: Box<dyn Search>,
     view: View,
@@ -50,7 +50,7 @@ enum View {
     Whole,
 }
 
-/// When a finder is asked.
+/// When a finder runs.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     /// While tags are missing.
@@ -110,7 +110,7 @@ impl Stage {
 }
 
 impl TagDetector for Cascade {
-    /// Without a scene nobody knows what is missing: all are asked, those that are slow only where almost nothing is found.
+    /// Without a scene it is not known what is missing: all finders run, the slow ones only where almost nothing is found.
     fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
         let mut tags = MergedTags::default();
         for need in [Need::MissingTags, Need::NoPose] {
@@ -174,4 +174,48 @@ fn asked(tags: &MergedTags, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing)
         }
     }
     (seen, left)
+}
+
+/// C AprilTag on a reduced image, and our own corners. Holds C memory, so each thread makes its own.
+pub struct CoarseToFine {
+    search: AprilTagC,
+    searched_px: u32,
+    /// With fewer whole tags the image is searched again at full size.
+    enough_tags: usize,
+}
+
+impl CoarseToFine {
+    /// A detector for some families.
+    pub fn new(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
+        Ok(CoarseToFine {
+            search: AprilTagC::new(families)?,
+            searched_px: SEARCHED_PX,
+            enough_tags: ENOUGH_TAGS,
+        })
+    }
+
+    /// A faster one, which misses small tags: it searches a smaller image, and never twice.
+    pub fn live(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
+        Ok(CoarseToFine {
+            searched_px: SEARCHED_LIVE_PX,
+            enough_tags: 0,
+            ..CoarseToFine::new(families)?
+        })
+    }
+
+    fn find_reduced(&mut self, luma: &dyn Luma, factor: u32) -> Vec<SeenTag> {
+        fitted(reduced_by(luma, factor, |small| self.search.search(small)), luma)
+    }
+}
+
+impl TagDetector for CoarseToFine {
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        let [width, height] = luma.size();
+        let factor = width.max(height).div_ceil(self.searched_px).max(1);
+        let tags = self.find_reduced(luma, factor);
+        if factor > 1 && tags.iter().filter(|tag| tag.is_whole).count() < self.enough_tags {
+            return self.find_reduced(luma, 1);
+        }
+        tags
+    }
 }

@@ -5,7 +5,6 @@ mod apriltag_c;
 pub mod border;
 mod cascade;
 mod choice;
-mod coarse_to_fine;
 mod edge;
 mod expected;
 mod fit;
@@ -33,9 +32,8 @@ use scaleproof_photo::photo::Luma;
 
 pub use appearance::{Appearance, paper_levels};
 pub use apriltag_c::AprilTagC;
-pub use cascade::Cascade;
+pub use cascade::{Cascade, CoarseToFine};
 pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
-pub use coarse_to_fine::CoarseToFine;
 pub use expected::{ExpectedTag, StillMissing};
 pub use homography::TagHomography;
 pub use modules::Modules;

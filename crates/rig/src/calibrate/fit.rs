@@ -281,11 +281,11 @@ impl LeastSquares for CameraEquations<'_> {
 
 /// Seen minus projected, px, of each corner.
 fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
-    let of = move |(point, seen): (&Point3<f64>, &[f64; 2])| {
+    let residual = move |(point, seen): (&Point3<f64>, &[f64; 2])| {
         let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
         [seen[0] - x, seen[1] - y]
     };
-    view.points_mm.iter().zip(&view.seen_px).map(of)
+    view.points_mm.iter().zip(&view.seen_px).map(residual)
 }
 
 /// Sum of squared distances of one view, px².

@@ -95,11 +95,11 @@ impl Slots {
         let sees = |s: &Sighting| poses.camera_tag(s).is_some();
         let tag = |t: usize| {
             let may_move = free == Free::Only(Node::Tag(t)) || free == Free::All && !net.is_fixed(t);
-            may_move && net.of(Node::Tag(t)).any(sees)
+            may_move && net.sightings_of(Node::Tag(t)).any(sees)
         };
         let photo = |p: usize| {
             let may_move = free == Free::Only(Node::Photo(p)) || free == Free::All;
-            may_move && net.of(Node::Photo(p)).any(sees)
+            may_move && net.sightings_of(Node::Photo(p)).any(sees)
         };
         Slots {
             tags: used(&tag, net.tags.len()),

@@ -53,7 +53,12 @@ pub(super) fn grown(net: &TagNetwork) -> Option<Poses> {
 fn starts(net: &TagNetwork) -> Vec<(usize, Rigid)> {
     let fixed = net.with(|s| net.is_fixed(s.tag));
     let mut photos: Vec<usize> = (0..net.photos).filter(|p| fixed.is_seen(Node::Photo(*p))).collect();
-    let size = |p: &usize| fixed.of(Node::Photo(*p)).map(|s| area_px(&s.corners_px)).sum::<f64>();
+    let size = |p: &usize| {
+        fixed
+            .sightings_of(Node::Photo(*p))
+            .map(|s| area_px(&s.corners_px))
+            .sum::<f64>()
+    };
     photos.sort_by(|a, b| size(b).total_cmp(&size(a)));
     photos.truncate(FIRST_PHOTOS);
     let known = known(net);
@@ -103,8 +108,8 @@ fn grow(net: &TagNetwork, photo: usize, pose: Rigid) -> (f64, Poses) {
 /// Lets every tag and photo take a better candidate, then adjusts all.
 fn settle(net: &TagNetwork, poses: &mut Poses, steps: usize) -> f64 {
     for node in net.free() {
-        if poses.of(node).is_some() {
-            *poses.of(node) = best(net, poses, node);
+        if poses.pose_mut(node).is_some() {
+            *poses.pose_mut(node) = best(net, poses, node);
         }
     }
     adjust(net, poses, Free::All, rough(net), steps)
@@ -124,7 +129,11 @@ fn place_tags(net: &TagNetwork, poses: &mut Poses) -> bool {
 
 /// Places the photo that shows the most placed tags; true when there was one.
 fn place_photo(net: &TagNetwork, poses: &mut Poses) -> bool {
-    let shows = |p: &usize| net.of(Node::Photo(*p)).filter(|s| poses.tags[s.tag].is_some()).count();
+    let shows = |p: &usize| {
+        net.sightings_of(Node::Photo(*p))
+            .filter(|s| poses.tags[s.tag].is_some())
+            .count()
+    };
     let waiting = (0..net.photos).filter(|p| poses.photos[*p].is_none() && shows(p) > 0);
     let Some(photo) = waiting.max_by_key(|p| (shows(p), std::cmp::Reverse(*p))) else {
         return false;
@@ -138,7 +147,7 @@ fn place_photo(net: &TagNetwork, poses: &mut Poses) -> bool {
 
 /// The candidate pose of a photo or a tag, or the one it has, that leaves least in the sightings whose other end is placed.
 fn best(net: &TagNetwork, poses: &mut Poses, node: Node) -> Option<Rigid> {
-    let candidates = candidates(net, poses, node).into_iter().chain(*poses.of(node));
+    let candidates = candidates(net, poses, node).into_iter().chain(*poses.pose_mut(node));
     let cost = |pose: &Rigid| node_cost(net, poses, node, pose);
     candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
@@ -158,7 +167,7 @@ pub(super) fn candidates(net: &TagNetwork, poses: &Poses, node: Node) -> Vec<Rig
             }
         })
     };
-    net.of(node).filter_map(by).flatten().collect()
+    net.sightings_of(node).filter_map(by).flatten().collect()
 }
 
 /// What a pose of a photo or a tag leaves in the sightings whose other end is placed.
@@ -172,5 +181,5 @@ fn node_cost(net: &TagNetwork, poses: &Poses, node: Node, pose: &Rigid) -> f64 {
         let squared = squared_px(&camera_tag, net.tags[s.tag].size_mm, &s.corners_px, net.camera);
         Some(squared.iter().map(|e| loss.cost(*e)).sum::<f64>())
     };
-    net.of(node).filter_map(cost).sum()
+    net.sightings_of(node).filter_map(cost).sum()
 }

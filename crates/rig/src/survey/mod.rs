@@ -237,7 +237,7 @@ fn check_connected(net: &TagNetwork) -> Result<(), SurveyError> {
     Ok(())
 }
 
-/// Leaves out the tags that the photos disagree about, one after the other, and adjusts the rest anew each time.
+/// Leaves out the tags that the photos disagree about, one after the other, and adjusts the rest again each time.
 fn without_suspects<'a>(
     mut net: TagNetwork<'a>,
     poses: &mut Poses,
@@ -294,7 +294,7 @@ fn readjust(net: &TagNetwork, poses: &mut Poses) {
 /// A pose that no sighting supports any more is no pose.
 fn forget_unseen(net: &TagNetwork, poses: &mut Poses) {
     for node in net.free().filter(|node| !net.is_seen(*node)) {
-        *poses.of(node) = None;
+        *poses.pose_mut(node) = None;
     }
 }
 
@@ -309,13 +309,13 @@ fn without_doubtful<'a>(
     adjust(&net, poses, Free::All, Loss::Squared, 50);
     loop {
         // A photo is only as sure as the tags that other photos, or the scene, vouch for.
-        let vouched = net.with(|s| net.is_fixed(s.tag) || net.of(Node::Tag(s.tag)).count() > 1);
+        let vouched = net.with(|s| net.is_fixed(s.tag) || net.sightings_of(Node::Tag(s.tag)).count() > 1);
         let is_doubtful = |photo: &Node| net.is_seen(*photo) && has_rival(&vouched, poses, *photo, MIN_RIVAL_RATIO);
         let doubtful = if let Some(photo) = (0..net.photos).map(Node::Photo).find(is_doubtful) {
             photo
         } else {
             let reason = |t: usize| {
-                let mut seen = net.of(Node::Tag(t));
+                let mut seen = net.sightings_of(Node::Tag(t));
                 let (first, second) = (seen.next()?, seen.next());
                 if second.is_some() {
                     let is_doubtful = has_rival(&net, poses, Node::Tag(t), MIN_RIVAL_RATIO);
@@ -362,13 +362,15 @@ fn has_rival(net: &TagNetwork, poses: &Poses, node: Node, ratio: f64) -> bool {
     }
     let mut best = poses.clone();
     let left = adjust(&own, &mut best, Free::Only(node), Loss::Squared, 30);
-    let Some(pose) = *best.of(node) else { return true };
+    let Some(pose) = *best.pose_mut(node) else { return true };
     let floor = 4.0 * own.sightings.len() as f64 * NOISE_FLOOR_PX.powi(2);
     grow::candidates(&own, poses, node).into_iter().any(|start| {
         let mut other = poses.clone();
-        *other.of(node) = Some(start);
+        *other.pose_mut(node) = Some(start);
         let rival = adjust(&own, &mut other, Free::Only(node), Loss::Squared, 30);
-        let is_different = other.of(node).is_some_and(|other| grow::is_different(&other, &pose));
+        let is_different = other
+            .pose_mut(node)
+            .is_some_and(|other| grow::is_different(&other, &pose));
         is_different && rival < ratio.powi(2) * left.max(floor)
     })
 }
@@ -427,7 +429,7 @@ fn finished(
             family,
             id,
             is_fixed: sized.fixed.is_some(),
-            photos: net.of(Node::Tag(t)).count(),
+            photos: net.sightings_of(Node::Tag(t)).count(),
             shift: known.map(|known| shift(&known.pose(), &tag.pose())),
         });
         tags.push(tag);

@@ -69,7 +69,7 @@ impl Poses {
     }
 
     /// The pose of a photo or a tag.
-    pub(super) fn of(&mut self, node: Node) -> &mut Option<Rigid> {
+    pub(super) fn pose_mut(&mut self, node: Node) -> &mut Option<Rigid> {
         match node {
             Node::Photo(photo) => &mut self.photos[photo],
             Node::Tag(tag) => &mut self.tags[tag],
@@ -79,13 +79,13 @@ impl Poses {
 
 impl TagNetwork<'_> {
     /// The sightings of a photo or a tag.
-    pub(super) fn of(&self, node: Node) -> impl Iterator<Item = &Sighting> {
+    pub(super) fn sightings_of(&self, node: Node) -> impl Iterator<Item = &Sighting> {
         self.sightings.iter().filter(move |s| s.is_of(node))
     }
 
     /// Whether anything is seen of a photo or a tag.
     pub(super) fn is_seen(&self, node: Node) -> bool {
-        self.of(node).next().is_some()
+        self.sightings_of(node).next().is_some()
     }
 
     pub(super) fn is_fixed(&self, tag: usize) -> bool {
@@ -123,7 +123,7 @@ impl TagNetwork<'_> {
         let fixed: Vec<usize> = (0..self.tags.len()).filter(|t| self.is_fixed(*t)).collect();
         fixed.windows(2).for_each(|pair| join(pair[0], pair[1]));
         for photo in 0..self.photos {
-            let tags: Vec<usize> = self.of(Node::Photo(photo)).map(|s| s.tag).collect();
+            let tags: Vec<usize> = self.sightings_of(Node::Photo(photo)).map(|s| s.tag).collect();
             tags.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }
         let seen = Vec::from_iter((0..self.tags.len()).filter(|t| self.is_seen(Node::Tag(*t))));

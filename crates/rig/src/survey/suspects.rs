@@ -89,7 +89,7 @@ pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit_px: f64) -> Option<(u
 
 fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> Option<TagFault> {
     let (own, poses) = alone(net, poses, tag);
-    let everywhere: Vec<usize> = net.of(Node::Tag(tag)).map(|s| s.photo).collect();
+    let everywhere: Vec<usize> = net.sightings_of(Node::Tag(tag)).map(|s| s.photo).collect();
     let group = largest_group(&own, &poses, tag, limit_px);
     if let Some((place, here)) = &group
         && here.len() == everywhere.len()
@@ -129,7 +129,8 @@ fn alone<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize) -> (TagNetwork<'a>
     let mut poses = poses.clone();
     if others.sightings.iter().all(|s| !others.is_fixed(s.tag)) {
         // The one fixed tag is in question: another one holds the frame meanwhile.
-        let most = (0..others.tags.len()).max_by_key(|t| (others.of(Node::Tag(*t)).count(), std::cmp::Reverse(*t)));
+        let most =
+            (0..others.tags.len()).max_by_key(|t| (others.sightings_of(Node::Tag(*t)).count(), std::cmp::Reverse(*t)));
         if let Some(most) = most {
             others.tags[most].fixed = poses.tags[most];
         }
@@ -156,13 +157,9 @@ fn largest_group(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64) -> 
         let group = fits(&placed);
         (placed, group)
     });
-    let mut best: Option<(Poses, Vec<usize>)> = None;
-    for (placed, group) in groups {
-        if group.len() > best.as_ref().map_or(0, |(_, g)| g.len()) {
-            best = Some((placed, group));
-        }
-    }
-    best
+    // The first of the largest.
+    let fitting = groups.filter(|(_, group)| !group.is_empty());
+    fitting.min_by_key(|(_, group)| std::cmp::Reverse(group.len()))
 }
 
 /// The size with which the tag fits in all its photos, when it is seen in two at least and the size is not the stated one.
