@@ -38,11 +38,6 @@ impl View {
             seen_px: self.seen_px.iter().skip(first).step_by(2).copied().collect(),
         }
     }
-
-    /// `T_camera_board` of both planar branches with a camera.
-    pub fn starting_poses(&self, camera: &[f64; ALL]) -> Vec<Rigid> {
-        planar_branches(&self.points_mm, &self.seen_px, &model::camera((1, 1), camera))
-    }
 }
 
 /// A camera and poses that explain the views best, in least squares.
@@ -102,8 +97,8 @@ pub(super) fn first(size: (u32, u32), views: &[View]) -> Option<CameraFit> {
 
 /// The better branch of a planar view, refined.
 fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
-    let starts = view.starting_poses(camera).into_iter();
-    let refined = starts.filter_map(|start| pose(view, camera, start));
+    let starts = planar_branches(&view.points_mm, &view.seen_px, &model::camera((1, 1), camera));
+    let refined = starts.into_iter().filter_map(|start| pose(view, camera, start));
     refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
 }
 

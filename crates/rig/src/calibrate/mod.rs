@@ -117,11 +117,6 @@ impl Calibration {
     pub fn chosen_model(&self) -> &CandidateModel {
         &self.models[self.chosen]
     }
-
-    /// The held-out error of the best model, px.
-    pub fn best_held_out_px(&self) -> f64 {
-        self.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min)
-    }
 }
 
 /// Cells of the coverage grid along each side.

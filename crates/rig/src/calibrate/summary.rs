@@ -52,7 +52,7 @@ pub fn json(found: &Calibration) -> Value {
 /// The chosen model and, for each other, what it would change.
 pub fn choice_lines(found: &Calibration) -> Vec<String> {
     let chosen = found.chosen_model();
-    let best = found.best_held_out_px();
+    let best = found.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min);
     let mut lines = vec![format!(
         "model: {} ({} numbers), held-out error {:.3} px, {:.1} % above the best of the ladder",
         chosen.model.name(),

@@ -395,7 +395,8 @@ fn finished(
     let spare = spare.ok_or(SurveyError::Undetermined)?;
     let noise_px = (left / spare as f64).sqrt();
     // Whatever the steps before have missed ends here, not in the file.
-    let rms_px = suspects::largest_rms_px(net, &poses);
+    let all = net.sightings.iter().filter_map(|s| suspects::rms(s, net, &poses));
+    let rms_px = all.fold(0.0, f64::max);
     let limit_px = 2.0 * suspects::limit_px(net, suspects::noise_px(net, &poses));
     if rms_px > limit_px {
         return Err(SurveyError::Disagree { rms_px, limit_px });
@@ -416,11 +417,19 @@ fn finished(
                     let block = covariance.fixed_view::<3, 3>(rows, rows).into_owned();
                     noise_px * block.symmetric_eigenvalues().max().max(0.0).sqrt()
                 };
-                let sigma = TagSigma {
-                    mm: worst(0),
-                    deg: worst(3).to_degrees(),
-                };
-                Some(standing(sized, &pose, sigma))
+                let axes = pose.rotation.to_rotation_matrix();
+                Some(Tag {
+                    id,
+                    family,
+                    size_mm: sized.size_mm,
+                    centre_mm: pose.translation.vector.into(),
+                    right: axes.matrix().column(0).into_owned(),
+                    up: axes.matrix().column(1).into_owned(),
+                    sigma: Some(TagSigma {
+                        mm: worst(0),
+                        deg: worst(3).to_degrees(),
+                    }),
+                })
             }
             _ => None,
         };
@@ -465,19 +474,6 @@ fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags)
         rms_px: (!used.is_empty()).then_some(rms_px),
         tags: used,
         ignored_tags,
-    }
-}
-
-fn standing(tag: &SizedTag, pose: &Rigid, sigma: TagSigma) -> Tag {
-    let axes = pose.rotation.to_rotation_matrix();
-    Tag {
-        id: tag.key.1,
-        family: tag.key.0,
-        size_mm: tag.size_mm,
-        centre_mm: pose.translation.vector.into(),
-        right: axes.matrix().column(0).into_owned(),
-        up: axes.matrix().column(1).into_owned(),
-        sigma: Some(sigma),
     }
 }
 

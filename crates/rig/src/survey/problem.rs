@@ -19,7 +19,7 @@ pub enum SurveyError {
     NoFixedTag { ids: Vec<u32> },
     #[error(
         "the tags fall into groups that no photo connects ({}): take a photo that shows tags of two groups, for each gap",
-        groups(all)
+        all.iter().map(|ids| list(ids)).collect::<Vec<_>>().join(" | ")
     )]
     Disconnected { all: Vec<Vec<u32>> },
     #[error(
@@ -83,8 +83,4 @@ impl LeftOutReason {
             LeftOutReason::Ambiguous => "ambiguous",
         }
     }
-}
-
-fn groups(all: &[Vec<u32>]) -> String {
-    all.iter().map(|ids| list(ids)).collect::<Vec<_>>().join(" | ")
 }

@@ -58,14 +58,9 @@ pub(super) fn limit_px(net: &TagNetwork, noise_px: f64) -> f64 {
     (OFF_SIGMAS * noise_px).max(LEAST_OFF_DEG / net.camera.deg_per_px())
 }
 
-fn rms(s: &Sighting, net: &TagNetwork, poses: &Poses) -> Option<f64> {
+/// Root mean square distance of a sighting's corners from where the poses put them, px.
+pub(super) fn rms(s: &Sighting, net: &TagNetwork, poses: &Poses) -> Option<f64> {
     net.squared_px(s, poses).map(rms_px)
-}
-
-/// The largest root mean square of any sighting, px.
-pub(super) fn largest_rms_px(net: &TagNetwork, poses: &Poses) -> f64 {
-    let all = net.sightings.iter().filter_map(|s| rms(s, net, poses));
-    all.fold(0.0, f64::max)
 }
 
 /// The tag that is furthest off, and what is wrong with it; `None` when every tag fits.
