@@ -107,20 +107,17 @@ impl Definition {
     fn checked(self) -> Result<Self, BoardFault> {
         let (lengths, counts, least) = match &self {
             Self::Charuco {
+                legacy_layout: true, ..
+            } => return Err(BoardFault::LegacyLayout),
+            Self::Charuco {
+                square_mm, marker_mm, ..
+            } if marker_mm >= square_mm => return Err(BoardFault::LargeMarker),
+            Self::Charuco {
                 squares,
                 square_mm,
                 marker_mm,
-                legacy_layout,
                 ..
-            } => {
-                if *legacy_layout {
-                    return Err(BoardFault::LegacyLayout);
-                }
-                if marker_mm >= square_mm {
-                    return Err(BoardFault::LargeMarker);
-                }
-                (vec![("square_mm", *square_mm), ("marker_mm", *marker_mm)], squares, 3)
-            }
+            } => (vec![("square_mm", *square_mm), ("marker_mm", *marker_mm)], squares, 3),
             Self::Chessboard {
                 squares,
                 inner_corners,
@@ -131,19 +128,16 @@ impl Definition {
                 }
                 (vec![("square_mm", *square_mm)], squares, 3)
             }
+            Self::Aprilgrid { family, .. } if family != "tag36h11" => return Err(BoardFault::Family(family.clone())),
+            Self::Aprilgrid { border_modules, .. } if !(1..=Self::MOST_BORDER_MODULES).contains(border_modules) => {
+                return Err(BoardFault::Border);
+            }
             Self::Aprilgrid {
                 tags,
                 tag_mm,
                 tag_spacing,
-                family,
-                border_modules,
+                ..
             } => {
-                if family != "tag36h11" {
-                    return Err(BoardFault::Family(family.clone()));
-                }
-                if !(1..=Self::MOST_BORDER_MODULES).contains(border_modules) {
-                    return Err(BoardFault::Border);
-                }
                 let gap = ("tag_mm times tag_spacing", tag_mm * tag_spacing);
                 (vec![("tag_mm", *tag_mm), gap], tags, 1)
             }
