@@ -198,7 +198,7 @@ proptest! {
             }
             // The tab, folded with the rest, lies on the base.
             let tab = net.folded_panels(tent)[0];
-            for [x, y] in &net.outlines[0] {
+            for [x, y] in &net.tab {
                 let end = tab * Point3::new(*x, *y, 0.0);
                 prop_assert!(end.z.abs() < 1e-6 && end.y.abs() < tent.base_mm / 2.0 + 1e-6, "{end}");
             }

@@ -1,15 +1,11 @@
 //! Things of a plane, found by place.
 
-use super::wrap::Point;
+use super::wrap::{Point, corners};
 
 /// The corners of the box around places, grown: lowest, highest.
-pub fn bounds(points: &[Point], grown_mm: f64) -> (Point, Point) {
-    let end = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p[axis]).fold(start, pick);
-    let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
-    (
-        [0, 1].map(|axis| end(axis, f64::min, low) - grown_mm),
-        [0, 1].map(|axis| end(axis, f64::max, high) + grown_mm),
-    )
+pub fn bounds<'a>(points: impl IntoIterator<Item = &'a Point>, grown_mm: f64) -> (Point, Point) {
+    let (low, high) = corners(points);
+    (low.map(|mm| mm - grown_mm), high.map(|mm| mm + grown_mm))
 }
 
 /// Things found by place: rows and columns of buckets.

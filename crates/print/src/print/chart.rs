@@ -1,11 +1,12 @@
 //! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
 
 use super::SheetError;
-use super::page::{FreePage, Media};
+use super::frame::PageFrame;
+use super::page::Media;
 use super::printer::Printer;
 use super::shapes::{TagPlacement, black_modules};
-use super::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet};
-use crate::colour_chart::layout::{ChartKind, ChartLayout, ChartTag, FAMILY, PATCH_MM, TAG_MM};
+use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use crate::colour_chart::layout::{ChartKind, ChartLayout, FAMILY, PATCH_MM, TAG_MM};
 use scaleproof_plot::lettering::{number, size};
 use scaleproof_pose::tags::TagImage;
 
@@ -36,63 +37,40 @@ pub struct PrintedChart {
 /// A roll; paper without room for the smallest chart, upright and across.
 pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
-    let corner = PointMm::new(area.left_mm, area.top_mm);
-    let mut marks: Vec<Mark> = layout
-        .patches
-        .iter()
-        .map(|p| patch(p.cell.centre_mm(), p.asked_rgb, corner))
-        .collect();
+    // The chart's y runs down, the page's up.
+    let on_page = |[x, y]: [f64; 2]| PointMm::new(area.left_mm + x, area.top_mm - y);
+    let mut marks = Vec::new();
+    for patch in &layout.patches {
+        let (centre, h) = (on_page(patch.cell.centre_mm()), PATCH_MM / 2.0);
+        let area = RectMm::new(centre.x_mm - h, centre.y_mm - h, centre.x_mm + h, centre.y_mm + h);
+        marks.push(Mark::fill(area, patch.asked_rgb));
+    }
     for tag in &layout.tags {
-        marks.push(drawn(tag, corner)?);
+        let image = TagImage::new(FAMILY, tag.id).ok_or(ChartPrintError::NoTagImage { id: tag.id })?;
+        let place = TagPlacement {
+            centre: on_page(tag.centre_mm),
+            right: [1.0, 0.0],
+            module_mm: TAG_MM / image.border_modules() as f64,
+        };
+        marks.push(Mark::black(black_modules(image.modules(), &place)));
     }
     let label = format!("chart {}", layout.kind.name());
-    let sheet = page.sheet(marks, &captions(&layout, &media.printer), &label);
+    let sheet = page.labelled(page.printable, marks, &captions(&layout, &media.printer), &label);
     Ok(PrintedChart { layout, area, sheet })
 }
 
-fn placed(media: Media) -> Result<(ChartLayout, FreePage, RectMm), ChartPrintError> {
+fn placed(media: Media) -> Result<(ChartLayout, PageFrame, RectMm), ChartPrintError> {
     media.check_is_cut()?;
-    let pages = FreePage::both_ways(media)?;
-    for kind in ChartKind::ALL {
-        let layout = ChartLayout::new(kind);
-        let (width, height) = layout.size_mm;
-        let fits = |page: &&FreePage| width <= page.0.usable.width_mm() && height <= page.0.usable.height_mm();
-        if let Some(page) = pages.iter().find(fits) {
-            let area = page.0.centred(layout.size_mm);
-            return Ok((layout, *page, area));
+    for layout in ChartKind::ALL.map(ChartLayout::new) {
+        if let Some((page, area)) = media.with_room(layout.size_mm, 0.0)? {
+            return Ok((layout, page, area));
         }
     }
     let [.., smallest] = ChartKind::ALL;
-    let free = pages
-        .first()
-        .map(|page| (page.0.usable.width_mm(), page.0.usable.height_mm()));
+    let free = media.both_ways()?.first().map(PageFrame::usable_size);
     Err(ChartPrintError::NoRoom {
         chart_mm: size(ChartLayout::new(smallest).size_mm),
         free_mm: size(free.unwrap_or_default()),
-    })
-}
-
-/// `corner`: the chart's upper left (page frame). The chart's y runs down, the page's up.
-fn on_page([x, y]: [f64; 2], corner: PointMm) -> PointMm {
-    PointMm::new(corner.x_mm + x, corner.y_mm - y)
-}
-
-fn patch(centre_mm: [f64; 2], colour: [u8; 3], corner: PointMm) -> Mark {
-    let (centre, h) = (on_page(centre_mm, corner), PATCH_MM / 2.0);
-    let area = RectMm::new(centre.x_mm - h, centre.y_mm - h, centre.x_mm + h, centre.y_mm + h);
-    Mark::Fill(Fill { area, colour })
-}
-
-fn drawn(tag: &ChartTag, corner: PointMm) -> Result<Mark, ChartPrintError> {
-    let image = TagImage::new(FAMILY, tag.id).ok_or(ChartPrintError::NoTagImage { id: tag.id })?;
-    let place = TagPlacement {
-        centre: on_page(tag.centre_mm, corner),
-        right: [1.0, 0.0],
-        module_mm: TAG_MM / image.border_modules() as f64,
-    };
-    Ok(Mark::Area {
-        outlines: black_modules(image.modules(), &place),
-        colour: BLACK,
     })
 }
 

@@ -1,12 +1,13 @@
 //! The page that measures a printer: rulers along both axes, boxes, diagonals, and room to write down.
 
+use super::SheetError;
 use super::date::Date;
 use super::frame::{PageFrame, PageSetup};
 use super::paper::{Paper, Stock};
 use super::printer::{self, Printer};
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
-use super::{SheetError, ruler};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
+use super::template::{making, rulers};
+use scaleproof_plot::lettering::{CAP_HEIGHT, number, size, wrapped};
 
 /// The square with its diagonals.
 pub const SQUARE_MM: f64 = 100.0;
@@ -50,10 +51,7 @@ pub struct CheckPlan {
 pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
     let page = match request.paper {
         Stock::Cut(paper) => paper.portrait(),
-        Stock::Roll { width_mm } => Paper {
-            width_mm,
-            height_mm: ROLL_LENGTH_MM,
-        },
+        Stock::Roll { width_mm } => Paper::new(width_mm, ROLL_LENGTH_MM),
     };
     let setup = PageSetup {
         margin_mm: request.margin_mm,
@@ -77,10 +75,8 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
             needed_mm: size((more.0.ceil(), more.1.ceil())),
         });
     }
-    let (left, bottom) = (area.left_mm, area.bottom_mm);
-    let square = RectMm::new(left, bottom, left + SQUARE_MM, bottom + SQUARE_MM);
-    let above = square.top_mm + GAP_MM;
-    let long_box = RectMm::new(left, above, left + BOX_MM.0, above + BOX_MM.1);
+    let square = RectMm::sized((area.left_mm, area.bottom_mm), (SQUARE_MM, SQUARE_MM));
+    let long_box = RectMm::sized((area.left_mm, square.top_mm + GAP_MM), BOX_MM);
     Ok(CheckPlan {
         frame,
         square,
@@ -94,8 +90,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
 /// As for [`plan`].
 pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
     let plan = plan(request)?;
-    let mut marks = ruler::horizontal(plan.frame.horizontal_ruler);
-    marks.extend(ruler::vertical(plan.frame.vertical_ruler));
+    let mut marks = rulers(&plan.frame);
     marks.extend(outline(plan.square));
     marks.extend(diagonals(plan.square));
     marks.extend(outline(plan.long_box));
@@ -126,12 +121,8 @@ fn diagonals(r: RectMm) -> Vec<Mark> {
 fn head(plan: &CheckPlan) -> Vec<Mark> {
     let area = plan.frame.usable;
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-    let mut marks = vec![Mark::text(
-        (area.left_mm, title_y),
-        TITLE_MM,
-        TextAnchor::Left,
-        "Printer check",
-    )];
+    let line = |y: f64, size_mm: f64, text: String| Mark::text((area.left_mm, y), size_mm, TextAnchor::Left, text);
+    let mut marks = vec![line(title_y, TITLE_MM, "Printer check".to_owned())];
     let steps = [
         "1. Print at 100 %, without fit to page, on the paper of the later sheets. Let the ink dry.",
         "2. Measure with a steel ruler to 0.1 mm, from the middle of a line to the middle of a line.",
@@ -143,8 +134,8 @@ fn head(plan: &CheckPlan) -> Vec<Mark> {
         ),
     ];
     let mut y = title_y - 1.6 * LEADING_MM;
-    for line in steps.iter().flat_map(|step| wrapped(step, TEXT_MM, area.width_mm())) {
-        marks.push(Mark::text((area.left_mm, y), TEXT_MM, TextAnchor::Left, line));
+    for text in steps.iter().flat_map(|step| wrapped(step, TEXT_MM, area.width_mm())) {
+        marks.push(line(y, TEXT_MM, text));
         y -= LEADING_MM;
     }
     marks
@@ -184,20 +175,15 @@ fn blanks(plan: &CheckPlan) -> Vec<Mark> {
 
 fn caption(plan: &CheckPlan, request: &CheckRequest) -> Vec<Mark> {
     let area = plan.frame.printable;
-    let making = [
-        Some(request.printer.caption()),
-        Some(concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned()),
-        request.date.map(|date| date.to_string()),
-    ];
     let lines = [
         "Printer and paper: ______________________________   measured by, on: ______________________________"
             .to_owned(),
-        making.into_iter().flatten().collect::<Vec<_>>().join(" · "),
+        making(&request.printer, request.date),
     ];
     let place = |(i, line): (usize, String)| {
-        let size_mm = fitting_size_mm(&line, TEXT_MM, area.width_mm());
         let baseline = area.bottom_mm + 1.0 + (1 - i) as f64 * 1.5 * LEADING_MM;
-        Mark::text((area.left_mm, baseline), size_mm, TextAnchor::Left, line)
+        let at = (area.left_mm, baseline);
+        Mark::fitted(at, (TEXT_MM, area.width_mm()), TextAnchor::Left, line)
     };
     lines.into_iter().enumerate().map(place).collect()
 }

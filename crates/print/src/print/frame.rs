@@ -3,7 +3,7 @@
 //! Everything is planned in the millimetres that come out on paper. A printer that stretches is answered last, by
 //! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
 
-use super::paper::Paper;
+use super::paper::{MAX_SIDE_MM, Paper, Stock, roll_page};
 use super::printer::Printer;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::{SheetError, ruler};
@@ -52,13 +52,6 @@ impl PageSetup {
         let (x, y) = self.stretch();
         (x.recip().min(1.0), y.recip().min(1.0))
     }
-
-    /// How long a roll's page must be for a usable area of this length: (along x, along y).
-    pub fn length_for(&self, usable_mm: f64) -> (f64, f64) {
-        let length = |taken: f64, least: f64, share: f64| (usable_mm + taken).max(least) / share + 2.0 * self.margin_mm;
-        let (x, y) = self.share();
-        (length(TAKEN_MM.0, LEAST_MM.0, x), length(TAKEN_MM.1, LEAST_MM.1, y))
-    }
 }
 
 /// One page and its areas (page frame).
@@ -96,11 +89,32 @@ impl PageFrame {
         }
         let border = |side: f64, share: f64| 0.5 * (side - (side - 2.0 * margin_mm) * share);
         let (x, y) = (border(page.width_mm, share.0), border(page.height_mm, share.1));
-        Ok(Self::within(
+        let printable = RectMm::new(x, y, page.width_mm - x, page.height_mm - y);
+        let usable = RectMm::new(
+            printable.left_mm + ruler::DEPTH_MM + CROP_STRIP_MM,
+            printable.bottom_mm + FOOTER_MM + ruler::DEPTH_MM + CROP_STRIP_MM,
+            printable.right_mm - CROP_STRIP_MM,
+            printable.top_mm - CROP_STRIP_MM,
+        );
+        Ok(Self {
             page,
             setup,
-            RectMm::new(x, y, page.width_mm - x, page.height_mm - y),
-        ))
+            printable,
+            usable,
+            horizontal_ruler: PointMm::new(usable.left_mm, usable.bottom_mm - CROP_STRIP_MM),
+            vertical_ruler: PointMm::new(usable.left_mm - CROP_STRIP_MM, usable.bottom_mm),
+        })
+    }
+
+    /// The page itself, or of a roll a piece that is just long enough for a usable area of this length.
+    ///
+    /// # Errors
+    /// As for [`PageFrame::new`].
+    pub fn cut_off(self, stock: Stock, usable_mm: f64) -> Result<Self, SheetError> {
+        match stock {
+            Stock::Cut(_) => Ok(self),
+            Stock::Roll { width_mm } => Self::new(cut_from_roll(width_mm, usable_mm, &self.setup), self.setup),
+        }
     }
 
     /// All of the page.
@@ -112,7 +126,12 @@ impl PageFrame {
     pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
         let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
         let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;
-        RectMm::new(left, bottom, left + width_mm, bottom + height_mm)
+        RectMm::sized((left, bottom), (width_mm, height_mm))
+    }
+
+    /// The usable width and height.
+    pub fn usable_size(&self) -> (f64, f64) {
+        (self.usable.width_mm(), self.usable.height_mm())
     }
 
     /// This page with marks.
@@ -125,21 +144,16 @@ impl PageFrame {
             marks,
         }
     }
+}
 
-    fn within(page: Paper, setup: PageSetup, printable: RectMm) -> Self {
-        let usable = RectMm::new(
-            printable.left_mm + ruler::DEPTH_MM + CROP_STRIP_MM,
-            printable.bottom_mm + FOOTER_MM + ruler::DEPTH_MM + CROP_STRIP_MM,
-            printable.right_mm - CROP_STRIP_MM,
-            printable.top_mm - CROP_STRIP_MM,
-        );
-        Self {
-            page,
-            setup,
-            printable,
-            usable,
-            horizontal_ruler: PointMm::new(usable.left_mm, usable.bottom_mm - CROP_STRIP_MM),
-            vertical_ruler: PointMm::new(usable.left_mm - CROP_STRIP_MM, usable.bottom_mm),
-        }
-    }
+/// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
+pub fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &PageSetup) -> Paper {
+    let share = setup.share();
+    let (taken, least, share) = if setup.turned {
+        (TAKEN_MM.0, LEAST_MM.0, share.0)
+    } else {
+        (TAKEN_MM.1, LEAST_MM.1, share.1)
+    };
+    let length_mm = (usable_mm + taken).max(least) / share + 2.0 * setup.margin_mm;
+    roll_page(width_mm, length_mm.ceil().min(MAX_SIDE_MM), setup.turned)
 }

@@ -2,12 +2,11 @@
 
 use super::SheetError;
 use super::frame::{PageFrame, PageSetup};
-use super::paper::{MAX_SIDE_MM, Orientation, Stock};
+use super::paper::Stock;
 use super::printer::{Printer, corrected_one};
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
-use super::template::layout::{cut_from_roll, roll_page};
 use super::template::rulers;
-use scaleproof_plot::lettering::{fitting_size_mm, printable};
+use scaleproof_plot::lettering::printable;
 
 /// Border of the paper that office printers do not reach.
 pub const MARGIN_MM: f64 = 5.0;
@@ -33,87 +32,74 @@ impl Media {
             Stock::Roll { .. } => Err(SheetError::Roll),
         }
     }
-}
 
-/// A page that is drawn on freely: its frame's usable area is for the content.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FreePage(pub PageFrame);
-
-impl FreePage {
-    /// The areas of a paper used upright or across. A roll's page is as long as a page can be; [`FreePage::shortened`] cuts it off.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers.
-    pub fn new(media: Media, orientation: Orientation) -> Result<Self, SheetError> {
-        let turned = orientation == Orientation::Landscape;
-        let setup = PageSetup {
-            margin_mm: MARGIN_MM,
-            printer: media.printer,
-            turned,
-        };
-        let page = match media.paper {
-            Stock::Cut(paper) if turned => paper.landscape(),
-            Stock::Cut(paper) => paper.portrait(),
-            Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
-        };
-        Ok(Self(PageFrame::new(page, setup)?))
-    }
-
-    /// The page itself, or a piece of the roll that is just long enough for a usable area of this length.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers.
-    pub fn shortened(self, media: Media, usable_mm: f64) -> Result<Self, SheetError> {
-        let Stock::Roll { width_mm } = media.paper else {
-            return Ok(self);
-        };
-        let setup = self.0.setup;
-        Ok(Self(PageFrame::new(cut_from_roll(width_mm, usable_mm, &setup), setup)?))
-    }
-
-    /// Upright and across, as far as the paper allows; never empty.
+    /// The frames of the paper used upright and across, as far as the paper allows; never empty. Their usable areas are for the
+    /// content. A roll's page is as long as a page can be; [`PageFrame::cut_off`] shortens it.
     ///
     /// # Errors
     /// Paper too small for the rulers either way.
-    pub fn both_ways(media: Media) -> Result<Vec<Self>, SheetError> {
-        let upright = Self::new(media, Orientation::Portrait);
-        let across = Self::new(media, Orientation::Landscape);
-        match (upright, across) {
-            (Ok(upright), Ok(across)) => Ok(vec![upright, across]),
-            (Ok(page), Err(_)) | (Err(_), Ok(page)) => Ok(vec![page]),
-            (Err(e), Err(_)) => Err(e),
+    pub fn both_ways(self) -> Result<Vec<PageFrame>, SheetError> {
+        let [upright, across] = [false, true].map(|turned| {
+            let setup = PageSetup {
+                margin_mm: MARGIN_MM,
+                printer: self.printer,
+                turned,
+            };
+            PageFrame::new(self.paper.page(turned), setup)
+        });
+        match upright {
+            Ok(upright) => Ok([upright].into_iter().chain(across).collect()),
+            Err(error) => across.map(|across| vec![across]).map_err(|_| error),
         }
     }
 
+    /// A page on which a thing of some width and height has room with `quiet_mm` around it, and the thing's place in its middle;
+    /// `None` where it has none either way.
+    ///
+    /// # Errors
+    /// Paper too small for the rulers.
+    pub fn with_room(
+        self,
+        (width_mm, height_mm): (f64, f64),
+        quiet_mm: f64,
+    ) -> Result<Option<(PageFrame, RectMm)>, SheetError> {
+        let fits = |page: &PageFrame| {
+            let (free_width, free_height) = page.usable_size();
+            width_mm <= free_width - 2.0 * quiet_mm && height_mm <= free_height - 2.0 * quiet_mm
+        };
+        let page = self.both_ways()?.into_iter().find(fits);
+        Ok(page.map(|page| (page, page.centred((width_mm, height_mm)))))
+    }
+}
+
+impl PageFrame {
     /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it
-    /// comes out of the printer in true size.
-    pub fn sheet(&self, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
-        self.cut_sheet(self.0.printable, marks, captions, label)
-    }
-
-    /// A sheet like that of [`Self::sheet`], but cut out at `trim`.
-    pub fn cut_sheet(&self, trim: RectMm, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
-        let frame = &self.0;
-        let mut all = marks;
-        all.extend(rulers(frame));
-        all.extend(self.captions(captions));
-        all.push(self.label(label));
-        corrected_one(frame.sheet(trim, trim, all), frame.setup.stretch())
-    }
-
-    fn captions(&self, lines: &[String]) -> impl Iterator<Item = Mark> {
-        let most_mm = self.0.printable.width_mm() - LABEL_WIDTH_MM;
-        lines.iter().rev().enumerate().map(move |(i, line)| {
-            let baseline = self.0.printable.bottom_mm + 0.8 + i as f64 * LEADING_MM;
-            let line = printable(line);
-            let size_mm = fitting_size_mm(&line, CAPTION_MM, most_mm);
-            Mark::text((self.0.printable.left_mm, baseline), size_mm, TextAnchor::Left, line)
-        })
-    }
-
-    fn label(&self, text: &str) -> Mark {
-        let size_mm = fitting_size_mm(text, LABEL_MM, LABEL_WIDTH_MM - 2.0);
-        let at = (self.0.printable.right_mm, self.0.printable.bottom_mm + 0.8);
-        Mark::text(at, size_mm, TextAnchor::Right, text)
+    /// comes out of the printer in true size; cut out at `trim`.
+    pub fn labelled(&self, trim: RectMm, mut marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
+        let RectMm {
+            left_mm,
+            bottom_mm,
+            right_mm,
+            ..
+        } = self.printable;
+        marks.extend(rulers(self));
+        let most_mm = self.printable.width_mm() - LABEL_WIDTH_MM;
+        marks.extend(captions.iter().rev().enumerate().map(|(i, line)| {
+            let baseline = bottom_mm + 0.8 + i as f64 * LEADING_MM;
+            Mark::fitted(
+                (left_mm, baseline),
+                (CAPTION_MM, most_mm),
+                TextAnchor::Left,
+                printable(line),
+            )
+        }));
+        let room = (LABEL_MM, LABEL_WIDTH_MM - 2.0);
+        marks.push(Mark::fitted(
+            (right_mm, bottom_mm + 0.8),
+            room,
+            TextAnchor::Right,
+            label,
+        ));
+        corrected_one(self.sheet(trim, trim, marks), self.setup.stretch())
     }
 }

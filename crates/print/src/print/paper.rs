@@ -18,42 +18,37 @@ pub struct Paper {
 
 impl Paper {
     /// 210 × 297 mm.
-    pub const A4: Self = Self {
-        width_mm: 210.0,
-        height_mm: 297.0,
-    };
+    pub const A4: Self = Self::new(210.0, 297.0);
     /// 297 × 420 mm.
-    pub const A3: Self = Self {
-        width_mm: 297.0,
-        height_mm: 420.0,
-    };
+    pub const A3: Self = Self::new(297.0, 420.0);
     /// 215.9 × 279.4 mm.
-    pub const LETTER: Self = Self {
-        width_mm: 215.9,
-        height_mm: 279.4,
-    };
+    pub const LETTER: Self = Self::new(215.9, 279.4);
     /// 279.4 × 431.8 mm.
-    pub const TABLOID: Self = Self {
-        width_mm: 279.4,
-        height_mm: 431.8,
-    };
+    pub const TABLOID: Self = Self::new(279.4, 431.8);
+
+    /// A sheet of this width and height.
+    pub const fn new(width_mm: f64, height_mm: f64) -> Self {
+        Self { width_mm, height_mm }
+    }
 
     /// The paper turned so that its short side is across.
     pub fn portrait(self) -> Self {
-        let (short, long) = (self.width_mm.min(self.height_mm), self.width_mm.max(self.height_mm));
-        Self {
-            width_mm: short,
-            height_mm: long,
-        }
+        Self::new(self.width_mm.min(self.height_mm), self.width_mm.max(self.height_mm))
     }
 
     /// The paper turned so that its long side is across.
     pub fn landscape(self) -> Self {
         let Self { width_mm, height_mm } = self.portrait();
-        Self {
-            width_mm: height_mm,
-            height_mm: width_mm,
-        }
+        Self::new(height_mm, width_mm)
+    }
+}
+
+/// A piece of a roll; `turned`, the roll's width is the page's height.
+pub fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
+    if turned {
+        Paper::new(length_mm, width_mm)
+    } else {
+        Paper::new(width_mm, length_mm)
     }
 }
 
@@ -62,20 +57,16 @@ impl FromStr for Paper {
 
     /// A name (`a4`, `a3`, `letter`, `tabloid`) or `WIDTHxHEIGHT` in millimetres.
     fn from_str(text: &str) -> Result<Self, SheetError> {
-        let unknown = || SheetError::UnknownPaper { text: text.to_owned() };
         match text.to_ascii_lowercase().as_str() {
             "a4" => Ok(Self::A4),
             "a3" => Ok(Self::A3),
             "letter" => Ok(Self::LETTER),
             "tabloid" => Ok(Self::TABLOID),
             size => {
-                let (width_mm, height_mm) = two_lengths(size).ok_or_else(unknown)?;
-                let fits = |side: f64| side > 0.0 && side <= MAX_SIDE_MM;
-                if fits(width_mm) && fits(height_mm) {
-                    Ok(Self { width_mm, height_mm })
-                } else {
-                    Err(unknown())
-                }
+                let is_side = |mm: &f64| *mm > 0.0 && *mm <= MAX_SIDE_MM;
+                let sides = two_lengths(size).filter(|(width, height)| is_side(width) && is_side(height));
+                let (width_mm, height_mm) = sides.ok_or_else(|| SheetError::UnknownPaper { text: text.to_owned() })?;
+                Ok(Self { width_mm, height_mm })
             }
         }
     }
@@ -89,6 +80,17 @@ pub enum Stock {
     /// A roll: its width is fixed, a page is as long as needed.
     #[allow(missing_docs)]
     Roll { width_mm: f64 },
+}
+
+impl Stock {
+    /// The page, upright or `turned`; of a roll as long as a page can be.
+    pub fn page(self, turned: bool) -> Paper {
+        match self {
+            Self::Cut(paper) if turned => paper.landscape(),
+            Self::Cut(paper) => paper.portrait(),
+            Self::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
+        }
+    }
 }
 
 impl From<Paper> for Stock {

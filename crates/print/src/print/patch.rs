@@ -6,10 +6,11 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use super::template::{TemplateError, check_scale, furniture, layout};
+use super::template::{TemplateError, check_scale, furniture};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use super::{SheetError, printer};
 use scaleproof_core::geometry::length::{self, BadLength, shown};
+use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::picture::{Picture, PictureError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -17,6 +18,7 @@ use scaleproof_surface::pattern::world_aligned::Side;
 const MAX_RECTANGLES: u32 = 128;
 /// Around a piece on its sheets, for the line it is cut along.
 const ROOM_MM: f64 = 3.0;
+const EDGE_LINE_MM: f64 = 0.1;
 /// Less than this of a patch off its panel is rounding.
 const LEAST_SHARE: f64 = 1e-6;
 
@@ -87,7 +89,7 @@ impl PatchImage {
                 clip: area,
             },
             None => Mark::Image {
-                image: Arc::clone(&self.0.pixels),
+                image: self.shared(),
                 area,
             },
         }
@@ -132,6 +134,16 @@ impl PanelPatch {
     fn area(&self) -> RectMm {
         let ([u, v], (width, height)) = (self.at_mm, self.size_mm);
         RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
+    }
+
+    /// Size, place and hash, for the caption.
+    fn fact(&self) -> String {
+        let [width, height, u, v] = [self.size_mm.0, self.size_mm.1, self.at_mm[0], self.at_mm[1]].map(number);
+        format!(
+            "{width} × {height} mm on the {} panel at {u}, {v} mm, sha256 {}",
+            self.side.name(),
+            self.image.0.sha256.get(..12).unwrap_or_default()
+        )
     }
 
     fn region(&self) -> Region {
@@ -216,44 +228,29 @@ impl Patches {
         on_it: &[&PanelPatch],
         request: &WrapRequest,
     ) -> Result<(), SheetError> {
-        let (low, high) = region.bounds().unwrap_or_default();
-        let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
-        let side = on_it[0].side;
         let named = WrapRequest {
             name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
             ..request.clone()
         };
-        let template = named.template(side, (size[0], size[1]));
-        let layout = layout(&template.layout)?;
+        let (template, layout, corner) = named.spread(on_it[0].side, region, ROOM_MM)?;
         let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
         let captions = furniture::Captions::of_image(&template, &facts).of_piece(name);
         let stamps: Vec<_> = on_it.iter().map(|p| p.image.stamp(p.size_mm)).collect();
-        let corner = [low[0] - ROOM_MM, high[1] + ROOM_MM];
         let mut sheets = Vec::new();
         for plan in &layout.sheets {
             let by = moved_by_mm(plan, corner);
             let images = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
-                let area = patch.area();
-                let area = RectMm::new(
-                    area.left_mm + by[0],
-                    area.bottom_mm + by[1],
-                    area.right_mm + by[0],
-                    area.top_mm + by[1],
-                );
+                let area = patch.area().moved(by);
                 patch.image.mark(stamp.as_ref(), area)
             });
-            let on_sheet = Mark::Clipped {
+            let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
+            let mut content = vec![Mark::Clipped {
                 to: moved(region.contours(), by),
                 marks: images.collect(),
-            };
-            let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
-            let mut content = vec![on_sheet];
+            }];
             content.extend(edges.iter().map(|[a, b]| Mark::line(at(a), at(b), EDGE_LINE_MM)));
             content.extend(cut_line(region, by));
-            let mut marks = vec![Mark::Clipped {
-                to: vec![plan.printed.outline()],
-                marks: content,
-            }];
+            let mut marks = vec![Mark::clipped(plan.printed, content)];
             marks.push(cutter_path(region, by, plan));
             marks.extend(furniture::all(&layout, plan, &captions));
             sheets.push(layout.frame.sheet(plan.trim, plan.printed, marks));
@@ -262,23 +259,5 @@ impl Patches {
         self.pages
             .extend(printer::corrected(sheets, layout.frame.setup.stretch()));
         Ok(())
-    }
-}
-
-const EDGE_LINE_MM: f64 = 0.1;
-
-impl PanelPatch {
-    /// Size, place and hash, for the caption.
-    fn fact(&self) -> String {
-        let number = scaleproof_plot::lettering::number;
-        format!(
-            "{} × {} mm on the {} panel at {}, {} mm, sha256 {}",
-            number(self.size_mm.0),
-            number(self.size_mm.1),
-            self.side.name(),
-            number(self.at_mm[0]),
-            number(self.at_mm[1]),
-            self.image.0.sha256.get(..12).unwrap_or_default()
-        )
     }
 }

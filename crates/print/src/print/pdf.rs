@@ -15,7 +15,7 @@ use printpdf::{
 };
 
 use super::SheetError;
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor, number_of};
 use scaleproof_plot::lettering;
 use scaleproof_plot::pdf::{PdfError, bytes_of, name};
 
@@ -102,11 +102,11 @@ struct Stamps {
 
 impl Stamps {
     fn id_of(&mut self, stamp: &Arc<Stamp>) -> XObjectId {
-        XObjectId(format!("Stamp{}", index_of(&mut self.stamps, stamp)))
+        XObjectId(format!("Stamp{}", number_of(&mut self.stamps, stamp).0))
     }
 
     fn id_of_image(&mut self, image: &Arc<RgbImage>) -> XObjectId {
-        XObjectId(format!("Picture{}", index_of(&mut self.images, image)))
+        XObjectId(format!("Picture{}", number_of(&mut self.images, image).0))
     }
 
     fn into_objects(self) -> BTreeMap<XObjectId, XObject> {
@@ -116,14 +116,6 @@ impl Stamps {
         let images = images.map(|(i, image)| (XObjectId(format!("Picture{i}")), image_object(image)));
         forms.chain(images).collect()
     }
-}
-
-/// The place of a shared thing in a list, which it joins if it is new.
-fn index_of<T>(known: &mut Vec<Arc<T>>, thing: &Arc<T>) -> usize {
-    known.iter().position(|k| Arc::ptr_eq(k, thing)).unwrap_or_else(|| {
-        known.push(Arc::clone(thing));
-        known.len() - 1
-    })
 }
 
 /// A lossless image XObject with every pixel as it is: printpdf's own image type goes through its optimiser.
@@ -179,131 +171,129 @@ fn form(stamp: &Stamp) -> XObject {
 }
 
 fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
+    let fill = |colour: Srgb8| Op::SetFillColor { col: color(colour) };
     match mark {
-        Mark::Fill(Fill { area, colour }) => {
-            vec![
-                Op::SetFillColor { col: color(*colour) },
-                rectangle(*area, PaintMode::Fill),
-            ]
-        }
+        Mark::Fill(Fill { area, colour }) => vec![fill(*colour), rectangle(*area, PaintMode::Fill)],
         Mark::Line {
             from,
             to,
             width_mm,
             dash_mm,
             colour,
-        } => line_ops([*from, *to], *width_mm, *dash_mm, *colour),
+        } => {
+            let solid = LineDashPattern::solid;
+            let dashed = |(dash, gap)| LineDashPattern::new(0.0, &[pt(dash).0, pt(gap).0]);
+            let line = Line {
+                points: vec![line_point(from), line_point(to)],
+                is_closed: false,
+            };
+            vec![
+                Op::SetOutlineColor { col: color(*colour) },
+                Op::SetOutlineThickness { pt: pt(*width_mm) },
+                Op::SetLineDashPattern {
+                    dash: dash_mm.map_or_else(solid, dashed),
+                },
+                Op::DrawLine { line },
+            ]
+        }
         Mark::Text {
             at,
             size_mm,
             anchor,
             text,
             colour,
-        } => text_ops(*at, *size_mm, *anchor, text, *colour),
-        Mark::Area { outlines, colour } => vec![
-            Op::SetFillColor { col: color(*colour) },
-            polygon(outlines, PaintMode::Fill),
-        ],
+        } => {
+            let width_mm = lettering::width_mm(text, *size_mm);
+            let left_mm = match anchor {
+                TextAnchor::Left => at.x_mm,
+                TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
+                TextAnchor::Right => at.x_mm - width_mm,
+            };
+            vec![
+                Op::StartTextSection,
+                fill(*colour),
+                Op::SetFont {
+                    font: PdfFontHandle::Builtin(font::STAND_IN),
+                    size: pt(*size_mm),
+                },
+                Op::SetTextMatrix {
+                    matrix: TextMatrix::Translate(pt(left_mm), pt(at.y_mm)),
+                },
+                Op::ShowText {
+                    items: vec![TextItem::Text(text.clone())],
+                },
+                Op::EndTextSection,
+            ]
+        }
+        Mark::Area { outlines, colour } => vec![fill(*colour), polygon(outlines, PaintMode::Fill)],
         Mark::Cut { .. } => Vec::new(),
         // A path of nothing would cut nothing off.
         Mark::Clipped { to, .. } if to.is_empty() => Vec::new(),
         Mark::Clipped { to, marks } => {
-            let mut ops = vec![Op::SaveGraphicsState, polygon(to, PaintMode::Clip)];
-            ops.extend(marks.iter().flat_map(|mark| mark_ops(mark, stamps)));
-            ops.push(Op::RestoreGraphicsState);
-            ops
+            let inner = marks.iter().flat_map(|mark| mark_ops(mark, stamps));
+            saved([polygon(to, PaintMode::Clip)].into_iter().chain(inner))
         }
         Mark::Image { image, area } => {
-            let [x, y, width, height] =
-                [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(|mm| pt(mm).0);
-            // An image fills the unit square of its frame.
-            let matrix = CurTransMat::Raw([width, 0.0, 0.0, height, x, y]);
+            let [x, y, width, height] = corner_and_size(*area).map(|pt| pt.0);
             let transform = XObjectTransform {
                 no_auto_scale: true,
                 ..XObjectTransform::default()
             };
             let id = stamps.id_of_image(image);
-            vec![
-                Op::SaveGraphicsState,
-                Op::SetTransformationMatrix { matrix },
-                Op::UseXobject { id, transform },
-                Op::RestoreGraphicsState,
-            ]
+            // An image fills the unit square of its frame.
+            let matrix = CurTransMat::Raw([width, 0.0, 0.0, height, x, y]);
+            saved([Op::SetTransformationMatrix { matrix }, Op::UseXobject { id, transform }])
         }
         Mark::Stamped { stamp, at, clip } => {
             let id = stamps.id_of(stamp);
-            let mut ops = vec![Op::SaveGraphicsState, rectangle(*clip, PaintMode::Clip)];
-            ops.extend(at.iter().map(|place| Op::UseXobject {
+            let places = at.iter().map(|place| Op::UseXobject {
                 id: id.clone(),
-                transform: moved_to(*place),
-            }));
-            ops.push(Op::RestoreGraphicsState);
-            ops
+                transform: XObjectTransform {
+                    translate_x: Some(pt(place.x_mm)),
+                    translate_y: Some(pt(place.y_mm)),
+                    no_auto_scale: true,
+                    ..XObjectTransform::default()
+                },
+            });
+            saved([rectangle(*clip, PaintMode::Clip)].into_iter().chain(places))
         }
     }
 }
 
+/// Operations whose clip and frame end with them.
+fn saved(ops: impl IntoIterator<Item = Op>) -> Vec<Op> {
+    let inner = [Op::SaveGraphicsState].into_iter().chain(ops);
+    inner.chain([Op::RestoreGraphicsState]).collect()
+}
+
+fn corner_and_size(area: RectMm) -> [Pt; 4] {
+    [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(pt)
+}
+
 fn rectangle(area: RectMm, mode: PaintMode) -> Op {
-    let [x, y, width, height] = [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(pt);
-    let winding_order = Some(WindingOrder::NonZero);
-    Op::DrawRectangle {
-        rectangle: Rect {
-            x,
-            y,
-            width,
-            height,
-            mode: Some(mode),
-            winding_order,
-        },
-    }
-}
-
-fn moved_to(place: PointMm) -> XObjectTransform {
-    XObjectTransform {
-        translate_x: Some(pt(place.x_mm)),
-        translate_y: Some(pt(place.y_mm)),
-        no_auto_scale: true,
-        ..XObjectTransform::default()
-    }
-}
-
-fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Vec<Op> {
-    let dash = match dash_mm {
-        Some((dash, gap)) => LineDashPattern::new(0.0, &[pt(dash).0, pt(gap).0]),
-        None => LineDashPattern::solid(),
+    let [x, y, width, height] = corner_and_size(area);
+    let rectangle = Rect {
+        x,
+        y,
+        width,
+        height,
+        mode: Some(mode),
+        winding_order: Some(WindingOrder::NonZero),
     };
-    let points = ends
-        .map(|p| LinePoint {
-            p: Point {
-                x: pt(p.x_mm),
-                y: pt(p.y_mm),
-            },
-            bezier: false,
-        })
-        .to_vec();
-    vec![
-        Op::SetOutlineColor { col: color(colour) },
-        Op::SetOutlineThickness { pt: pt(width_mm) },
-        Op::SetLineDashPattern { dash },
-        Op::DrawLine {
-            line: Line {
-                points,
-                is_closed: false,
-            },
-        },
-    ]
+    Op::DrawRectangle { rectangle }
+}
+
+fn line_point(p: &PointMm) -> LinePoint {
+    let p = Point {
+        x: pt(p.x_mm),
+        y: pt(p.y_mm),
+    };
+    LinePoint { p, bezier: false }
 }
 
 fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
-    let corner = |p: &PointMm| LinePoint {
-        p: Point {
-            x: pt(p.x_mm),
-            y: pt(p.y_mm),
-        },
-        bezier: false,
-    };
     let ring = |outline: &Vec<PointMm>| PolygonRing {
-        points: outline.iter().map(corner).collect(),
+        points: outline.iter().map(line_point).collect(),
     };
     let polygon = Polygon {
         rings: outlines.iter().map(ring).collect(),
@@ -313,37 +303,14 @@ fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
     Op::DrawPolygon { polygon }
 }
 
-fn text_ops(at: PointMm, size_mm: f64, anchor: TextAnchor, text: &str, colour: Srgb8) -> Vec<Op> {
-    let width_mm = lettering::width_mm(text, size_mm);
-    let left_mm = match anchor {
-        TextAnchor::Left => at.x_mm,
-        TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
-        TextAnchor::Right => at.x_mm - width_mm,
-    };
-    vec![
-        Op::StartTextSection,
-        Op::SetFillColor { col: color(colour) },
-        Op::SetFont {
-            font: PdfFontHandle::Builtin(font::STAND_IN),
-            size: pt(size_mm),
-        },
-        Op::SetTextMatrix {
-            matrix: TextMatrix::Translate(pt(left_mm), pt(at.y_mm)),
-        },
-        Op::ShowText {
-            items: vec![TextItem::Text(text.to_owned())],
-        },
-        Op::EndTextSection,
-    ]
-}
-
 /// Millimetres to points, in double precision and to a thousandth of a point (0.35 µm). printpdf's own `Mm` works in single
 /// precision with a factor of seven digits, and shorter numbers make a shorter file.
 fn points(mm: f64) -> f64 {
     (mm * 72.0 / 25.4 * 1000.0).round() / 1000.0
 }
 
-fn pt(mm: f64) -> Pt {
+/// Millimetres as `printpdf` has them.
+pub fn pt(mm: f64) -> Pt {
     Pt(points(mm) as f32)
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::wrap::Point;
+use super::wrap::{Point, cross};
 
 /// A number at each place of the plane that grows evenly, as a column of an image on a flat triangle does.
 #[derive(Debug, Clone, Copy)]
@@ -23,10 +23,7 @@ impl Affine {
             (along_b * (c[1] - a[1]) - along_c * (b[1] - a[1])) / doubled,
             (along_c * (b[0] - a[0]) - along_b * (c[0] - a[0])) / doubled,
         ];
-        let range = [
-            values.into_iter().fold(f64::INFINITY, f64::min),
-            values.into_iter().fold(f64::NEG_INFINITY, f64::max),
-        ];
+        let range = extremes(values);
         let is_good = slope.iter().chain(&range).all(|number| number.abs() < 1e12);
         is_good.then_some(Self {
             origin: *a,
@@ -44,9 +41,14 @@ impl Affine {
     pub fn cells(&self, polygon: &[Point]) -> RangeInclusive<i64> {
         let [low, high] = self.range;
         let cell = |value: f64| value.clamp(low, high).floor() as i64;
-        let values = || polygon.iter().map(|p| self.at(p));
-        cell(values().fold(f64::INFINITY, f64::min))..=cell(values().fold(f64::NEG_INFINITY, f64::max))
+        let [lowest, highest] = extremes(polygon.iter().map(|p| self.at(p)));
+        cell(lowest)..=cell(highest)
     }
+}
+
+fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let widened = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], widened)
 }
 
 /// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.
@@ -77,11 +79,8 @@ pub fn slices(
 /// The part of a polygon within a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
     let turn = cross(a, b, c).signum();
-    let mut part = polygon.to_vec();
-    for (from, to) in [(a, b), (b, c), (c, a)] {
-        part = cut(&part, |p| turn * cross(from, to, p));
-    }
-    part
+    let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * cross(from, to, p));
+    [(a, b), (b, c), (c, a)].into_iter().fold(polygon.to_vec(), cut_by)
 }
 
 /// The part where a function that grows evenly is not negative (Sutherland & Hodgman 1974).
@@ -111,11 +110,6 @@ pub fn area(polygon: &[Point]) -> f64 {
     };
     let fan = rest.windows(2).map(|pair| cross(first, &pair[0], &pair[1]));
     0.5 * fan.sum::<f64>().abs()
-}
-
-/// Twice the signed area of a triangle.
-fn cross(a: &Point, b: &Point, c: &Point) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 #[cfg(test)]

@@ -118,12 +118,12 @@ impl Printer {
     /// Reads a `printer.toml`.
     ///
     /// # Errors
-    /// A file that is missing, no printer file, contradicts itself or describes an implausible printer.
+    /// A file that is missing, is no printer file, contradicts itself or describes an implausible printer.
     pub fn load(path: &Path) -> Result<Self, PrinterError> {
         Ok(PrinterFile::load(path)?.printer)
     }
 
-    fn of_lengths(lengths: &Lengths) -> Result<Self, String> {
+    fn from_lengths(lengths: &Lengths) -> Result<Self, String> {
         if lengths.nominal_mm != NOMINAL_MM {
             return Err(format!("nominal_mm must be {NOMINAL_MM}"));
         }
@@ -180,7 +180,7 @@ impl PrinterFile {
         let printer = if table.is_empty() && colours.is_some() {
             Printer::EXACT
         } else {
-            Printer::of_lengths(&table.try_into().map_err(plain)?)?
+            Printer::from_lengths(&table.try_into().map_err(plain)?)?
         };
         Ok(Self { printer, colours })
     }
@@ -210,37 +210,31 @@ impl PrinterFile {
 
 /// The sheets as they must be drawn, so that a printer which divides lengths by `stretch` puts them on paper as they are. The
 /// page keeps its size and its centre. Lines keep their width.
-pub fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
+pub fn corrected(mut sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
     if stretch == (1.0, 1.0) {
         return sheets;
     }
     let mut stamps = Vec::new();
+    for sheet in &mut sheets {
+        let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
+        let page = PageStretch {
+            factors: stretch,
+            centre,
+        };
+        sheet.trim = page.area(sheet.trim);
+        sheet.bleed = page.area(sheet.bleed);
+        page.apply(&mut sheet.marks, &mut stamps);
+    }
     sheets
-        .into_iter()
-        .map(|sheet| stretched(sheet, stretch, &mut stamps))
-        .collect()
 }
 
 /// [`corrected`] for one sheet that shares no stamps with others.
 pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
-    if stretch == (1.0, 1.0) {
-        sheet
-    } else {
-        stretched(sheet, stretch, &mut Vec::new())
-    }
+    corrected(vec![sheet], stretch).swap_remove(0)
 }
 
-/// `stamps`: the stamps stretched so far, before and after.
-fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Sheet {
-    let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
-    let page = PageStretch { factors, centre };
-    sheet.trim = page.area(sheet.trim);
-    sheet.bleed = page.area(sheet.bleed);
-    for mark in &mut sheet.marks {
-        page.apply(mark, stamps);
-    }
-    sheet
-}
+/// A stamp before and after it was stretched.
+type StretchedStamp = (Arc<Stamp>, Arc<Stamp>);
 
 struct PageStretch {
     factors: (f64, f64),
@@ -256,41 +250,41 @@ impl PageStretch {
         )
     }
 
+    fn points<'a>(&self, points: impl IntoIterator<Item = &'a mut PointMm>) {
+        points.into_iter().for_each(|point| *point = self.point(*point));
+    }
+
     fn area(&self, r: RectMm) -> RectMm {
         let low = self.point(PointMm::new(r.left_mm, r.bottom_mm));
         let high = self.point(PointMm::new(r.right_mm, r.top_mm));
         RectMm::new(low.x_mm, low.y_mm, high.x_mm, high.y_mm)
     }
 
-    fn apply(&self, mark: &mut Mark, stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) {
-        match mark {
-            Mark::Fill(fill) => fill.area = self.area(fill.area),
-            Mark::Line { from, to, .. } => (*from, *to) = (self.point(*from), self.point(*to)),
-            Mark::Text { at, size_mm, .. } => {
-                *at = self.point(*at);
-                *size_mm *= self.factors.0;
+    fn apply(&self, marks: &mut [Mark], stamps: &mut Vec<StretchedStamp>) {
+        for mark in marks {
+            match mark {
+                Mark::Fill(Fill { area, .. }) | Mark::Image { area, .. } => *area = self.area(*area),
+                Mark::Line { from, to, .. } => self.points([from, to]),
+                Mark::Text { at, size_mm, .. } => {
+                    self.points([at]);
+                    *size_mm *= self.factors.0;
+                }
+                Mark::Area { outlines, .. } | Mark::Cut { outlines, .. } => self.points(outlines.iter_mut().flatten()),
+                Mark::Stamped { stamp, at, clip } => {
+                    *stamp = self.stamp(stamp, stamps);
+                    self.points(at);
+                    *clip = self.area(*clip);
+                }
+                Mark::Clipped { to, marks } => {
+                    self.points(to.iter_mut().flatten());
+                    self.apply(marks, stamps);
+                }
             }
-            Mark::Area { outlines, .. } | Mark::Cut { outlines, .. } => {
-                outlines
-                    .iter_mut()
-                    .flatten()
-                    .for_each(|corner| *corner = self.point(*corner));
-            }
-            Mark::Stamped { stamp, at, clip } => {
-                *stamp = self.stamp(stamp, stamps);
-                at.iter_mut().for_each(|place| *place = self.point(*place));
-                *clip = self.area(*clip);
-            }
-            Mark::Clipped { to, marks } => {
-                to.iter_mut().flatten().for_each(|corner| *corner = self.point(*corner));
-                marks.iter_mut().for_each(|mark| self.apply(mark, stamps));
-            }
-            Mark::Image { area, .. } => *area = self.area(*area),
         }
     }
 
     /// Each stamp is stretched once, so that the sheets go on sharing it.
-    fn stamp(&self, stamp: &Arc<Stamp>, known: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Arc<Stamp> {
+    fn stamp(&self, stamp: &Arc<Stamp>, known: &mut Vec<StretchedStamp>) -> Arc<Stamp> {
         if let Some((_, done)) = known.iter().find(|(old, _)| Arc::ptr_eq(old, stamp)) {
             return Arc::clone(done);
         }
@@ -299,14 +293,10 @@ impl PageStretch {
             factors: self.factors,
             centre: PointMm::new(0.0, 0.0),
         };
-        let fill = |fill: &Fill| Fill {
-            area: own.area(fill.area),
-            colour: fill.colour,
-        };
-        let done = Arc::new(Stamp {
-            bounds: own.area(stamp.bounds),
-            fills: stamp.fills.iter().map(fill).collect(),
-        });
+        let mut done = Stamp::clone(stamp);
+        done.bounds = own.area(done.bounds);
+        done.fills.iter_mut().for_each(|fill| fill.area = own.area(fill.area));
+        let done = Arc::new(done);
         known.push((Arc::clone(stamp), Arc::clone(&done)));
         done
     }

@@ -6,7 +6,8 @@ use image::{Rgb, RgbImage};
 use super::buckets::{Buckets, bounds};
 use super::polygon::{Affine, area, slices, within};
 use super::sheet::RectMm;
-use super::wrap::{Point, Region};
+use super::wrap::{Point, Region, cross};
+use scaleproof_core::geometry::distance;
 use scaleproof_core::geometry::length::shown;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
@@ -178,13 +179,13 @@ impl<'a> FlatPaint<'a> {
 
     /// The part of the surface, grown by the bleed, that lies within an area of a page; `None` of nothing.
     pub fn image(&self, pose: &Pose, grid: PixelGrid, bleed_mm: f64, within: RectMm) -> Option<(RgbImage, RectMm)> {
-        let on_page = self.outline.moved(|p| pose.at(p));
-        let (low, high) = on_page.bounds()?;
+        let (low, high) = self.outline.moved(|p| pose.at(p)).bounds()?;
+        let grown = RectMm::new(low[0], low[1], high[0], high[1]).grown(bleed_mm);
         let area = RectMm::new(
-            (low[0] - bleed_mm).max(within.left_mm),
-            (low[1] - bleed_mm).max(within.bottom_mm),
-            (high[0] + bleed_mm).min(within.right_mm),
-            (high[1] + bleed_mm).min(within.top_mm),
+            grown.left_mm.max(within.left_mm),
+            grown.bottom_mm.max(within.bottom_mm),
+            grown.right_mm.min(within.right_mm),
+            grown.top_mm.min(within.top_mm),
         );
         if area.width_mm() <= 0.0 || area.height_mm() <= 0.0 {
             return None;
@@ -200,10 +201,8 @@ impl<'a> FlatPaint<'a> {
             }
         }
         // A little inside, so that no rounding of a renderer at this resolution adds a row.
-        let ([left, top], [right, bottom]) = (
-            grid.place(left as f64 + INSET, top as f64 + INSET),
-            grid.place(right as f64 - INSET, bottom as f64 - INSET),
-        );
+        let [left, top] = grid.place(left as f64 + INSET, top as f64 + INSET);
+        let [right, bottom] = grid.place(right as f64 - INSET, bottom as f64 - INSET);
         Some((image, RectMm::new(left, bottom, right, top)))
     }
 
@@ -282,17 +281,14 @@ impl<'a> FlatPaint<'a> {
         {
             return Some(self.surface_point(*last, weights));
         }
-        let mut best: Option<(f64, usize, [f64; 3])> = None;
-        for i in bucket.iter().map(|i| *i as usize) {
-            let Some(weights) = inside(&self.triangles[i].flat_mm, p) else {
-                continue;
-            };
-            let height: f64 = (0..3).map(|c| weights[c] * self.triangles[i].height_mm[c]).sum();
-            if best.is_none_or(|(highest, ..)| height > highest) {
-                best = Some((height, i, weights));
-            }
-        }
-        let (_, i, weights) = best?;
+        let over = bucket.iter().filter_map(|i| {
+            let flat = &self.triangles[*i as usize];
+            let weights = inside(&flat.flat_mm, p)?;
+            let height: f64 = (0..3).map(|c| weights[c] * flat.height_mm[c]).sum();
+            Some((height, *i as usize, weights))
+        });
+        // Of equal ones the first.
+        let (_, i, weights) = over.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
         *last = i;
         Some(self.surface_point(i, weights))
     }
@@ -313,12 +309,11 @@ impl<'a> FlatPaint<'a> {
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
             let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
             let along = along.clamp(0.0, 1.0);
-            let foot = [a[0] + along * dx, a[1] + along * dy];
             // Outlines run counter-clockwise, so the surface is to their left.
             let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
-            (foot, [-dy / length, dx / length])
+            ([a[0] + along * dx, a[1] + along * dy], [-dy / length, dx / length])
         };
-        let off = |q: Point| (q[0] - p[0]).hypot(q[1] - p[1]);
+        let off = |q: Point| distance(q, p);
         let (foot, left) = near.map(foot).min_by(|a, b| off(a.0).total_cmp(&off(b.0)))?;
         let away = off(foot);
         let on = if away > 1e-6 {
@@ -358,10 +353,7 @@ impl Found {
         if weight <= 0.0 {
             return;
         }
-        self.alike = match self.first {
-            Some(first) => self.alike && first == rgb,
-            None => true,
-        };
+        self.alike = self.first.is_none_or(|first| self.alike && first == rgb);
         self.first.get_or_insert(rgb);
         let linear = LINEAR.with(|table| rgb.map(|v| table[usize::from(v)]));
         (0..3).for_each(|c| self.linear[c] += weight * linear[c]);
@@ -370,12 +362,12 @@ impl Found {
 
     /// `None` of nothing.
     fn mean(&self) -> Option<[u8; 3]> {
-        if self.alike {
-            self.first
+        let first = self.first?;
+        Some(if self.alike {
+            first
         } else {
-            self.first
-                .map(|_| light::rgb_of(self.linear.map(|sum| sum / self.weight)))
-        }
+            light::rgb_of(self.linear.map(|sum| sum / self.weight))
+        })
     }
 }
 
@@ -386,7 +378,6 @@ thread_local! {
 
 /// The shares of a triangle's corners at a place inside it.
 fn inside([a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
-    let cross = |o: &Point, s: &Point, t: &Point| (s[0] - o[0]) * (t[1] - o[1]) - (s[1] - o[1]) * (t[0] - o[0]);
     let whole = cross(a, b, c);
     let shares = [
         cross(b, c, &p) / whole,

@@ -1,6 +1,8 @@
 //! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and cutting them off at an edge.
 
-use super::sheet::{PointMm, RectMm};
+use std::ops::Range;
+
+use super::sheet::{PointMm, RectMm, sides};
 use scaleproof_pose::tags::Modules;
 
 /// A closed convex outline, counter-clockwise.
@@ -47,21 +49,23 @@ impl TagPlacement {
 pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> {
     let side = modules.side();
     let edge = |module: usize| (module as f64 - 0.5 * side as f64) * place.module_mm;
-    let mut outlines = Vec::new();
-    for row in 0..side {
-        let mut column = 0;
-        while column < side {
-            let start = column;
-            while modules.is_black(row, column) {
-                column += 1;
-            }
-            if column > start {
-                outlines.push(place.rectangle(edge(start), -edge(row + 1), edge(column), -edge(row)));
-            }
-            column += 1;
+    let in_row = |row: usize| {
+        let runs = stretches(0..side, |column| modules.is_black(row, *column)).into_iter();
+        runs.map(move |run| place.rectangle(edge(run.start), -edge(row + 1), edge(run.end), -edge(row)))
+    };
+    (0..side).flat_map(in_row).collect()
+}
+
+/// The stretches of a range on which something holds.
+pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    for i in range.filter(holds) {
+        match found.last_mut() {
+            Some(last) if last.end == i => last.end += 1,
+            _ => found.push(i..i + 1),
         }
     }
-    outlines
+    found
 }
 
 /// A straight stroke with butt ends.
@@ -75,31 +79,20 @@ pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
 
 /// Strokes along a closed outline.
 pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
-    let next = outline.iter().cycle().skip(1);
-    outline
-        .iter()
-        .zip(next)
-        .map(|(a, b)| stroke(*a, *b, width_mm))
-        .collect()
+    sides(outline).map(|(a, b)| stroke(*a, *b, width_mm)).collect()
 }
 
 /// The part of a convex outline inside a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if there is none.
 pub fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
-    let edges: [(bool, f64, f64); 4] = [
-        (true, to.left_mm, 1.0),
-        (true, to.right_mm, -1.0),
-        (false, to.bottom_mm, 1.0),
-        (false, to.top_mm, -1.0),
-    ];
-    edges.iter().fold(outline.to_vec(), |rest, (along_x, limit, sign)| {
-        let inside_by = |p: &PointMm| sign * (if *along_x { p.x_mm } else { p.y_mm } - limit);
-        cut(&rest, inside_by)
-    })
+    let rest = cut(outline, |p| p.x_mm - to.left_mm);
+    let rest = cut(&rest, |p| to.right_mm - p.x_mm);
+    let rest = cut(&rest, |p| p.y_mm - to.bottom_mm);
+    cut(&rest, |p| to.top_mm - p.y_mm)
 }
 
 fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> OutlineMm {
     let mut kept = Vec::new();
-    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+    for (a, b) in sides(outline) {
         let (at_a, at_b) = (inside_by(a), inside_by(b));
         if at_a >= 0.0 {
             kept.push(*a);
@@ -120,8 +113,9 @@ pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
     /// Shared borders are no overlap, and rounding is no border.
     const TOUCH_MM: f64 = 0.01;
     let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {
-        let ends = outline.iter().zip(outline.iter().cycle().skip(1));
-        ends.map(|(p, q)| (q.x_mm - p.x_mm, q.y_mm - p.y_mm)).collect()
+        sides(outline)
+            .map(|(p, q)| (q.x_mm - p.x_mm, q.y_mm - p.y_mm))
+            .collect()
     };
     let mut axes = edges(a).into_iter().chain(edges(b)).filter(|(x, y)| x.hypot(*y) > 0.0);
     axes.all(|(x, y)| {

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use image::RgbImage;
+use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 
 /// 8-bit sRGB.
 pub type Srgb8 = [u8; 3];
@@ -23,6 +24,17 @@ impl PointMm {
     pub fn new(x_mm: f64, y_mm: f64) -> Self {
         Self { x_mm, y_mm }
     }
+}
+
+impl From<(f64, f64)> for PointMm {
+    fn from((x_mm, y_mm): (f64, f64)) -> Self {
+        Self { x_mm, y_mm }
+    }
+}
+
+/// The corners of a closed outline, each with the next one.
+pub fn sides<T>(outline: &[T]) -> impl Iterator<Item = (&T, &T)> {
+    outline.iter().zip(outline.iter().cycle().skip(1))
 }
 
 /// An upright rectangle on the page, given by its edges so that neighbours share an edge exactly.
@@ -44,6 +56,59 @@ impl RectMm {
         }
     }
 
+    /// A rectangle of some width and height, by its lower left corner.
+    pub fn sized((left_mm, bottom_mm): (f64, f64), (width_mm, height_mm): (f64, f64)) -> Self {
+        Self::new(left_mm, bottom_mm, left_mm + width_mm, bottom_mm + height_mm)
+    }
+
+    /// The rectangle around some points.
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> Self {
+        let none = Self::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
+        let point = |p: &PointMm| Self::new(p.x_mm, p.y_mm, p.x_mm, p.y_mm);
+        points.into_iter().fold(none, |all, p| all.union(point(p)))
+    }
+
+    /// The rectangle around two.
+    pub fn union(self, other: Self) -> Self {
+        Self::new(
+            self.left_mm.min(other.left_mm),
+            self.bottom_mm.min(other.bottom_mm),
+            self.right_mm.max(other.right_mm),
+            self.top_mm.max(other.top_mm),
+        )
+    }
+
+    /// The rectangle with more on every side.
+    pub fn grown(self, by_mm: f64) -> Self {
+        Self::new(
+            self.left_mm - by_mm,
+            self.bottom_mm - by_mm,
+            self.right_mm + by_mm,
+            self.top_mm + by_mm,
+        )
+    }
+
+    /// The rectangle somewhere else.
+    pub fn moved(self, [x, y]: [f64; 2]) -> Self {
+        Self::new(self.left_mm + x, self.bottom_mm + y, self.right_mm + x, self.top_mm + y)
+    }
+
+    /// Whether the rectangle lies within another.
+    pub fn is_within(&self, outer: &Self) -> bool {
+        self.left_mm >= outer.left_mm
+            && self.right_mm <= outer.right_mm
+            && self.bottom_mm >= outer.bottom_mm
+            && self.top_mm <= outer.top_mm
+    }
+
+    /// The middle: (x, y).
+    pub fn middle(&self) -> (f64, f64) {
+        (
+            0.5 * (self.left_mm + self.right_mm),
+            0.5 * (self.bottom_mm + self.top_mm),
+        )
+    }
+
     pub fn width_mm(&self) -> f64 {
         self.right_mm - self.left_mm
     }
@@ -54,15 +119,8 @@ impl RectMm {
 
     /// The corners, counter-clockwise.
     pub fn outline(&self) -> Vec<PointMm> {
-        let Self {
-            left_mm: l,
-            bottom_mm: b,
-            right_mm: r,
-            top_mm: t,
-        } = *self;
-        [(l, b), (r, b), (r, t), (l, t)]
-            .map(|(x, y)| PointMm::new(x, y))
-            .to_vec()
+        let (l, b, r, t) = (self.left_mm, self.bottom_mm, self.right_mm, self.top_mm);
+        [(l, b), (r, b), (r, t), (l, t)].map(PointMm::from).to_vec()
     }
 }
 
@@ -142,26 +200,65 @@ pub enum Mark {
 
 impl Mark {
     /// A solid black line.
-    pub fn line(from: (f64, f64), to: (f64, f64), width_mm: f64) -> Self {
-        let (from, to) = (PointMm::new(from.0, from.1), PointMm::new(to.0, to.1));
+    pub fn line(from: impl Into<PointMm>, to: impl Into<PointMm>, width_mm: f64) -> Self {
         Self::Line {
-            from,
-            to,
+            from: from.into(),
+            to: to.into(),
             width_mm,
             dash_mm: None,
             colour: BLACK,
         }
     }
 
+    /// Solid black lines along a closed outline.
+    pub fn outline(outline: &[PointMm], width_mm: f64) -> impl Iterator<Item = Self> {
+        sides(outline).map(move |(from, to)| Self::line(*from, *to, width_mm))
+    }
+
+    /// A filled rectangle.
+    pub fn fill(area: RectMm, colour: Srgb8) -> Self {
+        Self::Fill(Fill { area, colour })
+    }
+
+    /// A filled area of black.
+    pub fn black(outlines: Vec<Vec<PointMm>>) -> Self {
+        let colour = BLACK;
+        Self::Area { outlines, colour }
+    }
+
     /// Black text.
-    pub fn text(at: (f64, f64), size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
+    pub fn text(at: impl Into<PointMm>, size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
         Self::Text {
-            at: PointMm::new(at.0, at.1),
+            at: at.into(),
             size_mm,
             anchor,
             text: text.into(),
             colour: BLACK,
         }
+    }
+
+    /// Black text of this size, or smaller to be no wider than `most_mm`.
+    pub fn fitted(
+        at: impl Into<PointMm>,
+        (size_mm, most_mm): (f64, f64),
+        anchor: TextAnchor,
+        text: impl Into<String>,
+    ) -> Self {
+        let text = text.into();
+        Self::text(at, fitting_size_mm(&text, size_mm, most_mm), anchor, text)
+    }
+
+    /// Black text whose capitals have their middle at a place; sized as by [`Mark::fitted`].
+    pub fn centred((x, y): (f64, f64), (size_mm, most_mm): (f64, f64), text: impl Into<String>) -> Self {
+        let text = text.into();
+        let size_mm = fitting_size_mm(&text, size_mm, most_mm);
+        Self::text((x, y - 0.5 * CAP_HEIGHT * size_mm), size_mm, TextAnchor::Centre, text)
+    }
+
+    /// Marks of which only what lies in a rectangle is shown.
+    pub fn clipped(to: RectMm, marks: Vec<Self>) -> Self {
+        let to = vec![to.outline()];
+        Self::Clipped { to, marks }
     }
 }
 
@@ -175,4 +272,13 @@ pub struct Sheet {
     /// How far the content runs, beyond the cut too; encloses `trim`.
     pub bleed: RectMm,
     pub marks: Vec<Mark>,
+}
+
+/// The number of a shared thing in a list, which it joins if it is new, and whether it is.
+pub(super) fn number_of<T>(known: &mut Vec<Arc<T>>, thing: &Arc<T>) -> (usize, bool) {
+    let found = known.iter().position(|k| Arc::ptr_eq(k, thing));
+    if found.is_none() {
+        known.push(Arc::clone(thing));
+    }
+    (found.unwrap_or(known.len() - 1), found.is_none())
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use image::RgbImage;
 
-pub use furniture::{Captions, around, guides, rulers};
+pub use furniture::{Captions, around, guides, making, rulers};
 pub use layout::LayoutRequest;
 pub use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
 
@@ -168,13 +168,9 @@ pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) 
     }
     let repeat = texture::resampled(texture, repeat_mm, dpi);
     let pixel_mm = tile_mm / f64::from(repeat.width());
-    let stamp = PatternStamp::of_image(&repeat, repeat_mm, request.layout.size_mm);
-    drawn(
-        &stamp,
-        &Captions::of_texture(texture, request, pixel_mm),
-        pixel_mm,
-        request,
-    )
+    let stamp = PatternStamp::from_image(&repeat, repeat_mm, request.layout.size_mm);
+    let captions = Captions::from_texture(texture, request, pixel_mm);
+    drawn(&stamp, &captions, pixel_mm, request)
 }
 
 fn drawn(
@@ -191,15 +187,8 @@ fn drawn(
         layout.frame.sheet(plan.trim, plan.printed, marks)
     };
     let sheets = layout.sheets.iter().map(sheet).collect();
-    let mut pages = printer::corrected(
-        vec![cover::cover(
-            &layout,
-            captions,
-            "How to assemble",
-            &cover::assembly(&layout),
-        )],
-        layout.cover.setup.stretch(),
-    );
+    let cover = cover::cover(&layout, captions, "How to assemble", &cover::assembly(&layout));
+    let mut pages = printer::corrected(vec![cover], layout.cover.setup.stretch());
     pages.extend(printer::corrected(sheets, layout.frame.setup.stretch()));
     Ok(Template { layout, cell_mm, pages })
 }
@@ -232,9 +221,10 @@ fn check_tile(request: &TemplateRequest) -> Result<f64, TemplateError> {
 pub fn check_scale(scale: f64) -> Result<(), TemplateError> {
     // False for NaN too.
     if SCALES.contains(&scale) {
-        return Ok(());
+        Ok(())
+    } else {
+        Err(TemplateError::Scale { scale })
     }
-    Err(TemplateError::Scale { scale })
 }
 
 /// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
@@ -253,47 +243,43 @@ enum Block {
 
 impl PatternStamp {
     /// Whole repeats of an image of this size.
-    fn of_image(repeat: &RgbImage, (wide_mm, high_mm): (f64, f64), size_mm: (f64, f64)) -> Self {
+    fn from_image(repeat: &RgbImage, (wide_mm, high_mm): (f64, f64), size_mm: (f64, f64)) -> Self {
         let (columns, rows) = repeat.dimensions();
         let pixel_mm = (wide_mm / f64::from(columns), high_mm / f64::from(rows));
-        let (across, down) = (
-            repeats(wide_mm, size_mm.0) * columns,
-            repeats(high_mm, size_mm.1) * rows,
-        );
-        let more = (run_on_pixels(pixel_mm.0), run_on_pixels(pixel_mm.1));
-        let block = RgbImage::from_fn(across + more.0, down + more.1, |x, y| {
+        let across = repeats(wide_mm, size_mm.0) * columns;
+        let down = repeats(high_mm, size_mm.1) * rows;
+        // As `run_on_mm`, in whole pixels.
+        let more = |pixel_mm: f64| (0.5 / pixel_mm).ceil() as u32;
+        let block = RgbImage::from_fn(across + more(pixel_mm.0), down + more(pixel_mm.1), |x, y| {
             *repeat.get_pixel(x % columns, y % rows)
         });
-        let length = |pixels: u32, pixel_mm: f64| f64::from(pixels) * pixel_mm;
-        let drawn = (length(block.width(), pixel_mm.0), length(block.height(), pixel_mm.1));
+        let size = |width: u32, height: u32| (f64::from(width) * pixel_mm.0, f64::from(height) * pixel_mm.1);
+        let (width_mm, height_mm) = size(across, down);
+        let drawn = size(block.width(), block.height());
         Self {
-            width_mm: length(across, pixel_mm.0),
-            height_mm: length(down, pixel_mm.1),
+            width_mm,
+            height_mm,
             block: Block::Image(Arc::new(block), drawn),
         }
     }
 
     pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
-        let across = repeats(cell_mm * f64::from(pattern.columns()), size_mm.0) * pattern.columns();
-        let down = repeats(cell_mm * f64::from(pattern.rows()), size_mm.1) * pattern.rows();
+        let (columns, rows) = (pattern.columns(), pattern.rows());
+        let across = repeats(cell_mm * f64::from(columns), size_mm.0) * columns;
+        let down = repeats(cell_mm * f64::from(rows), size_mm.1) * rows;
         let cells = (0..down).flat_map(|row| (0..across).map(move |column| (row, column)));
-        let fills = cells.map(|(row, column)| {
-            let cell = pattern
-                .cells()
-                .get_pixel(column % pattern.columns(), row % pattern.rows());
-            Fill {
-                area: cell_area(row, column, cell_mm),
-                colour: cell.0,
-            }
+        let fills = cells.map(|(row, column)| Fill {
+            area: cell_area(row, column, cell_mm),
+            colour: pattern.cells().get_pixel(column % columns, row % rows).0,
         });
         let (width_mm, height_mm) = (cell_mm * f64::from(across), cell_mm * f64::from(down));
         let more = run_on_mm(cell_mm);
-        let bounds = RectMm::new(0.0, -height_mm - more, width_mm + more, 0.0);
+        let stamp = Stamp {
+            bounds: RectMm::new(0.0, -height_mm - more, width_mm + more, 0.0),
+            fills: fills.collect(),
+        };
         Self {
-            block: Block::Cells(Arc::new(Stamp {
-                bounds,
-                fills: fills.collect(),
-            })),
+            block: Block::Cells(Arc::new(stamp)),
             width_mm,
             height_mm,
         }
@@ -335,22 +321,15 @@ impl PatternStamp {
                 at: at.collect(),
                 clip: printed,
             },
-            Block::Image(image, (width_mm, height_mm)) => Mark::Clipped {
-                to: vec![printed.outline()],
-                marks: at
-                    .map(|PointMm { x_mm, y_mm }| Mark::Image {
-                        image: Arc::clone(image),
-                        area: RectMm::new(x_mm, y_mm - height_mm, x_mm + width_mm, y_mm),
-                    })
-                    .collect(),
-            },
+            Block::Image(image, size_mm) => {
+                let placed = at.map(|PointMm { x_mm, y_mm }| Mark::Image {
+                    image: Arc::clone(image),
+                    area: RectMm::new(x_mm, y_mm - size_mm.1, x_mm + size_mm.0, y_mm),
+                });
+                Mark::clipped(printed, placed.collect())
+            }
         }
     }
-}
-
-/// As [`run_on_mm`], in whole pixels.
-fn run_on_pixels(pixel_mm: f64) -> u32 {
-    (0.5 / pixel_mm).ceil() as u32
 }
 
 /// How many repeats of length `repeat_mm` a stamp has, but no more than the template needs.

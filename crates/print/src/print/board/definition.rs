@@ -2,6 +2,7 @@
 
 use super::{BoardError, BoardKind, BoardRequest, Definition, MIN_MODULE_MM};
 use scaleproof_core::geometry::length;
+use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::MarkerDictionary;
 
 /// The definition of a board that can be printed.
@@ -23,14 +24,7 @@ fn charuco(request: &BoardRequest) -> Result<Definition, BoardError> {
     let dictionary = MarkerDictionary::named(request.dictionary.as_deref().unwrap_or(Definition::DICTIONARY))?;
     let marker_mm = marker_mm(request, Definition::MARKER_SHARE)?;
     let (columns, rows) = request.squares;
-    let needed = (columns * rows / 2) as usize;
-    if needed > dictionary.count() {
-        return Err(BoardError::NotEnoughMarkers {
-            needed,
-            dictionary: dictionary.name(),
-            count: dictionary.count(),
-        });
-    }
+    check_count(columns * rows / 2, dictionary.name(), dictionary.count())?;
     let modules = dictionary.marker(0).map_or(1, scaleproof_pose::tags::Modules::side);
     printable(marker_mm / modules as f64)?;
     Ok(Definition::Charuco {
@@ -40,6 +34,18 @@ fn charuco(request: &BoardRequest) -> Result<Definition, BoardError> {
         dictionary: dictionary.name().to_owned(),
         legacy_layout: false,
     })
+}
+
+fn check_count(needed: u32, dictionary: &'static str, count: usize) -> Result<(), BoardError> {
+    let needed = needed as usize;
+    if needed > count {
+        return Err(BoardError::NotEnoughMarkers {
+            needed,
+            dictionary,
+            count,
+        });
+    }
+    Ok(())
 }
 
 fn chessboard(request: &BoardRequest) -> Result<Definition, BoardError> {
@@ -67,17 +73,7 @@ fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
     }
     let tag_mm = marker_mm(request, 1.0 / (1.0 + Definition::TAG_SPACING))?;
     let (columns, rows) = request.squares;
-    let (needed, count) = (
-        (columns * rows) as usize,
-        scaleproof_pose::scene::TagFamily::Tag36h11.count() as usize,
-    );
-    if needed > count {
-        return Err(BoardError::NotEnoughMarkers {
-            needed,
-            dictionary: "tag36h11",
-            count,
-        });
-    }
+    check_count(columns * rows, "tag36h11", TagFamily::Tag36h11.count() as usize)?;
     printable(tag_mm / f64::from(Definition::GRID_TAG_MODULES))?;
     Ok(Definition::Aprilgrid {
         tags: [columns, rows],

@@ -22,7 +22,10 @@ pub fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>,
             // OpenCV counts the markers through the white squares, row by row from the top left (CharucoBoard, 4.6 and later).
             for (id, (row, column)) in places(*squares).filter(|place| !is_black(*place)).enumerate() {
                 let Some(marker) = dictionary.marker(id) else { break };
-                let centre = square_centre((row, column), *square_mm, corner);
+                let centre = PointMm::new(
+                    corner.x_mm + (f64::from(column) + 0.5) * square_mm,
+                    corner.y_mm - (f64::from(row) + 0.5) * square_mm,
+                );
                 outlines.extend(square_of(marker, centre, *marker_mm));
             }
             Ok(outlines)
@@ -44,13 +47,6 @@ fn places([columns, rows]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
 
 fn is_black((row, column): (u32, u32)) -> bool {
     row % 2 == column % 2
-}
-
-fn square_centre((row, column): (u32, u32), square_mm: f64, corner: PointMm) -> PointMm {
-    PointMm::new(
-        corner.x_mm + (f64::from(column) + 0.5) * square_mm,
-        corner.y_mm - (f64::from(row) + 0.5) * square_mm,
-    )
 }
 
 fn black_squares(squares: [u32; 2], square_mm: f64, corner: PointMm) -> Vec<OutlineMm> {
@@ -78,24 +74,23 @@ fn aprilgrid(
     corner: PointMm,
 ) -> Result<Vec<OutlineMm>, BoardError> {
     let pitch = tag_mm + gap_mm;
-    let at = |column: u32, row: u32| {
+    let at = |(row, column): (u32, u32)| {
         (
             corner.x_mm + f64::from(column) * pitch,
             corner.y_mm - f64::from(row) * pitch,
         )
     };
-    let mut outlines = Vec::new();
-    for (row, column) in places([columns + 1, rows + 1]) {
-        let (x, y) = at(column, row);
-        outlines.push(RectMm::new(x, y - gap_mm, x + gap_mm, y).outline());
-    }
+    let crossings = places([columns + 1, rows + 1]).map(at);
+    let mut outlines: Vec<OutlineMm> = crossings
+        .map(|(x, y)| RectMm::new(x, y - gap_mm, x + gap_mm, y).outline())
+        .collect();
     for (row, column) in places([columns, rows]) {
         let id = (rows - 1 - row) * columns + column;
         let image = TagImage::new(TagFamily::Tag36h11, id).ok_or(BoardError::NoImage { id })?;
         // White ring and border off, Kalibr's border on.
         let ring = (image.modules().side() - image.border_modules()) / 2;
         let tag = image.modules().cropped(ring + 1).framed(border_modules, true);
-        let (x, y) = at(column, row);
+        let (x, y) = at((row, column));
         let centre = PointMm::new(x + gap_mm + tag_mm / 2.0, y - gap_mm - tag_mm / 2.0);
         outlines.extend(square_of(&tag, centre, tag_mm));
     }

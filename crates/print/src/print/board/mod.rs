@@ -6,10 +6,10 @@ mod draw;
 pub use scaleproof_pose::board::Definition;
 
 use super::SheetError;
-use super::page::{FreePage, Media};
+use super::frame::PageFrame;
+use super::page::Media;
 use super::printer::Printer;
-use super::shapes::OutlineMm;
-use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
+use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use scaleproof_core::geometry::length::BadLength;
 use scaleproof_plot::lettering::size;
 use scaleproof_pose::board::DefinitionError;
@@ -93,41 +93,27 @@ pub struct Board {
 /// # Errors
 /// A roll, numbers that make no board, too few markers in the dictionary, a board larger than the paper.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
-    request.media.check_is_cut()?;
+    let media = request.media;
+    media.check_is_cut()?;
     let definition = definition::definition(request)?;
-    let (width, height) = definition.size_mm();
-    let (page, area) = placed(request.media, width, height)?;
+    let size_mm = definition.size_mm();
+    let Some((page, area)) = media.with_room(size_mm, QUIET_MM)? else {
+        let free = media.both_ways()?.last().map(PageFrame::usable_size);
+        let (width, height) = free.unwrap_or_default();
+        return Err(BoardError::TooLarge {
+            board_mm: size(size_mm),
+            free_mm: size((width - 2.0 * QUIET_MM, height - 2.0 * QUIET_MM)),
+        });
+    };
     let corner = PointMm::new(area.left_mm, area.top_mm);
-    let outlines: Vec<OutlineMm> = draw::black(&definition, corner)?;
-    let marks = vec![Mark::Area {
-        outlines,
-        colour: BLACK,
-    }];
-    let sheet = page.sheet(marks, &captions(&definition, &request.media.printer), definition.name());
+    let marks = vec![Mark::black(draw::black(&definition, corner)?)];
+    let captions = captions(&definition, &media.printer);
+    let sheet = page.labelled(page.printable, marks, &captions, definition.name());
     Ok(Board {
         definition,
         area,
         sheet,
     })
-}
-
-/// The middle of the paper, upright or across.
-fn placed(media: Media, width: f64, height: f64) -> Result<(FreePage, RectMm), BoardError> {
-    let pages = FreePage::both_ways(media)?;
-    let room = |page: &FreePage| {
-        (
-            page.0.usable.width_mm() - 2.0 * QUIET_MM,
-            page.0.usable.height_mm() - 2.0 * QUIET_MM,
-        )
-    };
-    let fits = |page: &&FreePage| width <= room(page).0 && height <= room(page).1;
-    let Some(page) = pages.iter().find(fits) else {
-        return Err(BoardError::TooLarge {
-            board_mm: size((width, height)),
-            free_mm: size(pages.last().map(room).unwrap_or_default()),
-        });
-    };
-    Ok((*page, page.0.centred((width, height))))
 }
 
 fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {

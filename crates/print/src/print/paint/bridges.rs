@@ -19,14 +19,12 @@ pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
     let along = Along::of(core);
     let ways: Vec<Link> = along.iter().map(|edge| edge.way).collect();
-    let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
-    let (low, high) = ways.iter().map(places).fold(
-        ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]),
-        |(low, high), (from, to)| ([0, 1].map(|i| low[i].min(from[i])), [0, 1].map(|i| high[i].max(to[i]))),
-    );
     if ways.is_empty() {
         return Vec::new();
     }
+    let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
+    let corners: Vec<[f64; 2]> = ways.iter().map(|(corner, _)| at(*corner)).collect();
+    let (low, high) = bounds(&corners, reach as f64);
     let buckets = Buckets::new(low, high, ways.iter().map(places));
     let mut found = BTreeSet::new();
     let mut links = Vec::new();

@@ -2,8 +2,8 @@
 
 use super::{PaintArea, PaintRequest};
 use crate::print::frame::PageFrame;
-use crate::print::sheet::{BLACK, Fill, Mark, RectMm, Sheet, TextAnchor};
-use crate::print::template::{Captions, rulers};
+use crate::print::sheet::{BLACK, Mark, RectMm, Sheet, TextAnchor};
+use crate::print::template::Captions;
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened};
 use scaleproof_surface::pattern::palette::{Painted, UsedPaint};
 
@@ -90,10 +90,7 @@ pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sh
         if i == last {
             table.totals(legend);
         }
-        let mut marks = table.marks;
-        marks.extend(rulers(frame));
-        marks.extend(captions.marks(frame.printable));
-        frame.sheet(frame.whole(), frame.whole(), marks)
+        captions.sheet(frame, table.marks)
     };
     lines.chunks(rows).enumerate().map(page).collect()
 }
@@ -126,36 +123,29 @@ impl Table<'_> {
         let name = shortened(&printable(&used.paint.name), TEXT_MM, NAME_MM);
         self.text(NAME_AT_MM, TextAnchor::Left, name);
         self.text(HEX_AT_MM, TextAnchor::Left, used.paint.hex());
-        let cm2 = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| format!("{:.2}", mm2 / CM2));
-        let off = [used.mean_delta_e, used.max_delta_e].map(|off| format!("{off:.1}"));
-        for (x, value) in NUMBERS_AT_MM.into_iter().zip(cm2.into_iter().chain(off)) {
-            self.text(x, TextAnchor::Right, value);
-        }
+        self.numbers(area, (used.mean_delta_e, used.max_delta_e));
         self.row += 1;
     }
 
     fn totals(&mut self, legend: &Legend) {
-        let Legend { painted, areas, .. } = *legend;
-        let sum = |of: fn(&PaintArea) -> f64| format!("{:.2}", areas.iter().map(of).sum::<f64>() / CM2);
-        let (mean, largest) = painted.delta_e();
-        let values = [
-            sum(|a| a.cells_mm2),
-            sum(|a| a.openings_mm2),
-            sum(|a| a.bridges_mm2),
-            format!("{mean:.1}"),
-            format!("{largest:.1}"),
-        ];
         let y = self.baseline() + 0.75 * ROW_MM * self.factor;
         self.marks
             .push(Mark::line((self.x(0.0), y), (self.x(TABLE_MM), y), RULE_MM));
         self.text(NAME_AT_MM, TextAnchor::Left, legend.whole.to_owned());
-        for (x, value) in NUMBERS_AT_MM.into_iter().zip(values) {
-            self.text(x, TextAnchor::Right, value);
-        }
+        self.numbers(&PaintArea::sum(legend.areas), legend.painted.delta_e());
         self.row += 1;
         for note in legend.notes {
             self.text(0.0, TextAnchor::Left, (*note).to_owned());
             self.row += 1;
+        }
+    }
+
+    /// An area, and the mean and the largest colour difference.
+    fn numbers(&mut self, area: &PaintArea, (mean, largest): (f64, f64)) {
+        let cm2 = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| format!("{:.2}", mm2 / CM2));
+        let off = [mean, largest].map(|off| format!("{off:.1}"));
+        for (x, value) in NUMBERS_AT_MM.into_iter().zip(cm2.into_iter().chain(off)) {
+            self.text(x, TextAnchor::Right, value);
         }
     }
 
@@ -183,11 +173,5 @@ impl Table<'_> {
 
 /// A filled rectangle with a line around it, so that white shows too.
 pub fn swatch(area: RectMm, colour: [u8; 3]) -> [Mark; 2] {
-    let around = RectMm::new(
-        area.left_mm - RULE_MM,
-        area.bottom_mm - RULE_MM,
-        area.right_mm + RULE_MM,
-        area.top_mm + RULE_MM,
-    );
-    [(around, BLACK), (area, colour)].map(|(area, colour)| Mark::Fill(Fill { area, colour }))
+    [Mark::fill(area.grown(RULE_MM), BLACK), Mark::fill(area, colour)]
 }

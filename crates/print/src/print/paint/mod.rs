@@ -188,21 +188,16 @@ fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRe
     let stretch = made.layout.cover.setup.stretch();
     let steps = legend::steps(request);
     let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
-    made.add(
-        "paint".to_owned(),
-        cover(&made.layout, captions, "How to paint", &steps),
-        stretch,
-    );
+    let cover = cover(&made.layout, captions, "How to paint", &steps);
+    made.add("paint".to_owned(), cover, stretch);
     let table = Legend {
         painted,
         areas: &made.areas,
         whole: "panel",
         notes: &["dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area."],
     };
-    for (i, sheet) in legend::sheets(&made.layout.cover, &table, captions)
-        .into_iter()
-        .enumerate()
-    {
+    let legend = legend::sheets(&made.layout.cover, &table, captions);
+    for (i, sheet) in legend.into_iter().enumerate() {
         made.add(format!("legend{}", i + 1), sheet, stretch);
     }
 }

@@ -3,9 +3,8 @@
 use super::plane::mm;
 use super::regions::CellGrid;
 use super::stencil_sheet::registration;
-use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
+use crate::print::sheet::{Mark, Sheet};
 use crate::print::template::{Captions, SheetLayout, SheetPlan, around, guides};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 
 const BORDER_MM: f64 = 0.2;
 const NUMBER_MM: f64 = 4.0;
@@ -16,12 +15,7 @@ const NUMBER_SHARE: f64 = 0.6;
 pub fn sheet(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
     let outer = plan.trim;
     let rim = plan.own.left_mm - plan.carried.left_mm;
-    let part = RectMm::new(
-        outer.left_mm + rim,
-        outer.bottom_mm + rim,
-        outer.right_mm - rim,
-        outer.top_mm - rim,
-    );
+    let part = outer.grown(-rim);
     let at = |x_mm: f64, y_mm: f64| {
         (
             outer.left_mm + x_mm - plan.carried.left_mm,
@@ -35,14 +29,8 @@ pub fn sheet(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: 
     for patch in grid.patches(plan.own) {
         let text = (patch.paint + 1).to_string();
         let largest = NUMBER_MM.min(NUMBER_SHARE * patch.room_mm.1);
-        let size_mm = fitting_size_mm(&text, largest, NUMBER_SHARE * patch.room_mm.0);
-        let (x, y) = at(patch.at_mm.0, patch.at_mm.1);
-        marks.push(Mark::text(
-            (x, y - 0.5 * CAP_HEIGHT * size_mm),
-            size_mm,
-            TextAnchor::Centre,
-            text,
-        ));
+        let room = (largest, NUMBER_SHARE * patch.room_mm.0);
+        marks.push(Mark::centred(at(patch.at_mm.0, patch.at_mm.1), room, text));
     }
     let cut_here = SheetPlan {
         trim: part,

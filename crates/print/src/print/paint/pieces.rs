@@ -2,9 +2,8 @@
 //! so that no cell is cut into slivers.
 
 use crate::print::SheetError;
-use crate::print::frame::PageFrame;
-use crate::print::sheet::RectMm;
-use crate::print::template::{LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
+use crate::print::template::layout::Strips;
+use crate::print::template::{LayoutRequest, MAX_SHEETS, SheetLayout, layout};
 
 /// The sheets: of each, `own` is its part of the panel, `carried` that and the rim. `trim` and `printed` are the rim's
 /// outer edge. Overlap and bleed of the request do not matter.
@@ -15,60 +14,21 @@ pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Shee
         bleed_mm: rim_mm,
         ..request.clone()
     })?;
-    let usable = spread.frame.usable;
-    let x = cuts(
-        request.size_mm.0,
-        cell_mm,
-        usable.width_mm() - 2.0 * rim_mm,
-        spread.columns,
-    );
-    let y = cuts(
-        request.size_mm.1,
-        cell_mm,
-        usable.height_mm() - 2.0 * rim_mm,
-        spread.rows,
-    );
-    let (columns, rows) = (x.len() - 1, y.len() - 1);
-    if columns * rows > MAX_SHEETS {
+    let (width, height) = spread.frame.usable_size();
+    let x = cuts(request.size_mm.0, cell_mm, width - 2.0 * rim_mm, spread.columns);
+    let y = cuts(request.size_mm.1, cell_mm, height - 2.0 * rim_mm, spread.rows);
+    if (x.len() - 1) * (y.len() - 1) > MAX_SHEETS {
         return Err(SheetError::TooManySheets { most: MAX_SHEETS });
     }
-    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
-    let sheet = |(row, column): (usize, usize)| {
-        let own = TemplateRect {
-            left_mm: x[column],
-            top_mm: y[row],
-            right_mm: x[column + 1],
-            bottom_mm: y[row + 1],
-        };
-        on_page(&spread.frame, row, column, own, rim_mm)
+    let strips = Strips {
+        before_mm: rim_mm,
+        after_mm: rim_mm,
+        outer_mm: rim_mm,
     };
-    let sheets = places.map(sheet).collect();
-    Ok(SheetLayout {
-        sheets,
-        rows,
-        columns,
-        ..spread
-    })
-}
-
-fn on_page(frame: &PageFrame, row: usize, column: usize, own: TemplateRect, rim_mm: f64) -> SheetPlan {
-    let carried = TemplateRect {
-        left_mm: own.left_mm - rim_mm,
-        top_mm: own.top_mm - rim_mm,
-        right_mm: own.right_mm + rim_mm,
-        bottom_mm: own.bottom_mm + rim_mm,
-    };
-    let (left, top) = (frame.usable.left_mm, frame.usable.top_mm);
-    let (width, height) = (carried.right_mm - carried.left_mm, carried.bottom_mm - carried.top_mm);
-    let outer = RectMm::new(left, top - height, left + width, top);
-    SheetPlan {
-        row,
-        column,
-        own,
-        carried,
-        trim: outer,
-        printed: outer,
-    }
+    let mut made = SheetLayout::cut_at(spread.frame, &x, &y, strips);
+    made.cover = spread.cover;
+    made.sheets.iter_mut().for_each(|plan| plan.trim = plan.printed);
+    Ok(made)
 }
 
 /// Where the panel is cut along one axis: between cells, as many of them on each sheet as on any other or one less. Cells that

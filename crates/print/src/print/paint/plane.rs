@@ -7,6 +7,8 @@ use i_overlay::core::overlay::{IntOverlayOptions, Overlay};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
+use crate::print::sheet::sides;
+
 /// Units in a millimetre.
 pub const PER_MM: f64 = 10_000.0;
 
@@ -51,13 +53,8 @@ impl Bounds {
     }
 
     pub fn outline(self) -> PlaneOutline {
-        let Self {
-            left,
-            bottom,
-            right,
-            top,
-        } = self;
-        [(left, bottom), (right, bottom), (right, top), (left, top)]
+        let (low, high) = ((self.left, self.bottom), (self.right, self.top));
+        [(low.0, low.1), (high.0, low.1), (high.0, high.1), (low.0, high.1)]
             .map(|(x, y)| PlanePoint::new(x, y))
             .to_vec()
     }
@@ -67,6 +64,12 @@ impl Area {
     /// What any of the outlines encloses; they may overlap, and all run counter-clockwise.
     pub fn of(outlines: &[PlaneOutline]) -> Self {
         operation(outlines, &[], OverlayRule::Subject)
+    }
+
+    /// One piece: its outline, then its holes.
+    pub fn from_piece(piece: &[PlaneOutline]) -> Self {
+        let pieces = vec![piece.to_vec()];
+        Self { pieces }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -83,20 +86,19 @@ impl Area {
     }
 
     pub fn bounds(&self) -> Option<Bounds> {
-        let mut corners = self.outlines().flatten();
-        let first = corners.next()?;
-        let start = Bounds {
-            left: first.x,
-            bottom: first.y,
-            right: first.x,
-            top: first.y,
+        let place = |p: &PlanePoint| Bounds {
+            left: p.x,
+            bottom: p.y,
+            right: p.x,
+            top: p.y,
         };
-        Some(corners.fold(start, |b, p| Bounds {
-            left: b.left.min(p.x),
-            bottom: b.bottom.min(p.y),
-            right: b.right.max(p.x),
-            top: b.top.max(p.y),
-        }))
+        let around = |a: Bounds, b: Bounds| Bounds {
+            left: a.left.min(b.left),
+            bottom: a.bottom.min(b.bottom),
+            right: a.right.max(b.right),
+            top: a.top.max(b.top),
+        };
+        self.outlines().flatten().map(place).reduce(around)
     }
 
     pub fn and(&self, other: &Self) -> Self {
@@ -166,7 +168,7 @@ impl Area {
 
 /// Each corner of an outline and the next.
 pub fn edges(outline: &PlaneOutline) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
-    outline.iter().copied().zip(outline.iter().copied().cycle().skip(1))
+    sides(outline).map(|(a, b)| (*a, *b))
 }
 
 /// What a square of half side `half` covers while its centre goes straight from `a` to `b`: a hexagon, or a rectangle.

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
+use crate::print::shapes::stretches;
 use crate::print::template::TemplateRect;
 use scaleproof_surface::pattern::palette::Painted;
 
@@ -47,17 +48,11 @@ impl CellGrid<'_> {
         let range = |from: f64, to: f64| {
             let first = (from.max(0.0) / self.cell_mm).floor() as usize;
             let ends = |i: &usize| units(*i as f64 * self.cell_mm);
-            let first = if ends(&(first + 1)) <= units(from) {
-                first + 1
-            } else {
-                first
-            };
+            let first = first + usize::from(ends(&(first + 1)) <= units(from));
             first..(first..).find(|i| ends(i) >= units(to)).unwrap_or(first)
         };
-        (
-            range(region.left_mm, region.right_mm),
-            range(region.top_mm, region.bottom_mm),
-        )
+        let columns = range(region.left_mm, region.right_mm);
+        (columns, range(region.top_mm, region.bottom_mm))
     }
 
     /// What a region has of some columns and rows.
@@ -75,21 +70,12 @@ impl CellGrid<'_> {
     pub fn runs(&self, paint: usize, region: TemplateRect) -> Vec<PlaneOutline> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
-        let mut runs = Vec::new();
-        for row in rows {
-            let mut column = columns.start;
-            while column < columns.end {
-                let start = column;
-                while column < columns.end && self.painted.paint_at(column, row) == paint {
-                    column += 1;
-                }
-                if column > start {
-                    runs.push(self.part(whole, start..column, row..row + 1).outline());
-                }
-                column += 1;
-            }
-        }
-        runs
+        let in_row = |row: usize| {
+            let is_paint = |column: &usize| self.painted.paint_at(*column, row) == paint;
+            let runs = stretches(columns.clone(), is_paint).into_iter();
+            runs.map(move |run| self.part(whole, run, row..row + 1).outline())
+        };
+        rows.flat_map(in_row).collect()
     }
 
     /// The lines between cells of different paints, and around the region.
@@ -97,28 +83,26 @@ impl CellGrid<'_> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
         let paint = |column: usize, row: usize| self.painted.paint_at(column, row);
-        let mut lines = super::plane::edges(&whole.outline()).collect::<Vec<_>>();
+        let mut lines = Vec::new();
         for row in rows.clone().skip(1) {
             let differ = |column: &usize| paint(*column, row) != paint(*column, row - 1);
             for run in stretches(columns.clone(), differ) {
                 let part = self.part(whole, run, row..row + 1);
-                lines.push((
-                    PlanePoint::new(part.left, part.top),
-                    PlanePoint::new(part.right, part.top),
-                ));
+                lines.push(([part.left, part.top], [part.right, part.top]));
             }
         }
         for column in columns.skip(1) {
             let differ = |row: &usize| paint(column, *row) != paint(column - 1, *row);
             for run in stretches(rows.clone(), differ) {
                 let part = self.part(whole, column..column + 1, run);
-                lines.push((
-                    PlanePoint::new(part.left, part.top),
-                    PlanePoint::new(part.left, part.bottom),
-                ));
+                lines.push(([part.left, part.top], [part.left, part.bottom]));
             }
         }
-        lines
+        let line = |([x1, y1], [x2, y2]): ([i32; 2], [i32; 2])| (PlanePoint::new(x1, y1), PlanePoint::new(x2, y2));
+        let around = whole.outline();
+        super::plane::edges(&around)
+            .chain(lines.into_iter().map(line))
+            .collect()
     }
 
     /// The patches of a region, cells that share a side taken together, row by row of their first cells.
@@ -155,18 +139,6 @@ impl CellGrid<'_> {
         }
         patches
     }
-}
-
-/// The stretches of a range on which something holds.
-fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
-    let mut found: Vec<Range<usize>> = Vec::new();
-    for i in range.filter(holds) {
-        match found.last_mut() {
-            Some(last) if last.end == i => last.end += 1,
-            _ => found.push(i..i + 1),
-        }
-    }
-    found
 }
 
 /// The cells that can be reached from one through cells that are alike; marks them as seen.

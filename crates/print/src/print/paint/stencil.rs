@@ -81,19 +81,11 @@ impl Slant {
             corner: units(0.5 * min_feature_mm),
         }
     }
-}
 
-impl Slant {
     /// Slanted edges meet in points that are rounded: what is smaller than that is nothing.
     fn without_rounding(self, mut area: Area) -> Area {
-        let is_something = |piece: &Vec<PlaneOutline>| {
-            let piece = Area {
-                pieces: vec![piece.clone()],
-            };
-            piece.mm2() > ROUNDED_MM2
-        };
         if self != Self::NONE {
-            area.pieces.retain(is_something);
+            area.pieces.retain(|piece| Area::from_piece(piece).mm2() > ROUNDED_MM2);
         }
         area
     }
@@ -158,16 +150,11 @@ pub fn openings_and_bridges(
 }
 
 /// The parts of openings that lie off something.
-fn off(openings: Area, something: &Area) -> Area {
-    let is_off = |piece: &Vec<PlaneOutline>| {
-        let piece = Area {
-            pieces: vec![piece.clone()],
-        };
-        piece.and(something).is_empty()
-    };
-    Area {
-        pieces: openings.pieces.into_iter().filter(is_off).collect(),
-    }
+fn off(mut openings: Area, something: &Area) -> Area {
+    openings
+        .pieces
+        .retain(|piece| Area::from_piece(piece).and(something).is_empty());
+    openings
 }
 
 /// What the material must take of the openings, by the first of the rules that is broken.
@@ -198,24 +185,15 @@ fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
 /// The parts that the square does not cover, without rounding and the tips of slanted corners.
 fn thin(uncovered: &Area, half: i32, slant: Slant) -> Area {
     let is_long = |piece: &Vec<PlaneOutline>| {
-        let bounds = Area {
-            pieces: vec![piece.clone()],
-        }
-        .bounds();
+        let bounds = Area::from_piece(piece).bounds();
         bounds.is_some_and(|b| (b.right - b.left).max(b.top - b.bottom) > 3 * half)
     };
     let wide = uncovered.shrunk(slant.tip);
     if slant == Slant::NONE {
         return wide;
     }
-    let long = uncovered
-        .shrunk(ROUNDING)
-        .pieces
-        .into_iter()
-        .filter(is_long)
-        .flatten()
-        .collect::<Vec<_>>();
-    wide.with(&long)
+    let pieces = uncovered.shrunk(ROUNDING).pieces.into_iter();
+    wide.with(&pieces.filter(is_long).flatten().collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::plane::{PlaneOutline, mm};
 use super::{PaintRequest, Stencil};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
+use scaleproof_plot::lettering::printable;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Paint;
 
@@ -25,8 +25,8 @@ pub fn hole_mm(min_feature_mm: f64) -> f64 {
 /// Crosses in the corners of a rim; with a hole, only the arms beside it.
 pub fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     let (near, far) = (0.5 * hole_mm, 0.5 * rim_mm - 0.5);
-    let middles = corners(outer, rim_mm).into_iter();
-    middles.flat_map(|middle| cross(middle, near, far)).collect()
+    let crosses = corners(outer, rim_mm).flat_map(|middle| cross(middle, near, far));
+    crosses.collect()
 }
 
 /// The arms of a cross, from near its middle to far from it.
@@ -43,10 +43,9 @@ pub fn disc((x, y): (f64, f64), radius: f64) -> Vec<PointMm> {
 }
 
 /// The middles of a rim's corners.
-fn corners(outer: RectMm, rim_mm: f64) -> [(f64, f64); 4] {
-    let (left, right) = (outer.left_mm + 0.5 * rim_mm, outer.right_mm - 0.5 * rim_mm);
-    let (bottom, top) = (outer.bottom_mm + 0.5 * rim_mm, outer.top_mm - 0.5 * rim_mm);
-    [(left, bottom), (right, bottom), (right, top), (left, top)]
+fn corners(outer: RectMm, rim_mm: f64) -> impl Iterator<Item = (f64, f64)> {
+    let middles = outer.grown(-0.5 * rim_mm).outline();
+    middles.into_iter().map(|p| (p.x_mm, p.y_mm))
 }
 
 /// Draws the stencils of one request.
@@ -91,7 +90,7 @@ impl<'a> StencilPen<'a> {
             is_piece: false,
         });
         marks.extend(registration(outer, rim, hole_mm(self.min_feature_mm)));
-        marks.extend(outline(outer));
+        marks.extend(Mark::outline(&outer.outline(), LINE_MM));
         marks.push(self.label(plan, rim, number, paint));
         marks.extend(guides(self.layout, plan));
         if self.mirror {
@@ -114,7 +113,7 @@ impl<'a> StencilPen<'a> {
             outline.iter().map(corner).collect()
         };
         let radius = 0.5 * hole_mm(self.min_feature_mm);
-        let holes = corners(outer, rim).into_iter().map(|middle| disc(middle, radius));
+        let holes = corners(outer, rim).map(|middle| disc(middle, radius));
         stencil.openings.outlines().map(place).chain(holes).collect()
     }
 
@@ -131,80 +130,31 @@ impl<'a> StencilPen<'a> {
             paint.name,
             plan.id()
         ));
-        let size_mm = fitting_size_mm(&text, LABEL_MM, outer.width_mm() - 2.0 * rim);
-        let middle = outer.top_mm - 0.5 * rim;
-        let x = 0.5 * (outer.left_mm + outer.right_mm);
-        Mark::text(
-            (x, middle - 0.5 * CAP_HEIGHT * size_mm),
-            size_mm,
-            TextAnchor::Centre,
-            text,
-        )
+        let middle = (outer.middle().0, outer.top_mm - 0.5 * rim);
+        Mark::centred(middle, (LABEL_MM, outer.width_mm() - 2.0 * rim), text)
     }
 }
 
-fn outline(r: RectMm) -> [Mark; 4] {
-    let (a, b, c, d) = (
-        (r.left_mm, r.bottom_mm),
-        (r.right_mm, r.bottom_mm),
-        (r.right_mm, r.top_mm),
-        (r.left_mm, r.top_mm),
-    );
-    [(a, b), (b, c), (c, d), (d, a)].map(|(from, to)| Mark::line(from, to, LINE_MM))
-}
-
-/// A mark as seen from the back of the piece; text stays readable.
-pub fn mirrored(mark: Mark, piece: RectMm) -> Mark {
-    let over = |p: PointMm| PointMm::new(piece.left_mm + piece.right_mm - p.x_mm, p.y_mm);
-    // Turned back, so that outlines run the way they did.
-    let outlines = |all: Vec<Vec<PointMm>>| {
-        all.into_iter()
-            .map(|o| o.into_iter().rev().map(over).collect())
-            .collect()
-    };
-    match mark {
-        Mark::Line {
-            from,
-            to,
-            width_mm,
-            dash_mm,
-            colour,
-        } => Mark::Line {
-            from: over(from),
-            to: over(to),
-            width_mm,
-            dash_mm,
-            colour,
-        },
-        Mark::Text {
-            at,
-            size_mm,
-            anchor,
-            text,
-            colour,
-        } => Mark::Text {
-            at: over(at),
-            size_mm,
-            anchor: match anchor {
+/// A mark as seen from the back of the piece; text stays readable. Fills, stamps, images and clipped marks, which a stencil has
+/// none of, stay as they are.
+pub fn mirrored(mut mark: Mark, piece: RectMm) -> Mark {
+    let turn = |p: &mut PointMm| p.x_mm = piece.left_mm + piece.right_mm - p.x_mm;
+    match &mut mark {
+        Mark::Line { from, to, .. } => [from, to].into_iter().for_each(turn),
+        Mark::Text { at, anchor, .. } => {
+            turn(at);
+            *anchor = match anchor {
                 TextAnchor::Left => TextAnchor::Right,
                 TextAnchor::Centre => TextAnchor::Centre,
                 TextAnchor::Right => TextAnchor::Left,
-            },
-            text,
-            colour,
-        },
-        Mark::Area { outlines: all, colour } => Mark::Area {
-            outlines: outlines(all),
-            colour,
-        },
-        Mark::Cut {
-            outlines: all,
-            is_piece,
-        } => Mark::Cut {
-            outlines: outlines(all),
-            is_piece,
-        },
-        // A stencil has none of these.
-        other @ (Mark::Fill(_) | Mark::Stamped { .. } | Mark::Clipped { .. } | Mark::Image { .. }) => other,
+            };
+        }
+        Mark::Area { outlines, .. } | Mark::Cut { outlines, .. } => {
+            // Turned back, so that outlines run the way they did.
+            outlines.iter_mut().for_each(|outline| outline.reverse());
+            outlines.iter_mut().flatten().for_each(turn);
+        }
+        Mark::Fill(_) | Mark::Stamped { .. } | Mark::Clipped { .. } | Mark::Image { .. } => {}
     }
+    mark
 }

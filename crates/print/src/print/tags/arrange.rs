@@ -15,7 +15,7 @@ const LIFT_MM: f64 = 0.2;
 pub struct Arrangement<'a> {
     /// On the ground mat: they look straight up and lie on the ground (within [`FLAT_MM`]).
     pub flat: Vec<&'a Tag>,
-    /// Pairs that lean back to back, as [`Tent::of`] says.
+    /// Pairs that lean back to back, as [`Tent::new`] says.
     pub tents: Vec<Tent>,
     /// Everything else: a plain card, to be fixed where the scene says.
     pub cards: Vec<&'a Tag>,
@@ -28,7 +28,7 @@ pub fn arrange(scene: &Scene) -> Arrangement<'_> {
     for (i, a) in rest.iter().enumerate() {
         for (j, b) in rest.iter().enumerate().skip(i + 1) {
             let apart_mm = (a.centre_mm - b.centre_mm).norm();
-            pairs.extend(Tent::of(a, b).map(|tent| (apart_mm, i, j, tent)));
+            pairs.extend(Tent::new(a, b).map(|tent| (apart_mm, i, j, tent)));
         }
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,9 +1,9 @@
 //! Plain cards: one tag each, upright, inside a cut line.
 
-use super::piece::{CutPiece, cut_line};
-use super::{Instead, TagPrintError, family_name, image_of};
+use super::piece::CutPiece;
+use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::shapes::{TagPlacement, black_modules};
-use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, TextAnchor};
+use crate::print::sheet::{Mark, PointMm, RectMm, TextAnchor};
 use scaleproof_plot::lettering::{fitting_size_mm, number};
 use scaleproof_pose::scene::Tag;
 use scaleproof_pose::tags::TagImage;
@@ -43,10 +43,6 @@ fn marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
         -width / 2.0 - 0.5 * (STRIP_MM + UP_MM),
         UP_MM,
     ));
-    let mut marks = vec![Mark::Area {
-        outlines,
-        colour: BLACK,
-    }];
     let name = format!(
         "id {} · {} · {} mm",
         tag.id,
@@ -55,7 +51,10 @@ fn marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
     );
     let size_mm = fitting_size_mm(&name, TEXT_MM, (width - UP_MM - 4.0).max(1.0));
     let baseline = (at.x_mm + 1.0, at.y_mm + 0.5 * (STRIP_MM - 0.7 * size_mm));
-    marks.push(Mark::text(baseline, size_mm, TextAnchor::Left, name));
-    marks.extend(cut_line(card));
+    let mut marks = vec![
+        Mark::black(outlines),
+        Mark::text(baseline, size_mm, TextAnchor::Left, name),
+    ];
+    marks.extend(Mark::outline(&card.outline(), LINE_MM));
     marks
 }

@@ -5,17 +5,16 @@
 
 use nalgebra::Vector3;
 
-use super::window::{GroundWindow, bounds, grown, union};
+use super::window::GroundWindow;
 use super::{TagPrintError, captions, family_name};
-use crate::print::page::{FreePage, Media};
-use crate::print::paper::Orientation;
+use crate::print::page::Media;
 use crate::print::shapes::{OutlineMm, stroke, stroked};
-use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::template::cover::titled;
+use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable};
 use scaleproof_pose::scene::{Scene, Tag};
 
 const GREY: Srgb8 = [110, 110, 110];
-const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.6;
 const LEADING_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.25;
@@ -67,8 +66,8 @@ pub struct FloorPlace {
 }
 
 impl FloorPlace {
-    /// Of a tag.
-    pub fn of(tag: &Tag) -> Self {
+    /// The place of a tag's card.
+    pub fn from_tag(tag: &Tag) -> Self {
         let normal = tag.right.cross(&tag.up);
         let azimuth = |v: &Vector3<f64>| v.y.atan2(v.x).to_degrees().rem_euclid(360.0);
         let tilt_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();
@@ -96,20 +95,10 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
     if tags.is_empty() {
         return Ok(Vec::new());
     }
-    let page = match FreePage::new(media, Orientation::Portrait) {
-        Ok(page) => page,
-        Err(_) => FreePage::new(media, Orientation::Landscape)?,
-    };
-    let page = page.shortened(media, ROLL_MM)?;
-    let area = page.0.usable;
+    let page = media.both_ways()?.swap_remove(0).cut_off(media.paper, ROLL_MM)?;
+    let area = page.usable;
     let title = format!("Floor plan of {}", printable(&scene.model.name));
-    let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-    let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
-    let head = Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title);
-    let body = RectMm {
-        top_mm: title_y - GAP_MM,
-        ..area
-    };
+    let (head, body) = titled(area, title);
     let room = RectMm {
         bottom_mm: body.top_mm - DRAWING_SHARE * body.height_mm(),
         ..body
@@ -134,8 +123,8 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
         "Seen from above, the model's front to the right.",
     ];
     let captions = captions(scene, media, how_to);
-    let named = pages.into_iter().enumerate();
-    Ok(named.map(|(i, marks)| page.sheet(marks, &captions, &name(i))).collect())
+    let sheet = |(i, marks)| page.labelled(page.printable, marks, &captions, &name(i));
+    Ok(pages.into_iter().enumerate().map(sheet).collect())
 }
 
 /// What page `i` (from 0) is called.
@@ -149,7 +138,7 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     let model = RectMm::new(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0);
     let shown = tags
         .iter()
-        .fold(grown(model, ARROW_MM), |all, tag| union(all, bounds(&foot(tag))));
+        .fold(model.grown(ARROW_MM), |all, tag| all.union(RectMm::around(&foot(tag))));
     // What the ids take beyond the cards, on the page.
     let edge = POINTER_MM + 3.0 * ID_MM;
     let (wide, high) = (
@@ -180,53 +169,36 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
 fn model_marks(model: RectMm, window: &GroundWindow) -> Vec<Mark> {
     let on_page = |x: f64, y: f64| window.on_page(PointMm::new(x, y));
     let front = model.right_mm + 2.0;
-    let arrow: OutlineMm = [
-        (front, -ARROW_MM / 3.0),
-        (front + ARROW_MM, 0.0),
-        (front, ARROW_MM / 3.0),
-    ]
-    .map(|(x, y)| on_page(x, y))
-    .to_vec();
+    let arrow = [(0.0, -ARROW_MM / 3.0), (ARROW_MM, 0.0), (0.0, ARROW_MM / 3.0)];
     let mut outlines = stroked(&window.outline(&model.outline()), LINE_MM);
-    outlines.push(arrow);
+    outlines.push(arrow.map(|(x, y)| on_page(front + x, y)).to_vec());
     let (x, y) = (model.right_mm / 3.0, model.top_mm / 2.0);
     outlines.push(stroke(on_page(0.0, 0.0), on_page(x, 0.0), LINE_MM));
     outlines.push(stroke(on_page(0.0, 0.0), on_page(0.0, y), LINE_MM));
     let text = |at: PointMm, text: &str| Mark::text((at.x_mm + 0.8, at.y_mm - 0.8), ID_MM, TextAnchor::Left, text);
     let corner = on_page(model.right_mm, model.top_mm);
-    outlines.push(stroke(
-        PointMm::new(corner.x_mm - 1.5, corner.y_mm + 1.5),
-        PointMm::new(corner.x_mm + 1.5, corner.y_mm - 1.5),
-        LINE_MM,
-    ));
+    let beside = |x: f64, y: f64| PointMm::new(corner.x_mm + x, corner.y_mm + y);
+    outlines.push(stroke(beside(-1.5, 1.5), beside(1.5, -1.5), LINE_MM));
     vec![
         Mark::Area { outlines, colour: GREY },
         text(on_page(x, 0.0), "x"),
         text(on_page(0.0, y), "y"),
-        Mark::text(
-            (corner.x_mm - 2.0, corner.y_mm - 3.0),
-            2.0,
-            TextAnchor::Right,
-            "front left corner",
-        ),
+        Mark::text(beside(-2.0, -3.0), 2.0, TextAnchor::Right, "front left corner"),
     ]
 }
 
 /// A card from above, a line to the side it faces, and its id there.
 fn card(tag: &Tag, window: &GroundWindow) -> Vec<Mark> {
-    let heading = FloorPlace::of(tag).heading_deg.to_radians();
+    let heading = FloorPlace::from_tag(tag).heading_deg.to_radians();
     let (dx, dy) = (heading.cos(), heading.sin());
     let at = window.on_page(PointMm::new(tag.centre_mm.x, tag.centre_mm.y));
     let end = PointMm::new(at.x_mm + POINTER_MM * dx, at.y_mm + POINTER_MM * dy);
     let mut outlines = stroked(&window.outline(&foot(tag)), LINE_MM);
     outlines.push(stroke(at, end, LINE_MM));
-    let label = (end.x_mm + ID_MM * dx, end.y_mm + ID_MM * dy - 0.5 * CAP_HEIGHT * ID_MM);
+    let label = (end.x_mm + ID_MM * dx, end.y_mm + ID_MM * dy);
     vec![
-        Mark::Area {
-            outlines,
-            colour: BLACK,
-        },
-        Mark::text(label, ID_MM, TextAnchor::Centre, tag.id.to_string()),
+        Mark::black(outlines),
+        Mark::centred(label, (ID_MM, f64::INFINITY), tag.id.to_string()),
     ]
 }
 
@@ -260,8 +232,8 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
     let mut marks = Vec::new();
     let mut y = room.top_mm - CAP_HEIGHT * TEXT_MM;
     for line in LEGEND {
-        let size_mm = fitting_size_mm(line, TEXT_MM, room.width_mm());
-        marks.push(Mark::text((room.left_mm, y), size_mm, TextAnchor::Left, line));
+        let size = (TEXT_MM, room.width_mm());
+        marks.push(Mark::fitted((room.left_mm, y), size, TextAnchor::Left, line));
         y -= LEADING_MM;
     }
     y -= 0.5 * LEADING_MM;
@@ -269,18 +241,15 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
     let row = |y: f64, cells: [String; 10]| {
         let mut from = 0.0;
         let cell = |((_, to), text): (&(&str, f64), String)| {
-            let size_mm = fitting_size_mm(&text, TEXT_MM, factor * (to - from) - 1.5);
+            let size = (TEXT_MM, factor * (to - from) - 1.5);
             from = *to;
-            Mark::text((room.left_mm + factor * to, y), size_mm, TextAnchor::Right, text)
+            Mark::fitted((room.left_mm + factor * to, y), size, TextAnchor::Right, text)
         };
         COLUMNS.iter().zip(cells).map(cell).collect::<Vec<_>>()
     };
     marks.extend(row(y, COLUMNS.map(|(name, _)| name.to_owned())));
-    marks.push(Mark::line(
-        (room.left_mm, y - 1.2),
-        (room.left_mm + factor * 178.0, y - 1.2),
-        0.15,
-    ));
+    let end = room.left_mm + factor * 178.0;
+    marks.push(Mark::line((room.left_mm, y - 1.2), (end, y - 1.2), 0.15));
     let has_room = ((y - room.bottom_mm) / LEADING_MM).floor().max(0.0) as usize;
     let (now, later) = tags.split_at(has_room.min(tags.len()));
     for tag in now {
@@ -292,18 +261,13 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
 
 fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
     let [length, width, _] = scene.model.size_mm;
-    let (c, place) = (tag.centre_mm, FloorPlace::of(tag));
-    let many = scene.families().len() > 1;
-    let family = if many {
+    let (c, place) = (tag.centre_mm, FloorPlace::from_tag(tag));
+    let family = if scene.families().len() > 1 {
         format!("{} ", family_name(tag.family))
     } else {
         String::new()
     };
-    let heading = format!(
-        "{}{}°",
-        if place.lies_flat { "top to " } else { "faces " },
-        tenth(place.heading_deg)
-    );
+    let faces = if place.lies_flat { "top to" } else { "faces" };
     [
         format!("{family}{}", tag.id),
         tenth(c.x),
@@ -312,7 +276,7 @@ fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
         tenth(length / 2.0 - c.x),
         tenth(width / 2.0 - c.y),
         tenth(c.x.hypot(c.y)),
-        heading,
+        format!("{faces} {}°", tenth(place.heading_deg)),
         format!("{}°", tenth(place.tilt_deg)),
         format!("{}°", tenth(place.turned_deg)),
     ]

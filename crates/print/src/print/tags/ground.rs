@@ -6,13 +6,14 @@ use super::arrange::Arrangement;
 use super::mat::Mat;
 use super::seams::SeamAxis;
 use super::strip::{PlaceStrip, Standing};
-use super::window::{bounds, union, within};
 use super::{TagPrintError, TagRequest, piece};
 use crate::print::SheetError;
-use crate::print::page::{FreePage, Media};
+use crate::print::frame::PageFrame;
+use crate::print::page::Media;
 use crate::print::paper::Stock;
 use crate::print::shapes::{clipped, stroked};
 use crate::print::sheet::RectMm;
+use crate::print::template::layout::Strips;
 use crate::print::template::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect};
 
 /// What neighbouring sheets share for gluing.
@@ -45,106 +46,84 @@ impl Ground {
     ) -> Result<Self, TagPrintError> {
         let media = request.media;
         let mut best: Option<(Cost, Ground)> = None;
-        let mut refused = None;
-        for page in FreePage::both_ways(media)? {
+        let mut refused = SheetError::TooManySheets { most: MAX_SHEETS }.into();
+        for page in media.both_ways()? {
             for with_strips in [false, true] {
                 if with_strips && (request.whole_mat || matches!(media.paper, Stock::Roll { .. })) {
                     continue;
                 }
                 match Self::on(page, &mat, arrangement, media, with_strips) {
                     Ok(ground) => {
-                        let cost = Cost::of(&ground, media, others)?;
-                        if best.as_ref().is_none_or(|(held, _)| cost.is_below(held)) {
+                        let cost = ground.cost(media, others)?;
+                        if best.as_ref().is_none_or(|(held, _)| cost < *held) {
                             best = Some((cost, ground));
                         }
                     }
-                    Err(e) => refused = Some(e),
+                    Err(e) => refused = e,
                 }
             }
         }
-        let none = SheetError::TooManySheets { most: MAX_SHEETS };
-        best.map(|(_, ground)| ground.finished())
-            .ok_or_else(|| refused.unwrap_or_else(|| none.into()))
+        let (_, mut best) = best.ok_or(refused)?;
+        // The outline of each strip's root is on the mat.
+        for strip in &best.strips {
+            let name = format!("strip T{}", strip.tent + 1);
+            best.mat.add_outline(&strip.outline(), strip.name_at(), name);
+        }
+        Ok(best)
     }
 
     /// On one paper, used one way round. Tent cards that no strip reaches stand on the mat, which grows for them.
     fn on(
-        page: FreePage,
+        page: PageFrame,
         mat: &Mat,
         arrangement: &Arrangement,
         media: Media,
         with_strips: bool,
     ) -> Result<Self, TagPrintError> {
-        let usable = page.0.usable;
-        let longest = SHORT_MM.min(usable.width_mm().max(usable.height_mm()));
+        let (wide, high) = page.usable_size();
+        let longest = SHORT_MM.min(wide.max(high));
         let mut content = if with_strips { mat.core } else { mat.whole() };
         loop {
             let (layout, paper) = tiled(page, media, mat, content)?;
             let mut strips = Vec::new();
             let mut beyond = None;
             for (i, tent) in arrangement.tents.iter().enumerate() {
-                match Standing::of(i, tent, mat, paper, longest) {
+                match Standing::new(i, tent, mat, paper, longest) {
                     Standing::OnMat => {}
                     Standing::OnStrip(strip) => strips.push(strip),
                     Standing::OutOfReach => beyond = beyond.or(Some(mat.tents[i])),
                 }
             }
-            match beyond.filter(|tent| !within(*tent, content)) {
-                Some(tent) => content = union(content, tent),
-                None => {
-                    let cut_tags = cut_tags(mat, &layout, paper);
-                    let mat = mat.clone();
-                    return Ok(Self {
-                        mat,
-                        layout,
-                        paper,
-                        strips,
-                        cut_tags,
-                    }
-                    .without_empty_sheets());
-                }
+            if let Some(tent) = beyond.filter(|tent| !tent.is_within(&content)) {
+                content = content.union(tent);
+                continue;
             }
+            let ground = Self {
+                cut_tags: cut_tags(mat, &layout, paper),
+                mat: mat.clone(),
+                layout,
+                paper,
+                strips,
+            };
+            return Ok(ground.without_empty_sheets());
         }
     }
 
     /// Leaves out every sheet that carries nothing, as long as the others hang together.
     fn without_empty_sheets(mut self) -> Self {
-        let roots: Vec<_> = self
-            .strips
-            .iter()
-            .flat_map(|strip| stroked(&strip.root(), 0.1))
-            .collect();
-        let shapes: Vec<_> = self
-            .mat
-            .shapes
-            .iter()
-            .flat_map(|shape| shape.outlines.iter())
-            .chain(&roots)
-            .collect();
+        let roots = self.strips.iter().flat_map(|strip| stroked(&strip.root(), 0.1));
+        let roots: Vec<_> = roots.collect();
+        let drawn = self.mat.shapes.iter().flat_map(|shape| &shape.outlines);
+        let shapes: Vec<_> = drawn.chain(&roots).collect();
         let carries = |own: RectMm| shapes.iter().any(|outline| clipped(outline, own).len() > 2);
         let sheets = self.layout.sheets.iter().cloned();
         let empty: Vec<_> = sheets.filter(|plan| !carries(self.ground(plan.own))).collect();
         for plan in empty {
-            let rest: Vec<_> = self
-                .layout
-                .sheets
-                .iter()
-                .filter(|other| **other != plan)
-                .cloned()
-                .collect();
+            let mut rest = self.layout.sheets.clone();
+            rest.retain(|other| *other != plan);
             if hang_together(&rest) {
                 self.layout.sheets = rest;
             }
-        }
-        self
-    }
-
-    /// Draws the outline of each strip's root on the mat.
-    fn finished(mut self) -> Self {
-        for strip in &self.strips {
-            let at = strip.name_at();
-            self.mat
-                .add_outline(&strip.outline(), at, format!("strip T{}", strip.tent + 1));
         }
         self
     }
@@ -170,13 +149,13 @@ fn on_ground(paper: RectMm, region: TemplateRect) -> RectMm {
 }
 
 /// The sheets for some content of the mat, and where all of them together lie on the ground.
-fn tiled(page: FreePage, media: Media, mat: &Mat, content: RectMm) -> Result<(SheetLayout, RectMm), TagPrintError> {
-    let tags: Vec<RectMm> = mat.tags.iter().map(|(_, tag)| bounds(tag)).collect();
-    let usable = page.0.usable;
+fn tiled(page: PageFrame, media: Media, mat: &Mat, content: RectMm) -> Result<(SheetLayout, RectMm), TagPrintError> {
+    let tags: Vec<RectMm> = mat.tags.iter().map(|(_, tag)| RectMm::around(tag)).collect();
+    let (wide, high) = page.usable_size();
     let across = SeamAxis {
         low_mm: content.left_mm,
         high_mm: content.right_mm,
-        usable_mm: usable.width_mm(),
+        usable_mm: wide,
         overlap_mm: OVERLAP_MM,
         keep: tags.iter().map(|tag| (tag.left_mm, tag.right_mm)).collect(),
     };
@@ -184,7 +163,7 @@ fn tiled(page: FreePage, media: Media, mat: &Mat, content: RectMm) -> Result<(Sh
     let down = SeamAxis {
         low_mm: -content.top_mm,
         high_mm: -content.bottom_mm,
-        usable_mm: usable.height_mm(),
+        usable_mm: high,
         overlap_mm: OVERLAP_MM,
         keep: tags.iter().map(|tag| (-tag.top_mm, -tag.bottom_mm)).collect(),
     };
@@ -193,7 +172,7 @@ fn tiled(page: FreePage, media: Media, mat: &Mat, content: RectMm) -> Result<(Sh
     }
     let (mut x, mut y) = (across.edges(), down.edges());
     // A roll is cut off where the mat ends.
-    let along = if page.0.setup.turned {
+    let along = if page.setup.turned {
         (&mut x, &across)
     } else {
         (&mut y, &down)
@@ -210,18 +189,24 @@ fn tiled(page: FreePage, media: Media, mat: &Mat, content: RectMm) -> Result<(Sh
         });
         carried.fold(0.0, f64::max)
     };
-    let page = page.shortened(media, longest(if page.0.setup.turned { &x } else { &y }))?;
+    let page = page.cut_off(media.paper, longest(if page.setup.turned { &x } else { &y }))?;
     let ends = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
     let ((left, right), (top, bottom)) = (ends(&x), ends(&y));
     let from = |edges: &[f64], zero: f64| edges.iter().map(|edge| edge - zero).collect::<Vec<_>>();
-    let layout = SheetLayout::cut_at(page.0, &from(&x, left), &from(&y, top), OVERLAP_MM);
+    let strips = Strips {
+        before_mm: 0.0,
+        after_mm: OVERLAP_MM,
+        outer_mm: 0.0,
+    };
+    let layout = SheetLayout::cut_at(page, &from(&x, left), &from(&y, top), strips);
     Ok((layout, RectMm::new(left, -bottom, right, -top)))
 }
 
 /// The flat tags that lie on no sheet wholly.
 fn cut_tags(mat: &Mat, layout: &SheetLayout, paper: RectMm) -> Vec<u32> {
-    let is_whole = |tag: RectMm| layout.sheets.iter().any(|plan| within(tag, on_ground(paper, plan.own)));
-    let cut = mat.tags.iter().filter(|(_, tag)| !is_whole(bounds(tag)));
+    let is_on = |plan: &SheetPlan, tag: RectMm| tag.is_within(&on_ground(paper, plan.own));
+    let is_cut = |tag: RectMm| !layout.sheets.iter().any(|plan| is_on(plan, tag));
+    let cut = mat.tags.iter().filter(|(_, tag)| is_cut(RectMm::around(tag)));
     cut.map(|(id, _)| *id).collect()
 }
 
@@ -240,22 +225,16 @@ fn hang_together(sheets: &[SheetPlan]) -> bool {
     !sheets.is_empty() && reached.len() == sheets.len()
 }
 
-/// What a way to print the ground costs.
-struct Cost {
-    /// Sheets; of a roll, mm².
-    paper: f64,
-    cut_tags: usize,
-    strips: usize,
-}
+/// What a way to print the ground costs: sheets (of a roll, mm²), tags that are cut, strips.
+type Cost = (f64, usize, usize);
 
-impl Cost {
-    fn of(ground: &Ground, media: Media, others: &[(f64, f64)]) -> Result<Self, TagPrintError> {
-        let sheets = ground.layout.sheets.len() as f64;
-        let page = ground.layout.frame.page;
+impl Ground {
+    fn cost(&self, media: Media, others: &[(f64, f64)]) -> Result<Cost, TagPrintError> {
+        let sheets = self.layout.sheets.len() as f64;
         let paper = match media.paper {
-            Stock::Roll { .. } => sheets * page.width_mm * page.height_mm,
+            Stock::Roll { .. } => sheets * self.layout.frame.page.width_mm * self.layout.frame.page.height_mm,
             Stock::Cut(_) => {
-                let strips = ground
+                let strips = self
                     .strips
                     .iter()
                     .map(|strip| (strip.length_mm, super::strip::WIDTH_MM));
@@ -263,14 +242,6 @@ impl Cost {
                 sheets + piece::pages(&sizes, media)? as f64
             }
         };
-        Ok(Self {
-            paper,
-            cut_tags: ground.cut_tags.len(),
-            strips: ground.strips.len(),
-        })
-    }
-
-    fn is_below(&self, other: &Self) -> bool {
-        (self.paper, self.cut_tags, self.strips) < (other.paper, other.cut_tags, other.strips)
+        Ok((paper, self.cut_tags.len(), self.strips.len()))
     }
 }

@@ -3,19 +3,17 @@
 use super::ground::Ground;
 use super::mat::GREY;
 use super::piece::PiecePage;
-use super::window::{GroundWindow, bounds, union};
+use super::window::GroundWindow;
 use super::{Arrangement, TagPrintError, captions};
-use crate::print::page::{FreePage, Media};
-use crate::print::paper::Orientation;
+use crate::print::page::Media;
 use crate::print::shapes::{OutlineMm, stroked};
-use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
-use crate::print::template::cover::{CHECK_MM, scale_check, steps};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::template::cover::instructions;
 use crate::print::template::layout::ROLL_COVER_MM;
 use scaleproof_core::spelling::count;
 use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use scaleproof_pose::scene::Scene;
 
-const TITLE_MM: f64 = 5.0;
 const GAP_MM: f64 = 4.0;
 /// The map is no larger than it takes to be read.
 const MAP_MOST_MM: f64 = 150.0;
@@ -28,8 +26,6 @@ const PAPER: Srgb8 = [238, 238, 238];
 const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
 /// What of the page's height they may take.
 const THUMBNAIL_SHARE: f64 = 0.45;
-/// Wider text than this is hard to read, whatever the roll.
-const BODY_MOST_MM: f64 = 320.0;
 
 /// What the map shows.
 pub struct TagMap<'a> {
@@ -49,57 +45,28 @@ impl TagMap<'_> {
     /// # Errors
     /// Paper too small for the rulers.
     pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
-        let upright = FreePage::new(self.media, Orientation::Portrait);
-        let page = match upright {
-            Ok(page) => page.shortened(self.media, ROLL_COVER_MM)?,
-            Err(_) => FreePage::new(self.media, Orientation::Landscape)?,
-        };
-        let area = page.0.usable;
+        let mut page = self.media.both_ways()?.swap_remove(0);
+        if !page.setup.turned {
+            page = page.cut_off(self.media.paper, ROLL_COVER_MM)?;
+        }
         let title = format!("Tags of {}: how to set them up", printable(&self.scene.model.name));
-        let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-        let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
-        let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
-        let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
-        let body = RectMm::new(area.left_mm, area.bottom_mm + CHECK_MM, right, title_y - GAP_MM);
-        marks.extend(self.body(body));
-        marks.extend(scale_check(&page.0));
+        let steps = self.steps();
+        let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
+        let marks = instructions(&page, title, (&steps, &[]), |room| self.pictures(room));
         let how_to = [
             "Keep this page beside you while you cut: it names every sheet.",
             "Seen from above, the model's front to the right.",
         ];
-        Ok(page.sheet(marks, &captions(self.scene, self.media, how_to), "map"))
+        let captions = captions(self.scene, self.media, how_to);
+        Ok(page.labelled(page.printable, marks, &captions, "map"))
     }
 
-    /// Steps above the images, or beside them where the page is wide.
-    fn body(&self, body: RectMm) -> Vec<Mark> {
-        let wide = body.width_mm() > 1.2 * body.height_mm();
-        let steps_mm = if wide {
-            0.5 * body.width_mm() - GAP_MM
-        } else {
-            body.width_mm()
-        };
-        let (mut marks, end) = steps(&self.steps(), body, steps_mm);
-        let room = if wide {
-            RectMm::new(
-                body.left_mm + steps_mm + 2.0 * GAP_MM,
-                body.bottom_mm,
-                body.right_mm,
-                body.top_mm,
-            )
-        } else {
-            RectMm::new(body.left_mm, body.bottom_mm, body.right_mm, end - GAP_MM)
-        };
-        let (thumbnails, top) = self.thumbnails(room);
-        marks.extend(thumbnails);
-        if let Some(ground) = self.ground {
-            marks.extend(self.ground_map(
-                ground,
-                RectMm {
-                    bottom_mm: top + GAP_MM,
-                    ..room
-                },
-            ));
-        }
+    /// The map above small images of the other pages.
+    fn pictures(&self, room: RectMm) -> Vec<Mark> {
+        let (mut marks, top) = self.thumbnails(room);
+        let bottom_mm = top + GAP_MM;
+        let map = |ground| self.ground_map(ground, RectMm { bottom_mm, ..room });
+        marks.extend(self.ground.into_iter().flat_map(map));
         marks
     }
 
@@ -162,11 +129,8 @@ impl TagMap<'_> {
     /// The ground with the sheets of the mat behind it.
     fn ground_map(&self, ground: &Ground, room: RectMm) -> Vec<Mark> {
         let strips: Vec<OutlineMm> = ground.strips.iter().map(super::strip::PlaceStrip::outline).collect();
-        let shown = strips
-            .iter()
-            .fold(union(ground.paper, ground.mat.whole()), |all, strip| {
-                union(all, bounds(strip))
-            });
+        let all = ground.paper.union(ground.mat.whole());
+        let shown = strips.iter().fold(all, |all, strip| all.union(RectMm::around(strip)));
         let (wide, high) = (room.width_mm().min(MAP_MOST_MM), room.height_mm().min(MAP_MOST_MM));
         let scale = (wide / shown.width_mm()).min(high / shown.height_mm());
         if scale <= 0.0 {
@@ -181,12 +145,8 @@ impl TagMap<'_> {
         };
         let mut marks = Vec::new();
         for plan in &ground.layout.sheets {
-            let cell = bounds(&window.outline(&ground.ground(plan.own).outline()));
-            marks.push(Mark::Fill(Fill {
-                area: cell,
-                colour: PAPER,
-            }));
-            marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
+            let cell = RectMm::around(&window.outline(&ground.ground(plan.own).outline()));
+            marks.extend(paper(cell));
             let size_mm = SHEET_ID_MM.min(0.3 * cell.height_mm()).min(0.3 * cell.width_mm());
             let at = (cell.left_mm + 1.0, cell.top_mm - 1.0 - CAP_HEIGHT * size_mm);
             marks.push(Mark::text(at, size_mm, TextAnchor::Left, plan.id()));
@@ -201,14 +161,10 @@ impl TagMap<'_> {
         let mut marks = vec![area(model.collect(), GREY)];
         let mut named = |outline: &OutlineMm, colour: Srgb8, name: String| {
             let outline = window.outline(outline);
-            let around = bounds(&outline);
+            let around = RectMm::around(&outline);
             marks.push(area(stroked(&outline, LINE_MM), colour));
-            let size_mm = fitting_size_mm(&name, NAME_MM, 0.9 * around.width_mm().max(around.height_mm()));
-            let at = (
-                (around.left_mm + around.right_mm) / 2.0,
-                (around.bottom_mm + around.top_mm - CAP_HEIGHT * size_mm) / 2.0,
-            );
-            marks.push(Mark::text(at, size_mm, TextAnchor::Centre, name));
+            let most_mm = 0.9 * around.width_mm().max(around.height_mm());
+            marks.push(Mark::centred(around.middle(), (NAME_MM, most_mm), name));
         };
         for strip in strips {
             named(strip, GREY, String::new());
@@ -226,7 +182,7 @@ impl TagMap<'_> {
     /// Every page of the floor plan and of cards, small; and where they end at the top.
     fn thumbnails(&self, room: RectMm) -> (Vec<Mark>, f64) {
         let names: Vec<&String> = self.plan_names.iter().chain(self.card_names).collect();
-        let Some(shape) = self.cards.first().map(|page| page.page.0.page) else {
+        let Some(shape) = self.cards.first().map(|page| page.page.page) else {
             return (Vec::new(), room.bottom_mm);
         };
         let share = if self.ground.is_some() { THUMBNAIL_SHARE } else { 1.0 };
@@ -247,14 +203,10 @@ impl TagMap<'_> {
         for (i, name) in names.iter().enumerate() {
             let x = room.left_mm + (i % a_row) as f64 * (high * ratio + GAP_MM);
             let y = top - (i / a_row) as f64 * (high + NAME_MM + GAP_MM);
-            let size_mm = fitting_size_mm(name, NAME_MM, high * ratio + GAP_MM - 1.0);
-            marks.push(Mark::text((x, y - NAME_MM), size_mm, TextAnchor::Left, (*name).clone()));
+            let size = (NAME_MM, high * ratio + GAP_MM - 1.0);
+            marks.push(Mark::fitted((x, y - NAME_MM), size, TextAnchor::Left, name.as_str()));
             let cell = RectMm::new(x, y - NAME_MM - 1.0 - high, x + high * ratio, y - NAME_MM - 1.0);
-            marks.push(Mark::Fill(Fill {
-                area: cell,
-                colour: PAPER,
-            }));
-            marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
+            marks.extend(paper(cell));
             if let Some(page) = i.checked_sub(self.plan_names.len()).and_then(|i| self.cards.get(i)) {
                 marks.extend(small(page, cell));
             }
@@ -265,23 +217,28 @@ impl TagMap<'_> {
 
 /// A page with cards, drawn small.
 fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
-    let paper = page.page.0.page;
+    let paper = page.page.page;
     let scale = (cell.width_mm() / paper.width_mm).min(cell.height_mm() / paper.height_mm);
+    let x = |mm: f64| cell.left_mm + scale * mm;
+    let y = |mm: f64| cell.top_mm - scale * (paper.height_mm - mm);
     let mut marks = Vec::new();
     for (name, piece) in &page.names {
-        let at = |x: f64, y: f64| (cell.left_mm + scale * x, cell.top_mm - scale * (paper.height_mm - y));
-        let ((left, bottom), (right, top)) = (at(piece.left_mm, piece.bottom_mm), at(piece.right_mm, piece.top_mm));
-        let card = RectMm::new(left, bottom, right, top);
+        let card = RectMm::new(x(piece.left_mm), y(piece.bottom_mm), x(piece.right_mm), y(piece.top_mm));
         marks.push(area(stroked(&card.outline(), THIN_MM), BLACK));
         let size_mm = fitting_size_mm(name, NAME_MM, 0.9 * card.width_mm()).min(0.8 * card.height_mm());
-        let middle = ((left + right) / 2.0, (bottom + top - CAP_HEIGHT * size_mm) / 2.0);
-        marks.push(Mark::text(middle, size_mm, TextAnchor::Centre, name.clone()));
+        marks.push(Mark::centred(card.middle(), (size_mm, f64::INFINITY), name.as_str()));
     }
     marks
 }
 
 fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {
     Mark::Area { outlines, colour }
+}
+
+/// A grey sheet with a thin outline.
+fn paper(cell: RectMm) -> [Mark; 2] {
+    let outline = area(stroked(&cell.outline(), THIN_MM), BLACK);
+    [Mark::fill(cell, PAPER), outline]
 }
 
 /// `mat A1 to C2`, or the only name.

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 
 use super::arrange::Arrangement;
 use super::tent::Tent;
-use super::window::{GroundWindow, bounds, grown, union};
+use super::window::GroundWindow;
 use super::{TagPrintError, image_of};
 use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, overlap, stroke, stroked};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
@@ -73,8 +73,8 @@ impl Mat {
         for tag in &arrangement.flat {
             mat.add_flat_tag(tag)?;
         }
-        let drawn_on = bounds(mat.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten()));
-        mat.core = grown(drawn_on, BORDER_MM);
+        let drawn_on = mat.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten());
+        mat.core = RectMm::around(drawn_on).grown(BORDER_MM);
         for (i, tent) in arrangement.tents.iter().enumerate() {
             mat.add_tent(i + 1, tent);
         }
@@ -103,12 +103,8 @@ impl Mat {
         self.footprints.push(("the model".to_owned(), ground));
         let cross = |x: f64, y: f64| stroke(PointMm::new(-x, -y), PointMm::new(x, y), LINE_MM);
         outlines.extend([cross(8.0, 0.0), cross(0.0, 8.0)]);
-        let arrow = [
-            (front + 2.0, -ARROW_MM / 3.0),
-            (front + 2.0 + ARROW_MM, 0.0),
-            (front + 2.0, ARROW_MM / 3.0),
-        ];
-        outlines.push(arrow.map(|(x, y)| PointMm::new(x, y)).to_vec());
+        let arrow = [(0.0, -ARROW_MM / 3.0), (ARROW_MM, 0.0), (0.0, ARROW_MM / 3.0)];
+        outlines.push(arrow.map(|(x, y)| PointMm::new(front + 2.0 + x, y)).to_vec());
         self.model.clone_from(&outlines);
         self.shapes.push(GroundShape { outlines, colour: GREY });
         let size = format!("{} × {} mm", number(length), number(width));
@@ -149,7 +145,7 @@ impl Mat {
         let mut outlines = stroked(&outline, LINE_MM);
         outlines.extend(tent.middle_marks());
         self.shapes.push(GroundShape { outlines, colour: GREY });
-        self.tents.push(grown(bounds(&outline), BORDER_MM));
+        self.tents.push(RectMm::around(&outline).grown(BORDER_MM));
         let [a_left, a_right, b_right, b_left] = feet;
         let middle = nalgebra::center(&a_left, &b_right);
         let size_mm = TITLE_MM.min(tent.base_mm / 4.0);
@@ -169,17 +165,16 @@ impl Mat {
 
     /// The ground with all tent cards.
     pub fn whole(&self) -> RectMm {
-        self.tents.iter().fold(self.core, |all, tent| union(all, *tent))
+        self.tents.iter().fold(self.core, |all, tent| all.union(*tent))
     }
 
     /// What is seen of the shapes through a window, inside a rectangle of the page.
     pub fn marks(&self, window: &GroundWindow, to: RectMm) -> Vec<Mark> {
-        let seen = self.shapes.iter().map(|shape| Mark::Area {
-            outlines: window.clipped(&shape.outlines, to),
-            colour: shape.colour,
-        });
-        seen.filter(|mark| !matches!(mark, Mark::Area { outlines, .. } if outlines.is_empty()))
-            .collect()
+        let seen = |shape: &GroundShape| {
+            let (outlines, colour) = (window.clipped(&shape.outlines, to), shape.colour);
+            (!outlines.is_empty()).then_some(Mark::Area { outlines, colour })
+        };
+        self.shapes.iter().filter_map(seen).collect()
     }
 
     /// Adds grey lines around an outline, and its name in the middle.

@@ -4,7 +4,7 @@
 use super::captions;
 use super::ground::Ground;
 use super::window::GroundWindow;
-use crate::print::page::{FreePage, Media};
+use crate::print::page::Media;
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::{SheetPlan, guides};
 use scaleproof_plot::lettering::width_mm;
@@ -12,14 +12,16 @@ use scaleproof_pose::scene::Scene;
 
 /// The pages of the mat, row by row from the top left.
 pub fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
-    let page = FreePage(ground.layout.frame);
+    let page = ground.layout.frame;
     let how_to = [
         "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet; seams that meet have the same letter.",
         "Ground mat seen from above, the model's front to the right; stand the model and the tent cards on their outlines.",
     ];
     let captions = captions(scene, media, how_to);
-    let sheet =
-        |plan: &SheetPlan| page.cut_sheet(plan.trim, marks(ground, plan), &captions, &format!("mat {}", plan.id()));
+    let sheet = |plan: &SheetPlan| {
+        let label = format!("mat {}", plan.id());
+        page.labelled(plan.trim, marks(ground, plan), &captions, &label)
+    };
     ground.layout.sheets.iter().map(sheet).collect()
 }
 
@@ -38,16 +40,8 @@ fn marks(ground: &Ground, plan: &SheetPlan) -> Vec<Mark> {
         let room = RectMm::new(at.x_mm - half, at.y_mm, at.x_mm + half, at.y_mm + label.size_mm);
         // A text across a cut stands on both sheets, so that it is whole once they are glued.
         if overlap(&room, &plan.trim) {
-            let text = Mark::text(
-                (at.x_mm, at.y_mm),
-                label.size_mm,
-                TextAnchor::Centre,
-                label.text.clone(),
-            );
-            marks.push(Mark::Clipped {
-                to: vec![plan.printed.outline()],
-                marks: vec![text],
-            });
+            let text = Mark::text(at, label.size_mm, TextAnchor::Centre, label.text.as_str());
+            marks.push(Mark::clipped(plan.printed, vec![text]));
         }
     }
     marks.extend(guides(&ground.layout, plan));

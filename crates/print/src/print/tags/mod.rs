@@ -25,7 +25,7 @@ use std::fmt;
 use super::SheetError;
 use super::page::Media;
 use super::sheet::{RectMm, Sheet};
-use scaleproof_core::spelling::count;
+use scaleproof_core::spelling::{count, list};
 use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::{Scene, Tag, TagFamily};
 use scaleproof_pose::tags::TagImage;
@@ -108,7 +108,7 @@ impl fmt::Display for TagNote {
             Self::CutTags(ids) => write!(
                 f,
                 "seams of the mat run through tags {} however the sheets are laid; glue them exactly, or lay plain cards over them",
-                ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+                list(ids)
             ),
             Self::PlaceStrips => write!(f, "place strips save sheets and put cards within about 1 mm"),
         }
@@ -164,7 +164,7 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
         arrange(scene)
     };
     let media = request.media;
-    piece::check(&pieces(&arrangement, None)?, media)?;
+    piece::placed(&pieces(&arrangement, None)?, media)?;
     let ground = ground(scene, &arrangement, request)?;
     let cards = piece::spread(&pieces(&arrangement, ground.as_ref())?, media)?;
     let plans = floor_plan::sheets(&arrangement.cards, scene, media)?;
@@ -183,23 +183,28 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     sheets.extend(plans);
     let first_card = sheets.len();
     let captions = captions(scene, media, cards_how_to(&arrangement));
-    sheets.extend(
-        cards
-            .iter()
-            .zip(&card_names)
-            .map(|(page, name)| page.page.sheet(page.marks.clone(), &captions, name)),
-    );
+    let named = cards.iter().zip(&card_names);
+    sheets.extend(named.map(|(on, name)| on.page.labelled(on.page.printable, on.marks.clone(), &captions, name)));
     sheets.extend(ground.iter().flat_map(|ground| mat_sheet::sheets(ground, scene, media)));
+    let cut_out = cards.iter().zip(first_card..).flat_map(|(page, sheet)| {
+        let piece = move |(name, area): &(String, RectMm)| CutOut {
+            name: name.clone(),
+            sheet,
+            area: *area,
+        };
+        page.names.iter().map(piece)
+    });
     let mat_names = ground.as_ref().map(Ground::names).unwrap_or_default();
-    let names = ["map".to_owned()]
-        .into_iter()
-        .chain(plan_names.clone())
-        .chain(card_names.clone())
-        .chain(mat_names);
+    let names = [
+        vec!["map".to_owned()],
+        plan_names.clone(),
+        card_names.clone(),
+        mat_names,
+    ];
     Ok(TagSheets {
-        names: names.collect(),
+        names: names.concat(),
         contents: contents(&arrangement, ground.as_ref(), plan_names.len(), cards.len()),
-        cut_out: cut_out(&cards, first_card),
+        cut_out: cut_out.collect(),
         notes: notes(&arrangement, ground.as_ref()),
         ground,
         sheets,
@@ -227,20 +232,6 @@ fn ground(scene: &Scene, arrangement: &Arrangement, request: &TagRequest) -> Res
     Ground::new(mat, arrangement, request, &sizes).map(Some)
 }
 
-fn cut_out(cards: &[piece::PiecePage], first: usize) -> Vec<CutOut> {
-    let on = |(i, page): (usize, &piece::PiecePage)| {
-        let named = page.names.clone().into_iter();
-        named
-            .map(move |(name, area)| CutOut {
-                name,
-                sheet: first + i,
-                area,
-            })
-            .collect::<Vec<_>>()
-    };
-    cards.iter().enumerate().flat_map(on).collect()
-}
-
 fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, cards: usize) -> Vec<String> {
     let strips = ground.map_or(0, |ground| ground.strips.len());
     let kinds = [
@@ -248,11 +239,8 @@ fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, ca
         (arrangement.cards.len(), "plain card"),
         (strips, "place strip"),
     ];
-    let kinds: Vec<_> = kinds
-        .into_iter()
-        .filter(|(n, _)| *n > 0)
-        .map(|(n, what)| count(n, what))
-        .collect();
+    let kinds = kinds.into_iter().filter(|(n, _)| *n > 0);
+    let kinds: Vec<_> = kinds.map(|(n, what)| count(n, what)).collect();
     let mut contents = vec!["a map".to_owned()];
     if plans > 0 {
         contents.push(format!("a floor plan on {}", count(plans, "sheet")));
@@ -321,10 +309,11 @@ fn family_name(family: TagFamily) -> &'static str {
 
 /// The lines at the foot of every page.
 fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
+    let [first, second] = how_to.map(str::to_owned);
     vec![
         "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
-        how_to[0].to_owned(),
-        how_to[1].to_owned(),
+        first,
+        second,
         format!(
             "scene {} · scale 1:{} · {} · scaleproof {}",
             scene.model.name,

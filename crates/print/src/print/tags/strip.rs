@@ -3,7 +3,7 @@
 
 use super::mat::{Mat, on_mat};
 use super::tent::Tent;
-use super::window::{GroundWindow, bounds, grown, within};
+use super::window::GroundWindow;
 use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 
@@ -44,11 +44,14 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// Of a tent card around a mat on some paper; a strip is no longer than `most_mm`.
-    pub fn of(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
+    /// How a tent card around a mat on some paper finds its place; a strip is no longer than `most_mm`.
+    pub fn new(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
         let [a_left, a_right, b_right, b_left] = tent.foot_mm().each_ref().map(on_mat);
         let feet = [[a_left, a_right], [b_right, b_left]];
-        if feet.iter().any(|foot| within(grown(bounds(foot), FOOT_MM), paper)) {
+        if feet
+            .iter()
+            .any(|foot| RectMm::around(foot).grown(FOOT_MM).is_within(&paper))
+        {
             return Standing::OnMat;
         }
         let middles = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
@@ -96,7 +99,8 @@ impl PlaceStrip {
                 .take_while(move |s| *s <= to)
         };
         let most = most_mm - under;
-        let first = |root: f64| steps(root, most).find(|reach| within(bounds(&strip(*reach, root).root()), paper));
+        let first =
+            |root: f64| steps(root, most).find(|reach| RectMm::around(&strip(*reach, root).root()).is_within(&paper));
         let least = first(*ROOT_MM.start())?;
         let fits = |reach: &f64| strip(*reach, 0.0).is_clear(mat);
         let longest = steps(least, most.min(least + ROOT_MM.end() - ROOT_MM.start()))
@@ -140,6 +144,6 @@ impl PlaceStrip {
 
     /// The strip on such a page.
     pub fn area(&self, at: PointMm) -> RectMm {
-        RectMm::new(at.x_mm, at.y_mm, at.x_mm + self.length_mm, at.y_mm + WIDTH_MM)
+        RectMm::sized((at.x_mm, at.y_mm), (self.length_mm, WIDTH_MM))
     }
 }

@@ -28,6 +28,10 @@ const TAB_SLANT_MM: f64 = 5.0;
 const MIDDLE_MM: f64 = 5.0;
 const MIDDLE_LINE_MM: f64 = 0.4;
 
+/// The faces among the panels of a card: tab, face A, face B, base.
+pub const FACE_A: usize = 1;
+pub const FACE_B: usize = 2;
+
 /// Two tags that lean back to back on one folded card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tent {
@@ -49,27 +53,48 @@ impl Tent {
     /// The card for two tags, if they make one: their planes are each other's mirror image in an upright plane, they face away
     /// from it and up, they are at the same height and at the same place along the ridge, and each fits with its white ring between
     /// the ground and the ridge, where the planes meet.
-    pub fn of(a: &Tag, b: &Tag) -> Option<Tent> {
-        let shape = TentShape::of(a, b)?;
+    pub fn new(a: &Tag, b: &Tag) -> Option<Tent> {
+        let [normal_a, normal_b] = [a, b].map(|tag| tag.right.cross(&tag.up));
+        let level = Vector3::new(normal_a.x - normal_b.x, normal_a.y - normal_b.y, 0.0);
+        // Out of face A.
+        let out = level.try_normalize(1e-6)?;
+        let mirrored = normal_a - out * (2.0 * normal_a.dot(&out));
+        if mirrored.angle(&normal_b) > MIRROR_DEG.to_radians() {
+            return None;
+        }
+        // Of the tilt.
+        let (sin, cos) = (level.norm() / 2.0, (normal_a.z + normal_b.z) / 2.0);
+        let tilt_deg = sin.atan2(cos).to_degrees();
+        if !TILT_DEG.contains(&tilt_deg) {
+            return None;
+        }
+        let apart = a.centre_mm - b.centre_mm;
+        let across_mm = apart.dot(&out);
+        if across_mm <= 0.0 || (apart - out * across_mm).amax() > MIRROR_MM {
+            return None;
+        }
+        let middle = (a.centre_mm.coords + b.centre_mm.coords) / 2.0;
+        // To the right of somebody who looks at face A.
+        let ridge = Vector3::z().cross(&out);
+        // Along a face, from the tags' centres down to the ground and up to the ridge.
+        let (below_mm, above_mm) = (middle.z / sin, across_mm / 2.0 / cos);
         let mut width_mm = 0.0_f64;
-        for (tag, out) in [(a, shape.out), (b, -shape.out)] {
-            let slope = Vector3::z() * shape.sin - out * shape.cos;
-            if half_along(tag, &slope) > shape.below_mm.min(shape.above_mm) + FIT_MM {
+        for (tag, out) in [(a, out), (b, -out)] {
+            let slope = Vector3::z() * sin - out * cos;
+            if half_along(tag, &slope) > below_mm.min(above_mm) + FIT_MM {
                 return None;
             }
-            width_mm = width_mm.max(2.0 * half_along(tag, &shape.ridge()));
+            width_mm = width_mm.max(2.0 * half_along(tag, &ridge));
         }
-        let face_mm = shape.below_mm + shape.above_mm;
+        let face_mm = below_mm + above_mm;
+        let under_ridge = Vector3::new(middle.x, middle.y, 0.0);
         Some(Tent {
             tags: [a.clone(), b.clone()],
-            place: rigid::from_matrix(
-                Matrix3::from_columns(&[shape.ridge(), -shape.out, Vector3::z()]),
-                shape.middle,
-            ),
-            tilt_deg: shape.sin.atan2(shape.cos).to_degrees(),
+            place: rigid::from_matrix(Matrix3::from_columns(&[ridge, -out, Vector3::z()]), under_ridge),
+            tilt_deg,
             width_mm: width_mm + 2.0 * SIDE_MM,
             face_mm,
-            base_mm: 2.0 * face_mm * shape.cos,
+            base_mm: 2.0 * face_mm * cos,
         })
     }
 
@@ -78,34 +103,28 @@ impl Tent {
         let tab_mm = TAB_MM.min(0.8 * self.base_mm);
         let ends = [0.0, tab_mm, tab_mm + self.face_mm, tab_mm + 2.0 * self.face_mm];
         let top = ends[3] + self.base_mm;
-        let full = |from: f64, to: f64| {
-            let w = self.width_mm;
-            vec![[0.0, from], [w, from], [w, to], [0.0, to]]
-        };
         let slant = TAB_SLANT_MM.min(0.25 * self.width_mm);
-        let tab = vec![
-            [slant, 0.0],
-            [self.width_mm - slant, 0.0],
-            [self.width_mm, tab_mm],
-            [0.0, tab_mm],
-        ];
+        let folds = [180.0 - self.tilt_deg, 2.0 * self.tilt_deg, 180.0 - self.tilt_deg];
         let mut net = Net {
             width_mm: self.width_mm,
             height_mm: top,
-            outlines: [tab, full(ends[1], ends[2]), full(ends[2], ends[3]), full(ends[3], top)],
-            folds: [
-                (ends[1], 180.0 - self.tilt_deg),
-                (ends[2], 2.0 * self.tilt_deg),
-                (ends[3], 180.0 - self.tilt_deg),
-            ]
-            .map(|(y_mm, turn_deg)| Fold { y_mm, turn_deg }),
+            tab: [
+                [slant, 0.0],
+                [self.width_mm - slant, 0.0],
+                [self.width_mm, tab_mm],
+                [0.0, tab_mm],
+            ],
+            folds: [0, 1, 2].map(|i| Fold {
+                y_mm: ends[i + 1],
+                turn_deg: folds[i],
+            }),
             tags: Vec::new(),
         };
         let panels = net.folded_panels(self);
-        for (tag, panel) in self.tags.iter().zip([TentPanel::FaceA, TentPanel::FaceB]) {
-            net.tags
-                .push(FlatTag::on(panel, tag, &(self.place * panels[panel as usize])));
-        }
+        let tags = self.tags.iter().zip([FACE_A, FACE_B]);
+        net.tags = tags
+            .map(|(tag, panel)| FlatTag::on(panel, tag, &(self.place * panels[panel])))
+            .collect();
         net
     }
 
@@ -114,9 +133,7 @@ impl Tent {
         let (x, y) = (self.width_mm / 2.0, self.base_mm / 2.0);
         [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| self.place * Point3::new(x, y, 0.0))
     }
-}
 
-impl Tent {
     /// On the ground, at the middle of each foot: a short line away from the card, which the mark at the foot of its face meets.
     pub fn middle_marks(&self) -> [OutlineMm; 2] {
         let at = |y: f64| {
@@ -134,73 +151,14 @@ fn half_along(tag: &Tag, axis: &Vector3<f64>) -> f64 {
     half * (tag.right.dot(axis).abs() + tag.up.dot(axis).abs())
 }
 
-/// What two mirrored tags say about their card.
-struct TentShape {
-    /// Level unit vector out of face A.
-    out: Vector3<f64>,
-    /// Of the tilt.
-    sin: f64,
-    cos: f64,
-    /// On the ground, under the middle of the ridge.
-    middle: Vector3<f64>,
-    /// Along a face, from the tags' centres down to the ground and up to the ridge.
-    below_mm: f64,
-    above_mm: f64,
-}
-
-impl TentShape {
-    fn of(a: &Tag, b: &Tag) -> Option<TentShape> {
-        let [normal_a, normal_b] = [a, b].map(|tag| tag.right.cross(&tag.up));
-        let level = Vector3::new(normal_a.x - normal_b.x, normal_a.y - normal_b.y, 0.0);
-        let out = level.try_normalize(1e-6)?;
-        let mirrored = normal_a - out * (2.0 * normal_a.dot(&out));
-        if mirrored.angle(&normal_b) > MIRROR_DEG.to_radians() {
-            return None;
-        }
-        let (sin, cos) = (level.norm() / 2.0, (normal_a.z + normal_b.z) / 2.0);
-        if !TILT_DEG.contains(&sin.atan2(cos).to_degrees()) {
-            return None;
-        }
-        let apart = a.centre_mm - b.centre_mm;
-        let across_mm = apart.dot(&out);
-        if across_mm <= 0.0 || (apart - out * across_mm).amax() > MIRROR_MM {
-            return None;
-        }
-        let middle = (a.centre_mm.coords + b.centre_mm.coords) / 2.0;
-        Some(TentShape {
-            out,
-            sin,
-            cos,
-            middle: Vector3::new(middle.x, middle.y, 0.0),
-            below_mm: middle.z / sin,
-            above_mm: across_mm / 2.0 / cos,
-        })
-    }
-
-    /// To the right of somebody who looks at face A.
-    fn ridge(&self) -> Vector3<f64> {
-        Vector3::z().cross(&self.out)
-    }
-}
-
-/// The parts of a card, in the order of [`Net::outlines`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(dead_code)] // no tag lies on the tab or the base
-pub enum TentPanel {
-    Tab = 0,
-    FaceA = 1,
-    FaceB = 2,
-    Base = 3,
-}
-
 /// A card before folding, in the flat frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Net {
     pub width_mm: f64,
     pub height_mm: f64,
-    /// Tab, face A, face B, base: corners (x, y).
-    pub outlines: [Vec<[f64; 2]>; 4],
-    /// Between the panels, in their order.
+    /// The corners (x, y) of the tab; face A, face B and the base are as wide as the card.
+    pub tab: [[f64; 2]; 4],
+    /// Between tab, face A, face B and base.
     pub folds: [Fold; 3],
     /// On face A and face B.
     pub tags: Vec<FlatTag>,
@@ -217,7 +175,8 @@ pub struct Fold {
 /// A tag on the flat card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatTag {
-    pub panel: TentPanel,
+    /// [`FACE_A`] or [`FACE_B`].
+    pub panel: usize,
     pub tag: Tag,
     pub centre_mm: Point2<f64>,
     /// Unit vector to the upright tag's right.
@@ -226,7 +185,7 @@ pub struct FlatTag {
 
 impl FlatTag {
     /// Where a tag of the scene lies on a panel, of which `placed` says where it stands once folded (model ← flat).
-    fn on(panel: TentPanel, tag: &Tag, placed: &Rigid) -> Self {
+    fn on(panel: usize, tag: &Tag, placed: &Rigid) -> Self {
         let centre = placed.inverse() * tag.centre_mm;
         let right = (placed.rotation.inverse() * tag.right).xy();
         Self {
@@ -248,10 +207,7 @@ impl Net {
     /// Folds the card and says where each tag comes to stand: `T_tent_tag`, in the order of [`Net::tags`].
     pub fn folded(&self, tent: &Tent) -> Vec<Rigid> {
         let panels = self.folded_panels(tent);
-        self.tags
-            .iter()
-            .map(|flat| panels[flat.panel as usize] * flat.pose())
-            .collect()
+        self.tags.iter().map(|flat| panels[flat.panel] * flat.pose()).collect()
     }
 
     /// `T_tent_flat` of each panel: the base lies on the ground, and every fold turns what is beyond it.

@@ -4,7 +4,7 @@ use super::piece::CutPiece;
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::shapes::{TagPlacement, black_modules};
-use crate::print::sheet::{BLACK, Mark, PointMm, TextAnchor};
+use crate::print::sheet::{BLACK, Mark, PointMm, TextAnchor, sides};
 use scaleproof_plot::lettering::{fitting_size_mm, number};
 
 const TEXT_MM: f64 = 3.0;
@@ -41,9 +41,9 @@ fn marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>
     marks.extend(base_text(number, tent, net, at));
     let tab = "glue to the inside of the base";
     // The tab narrows towards its edge; its text keeps clear of the slants.
-    let tab_mm = fitting_size_mm(tab, TEXT_MM, 0.7 * net.width_mm);
+    let tab_size = (TEXT_MM, 0.7 * net.width_mm);
     let tab_at = (at.x_mm + net.width_mm / 2.0, at.y_mm + 0.5 * net.folds[0].y_mm - 1.0);
-    marks.push(Mark::text(tab_at, tab_mm, TextAnchor::Centre, tab));
+    marks.push(Mark::fitted(tab_at, tab_size, TextAnchor::Centre, tab));
     marks.extend(lines(net, at));
     Ok(marks)
 }
@@ -62,10 +62,7 @@ fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintErr
         ..place
     };
     outlines.push(mark.up_mark(0.0, -UP_MM / 2.0, UP_MM));
-    Ok(Mark::Area {
-        outlines,
-        colour: BLACK,
-    })
+    Ok(Mark::black(outlines))
 }
 
 /// The card's name and the tag's id, in the strip to the left of the tag.
@@ -73,16 +70,11 @@ fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
     let lines = [format!("T{number}"), "id".to_owned(), flat.tag.id.to_string()];
     let x = at.x_mm + SIDE_MM / 2.0;
     let middle = at.y_mm + flat.centre_mm.y + 0.5 * LEADING_MM;
-    let place = |(i, line): (usize, &String)| {
-        let size_mm = fitting_size_mm(line, TEXT_MM, SIDE_MM - 2.0);
-        Mark::text(
-            (x, middle - i as f64 * LEADING_MM),
-            size_mm,
-            TextAnchor::Centre,
-            line.clone(),
-        )
+    let place = |(i, line): (usize, String)| {
+        let at = (x, middle - i as f64 * LEADING_MM);
+        Mark::fitted(at, (TEXT_MM, SIDE_MM - 2.0), TextAnchor::Centre, line)
     };
-    lines.iter().enumerate().map(place).collect()
+    lines.into_iter().enumerate().map(place).collect()
 }
 
 /// What the card is, on the side it stands on.
@@ -131,11 +123,10 @@ fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
         .folds
         .iter()
         .map(|fold| line([0.0, fold.y_mm], [net.width_mm, fold.y_mm], Some(DASH_MM)));
-    let [tab, ..] = &net.outlines;
+    let tab = net.tab;
     let (w, h) = (net.width_mm, net.height_mm);
     let around = [tab[0], tab[1], tab[2], [w, h], [0.0, h], tab[3]];
-    let next = around.iter().cycle().skip(1);
-    let cuts = around.iter().zip(next).map(|(from, to)| line(*from, *to, None));
+    let cuts = sides(&around).map(|(from, to)| line(*from, *to, None));
     // Where a face meets the ground: its middle, which belongs to the mark on the ground.
     let feet = [(net.folds[0].y_mm, MIDDLE_MM), (net.folds[2].y_mm, -MIDDLE_MM)];
     let middles = feet.map(|(y, up)| line([w / 2.0, y], [w / 2.0, y + up], None));

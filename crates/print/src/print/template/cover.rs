@@ -4,7 +4,7 @@ use super::furniture::{self, Captions};
 use super::layout::SheetLayout;
 use crate::print::frame::PageFrame;
 use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
+use scaleproof_plot::lettering::{CAP_HEIGHT, wrapped};
 
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.8;
@@ -12,8 +12,10 @@ const LEADING_MM: f64 = 4.0;
 const FACT_MM: f64 = 2.5;
 const FACT_LEADING_MM: f64 = 3.5;
 const GAP_MM: f64 = 4.0;
+/// Between facts and the scale check.
+const FACTS_AIR_MM: f64 = 2.0;
 /// Height of the scale check above the horizontal ruler.
-pub const CHECK_MM: f64 = 20.0;
+const CHECK_MM: f64 = 20.0;
 /// Largest lettering on the map.
 const MAP_ID_MM: f64 = 6.0;
 const MAP_SEAM_MM: f64 = 3.2;
@@ -23,39 +25,11 @@ const MAP_MOST_MM: f64 = 150.0;
 /// Wider text than this is hard to read, whatever the roll.
 const BODY_MOST_MM: f64 = 320.0;
 
-/// Draws the first page: a heading, numbered steps, the map and the scale check.
+/// Draws the first page of a template: a heading, numbered steps, the map and the scale check.
 pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
-    let frame = &layout.cover;
-    let area = frame.usable;
-    let title_size = TITLE_MM;
-    let title = format!("{heading}: {}", captions.title(title_size, 0.5 * area.width_mm()));
-    let title_y = area.top_mm - CAP_HEIGHT * title_size;
-    let size_mm = fitting_size_mm(&title, title_size, area.width_mm());
-    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
-    let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
-    let body = RectMm::new(area.left_mm, area.bottom_mm + CHECK_MM, right, title_y - GAP_MM);
-    let (steps_width, beside) = if body.width_mm() > 1.2 * body.height_mm() {
-        (0.5 * body.width_mm() - GAP_MM, true)
-    } else {
-        (body.width_mm(), false)
-    };
-    let (text, steps_end) = steps(instructions, body, steps_width);
-    marks.extend(text);
-    let map_room = if beside {
-        RectMm::new(
-            body.left_mm + steps_width + 2.0 * GAP_MM,
-            body.bottom_mm,
-            body.right_mm,
-            body.top_mm,
-        )
-    } else {
-        RectMm::new(body.left_mm, body.bottom_mm, body.right_mm, steps_end - GAP_MM)
-    };
-    marks.extend(map(layout, map_room));
-    marks.extend(scale_check(frame));
-    marks.extend(furniture::rulers(frame));
-    marks.extend(captions.marks(frame.printable));
-    frame.sheet(frame.whole(), frame.whole(), marks)
+    first_page(&layout.cover, captions, heading, (instructions, &[]), |room| {
+        map(layout, room)
+    })
 }
 
 /// A first page of numbered steps, facts, and a picture beside or below them.
@@ -63,72 +37,71 @@ pub fn first_page(
     frame: &PageFrame,
     captions: &Captions,
     heading: &str,
-    (instructions, facts): (&[&str], &[String]),
+    texts: (&[&str], &[String]),
     picture: impl FnOnce(RectMm) -> Vec<Mark>,
 ) -> Sheet {
-    let area = frame.usable;
-    let title = format!("{heading}: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
-    let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
+    let title = format!("{heading}: {}", captions.title(TITLE_MM, 0.5 * frame.usable.width_mm()));
+    captions.sheet(frame, instructions(frame, title, texts, picture))
+}
+
+/// A title at the top of an area, and what is free below it.
+pub fn titled(area: RectMm, title: String) -> (Mark, RectMm) {
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
-    let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
-    let (bottom, top) = (area.bottom_mm + CHECK_MM + 2.0, title_y - GAP_MM);
-    let beside = right - area.left_mm > 1.2 * (title_y - bottom);
-    let text_right = if beside {
-        0.5 * (area.left_mm + right) - GAP_MM
-    } else {
-        right
+    let room = (TITLE_MM, area.width_mm());
+    let mark = Mark::fitted((area.left_mm, title_y), room, TextAnchor::Left, title);
+    let top_mm = title_y - GAP_MM;
+    (mark, RectMm { top_mm, ..area })
+}
+
+/// What a first page says: a title, numbered steps, facts, a picture beside or below them, and the scale check.
+pub fn instructions(
+    frame: &PageFrame,
+    title: String,
+    (steps, facts): (&[&str], &[String]),
+    picture: impl FnOnce(RectMm) -> Vec<Mark>,
+) -> Vec<Mark> {
+    let (title, free) = titled(frame.usable, title);
+    let mut marks = vec![title];
+    let air_mm = if facts.is_empty() { 0.0 } else { FACTS_AIR_MM };
+    let body = RectMm {
+        bottom_mm: free.bottom_mm + CHECK_MM + air_mm,
+        right_mm: free.right_mm.min(free.left_mm + BODY_MOST_MM),
+        ..free
     };
-    let body = RectMm::new(area.left_mm, bottom, text_right, top);
-    let (text, end) = steps(instructions, body, body.width_mm());
-    marks.extend(text);
-    let (text, end) = lines(facts, body, end - GAP_MM);
-    marks.extend(text);
-    marks.extend(picture(if beside {
-        RectMm::new(text_right + 2.0 * GAP_MM, bottom, right, top)
+    let is_wide = body.width_mm() > 1.2 * (body.height_mm() + 2.0 * air_mm);
+    let text_mm = if is_wide {
+        0.5 * body.width_mm() - GAP_MM
     } else {
-        RectMm::new(area.left_mm, bottom, right, end - GAP_MM)
-    }));
-    marks.extend(scale_check(frame));
-    marks.extend(furniture::rulers(frame));
-    marks.extend(captions.marks(frame.printable));
-    frame.sheet(frame.whole(), frame.whole(), marks)
-}
-
-/// Wrapped lines from `top_mm` down, and where they end.
-fn lines(texts: &[String], body: RectMm, top_mm: f64) -> (Vec<Mark>, f64) {
-    let mut marks = Vec::new();
-    let mut y = top_mm;
-    for line in texts.iter().flat_map(|text| wrapped(text, FACT_MM, body.width_mm())) {
-        marks.push(Mark::text((body.left_mm, y), FACT_MM, TextAnchor::Left, line));
-        y -= FACT_LEADING_MM;
-    }
-    (marks, y)
-}
-
-/// Numbered instructions, and where they end.
-pub fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
-    let mut marks = Vec::new();
+        body.width_mm()
+    };
+    let mut line = |x: f64, y: f64, size_mm: f64, text: String| {
+        marks.push(Mark::text((x, y), size_mm, TextAnchor::Left, text));
+    };
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
-    for (i, step) in texts.iter().enumerate() {
-        marks.push(Mark::text(
-            (body.left_mm, y),
-            TEXT_MM,
-            TextAnchor::Left,
-            format!("{}.", i + 1),
-        ));
-        for line in wrapped(step.as_ref(), TEXT_MM, width_mm - 2.0 * TEXT_MM) {
-            marks.push(Mark::text(
-                (body.left_mm + 2.0 * TEXT_MM, y),
-                TEXT_MM,
-                TextAnchor::Left,
-                line,
-            ));
+    for (i, step) in steps.iter().enumerate() {
+        line(body.left_mm, y, TEXT_MM, format!("{}.", i + 1));
+        for text in wrapped(step, TEXT_MM, text_mm - 2.0 * TEXT_MM) {
+            line(body.left_mm + 2.0 * TEXT_MM, y, TEXT_MM, text);
             y -= LEADING_MM;
         }
         y -= 0.2 * LEADING_MM;
     }
-    (marks, y + LEADING_MM)
+    y = y + LEADING_MM - GAP_MM;
+    if !facts.is_empty() {
+        for text in facts.iter().flat_map(|fact| wrapped(fact, FACT_MM, text_mm)) {
+            line(body.left_mm, y, FACT_MM, text);
+            y -= FACT_LEADING_MM;
+        }
+        y -= GAP_MM;
+    }
+    marks.extend(picture(if is_wide {
+        let left_mm = body.left_mm + text_mm + 2.0 * GAP_MM;
+        RectMm { left_mm, ..body }
+    } else {
+        RectMm { top_mm: y, ..body }
+    }));
+    marks.extend(scale_check(frame));
+    marks
 }
 
 /// The steps from printed sheets to a piece on the model.
@@ -162,19 +135,10 @@ fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
     let mut marks = furniture::map_grid(layout, area);
     for plan in &layout.sheets {
         let cell = furniture::map_cell(layout, area, plan);
-        let (x, y) = (
-            0.5 * (cell.left_mm + cell.right_mm),
-            0.5 * (cell.bottom_mm + cell.top_mm),
-        );
+        let (x, y) = cell.middle();
         let (wide, high) = (cell.width_mm(), cell.height_mm());
         let mut centred = |at: (f64, f64), most_mm: f64, largest: f64, text: String| {
-            let size_mm = fitting_size_mm(&text, largest.min(0.25 * high), most_mm);
-            marks.push(Mark::text(
-                (at.0, at.1 - 0.5 * CAP_HEIGHT * size_mm),
-                size_mm,
-                TextAnchor::Centre,
-                text,
-            ));
+            marks.push(Mark::centred(at, (largest.min(0.25 * high), most_mm), text));
         };
         centred((x, y), 0.5 * wide, MAP_ID_MM, plan.id());
         let seams = layout.seams(plan.row, plan.column);
@@ -195,7 +159,7 @@ fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
 }
 
 /// Two blanks, named as `print verify` names them: its x is the paper's short side, whichever way round the page is.
-pub fn scale_check(frame: &PageFrame) -> Vec<Mark> {
+fn scale_check(frame: &PageFrame) -> Vec<Mark> {
     let area = frame.usable;
     let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };
     let lines = [
@@ -210,13 +174,8 @@ pub fn scale_check(frame: &PageFrame) -> Vec<Mark> {
     ];
     let top = area.bottom_mm + CHECK_MM - LEADING_MM;
     let place = |(i, line): (usize, String)| {
-        let size_mm = fitting_size_mm(&line, TEXT_MM, area.width_mm());
-        Mark::text(
-            (area.left_mm, top - i as f64 * 1.5 * LEADING_MM),
-            size_mm,
-            TextAnchor::Left,
-            line,
-        )
+        let at = (area.left_mm, top - i as f64 * 1.5 * LEADING_MM);
+        Mark::fitted(at, (TEXT_MM, area.width_mm()), TextAnchor::Left, line)
     };
     lines.into_iter().enumerate().map(place).collect()
 }

@@ -3,10 +3,12 @@
 
 use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
+use crate::print::date::Date;
 use crate::print::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
+use crate::print::printer::Printer;
 use crate::print::ruler;
-use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Srgb8, TextAnchor, WHITE};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable, shortened, width_mm};
+use crate::print::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8, TextAnchor, WHITE};
+use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened, width_mm};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::picture::Picture;
 
@@ -39,33 +41,32 @@ const MAP_LEAST_MM: f64 = 1.5;
 
 /// All marks of one sheet besides the pattern.
 pub fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
-    let mut marks = guides(layout, plan);
-    marks.extend(around(layout, plan, captions));
-    marks
+    [guides(layout, plan), around(layout, plan, captions)].concat()
 }
 
 /// What stands around the content, whatever it is: rulers, captions, arrows, sheet id and mini-map.
 pub fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
-    let mut marks = rulers(&layout.frame);
-    marks.extend(captions.marks(layout.frame.printable));
-    marks.extend(captions.arrows(&layout.frame));
-    marks.extend(key(layout, plan, captions));
-    marks
+    [
+        rulers(&layout.frame),
+        captions.marks(layout.frame.printable),
+        captions.arrows(&layout.frame),
+        key(layout, plan, captions),
+    ]
+    .concat()
 }
 
 /// What leads the knife and the glue: ghost lines, crop marks, registration crosses, seam letters.
 pub fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
-    let mut marks = ghost_lines(layout, plan);
-    marks.extend(crop_marks(plan));
-    marks.extend(sides(layout, plan));
-    marks
+    [ghost_lines(layout, plan), crop_marks(plan), sides(layout, plan)].concat()
 }
 
 /// Both rulers of a page.
 pub fn rulers(frame: &PageFrame) -> Vec<Mark> {
-    let mut marks = ruler::horizontal(frame.horizontal_ruler);
-    marks.extend(ruler::vertical(frame.vertical_ruler));
-    marks
+    [
+        ruler::horizontal(frame.horizontal_ruler),
+        ruler::vertical(frame.vertical_ruler),
+    ]
+    .concat()
 }
 
 /// Dashes where the neighbouring sheets begin. They lie wholly in the overlap, so that the cut sheet stays clean, and are
@@ -75,11 +76,10 @@ fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let seams = layout.seams(plan.row, plan.column);
     let mut marks = Vec::new();
     let mut ghost = |from: (f64, f64), to: (f64, f64)| {
-        let (from, to) = (PointMm::new(from.0, from.1), PointMm::new(to.0, to.1));
         for (colour, dash_mm) in [(WHITE, None), (BLACK, Some((2.0, 2.0)))] {
             marks.push(Mark::Line {
-                from,
-                to,
+                from: from.into(),
+                to: to.into(),
                 width_mm: GHOST_LINE_MM,
                 dash_mm,
                 colour,
@@ -125,44 +125,23 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
 fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
-    let (x, y) = (
-        0.5 * (trim.left_mm + trim.right_mm),
-        0.5 * (trim.bottom_mm + trim.top_mm),
-    );
+    let (x, y) = trim.middle();
     let out = 0.5 * CROP_STRIP_MM;
     let mut marks = Vec::new();
-    let mut side = |at: (f64, f64), length_mm: f64, letter_at: (f64, f64), letter: Option<String>| {
+    let mut side = |(x, y): (f64, f64), length_mm: f64, (aside, above): (f64, f64), letter: Option<String>| {
         // On a sliver the crosses would run into the crop marks.
         if length_mm > 2.0 * CROP_STRIP_MM {
-            marks.push(Mark::line(
-                (at.0 - CROSS_MM, at.1),
-                (at.0 + CROSS_MM, at.1),
-                CROP_LINE_MM,
-            ));
-            marks.push(Mark::line(
-                (at.0, at.1 - CROSS_MM),
-                (at.0, at.1 + CROSS_MM),
-                CROP_LINE_MM,
-            ));
+            marks.push(Mark::line((x - CROSS_MM, y), (x + CROSS_MM, y), CROP_LINE_MM));
+            marks.push(Mark::line((x, y - CROSS_MM), (x, y + CROSS_MM), CROP_LINE_MM));
         }
-        if let Some(letter) = letter {
-            let size_mm = fitting_size_mm(&letter, SEAM_LETTER_MM, CROP_STRIP_MM - 1.0);
-            let baseline = letter_at.1 - 0.5 * CAP_HEIGHT * size_mm;
-            marks.push(Mark::text((letter_at.0, baseline), size_mm, TextAnchor::Centre, letter));
-        }
+        let room = (SEAM_LETTER_MM, CROP_STRIP_MM - 1.0);
+        marks.extend(letter.map(|letter| Mark::centred((x + aside, y + above), room, letter)));
     };
-    for (at_x, letter) in [
-        (printed.left_mm - out, seams.left),
-        (printed.right_mm + out, seams.right),
-    ] {
-        side((at_x, y), trim.height_mm(), (at_x, y + SEAM_OFFSET_MM), letter);
-    }
-    for (at_y, letter) in [
-        (printed.top_mm + out, seams.above),
-        (printed.bottom_mm - out, seams.below),
-    ] {
-        side((x, at_y), trim.width_mm(), (x + SEAM_OFFSET_MM, at_y), letter);
-    }
+    let (upright, level) = ((0.0, SEAM_OFFSET_MM), (SEAM_OFFSET_MM, 0.0));
+    side((printed.left_mm - out, y), trim.height_mm(), upright, seams.left);
+    side((printed.right_mm + out, y), trim.height_mm(), upright, seams.right);
+    side((x, printed.top_mm + out), trim.width_mm(), level, seams.above);
+    side((x, printed.bottom_mm - out), trim.width_mm(), level, seams.below);
     marks
 }
 
@@ -177,26 +156,21 @@ pub struct Captions {
 }
 
 impl Captions {
+    /// The captions of a pattern whose cells are this large.
     pub fn new(pattern: &Pattern, request: &TemplateRequest, cell_mm: f64) -> Self {
-        let short_hash = pattern.sha256().get(..12).unwrap_or_default();
-        let facts = [
-            format!("sha256 {short_hash}"),
-            format!("tile {} mm", number(request.tile_mm)),
-            format!("cell {} mm", number(cell_mm)),
-            format!("scale 1:{}", number(request.scale)),
-        ];
-        Self::of_image(request, &facts.join(" · "))
+        Self::from_repeat(pattern.sha256(), request, &format!("cell {} mm", number(cell_mm)))
     }
 
     /// The captions of a repeated image without cells.
-    pub(super) fn of_texture(texture: &Picture, request: &TemplateRequest, pixel_mm: f64) -> Self {
-        let facts = [
-            format!("sha256 {}", texture.sha256.get(..12).unwrap_or_default()),
-            format!("tile {} mm", number(request.tile_mm)),
-            format!("{:.0} dpi", 25.4 / pixel_mm),
-            format!("scale 1:{}", number(request.scale)),
-        ];
-        Self::of_image(request, &facts.join(" · "))
+    pub(super) fn from_texture(texture: &Picture, request: &TemplateRequest, pixel_mm: f64) -> Self {
+        Self::from_repeat(&texture.sha256, request, &format!("{:.0} dpi", 25.4 / pixel_mm))
+    }
+
+    fn from_repeat(sha256: &str, request: &TemplateRequest, grain: &str) -> Self {
+        let hash = sha256.get(..12).unwrap_or_default();
+        let [tile, scale] = [request.tile_mm, request.scale].map(number);
+        let facts = format!("sha256 {hash} · tile {tile} mm · {grain} · scale 1:{scale}");
+        Self::of_image(request, &facts)
     }
 
     /// The captions of an image that is printed as it is, with these facts about it.
@@ -205,8 +179,12 @@ impl Captions {
             piece: None,
             name: printable(&request.pattern_name),
             facts: printable(facts),
-            making: making(request),
-            true_size: true_size(request.scale),
+            making: making(&request.layout.printer, request.date),
+            true_size: format!(
+                "True size: 45 mm here = {} mm on the car (1:{}).",
+                number(45.0 * request.scale),
+                number(request.scale)
+            ),
             front: request.front,
         }
     }
@@ -228,22 +206,26 @@ impl Captions {
         shortened(&self.name, size_mm, most_mm)
     }
 
+    /// The captions in the part of a page that a printer reaches.
     pub fn marks(&self, printable: RectMm) -> Vec<Mark> {
         let most_mm = printable.width_mm() - KEY_WIDTH_MM - 2.0;
         let name = shortened(&self.name, CAPTION_MM, NAME_SHARE * most_mm);
-        let lines = [
-            "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
-            self.true_size.clone(),
-            format!("{name} · {}", self.facts),
-            self.making.clone(),
-        ];
-        let last = lines.len() - 1;
-        let place = |(i, line): (usize, String)| {
-            let baseline = printable.bottom_mm + 0.8 + (last - i) as f64 * CAPTION_LEADING_MM;
-            let size_mm = fitting_size_mm(&line, CAPTION_MM, most_mm);
-            Mark::text((printable.left_mm, baseline), size_mm, TextAnchor::Left, line)
+        let named = format!("{name} · {}", self.facts);
+        let check = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
+        let lines = [check, &self.true_size, &named, &self.making];
+        let place = |(i, line): (usize, &str)| {
+            let baseline = printable.bottom_mm + 0.8 + (lines.len() - 1 - i) as f64 * CAPTION_LEADING_MM;
+            let at = (printable.left_mm, baseline);
+            Mark::fitted(at, (CAPTION_MM, most_mm), TextAnchor::Left, line)
         };
         lines.into_iter().enumerate().map(place).collect()
+    }
+
+    /// A whole page with these captions and rulers around some marks.
+    pub fn sheet(&self, frame: &PageFrame, mut marks: Vec<Mark>) -> Sheet {
+        marks.extend(rulers(frame));
+        marks.extend(self.marks(frame.printable));
+        frame.sheet(frame.whole(), frame.whole(), marks)
     }
 
     /// Which way up the piece goes on the model, and where the model's front is: at the top of the key block.
@@ -264,19 +246,10 @@ impl Captions {
 }
 
 /// By which printer, program and when.
-fn making(request: &TemplateRequest) -> String {
-    let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned();
-    let date = request.date.as_ref().map(ToString::to_string);
-    let making = [Some(request.layout.printer.caption()), Some(program), date];
-    making.into_iter().flatten().collect::<Vec<_>>().join(" · ")
-}
-
-fn true_size(scale: f64) -> String {
-    format!(
-        "True size: 45 mm here = {} mm on the car (1:{}).",
-        number(45.0 * scale),
-        number(scale)
-    )
+pub fn making(printer: &Printer, date: Option<Date>) -> String {
+    let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION"));
+    let date = date.map_or(String::new(), |date| format!(" · {date}"));
+    format!("{} · {program}{date}", printer.caption())
 }
 
 /// An arrow of [`ARROW_MM`] around `centre`.
@@ -290,18 +263,15 @@ fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
 /// The sheet's id above a tiny map of all sheets with this one filled.
 fn key(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let map = map_area(layout);
-    let mut marks = vec![Mark::Fill(Fill {
-        area: map_cell(layout, map, plan),
-        colour: GREY,
-    })];
+    let mut marks = vec![Mark::fill(map_cell(layout, map, plan), GREY)];
     marks.extend(map_grid(layout, map));
-    let id = captions
+    let piece = captions
         .piece
         .as_ref()
-        .map_or(plan.id(), |piece| format!("{piece} {}", plan.id()));
-    let size_mm = fitting_size_mm(&id, ID_MM, KEY_WIDTH_MM);
-    let place = (map.right_mm, map.top_mm + ID_GAP_MM);
-    marks.push(Mark::text(place, size_mm, TextAnchor::Right, id));
+        .map_or(String::new(), |piece| format!("{piece} "));
+    let at = (map.right_mm, map.top_mm + ID_GAP_MM);
+    let id = piece + &plan.id();
+    marks.push(Mark::fitted(at, (ID_MM, KEY_WIDTH_MM), TextAnchor::Right, id));
     marks
 }
 
@@ -316,18 +286,19 @@ pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
 
 /// The lines of a map: the outline of every sheet, shared ones once.
 pub fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
-    let mut marks = vec![
-        Mark::line((map.left_mm, map.bottom_mm), (map.left_mm, map.top_mm), CROP_LINE_MM),
-        Mark::line((map.left_mm, map.top_mm), (map.right_mm, map.top_mm), CROP_LINE_MM),
-    ];
-    for plan in layout.sheets.iter().filter(|plan| plan.row == 0) {
-        let x = map_cell(layout, map, plan).right_mm;
-        marks.push(Mark::line((x, map.bottom_mm), (x, map.top_mm), CROP_LINE_MM));
-    }
-    for plan in layout.sheets.iter().filter(|plan| plan.column == 0) {
-        let y = map_cell(layout, map, plan).bottom_mm;
-        marks.push(Mark::line((map.left_mm, y), (map.right_mm, y), CROP_LINE_MM));
-    }
+    let RectMm {
+        left_mm: left,
+        bottom_mm: bottom,
+        right_mm: right,
+        top_mm: top,
+    } = map;
+    let upright = |x: f64| Mark::line((x, bottom), (x, top), CROP_LINE_MM);
+    let level = |y: f64| Mark::line((left, y), (right, y), CROP_LINE_MM);
+    let first_row = layout.sheets.iter().filter(|plan| plan.row == 0);
+    let first_column = layout.sheets.iter().filter(|plan| plan.column == 0);
+    let mut marks = vec![upright(left), level(top)];
+    marks.extend(first_row.map(|plan| upright(map_cell(layout, map, plan).right_mm)));
+    marks.extend(first_column.map(|plan| level(map_cell(layout, map, plan).bottom_mm)));
     marks
 }
 

@@ -3,9 +3,12 @@
 //! Two frames, both in millimetres. *Template frame*: origin at the template's top-left corner, x right, y **down**, as the
 //! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
 
+pub use crate::print::frame::cut_from_roll;
+pub use crate::print::paper::roll_page;
+
 use crate::print::SheetError;
 use crate::print::frame::{PageFrame, PageSetup};
-use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
+use crate::print::paper::{MAX_SIDE_MM, Orientation, Stock};
 use crate::print::printer::Printer;
 use crate::print::sheet::RectMm;
 use scaleproof_core::geometry::length;
@@ -18,7 +21,7 @@ pub const MAX_SHEETS: usize = 400;
 const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
 
 /// Usable length of the page with the instructions on a roll.
-pub(in crate::print) const ROLL_COVER_MM: f64 = 160.0;
+pub const ROLL_COVER_MM: f64 = 160.0;
 
 /// What the pages must carry and what they are printed on. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,12 +89,20 @@ pub struct SheetLayout {
 /// sheets.
 pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
     check(request)?;
-    let plan = match request.orientation {
-        Orientation::Portrait => plan(request, false)?,
-        Orientation::Landscape => plan(request, true)?,
-        Orientation::Auto => better(plan(request, false), plan(request, true))?,
+    let mut layout = match request.orientation {
+        Orientation::Portrait => spread(request, false)?,
+        Orientation::Landscape => spread(request, true)?,
+        Orientation::Auto => match (spread(request, false), spread(request, true)) {
+            (Ok(upright), Ok(across)) if across.cost() < upright.cost() => across,
+            (Ok(layout), _) | (Err(_), Ok(layout)) => layout,
+            (Err(e), Err(_)) => return Err(e),
+        },
     };
-    plan.into_layout(request)
+    if matches!(request.paper, Stock::Roll { .. }) {
+        layout.cover.setup.turned = false;
+        layout.cover = layout.cover.cut_off(request.paper, ROLL_COVER_MM)?;
+    }
+    Ok(layout)
 }
 
 fn check(request: &LayoutRequest) -> Result<(), SheetError> {
@@ -107,59 +118,30 @@ fn check(request: &LayoutRequest) -> Result<(), SheetError> {
     Ok(())
 }
 
-/// A page and the number of sheets along each axis.
-struct PaperPlan {
-    frame: PageFrame,
-    columns: usize,
-    rows: usize,
-}
-
-impl PaperPlan {
-    /// The fewest sheets, and of those the least paper: on a roll both ways round may do with one.
-    fn cost(&self) -> (usize, f64) {
-        let sheets = self.columns * self.rows;
-        let page = self.frame.page;
-        (sheets, page.width_mm * page.height_mm * sheets as f64)
-    }
-}
-
-fn better(
-    portrait: Result<PaperPlan, SheetError>,
-    landscape: Result<PaperPlan, SheetError>,
-) -> Result<PaperPlan, SheetError> {
-    match (portrait, landscape) {
-        (Ok(p), Ok(l)) => Ok(if l.cost() < p.cost() { l } else { p }),
-        (Ok(plan), Err(_)) | (Err(_), Ok(plan)) => Ok(plan),
-        (Err(e), Err(_)) => Err(e),
-    }
-}
-
-fn plan(request: &LayoutRequest, turned: bool) -> Result<PaperPlan, SheetError> {
+/// The template on the paper used upright or `turned`.
+fn spread(request: &LayoutRequest, turned: bool) -> Result<SheetLayout, SheetError> {
     let setup = PageSetup {
         margin_mm: request.margin_mm,
         printer: request.printer,
         turned,
     };
-    let largest = match request.paper {
-        Stock::Cut(paper) if turned => paper.landscape(),
-        Stock::Cut(paper) => paper.portrait(),
-        Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
-    };
-    let frame = PageFrame::new(largest, setup)?;
+    let frame = PageFrame::new(request.paper.page(turned), setup)?;
     let (columns, rows) = sheets(request, &frame)?;
-    let frame = match request.paper {
-        Stock::Cut(_) => frame,
-        Stock::Roll { width_mm } => {
-            let (total, count) = if turned {
-                (request.size_mm.0, columns)
-            } else {
-                (request.size_mm.1, rows)
-            };
-            let carried = carried_mm(total, count, request.overlap_mm, request.bleed_mm);
-            PageFrame::new(cut_from_roll(width_mm, carried, &setup), setup)?
-        }
+    let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
+    let (total, count) = if turned {
+        (request.size_mm.0, columns)
+    } else {
+        (request.size_mm.1, rows)
     };
-    Ok(PaperPlan { frame, columns, rows })
+    let frame = frame.cut_off(request.paper, carried_mm(total, count, overlap_mm, bleed_mm))?;
+    let x = cuts(request.size_mm.0, columns, overlap_mm, bleed_mm);
+    let y = cuts(request.size_mm.1, rows, overlap_mm, bleed_mm);
+    let strips = Strips {
+        before_mm: 0.0,
+        after_mm: overlap_mm,
+        outer_mm: bleed_mm,
+    };
+    Ok(SheetLayout::cut_at(frame, &x, &y, strips))
 }
 
 /// How many sheets the template takes: (across, down).
@@ -183,89 +165,11 @@ fn sheets(request: &LayoutRequest, frame: &PageFrame) -> Result<(usize, usize), 
     Ok((columns as usize, rows as usize))
 }
 
-pub fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
-    let (width_mm, height_mm) = if turned {
-        (length_mm, width_mm)
-    } else {
-        (width_mm, length_mm)
-    };
-    Paper { width_mm, height_mm }
-}
-
-/// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
-pub fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &PageSetup) -> Paper {
-    let (along_x, along_y) = setup.length_for(usable_mm);
-    let length = if setup.turned { along_x } else { along_y };
-    roll_page(width_mm, length.ceil().min(MAX_SIDE_MM), setup.turned)
-}
-
 /// The fewest sheets `n` with `n · usable − (n − 1) · overlap ≥ size`, both bleeds included in the size.
 fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
     // A millionth of a millimetre of slack, so that a template made to measure does not cost a sheet to rounding.
     let exact = (size_mm - overlap_mm) / (usable_mm - overlap_mm);
     (exact - 1e-6 / usable_mm).ceil().max(1.0)
-}
-
-impl PaperPlan {
-    fn into_layout(self, request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
-        let cover = match request.paper {
-            Stock::Cut(_) => self.frame,
-            Stock::Roll { width_mm } => {
-                let setup = PageSetup {
-                    turned: false,
-                    ..self.frame.setup
-                };
-                PageFrame::new(cut_from_roll(width_mm, ROLL_COVER_MM, &setup), setup)?
-            }
-        };
-        let Self { frame, columns, rows } = self;
-        Ok(SheetLayout {
-            sheets: self.sheets(request),
-            frame,
-            cover,
-            rows,
-            columns,
-        })
-    }
-
-    fn sheets(&self, request: &LayoutRequest) -> Vec<SheetPlan> {
-        let (overlap, bleed) = (request.overlap_mm, request.bleed_mm);
-        let x = cuts(request.size_mm.0, self.columns, overlap, bleed);
-        let y = cuts(request.size_mm.1, self.rows, overlap, bleed);
-        sheet_plans(&self.frame, &x, &y, overlap, bleed)
-    }
-}
-
-/// The sheets between some cuts, the template's own edges among them, row by row.
-fn sheet_plans(frame: &PageFrame, x: &[f64], y: &[f64], overlap: f64, bleed: f64) -> Vec<SheetPlan> {
-    // A stretch of its own becomes what is printed: overlap towards a neighbour, bleed at the outer edge.
-    let before = |i: usize, from: f64| if i == 0 { from - bleed } else { from };
-    let after = |last: bool, to: f64| if last { to + bleed } else { to + overlap };
-    let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
-    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
-    let sheet = |(row, column): (usize, usize)| {
-        let own = TemplateRect {
-            left_mm: x[column],
-            top_mm: y[row],
-            right_mm: x[column + 1],
-            bottom_mm: y[row + 1],
-        };
-        let carried = TemplateRect {
-            left_mm: before(column, own.left_mm),
-            top_mm: before(row, own.top_mm),
-            right_mm: after(column + 1 == columns, own.right_mm),
-            bottom_mm: after(row + 1 == rows, own.bottom_mm),
-        };
-        SheetPlan {
-            row,
-            column,
-            own,
-            carried,
-            trim: on_page(frame, carried, own),
-            printed: on_page(frame, carried, carried),
-        }
-    };
-    places.map(sheet).collect()
 }
 
 /// Where a region sits on the page of the sheet that carries `carried`: that one's top-left corner is the usable area's.
@@ -292,17 +196,57 @@ fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64>
     [0.0].into_iter().chain(inner).chain([size_mm]).collect()
 }
 
+/// What a sheet carries beside its own part: towards the sheets before and after it along each axis, and at the template's edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strips {
+    pub before_mm: f64,
+    pub after_mm: f64,
+    pub outer_mm: f64,
+}
+
 impl SheetLayout {
     /// Sheets cut at given edges, from 0 on, each along its axis in rising order; the first and the last are the template's own.
     /// Every sheet must have room for what it carries.
-    pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], overlap_mm: f64) -> Self {
+    pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], strips: Strips) -> Self {
+        let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
+        let before = |i: usize| if i == 0 { strips.outer_mm } else { strips.before_mm };
+        let after = |is_last: bool| if is_last { strips.outer_mm } else { strips.after_mm };
+        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        let sheet = |(row, column): (usize, usize)| {
+            let own = TemplateRect {
+                left_mm: x[column],
+                top_mm: y[row],
+                right_mm: x[column + 1],
+                bottom_mm: y[row + 1],
+            };
+            let carried = TemplateRect {
+                left_mm: own.left_mm - before(column),
+                top_mm: own.top_mm - before(row),
+                right_mm: own.right_mm + after(column + 1 == columns),
+                bottom_mm: own.bottom_mm + after(row + 1 == rows),
+            };
+            SheetPlan {
+                row,
+                column,
+                own,
+                carried,
+                trim: on_page(&frame, carried, own),
+                printed: on_page(&frame, carried, carried),
+            }
+        };
         Self {
             frame,
             cover: frame,
-            rows: y.len().saturating_sub(1),
-            columns: x.len().saturating_sub(1),
-            sheets: sheet_plans(&frame, x, y, overlap_mm, 0.0),
+            rows,
+            columns,
+            sheets: places.map(sheet).collect(),
         }
+    }
+
+    /// The fewest sheets, and of those the least paper: on a roll both ways round may do with one.
+    fn cost(&self) -> (usize, f64) {
+        let (sheets, page) = (self.sheets.len(), self.frame.page);
+        (sheets, page.width_mm * page.height_mm * sheets as f64)
     }
 
     /// Width and height of the whole template.
@@ -336,6 +280,8 @@ pub fn letters(index: usize) -> String {
         format!("{}{last}", letters(index / 26 - 1))
     }
 }
+
+#[cfg(test)]
 pub mod tests {
     use super::*;
 

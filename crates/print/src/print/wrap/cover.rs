@@ -1,13 +1,11 @@
 //! The first page: how to put the panels on the model, what each costs, and all of them small with their seam letters.
 
-use super::lines::moved;
 use super::seams::PanelSeams;
-use super::{Panel, Point, Wrap};
+use super::{Contour, Panel, Point, Wrap};
 use crate::print::frame::PageFrame;
 use crate::print::printer;
-use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8};
 use crate::print::template::{Captions, cover};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 use scaleproof_surface::pattern::world_aligned::Side;
 
 const LINE_MM: f64 = 0.15;
@@ -36,7 +34,10 @@ pub fn cover(wrap: &Wrap, seams: &PanelSeams, frame: PageFrame, captions: &Capti
 
 /// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
 fn overview(wrap: &Wrap, seams: &PanelSeams, room: RectMm) -> Vec<Mark> {
-    let size = |side: Side| bounds(wrap, side).map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]]);
+    let size = |side: Side| {
+        let bounds = panel(wrap, side).and_then(|panel| panel.region.bounds());
+        bounds.map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]])
+    };
     let [left, right, roof, front, rear] = super::PRINTED.map(size);
     let wide = left[0].max(right[0]).max(front[0] + rear[0]);
     let high = (left[1] + right[1] + front[1].max(rear[1])).max(roof[1]);
@@ -59,21 +60,20 @@ fn overview(wrap: &Wrap, seams: &PanelSeams, room: RectMm) -> Vec<Mark> {
     ];
     let mut marks = Vec::new();
     for (side, corner) in super::PRINTED.into_iter().zip(corners) {
-        let (low, high) = bounds(wrap, side).unwrap_or_default();
-        let by = [corner[0] - scale * low[0], corner[1] - scale * high[1]];
-        if let Some(piece) = wrap.pieces.iter().find(|piece| piece.panel.side == side) {
-            let letters = seams.marks.get(&side).map_or(&[][..], Vec::as_slice);
-            let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
-            marks.extend(small(&piece.panel, by, scale, places));
+        if let Some(piece) = panel(wrap, side) {
+            let (low, high) = piece.region.bounds().unwrap_or_default();
+            let by = [corner[0] - scale * low[0], corner[1] - scale * high[1]];
+            let letters = seams.marks.get(&side).into_iter().flatten();
+            let places = letters.map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
+            marks.extend(small(piece, by, scale, places));
         }
     }
     marks
 }
 
-/// The box around a panel.
-fn bounds(wrap: &Wrap, side: Side) -> Option<(Point, Point)> {
-    let piece = wrap.pieces.iter().find(|piece| piece.panel.side == side)?;
-    piece.panel.region.bounds()
+fn panel(wrap: &Wrap, side: Side) -> Option<&Panel> {
+    let mut panels = wrap.pieces.iter().map(|piece| &piece.panel);
+    panels.find(|panel| panel.side == side)
 }
 
 fn small<'a>(
@@ -83,51 +83,27 @@ fn small<'a>(
     letters: impl Iterator<Item = (&'a str, Point, Point)>,
 ) -> Vec<Mark> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
-    let to_page = |p: Point| [scale * p[0] + by[0], scale * p[1] + by[1]];
-    let scaled: Vec<Vec<Point>> = panel
-        .region
-        .contours()
-        .map(|outline| outline.iter().map(|p| to_page(*p)).collect())
-        .collect();
-    let outlines = moved(scaled.iter(), [0.0, 0.0]);
-    let mut marks = vec![Mark::Area {
-        outlines: outlines.clone(),
-        colour: GREY,
-    }];
-    let page = |p: PointMm| (p.x_mm, p.y_mm);
-    for outline in &outlines {
-        let next = outline.iter().cycle().skip(1);
-        marks.extend(
-            outline
-                .iter()
-                .zip(next)
-                .map(|(a, b)| Mark::line(page(*a), page(*b), LINE_MM)),
-        );
-    }
-    for [a, b] in &panel.edges {
-        let ([ax, ay], [bx, by]) = (to_page(*a), to_page(*b));
-        marks.push(Mark::line((ax, ay), (bx, by), 0.5 * LINE_MM));
-    }
+    let to_page = |p: Point| (scale * p[0] + by[0], scale * p[1] + by[1]);
+    let outline = |outline: &Contour| outline.iter().map(|p| to_page(*p).into()).collect();
+    let outlines: Vec<Vec<PointMm>> = panel.region.contours().map(outline).collect();
+    let lines = outlines.iter().flat_map(|outline| Mark::outline(outline, LINE_MM));
+    let lines: Vec<Mark> = lines.collect();
+    let mut marks = vec![Mark::Area { outlines, colour: GREY }];
+    marks.extend(lines);
+    let edges = panel.edges.iter();
+    marks.extend(edges.map(|[a, b]| Mark::line(to_page(*a), to_page(*b), 0.5 * LINE_MM)));
     for (letter, seam, at) in letters {
-        let [x, y] = to_page(seam);
+        let (x, y) = to_page(seam);
         let (dx, dy) = (at[0] - seam[0], at[1] - seam[1]);
         let away = 0.8 * LETTER_MM / dx.hypot(dy).max(f64::MIN_POSITIVE);
-        let baseline = y + away * dy - 0.5 * CAP_HEIGHT * LETTER_MM;
-        marks.push(Mark::text(
-            (x + away * dx, baseline),
-            LETTER_MM,
-            TextAnchor::Centre,
-            letter,
-        ));
+        let middle = (x + away * dx, y + away * dy);
+        marks.push(Mark::centred(middle, (LETTER_MM, f64::INFINITY), letter));
     }
-    let [x, y] = to_page(panel.region.innermost());
-    let name = panel.side.name();
-    let size_mm = fitting_size_mm(name, 4.0, 0.8 * scale * (high[0] - low[0]));
-    marks.push(Mark::text(
-        (x, y - 0.5 * CAP_HEIGHT * size_mm),
-        size_mm,
-        TextAnchor::Centre,
-        name,
+    let size = (4.0, 0.8 * scale * (high[0] - low[0]));
+    marks.push(Mark::centred(
+        to_page(panel.region.innermost()),
+        size,
+        panel.side.name(),
     ));
     marks
 }

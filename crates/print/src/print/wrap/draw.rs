@@ -2,18 +2,15 @@
 
 use std::sync::Arc;
 
-use super::lines::{EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, line, moved, place};
+use super::lines::{EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, place};
 use super::panel::Face;
 use super::region::Region;
 use super::seams::{CLEAR_MM, SeamMark, seams};
 use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
 use crate::print::raster::{self, FlatPaint, FlatTriangle, PixelGrid, Pose};
-use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
-use crate::print::template::{
-    Captions, PatternStamp, SheetPlan, TemplateRequest, cell_mm, check_scale, furniture, layout,
-};
+use crate::print::sheet::{BLACK, Mark, PointMm, Sheet};
+use crate::print::template::{Captions, PatternStamp, SheetPlan, TemplateRequest, cell_mm, check_scale, furniture};
 use crate::print::{SheetError, printer};
-use scaleproof_plot::lettering::CAP_HEIGHT;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::world_aligned::Side;
@@ -34,8 +31,11 @@ pub fn wrap(
 ) -> Result<Wrap, WrapError> {
     let grown: Vec<Region> = panels.iter().map(|panel| panel.region.grown(BLEED_MM)).collect();
     let seams = seams(paint, &panels, &grown);
-    let pieces: Result<Vec<_>, _> = panels.into_iter().map(|panel| piece(panel, request)).collect();
-    let pieces = pieces?;
+    let spread = |panel: Panel| {
+        let (_, layout, corner) = request.spread(panel.side, &panel.region, ROOM_MM)?;
+        Ok(SpreadPanel { panel, layout, corner })
+    };
+    let pieces: Vec<_> = panels.into_iter().map(spread).collect::<Result<_, SheetError>>()?;
     let ink = Ink::new((mesh, paint), &pieces, texture, request)?;
     let mut made = Wrap {
         pieces,
@@ -97,19 +97,14 @@ impl<'a> Ink<'a> {
     ) -> Result<Self, WrapError> {
         let Texture::Tile(tile) = texture else {
             check_scale(request.scale)?;
-            raster::check(
-                request.dpi,
-                pieces.iter().map(|p| p.layout.size_mm()).map(|(w, h)| w * h).sum(),
-            )?;
+            let sizes = pieces.iter().map(|p| p.layout.size_mm());
+            raster::check(request.dpi, sizes.map(|(w, h)| w * h).sum())?;
             let of_side = |side: Side| paint.faces.iter().filter(move |face| face.side == side);
-            let triangles = pieces
-                .iter()
-                .map(|p| of_side(p.panel.side).map(flat_triangle).collect())
-                .collect();
+            let triangles = |p: &SpreadPanel| of_side(p.panel.side).map(flat_triangle).collect();
             return Ok(Self::Pixels {
                 mesh,
                 texture,
-                triangles,
+                triangles: pieces.iter().map(triangles).collect(),
             });
         };
         let largest = pieces.iter().fold((0.0f64, 0.0f64), |most, piece| {
@@ -120,9 +115,8 @@ impl<'a> Ink<'a> {
         let cell_mm = cell_mm(&tile.pattern, &request.template(Side::Front, largest).tiled(tile_mm))?;
         let stamp = PatternStamp::new(&tile.pattern, cell_mm, largest);
         stamp.check_placements(pieces.iter().flat_map(|piece| &piece.layout.sheets))?;
-        let pattern = &tile.pattern;
         Ok(Self::Cells {
-            pattern,
+            pattern: &tile.pattern,
             cell_mm,
             tile_mm,
             stamp,
@@ -164,12 +158,9 @@ impl<'a> Ink<'a> {
                 let on_sheet = |plan: &SheetPlan| {
                     let pose = Pose::moved(piece.moved_by_mm(plan));
                     let image = paint.image(&pose, grid, BLEED_MM, plan.printed);
-                    let mark = image.map(|(image, area)| Mark::Clipped {
-                        to: vec![plan.printed.outline()],
-                        marks: vec![Mark::Image {
-                            image: Arc::new(image),
-                            area,
-                        }],
+                    let mark = image.map(|(image, area)| {
+                        let image = Arc::new(image);
+                        Mark::clipped(plan.printed, vec![Mark::Image { image, area }])
                     });
                     mark.into_iter().collect()
                 };
@@ -190,17 +181,6 @@ fn flat_triangle(face: &Face) -> FlatTriangle {
     }
 }
 
-/// Spreads a panel over sheets.
-pub fn piece(panel: Panel, request: &WrapRequest) -> Result<SpreadPanel, SheetError> {
-    let (low, high) = panel.region.bounds().unwrap_or_default();
-    let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
-    Ok(SpreadPanel {
-        layout: layout(&request.template(panel.side, (size[0], size[1])).layout)?,
-        corner: [low[0] - ROOM_MM, high[1] + ROOM_MM],
-        panel,
-    })
-}
-
 struct Drawing<'a> {
     piece: &'a SpreadPanel,
     grown: &'a Region,
@@ -212,54 +192,43 @@ impl Drawing<'_> {
     fn sheet(&self, plan: &SheetPlan, ink: Vec<Mark>) -> Sheet {
         let layout = &self.piece.layout;
         let by = self.piece.moved_by_mm(plan);
-        let mut marks = vec![Mark::Clipped {
-            to: moved(self.grown.contours(), by),
-            marks: ink,
-        }];
-        marks.push(Mark::Clipped {
-            to: vec![plan.printed.outline()],
-            marks: self.lines(by),
-        });
-        marks.push(cutter_path(&self.piece.panel.region, by, plan));
+        let panel = &self.piece.panel;
+        let mut lines = cut_line(&panel.region, by);
+        lines.extend(panel.edges.iter().map(|[from, to]| Mark::Line {
+            from: place(*from, by),
+            to: place(*to, by),
+            width_mm: EDGE_LINE_MM,
+            dash_mm: Some(EDGE_DASH_MM),
+            colour: BLACK,
+        }));
+        let mut marks = vec![
+            Mark::Clipped {
+                to: moved(self.grown.contours(), by),
+                marks: ink,
+            },
+            Mark::clipped(plan.printed, lines),
+            cutter_path(&panel.region, by, plan),
+        ];
         marks.extend(self.letters.iter().flat_map(|mark| letter(mark, by, plan)));
         marks.extend(furniture::all(layout, plan, &self.captions));
         layout.frame.sheet(plan.trim, plan.printed, marks)
-    }
-
-    fn lines(&self, by: Point) -> Vec<Mark> {
-        let mut marks = cut_line(&self.piece.panel.region, by);
-        for [a, b] in &self.piece.panel.edges {
-            marks.push(line(
-                place(*a, by),
-                place(*b, by),
-                EDGE_LINE_MM,
-                Some(EDGE_DASH_MM),
-                BLACK,
-            ));
-        }
-        marks
     }
 }
 
 /// A seam's letter and the line from it to the seam, on the sheet that shows the letter once all are glued.
 fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
-    let at = place(mark.at, by);
-    let trim = plan.trim;
-    let within = |low: f64, high: f64, at: f64| at >= low && at < high;
-    if !within(trim.left_mm, trim.right_mm, at.x_mm) || !within(trim.bottom_mm, trim.top_mm, at.y_mm) {
+    let (at, trim) = (place(mark.at, by), plan.trim);
+    let is_here = (trim.left_mm..trim.right_mm).contains(&at.x_mm) && (trim.bottom_mm..trim.top_mm).contains(&at.y_mm);
+    if !is_here {
         return Vec::new();
     }
     let seam = place(mark.seam, by);
     let (dx, dy) = (at.x_mm - seam.x_mm, at.y_mm - seam.y_mm);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
     let along = |mm: f64| PointMm::new(seam.x_mm + mm / length * dx, seam.y_mm + mm / length * dy);
-    let leader = line(along(BLEED_MM + 0.2), along(length - 2.0), LEADER_MM, None, BLACK);
-    let text = Mark::text(
-        (at.x_mm, at.y_mm - 0.5 * CAP_HEIGHT * LETTER_MM),
-        LETTER_MM,
-        TextAnchor::Centre,
-        mark.letter.clone(),
-    );
+    let leader = Mark::line(along(BLEED_MM + 0.2), along(length - 2.0), LEADER_MM);
+    let size = (LETTER_MM, f64::INFINITY);
+    let text = Mark::centred((at.x_mm, at.y_mm), size, mark.letter.as_str());
     if length - 2.0 > BLEED_MM + 0.5 {
         vec![leader, text]
     } else {

@@ -2,7 +2,7 @@
 
 use super::Point;
 use super::region::{Contour, Region};
-use crate::print::sheet::{BLACK, Mark, PointMm, Srgb8};
+use crate::print::sheet::{Mark, PointMm};
 use crate::print::template::SheetPlan;
 
 /// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
@@ -26,26 +26,12 @@ pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
 
 /// The line around a region, outside of it.
 pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
-    let around = region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM);
-    let mut marks = Vec::new();
-    for outline in moved(around.contours(), by) {
-        let next = outline.iter().cycle().skip(1);
-        let lines = outline.iter().zip(next);
-        marks.extend(lines.map(|(a, b)| line(*a, *b, CUT_LINE_MM, None, BLACK)));
-    }
-    marks
+    let around = moved(region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM).contours(), by);
+    let lines = around.iter().flat_map(|outline| Mark::outline(outline, CUT_LINE_MM));
+    lines.collect()
 }
 
-pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Mark {
-    Mark::Line {
-        from,
-        to,
-        width_mm,
-        dash_mm,
-        colour,
-    }
-}
-
+/// A place of a plane on a page.
 pub(super) fn place(p: Point, by: Point) -> PointMm {
     PointMm::new(p[0] + by[0], p[1] + by[1])
 }

@@ -13,9 +13,8 @@ mod region;
 mod seams;
 
 pub use lines::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved};
-pub use panel::Face;
-pub use panel::{PRINTED, PaintedSurface, Panel};
-pub use region::{Contour, Point, Region};
+pub use panel::{Face, PRINTED, PaintedSurface, Panel};
+pub use region::{Contour, Point, Region, corners, cross};
 
 use super::SheetError;
 use super::date::Date;
@@ -23,7 +22,7 @@ use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::raster::RasterError;
 use super::sheet::Sheet;
-use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest};
+use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest, layout};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::mesh::Mesh;
@@ -76,6 +75,20 @@ impl WrapRequest {
     /// What the document is called.
     pub fn title(&self) -> String {
         format!("Panels of {}", self.name)
+    }
+
+    /// A region of a side, with some room around it, on sheets: its template, their layout, and (u, v) of the template's top-left corner.
+    pub(super) fn spread(
+        &self,
+        side: Side,
+        region: &Region,
+        room_mm: f64,
+    ) -> Result<(TemplateRequest, SheetLayout, Point), SheetError> {
+        let (low, high) = region.bounds().unwrap_or_default();
+        let [width, height] = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * room_mm);
+        let template = self.template(side, (width, height));
+        let layout = layout(&template.layout)?;
+        Ok((template, layout, [low[0] - room_mm, high[1] + room_mm]))
     }
 
     /// What a panel is as a template.
@@ -148,12 +161,16 @@ pub struct Wrap {
 impl Wrap {
     /// A name for each page, where it becomes a file of its own.
     pub fn page_names(&self) -> Vec<String> {
-        let name = |piece: &SpreadPanel, plan: &SheetPlan| format!("{}-{}", piece.panel.side.name(), plan.id());
-        let sheets = self
-            .pieces
-            .iter()
-            .flat_map(|piece| piece.layout.sheets.iter().map(move |plan| name(piece, plan)));
-        ["assembly".to_owned()].into_iter().chain(sheets).collect()
+        let mut names = vec!["assembly".to_owned()];
+        for SpreadPanel { panel, layout, .. } in &self.pieces {
+            names.extend(
+                layout
+                    .sheets
+                    .iter()
+                    .map(|plan| format!("{}-{}", panel.side.name(), plan.id())),
+            );
+        }
+        names
     }
 
     /// Largest length on the surface for 1 mm on paper.

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 
-use super::region::{Point, Region};
+use super::region::{Point, Region, cross};
+use crate::print::buckets::{Buckets, bounds};
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -66,14 +67,15 @@ pub struct PaintedSurface {
 }
 
 impl PaintedSurface {
-    /// The triangles of some materials; those without area are left out.
-    fn of(mesh: &Mesh, materials: &[usize]) -> Self {
+    /// The triangles of some materials, or of all when none are given; those without area are left out.
+    pub fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
+        let is_painted = |triangle: &Triangle| materials.is_empty() || materials.contains(&triangle.material);
         let (mut faces, mut others) = (Vec::new(), Vec::new());
         for (index, triangle) in mesh.triangles().iter().enumerate() {
             let corners = mesh.corners_mm(triangle);
             let normal = doubled_area(&corners);
             let length = normal.norm();
-            if !materials.contains(&triangle.material) {
+            if !is_painted(triangle) {
                 others.push(*triangle);
             } else if length > 0.0 {
                 let side = Side::facing(&normal);
@@ -88,12 +90,6 @@ impl PaintedSurface {
             }
         }
         Self { faces, others }
-    }
-
-    /// The triangles of some materials, or of all when none are given; those without area are left out.
-    pub fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
-        let all: Vec<usize> = (0..mesh.materials().len()).collect();
-        Self::of(mesh, if materials.is_empty() { &all } else { materials })
     }
 
     pub fn surface_mm2(&self) -> f64 {
@@ -129,11 +125,8 @@ impl PaintedSurface {
         }
         let cover = Cover::new(side, &faces);
         let seen = |(edge, meeting): (&[usize; 2], &Vec<usize>)| {
-            let ours: Vec<&Face> = meeting
-                .iter()
-                .map(|i| &self.faces[*i])
-                .filter(|f| f.side == side)
-                .collect();
+            let meeting = meeting.iter().map(|i| &self.faces[*i]);
+            let ours: Vec<&Face> = meeting.filter(|f| f.side == side).collect();
             let first = ours.first()?;
             let bent = match ours[..] {
                 [a, b] => bend_deg(a, b) > FEATURE_DEG,
@@ -165,66 +158,35 @@ pub fn bend_deg(a: &Face, b: &Face) -> f64 {
     doubled_area(&a.corners).angle(&doubled_area(&b.corners)).to_degrees()
 }
 
-/// The faces of a side, found by place: rows and columns of buckets.
+/// The faces of a side, found by place.
 struct Cover<'a> {
     side: Side,
     faces: &'a [&'a Face],
-    low: Point,
-    step: Point,
-    buckets: Vec<Vec<usize>>,
+    buckets: Buckets,
 }
-
-/// Buckets along each axis.
-const BUCKETS: usize = 64;
 
 impl<'a> Cover<'a> {
     fn new(side: Side, faces: &'a [&'a Face]) -> Self {
         let flat: Vec<[Point; 3]> = faces.iter().map(|f| f.corners.map(|p| side.project(&p))).collect();
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in flat.iter().flatten() {
-            for axis in 0..2 {
-                (low[axis], high[axis]) = (low[axis].min(p[axis]), high[axis].max(p[axis]));
-            }
-        }
-        let step = [0, 1].map(|axis| ((high[axis] - low[axis]) / BUCKETS as f64).max(1e-9));
-        let mut cover = Self {
+        let (low, high) = bounds(flat.iter().flatten(), 0.0);
+        let boxes = flat.iter().map(|corners| bounds(corners, 0.0));
+        Self {
             side,
             faces,
-            low,
-            step,
-            buckets: vec![Vec::new(); BUCKETS * BUCKETS],
-        };
-        for (i, corners) in flat.iter().enumerate() {
-            let span = |axis: usize| {
-                let along = corners.map(|p| cover.bucket(p[axis], axis));
-                let [a, b, c] = along;
-                a.min(b).min(c)..=a.max(b).max(c)
-            };
-            let (columns, rows) = (span(0), span(1));
-            for row in rows {
-                for column in columns.clone() {
-                    cover.buckets[row * BUCKETS + column].push(i);
-                }
-            }
+            buckets: Buckets::new(low, high, boxes),
         }
-        cover
-    }
-
-    fn bucket(&self, at: f64, axis: usize) -> usize {
-        (((at - self.low[axis]) / self.step[axis]) as usize).min(BUCKETS - 1)
     }
 
     /// How far out the outermost face over a place is; `None` beside all faces.
     fn outermost(&self, p: Point) -> Option<f64> {
-        let faces = &self.buckets[self.bucket(p[1], 1) * BUCKETS + self.bucket(p[0], 0)];
-        let over = faces.iter().filter_map(|i| self.height(self.faces[*i], p));
+        let near = self.buckets.at(p)?.iter();
+        let over = near.filter_map(|i| self.height(self.faces[*i as usize], p));
         over.reduce(f64::max)
     }
 
     fn height(&self, face: &Face, p: Point) -> Option<f64> {
         let [a, b, c] = face.corners.map(|corner| self.side.project(&corner));
-        let cross = |o: Point, s: Point, t: Point| (s[0] - o[0]) * (t[1] - o[1]) - (s[1] - o[1]) * (t[0] - o[0]);
-        let (whole, at_b, at_c) = (cross(a, b, c), cross(a, p, c), cross(a, b, p));
+        let (whole, at_b, at_c) = (cross(&a, &b, &c), cross(&a, &p, &c), cross(&a, &b, &p));
         let (second, third) = (at_b / whole, at_c / whole);
         let first = 1.0 - second - third;
         let inside = first >= 0.0 && second >= 0.0 && third >= 0.0;
@@ -241,12 +203,8 @@ impl<'a> Cover<'a> {
         if length < 0.1 {
             return false;
         }
-        let beside = |mm: f64| {
-            [
-                0.5 * (a[0] + b[0]) - mm * dy / length,
-                0.5 * (a[1] + b[1]) + mm * dx / length,
-            ]
-        };
+        let middle = [0, 1].map(|axis| 0.5 * (a[axis] + b[axis]));
+        let beside = |mm: f64| [middle[0] - mm * dy / length, middle[1] + mm * dx / length];
         [-0.2, 0.2].iter().all(|mm| {
             let over = self.outermost(beside(*mm));
             over.is_some_and(|outermost| outermost < height + BEFORE_MM)

@@ -6,6 +6,8 @@ use i_overlay::float::single::SingleFloatOverlay;
 use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
+use crate::print::sheet::sides;
+
 /// A place in a plane, mm.
 pub type Point = [f64; 2];
 /// A closed outline.
@@ -82,21 +84,14 @@ impl Region {
 
     /// The corners of the box around it: lowest, highest; `None` of nothing.
     pub fn bounds(&self) -> Option<(Point, Point)> {
-        let mut points = self.contours().flatten();
-        let first = *points.next()?;
-        let around = |(low, high): (Point, Point), p: &Point| {
-            (
-                [low[0].min(p[0]), low[1].min(p[1])],
-                [high[0].max(p[0]), high[1].max(p[1])],
-            )
-        };
-        Some(points.fold((first, first), around))
+        let (low, high) = corners(self.contours().flatten());
+        low[0].is_finite().then_some((low, high))
     }
 
     pub fn contains(&self, p: Point) -> bool {
         // Winding number: each edge that crosses the ray to the right counts up or down.
         let crossing = |(a, b): (&Point, &Point)| {
-            let side = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+            let side = cross(a, b, &p);
             match (a[1] <= p[1], b[1] <= p[1]) {
                 (true, false) if side > 0.0 => 1,
                 (false, true) if side < 0.0 => -1,
@@ -126,14 +121,31 @@ impl Region {
     }
 
     pub fn edges(&self) -> impl Iterator<Item = (&Point, &Point)> {
-        self.contours().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)))
+        self.contours().flat_map(|c| sides(c))
     }
+}
+
+/// The corners of the box around some places: lowest, highest.
+pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point) {
+    let wider = |(low, high): (Point, Point), p: &Point| {
+        (
+            [low[0].min(p[0]), low[1].min(p[1])],
+            [high[0].max(p[0]), high[1].max(p[1])],
+        )
+    };
+    places
+        .into_iter()
+        .fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), wider)
+}
+
+/// Twice the signed area of a triangle.
+pub fn cross(a: &Point, b: &Point, c: &Point) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Twice the area inside an outline; negative if it runs clockwise.
 pub fn doubled_area(outline: &[Point]) -> f64 {
-    let next = outline.iter().cycle().skip(1);
-    outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+    sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
 }
 
 fn to_segment(p: Point, a: &Point, b: &Point) -> f64 {

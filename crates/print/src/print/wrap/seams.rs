@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::panel::{PaintedSurface, Panel, corner_of};
 use super::region::{Point, Region};
+use crate::print::template::letters;
 use scaleproof_core::geometry::distance;
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -27,6 +28,7 @@ pub struct SeamMark {
 }
 
 /// The letters beside each panel, and how long the seams are that found no room for theirs on both panels.
+#[derive(Default)]
 pub struct PanelSeams {
     pub marks: BTreeMap<Side, Vec<SeamMark>>,
     pub unlettered_mm: f64,
@@ -41,45 +43,34 @@ struct Seam {
 
 /// Letters all seams of some length. `grown` are the panels' regions with their bleed.
 pub fn seams(paint: &PaintedSurface, panels: &[Panel], grown: &[Region]) -> PanelSeams {
-    let mut found = PanelSeams {
-        marks: BTreeMap::new(),
-        unlettered_mm: 0.0,
-    };
+    let mut found = PanelSeams::default();
     let mut all = runs(paint);
     all.retain(|seam| seam.length_mm >= SHORTEST_MM);
     // Longest first, so that they get the room and the first letters.
     all.sort_by(|a, b| b.length_mm.total_cmp(&a.length_mm));
-    let mut taken: BTreeMap<Side, Vec<Point>> = BTreeMap::new();
     let mut count = 0;
     for seam in all {
         let places = seam.sides.map(|side| {
             let index = panels.iter().position(|panel| panel.side == side)?;
-            let near = taken.get(&side).map_or(&[][..], Vec::as_slice);
+            let near = found.marks.get(&side).map_or(&[][..], Vec::as_slice);
             place(&seam, side, &panels[index].region, &grown[index], near)
         });
         let [Some(first), Some(second)] = places else {
             found.unlettered_mm += seam.length_mm;
             continue;
         };
-        let letter = letters(count);
+        // Small, because the capitals are those of the sheets of one panel.
+        let letter = letters(count).to_lowercase();
         count += 1;
         for (side, (on_seam, at)) in seam.sides.into_iter().zip([first, second]) {
-            taken.entry(side).or_default().push(at);
-            let letter = letter.clone();
-            let mark = SeamMark {
-                letter,
+            found.marks.entry(side).or_default().push(SeamMark {
+                letter: letter.clone(),
                 seam: on_seam,
                 at,
-            };
-            found.marks.entry(side).or_default().push(mark);
+            });
         }
     }
     found
-}
-
-/// a to z, then aa: small, because the capitals are those of the sheets of one panel.
-fn letters(index: usize) -> String {
-    crate::print::template::letters(index).to_lowercase()
 }
 
 /// The connected runs of edges between each two printed panels.
@@ -129,13 +120,11 @@ fn connected(edges: &BTreeMap<[usize; 2], [Point3<f64>; 2]>) -> Vec<Vec<[Point3<
 
 /// A point of the seam on the panel's border, and beside it a place for the letter that is free of ink: as near as possible
 /// to the middle of the seam.
-fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Point]) -> Option<(Point, Point)> {
-    let middle = {
-        let sum = seam.edges.iter().fold(nalgebra::Vector3::zeros(), |sum, [a, b]| {
-            sum + 0.5 * (a.coords + b.coords) * (b - a).norm()
-        });
-        side.project(&Point3::from(sum / seam.length_mm))
-    };
+fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[SeamMark]) -> Option<(Point, Point)> {
+    let sum = seam.edges.iter().fold(Vector3::zeros(), |sum, [a, b]| {
+        sum + 0.5 * (a.coords + b.coords) * (b - a).norm()
+    });
+    let middle = side.project(&Point3::from(sum / seam.length_mm));
     let mut best: Option<(f64, Point, Point)> = None;
     for ends in &seam.edges {
         let [a, b] = ends.map(|p| side.project(&p));
@@ -152,10 +141,8 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
             if best.as_ref().is_some_and(|(found, ..)| *found <= off_middle) || region.distance_mm(p) < -0.1 {
                 continue;
             }
-            if let Some(at) = [1.0, -1.0]
-                .iter()
-                .find_map(|sign| free(p, outward.map(|c| sign * c), grown, taken))
-            {
+            let mut signs = [1.0, -1.0].iter();
+            if let Some(at) = signs.find_map(|sign| free(p, outward.map(|c| sign * c), grown, taken)) {
                 best = Some((off_middle, p, at));
             }
         }
@@ -163,12 +150,11 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
     best.map(|(_, p, at)| (p, at))
 }
 
-fn free(p: Point, direction: Point, grown: &Region, taken: &[Point]) -> Option<Point> {
+fn free(p: Point, direction: Point, grown: &Region, taken: &[SeamMark]) -> Option<Point> {
     let outwards = (0..=12).map(|step| f64::from(step) / 12.0 * (CLEAR_MM + FARTHEST_MM));
-    let places = outwards.map(|mm| [p[0] + mm * direction[0], p[1] + mm * direction[1]]);
-    let mut clear = places.filter(|at| {
-        let alone = taken.iter().all(|t| distance(*t, *at) > 2.0 * CLEAR_MM);
+    let mut places = outwards.map(|mm| [p[0] + mm * direction[0], p[1] + mm * direction[1]]);
+    places.find(|at| {
+        let alone = taken.iter().all(|mark| distance(mark.at, *at) > 2.0 * CLEAR_MM);
         alone && grown.distance_mm(*at) >= CLEAR_MM
-    });
-    clear.next()
+    })
 }
