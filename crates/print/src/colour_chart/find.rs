@@ -6,6 +6,7 @@ use super::ColourChartError;
 use super::layout::{CELL_MM, ChartKind, ChartLayout, FAMILY, PATCH_MM};
 use scaleproof_core::geometry::distance;
 use scaleproof_core::geometry::homography::{self, mapped};
+use scaleproof_core::spelling::list;
 use scaleproof_pose::tags::SeenTag;
 
 /// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's image. A patch is sampled 2.5 mm
@@ -50,29 +51,27 @@ pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let (mut chart_mm, mut image_px) = (Vec::new(), Vec::new());
     let mut missing = Vec::new();
     for tag in &layout.tags {
-        let mut of_this: Vec<_> = seen.iter().filter(|s| s.family == FAMILY && s.id == tag.id).collect();
-        match (of_this.pop(), of_this.is_empty()) {
-            (None, _) => missing.push(tag.id.to_string()),
-            (Some(_), false) => return Err(ColourChartError::TwoCharts),
-            (Some(one), true) if !one.is_whole => return Err(ColourChartError::TagCovered { id: tag.id }),
-            (Some(one), true) => {
+        let of_this: Vec<_> = seen.iter().filter(|s| s.family == FAMILY && s.id == tag.id).collect();
+        match of_this[..] {
+            [] => missing.push(tag.id),
+            [one] if one.is_whole => {
                 chart_mm.extend(tag.corners_mm());
                 image_px.extend(one.corners_px);
             }
+            [_] => return Err(ColourChartError::TagCovered { id: tag.id }),
+            _ => return Err(ColourChartError::TwoCharts),
         }
     }
     if !missing.is_empty() {
-        let ids = missing.join(", ");
+        let ids = list(&missing);
         return Err(ColourChartError::TagsMissing { ids });
     }
     placed(layout, &chart_mm, &image_px)
 }
 
 fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ColourChartError> {
-    let is_seen = |kind: &ChartKind| {
-        seen.iter()
-            .any(|s| s.family == FAMILY && kind.tag_ids().contains(&s.id))
-    };
+    let is_of = |tag: &SeenTag, kind: &ChartKind| tag.family == FAMILY && kind.tag_ids().contains(&tag.id);
+    let is_seen = |kind: &ChartKind| seen.iter().any(|tag| is_of(tag, kind));
     let mut kinds = ChartKind::ALL.into_iter().filter(is_seen);
     match (kinds.next(), kinds.next()) {
         (None, _) => Err(ColourChartError::NoChart),
@@ -91,10 +90,8 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], image_px: &[[f64; 2]]) -> 
         off_mm: 0.0,
         patch_px: 0.0,
     };
-    let squares = chart_mm
-        .iter()
-        .zip(image_px)
-        .map(|(mm, px)| distance(found.mm(*px), *mm).powi(2));
+    let pairs = chart_mm.iter().zip(image_px);
+    let squares = pairs.map(|(mm, px)| distance(found.mm(*px), *mm).powi(2));
     found.off_mm = (squares.sum::<f64>() / chart_mm.len() as f64).sqrt();
     found.patch_px = smallest_patch(&found);
     // False for what is not a number, too.
@@ -115,12 +112,8 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], image_px: &[[f64; 2]]) -> 
 fn smallest_patch(chart: &FoundChart) -> f64 {
     let (width, height) = chart.layout.size_mm;
     let half = CELL_MM / 2.0;
-    let corners = [
-        [half, half],
-        [width - half, half],
-        [half, height - half],
-        [width - half, height - half],
-    ];
+    let (right, bottom) = (width - half, height - half);
+    let corners = [[half, half], [right, half], [half, bottom], [right, bottom]];
     let side = |[x, y]: [f64; 2]| {
         let h = PATCH_MM / 2.0;
         let across = distance(chart.px([x - h, y]), chart.px([x + h, y]));

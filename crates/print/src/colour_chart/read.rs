@@ -46,6 +46,9 @@ pub struct ChartReading {
     pub quality: Quality,
 }
 
+/// A cell and what the camera saw of it.
+type Sampled = (ChartCell, PatchSample);
+
 /// How good a photo is for reading.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Quality {
@@ -75,20 +78,14 @@ pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartRe
 }
 
 fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<ChartReading, ColourChartError> {
-    let sampled = |cell: ChartCell| Some((cell, sample(rgb, chart, cell)?));
-    let take = |cell| sampled(cell).ok_or(ColourChartError::NoChart);
-    let whites = chart
-        .layout
-        .whites
-        .iter()
-        .map(|cell| take(*cell))
-        .collect::<Result<Vec<_>, _>>()?;
-    let inked = chart
-        .layout
-        .patches
-        .iter()
-        .map(|patch| take(patch.cell))
-        .collect::<Result<Vec<_>, _>>()?;
+    let take = |cell: &ChartCell| {
+        let sampled = sample(rgb, chart, *cell).ok_or(ColourChartError::NoChart)?;
+        Ok((*cell, sampled))
+    };
+    let layout = &chart.layout;
+    let whites: Vec<Sampled> = layout.whites.iter().map(take).collect::<Result<_, _>>()?;
+    let inked = layout.patches.iter().map(|patch| take(&patch.cell));
+    let inked: Vec<Sampled> = inked.collect::<Result<_, _>>()?;
     refuse_clipped(&whites)?;
     refuse_dark(&whites)?;
     let light = light_on(&whites, chart)?;
@@ -96,12 +93,12 @@ fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Char
     refuse_reflections(&inked, &light)?;
     refuse_clipped(&inked)?;
     let (patchiness_median, patchiness_worst) = evenness(&inked, &light)?;
-    let relative = |(cell, sample): &(ChartCell, PatchSample)| over(sample.light, light.at(cell.centre_mm()));
-    let asked = chart.layout.patches.iter().map(|patch| patch.asked_rgb);
+    let relative = |(cell, sample): &Sampled| over(sample.light, light.at(cell.centre_mm()));
+    let asked = layout.patches.iter().map(|patch| patch.asked_rgb);
     let patches: Vec<_> = asked.zip(inked.iter().map(relative)).collect();
     refuse_uneven_black(&patches)?;
     Ok(ChartReading {
-        kind: chart.layout.kind,
+        kind: layout.kind,
         sha256: sha256.to_owned(),
         patches,
         quality: Quality {
@@ -131,16 +128,16 @@ pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColou
         });
     }
     let mean = |i: usize| {
-        let sum = readings.iter().fold([0.0; 3], |sum, r| sum_of(sum, r.patches[i].1));
-        sum.map(|v| v / readings.len() as f64)
+        [0, 1, 2].map(|channel| {
+            let light = readings.iter().map(|r| r.patches[i].1[channel]);
+            light.fold(0.0, |sum, light| sum + light) / readings.len() as f64
+        })
     };
     let means: Vec<[f64; 3]> = (0..first.patches.len()).map(mean).collect();
     let disagreement = |reading: &ChartReading| {
         let pairs = reading.patches.iter().zip(&means);
-        let sum: f64 = pairs
-            .map(|((_, own), mean)| Lab::from_linear(*own).delta_e(Lab::from_linear(*mean)))
-            .sum();
-        sum / means.len() as f64
+        let off = pairs.map(|((_, own), mean)| Lab::of_linear(*own).delta_e(Lab::of_linear(*mean)));
+        off.sum::<f64>() / means.len() as f64
     };
     let disagreements: Vec<f64> = readings.iter().map(disagreement).collect();
     let worst = disagreements.iter().copied().fold(0.0, f64::max);
@@ -161,21 +158,19 @@ pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColou
     Ok((colours, disagreements))
 }
 
-fn refuse_clipped(cells: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartError> {
-    match cells.iter().find(|(_, sample)| sample.clipped > MOST_CLIPPED) {
-        Some((cell, sample)) => Err(ColourChartError::Overexposed {
+fn refuse_clipped(cells: &[Sampled]) -> Result<(), ColourChartError> {
+    let clipped = cells.iter().find(|(_, sample)| sample.clipped > MOST_CLIPPED);
+    clipped.map_or(Ok(()), |(cell, sample)| {
+        Err(ColourChartError::Overexposed {
             place: place(*cell),
             share_percent: 100.0 * sample.clipped,
-        }),
-        None => Ok(()),
-    }
+        })
+    })
 }
 
-fn refuse_dark(whites: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartError> {
-    let weakest = whites
-        .iter()
-        .flat_map(|(_, sample)| sample.light)
-        .fold(f64::INFINITY, f64::min);
+fn refuse_dark(whites: &[Sampled]) -> Result<(), ColourChartError> {
+    let lights = whites.iter().flat_map(|(_, sample)| sample.light);
+    let weakest = lights.fold(f64::INFINITY, f64::min);
     let level = 255.0 * Srgb::<f64>::from_linear(LinSrgb::new(weakest, weakest, weakest)).red;
     if level < LEAST_WHITE {
         return Err(ColourChartError::TooDark { level });
@@ -183,14 +178,10 @@ fn refuse_dark(whites: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartErr
     Ok(())
 }
 
-fn light_on(whites: &[(ChartCell, PatchSample)], chart: &FoundChart) -> Result<ChartLight, ColourChartError> {
-    let places: Vec<_> = whites
-        .iter()
-        .map(|(cell, sample)| (cell.centre_mm(), sample.light))
-        .collect();
-    let Some(light) = ChartLight::fit(&places, chart.layout.size_mm) else {
-        return Err(ColourChartError::TooDark { level: 0.0 });
-    };
+fn light_on(whites: &[Sampled], chart: &FoundChart) -> Result<ChartLight, ColourChartError> {
+    let places = whites.iter().map(|(cell, sample)| (cell.centre_mm(), sample.light));
+    let light = ChartLight::fit(&places.collect::<Vec<_>>(), chart.layout.size_mm);
+    let light = light.ok_or(ColourChartError::TooDark { level: 0.0 })?;
     let worst = whites.iter().zip(&light.off).max_by(|(_, a), (_, b)| a.total_cmp(b));
     match worst {
         Some(((cell, _), off)) if *off > MOST_OFF_LIGHT => Err(ColourChartError::UnevenLight {
@@ -201,7 +192,7 @@ fn light_on(whites: &[(ChartCell, PatchSample)], chart: &FoundChart) -> Result<C
     }
 }
 
-fn refuse_reflections(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(), ColourChartError> {
+fn refuse_reflections(inked: &[Sampled], light: &ChartLight) -> Result<(), ColourChartError> {
     for (cell, sample) in inked {
         let luminance = luminance(over(sample.light, light.at(cell.centre_mm())));
         if luminance > MOST_BRIGHT {
@@ -215,15 +206,12 @@ fn refuse_reflections(inked: &[(ChartCell, PatchSample)], light: &ChartLight) ->
 }
 
 /// Median and worst patchiness.
-fn evenness(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
-    let patchiness = |(cell, sample): &(ChartCell, PatchSample)| {
+fn evenness(inked: &[Sampled], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
+    let patchiness = |(cell, sample): &Sampled| {
         let white = light.at(cell.centre_mm());
-        let whole = Lab::from_linear(over(sample.light, white));
-        let parts = sample
-            .parts
-            .iter()
-            .map(|part| Lab::from_linear(over(*part, white)).delta_e(whole));
-        parts.fold(0.0, f64::max)
+        let whole = Lab::of_linear(over(sample.light, white));
+        let off = |part: &[f64; 3]| Lab::of_linear(over(*part, white)).delta_e(whole);
+        sample.parts.iter().map(off).fold(0.0, f64::max)
     };
     let mut all: Vec<(f64, ChartCell)> = inked.iter().map(|patch| (patchiness(patch), patch.0)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -239,13 +227,10 @@ fn evenness(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(f
 }
 
 fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChartError> {
-    let blacks = patches
-        .iter()
-        .filter(|(asked, _)| *asked == [0; 3])
-        .map(|(_, light)| Lab::from_linear(*light).l);
-    let (low, high) = blacks.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), l| {
-        (low.min(l), high.max(l))
-    });
+    let blacks = patches.iter().filter(|(asked, _)| *asked == [0; 3]);
+    let lightness: Vec<f64> = blacks.map(|(_, light)| Lab::of_linear(*light).l).collect();
+    let low = lightness.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = lightness.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if high - low > MOST_BLACK_SPREAD {
         return Err(ColourChartError::UnevenBlack { low, high });
     }
@@ -254,8 +239,4 @@ fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChar
 
 fn over(light: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| light[i] / white[i])
-}
-
-fn sum_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| a[i] + b[i])
 }

@@ -32,10 +32,8 @@ pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<P
     let [cx, cy] = cell.centre_mm();
     let h = SAMPLED_MM / 2.0;
     let corners = [[cx - h, cy - h], [cx + h, cy - h], [cx + h, cy + h], [cx - h, cy + h]].map(|mm| chart.px(mm));
-    let (columns, rows) = (
-        span(corners.map(|c| c[0]), photo.width())?,
-        span(corners.map(|c| c[1]), photo.height())?,
-    );
+    let columns = span(corners.map(|c| c[0]), photo.width())?;
+    let rows = span(corners.map(|c| c[1]), photo.height())?;
     let mut parts: Vec<Vec<[u8; 3]>> = vec![Vec::new(); PARTS * PARTS];
     for y in rows {
         for x in columns.clone() {
@@ -52,15 +50,15 @@ pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<P
         return None;
     }
     let all: Vec<[u8; 3]> = parts.concat();
-    let share = |is: &dyn Fn(u8) -> bool| {
+    let share = |is: fn(u8) -> bool| {
         let count = all.iter().filter(|pixel| pixel.iter().any(|level| is(*level))).count();
         count as f64 / all.len() as f64
     };
     Some(PatchSample {
         light: middle_mean(&all),
         parts: parts.iter().map(|part| middle_mean(part)).collect(),
-        clipped: share(&|level| level >= CLIPPED),
-        at_zero: share(&|level| level == 0),
+        clipped: share(|level| level >= CLIPPED),
+        at_zero: share(|level| level == 0),
     })
 }
 

@@ -31,7 +31,8 @@ pub enum OutputError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetOutput {
     path: PathBuf,
-    format: SheetFormat,
+    /// What the sheets become.
+    pub format: SheetFormat,
 }
 
 impl SheetOutput {
@@ -84,24 +85,4 @@ fn svg_path(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().unwrap_or_default().to_string_lossy();
     // A sheet that the map calls `cards 1` is `cards-1` in a file's name.
     output.with_file_name(format!("{stem}-{}.svg", name.replace(' ', "-")))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_ending_chooses_the_format_and_no_other_is_taken() {
-        let format = |name: &str| {
-            SheetOutput::named(Path::new(name), None)
-                .map(|output| output.format)
-                .ok()
-        };
-        let (pdf, svg) = (Some(SheetFormat::Pdf), Some(SheetFormat::Svg));
-        assert_eq!(["a.pdf", "out/A.PDF", "-"].map(format), [pdf; 3]);
-        assert_eq!(["a.svg", "out/A.Svg"].map(format), [svg; 2]);
-        assert_eq!(["a.png", "a", "a.pdf.", "pdf", ".svg"].map(format), [None; 5]);
-        assert!(SheetOutput::named(Path::new("a.png"), pdf).is_ok());
-        assert!(SheetOutput::named(Path::new("-"), svg).is_err());
-    }
 }

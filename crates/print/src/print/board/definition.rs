@@ -6,7 +6,10 @@ use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::MarkerDictionary;
 
 /// The definition of a board that can be printed.
-pub(super) fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
+///
+/// # Errors
+/// Numbers that make no board, too few markers in the dictionary, modules too small to print.
+pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
     let (columns, rows) = request.squares;
     let least = if request.kind == BoardKind::Aprilgrid { 1 } else { 3 };
     if !(least..=Definition::MOST_SQUARES).contains(&columns) || !(least..=Definition::MOST_SQUARES).contains(&rows) {
@@ -103,33 +106,4 @@ fn printable(module_mm: f64) -> Result<(), BoardError> {
         return Err(BoardError::ModuleTooSmall { module_mm });
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_file_comes_back_as_it_was() {
-        let request = BoardRequest {
-            kind: BoardKind::Aprilgrid,
-            squares: (6, 5),
-            square_mm: 26.0,
-            marker_mm: None,
-            dictionary: None,
-            media: crate::print::page::Media {
-                paper: crate::print::paper::Paper::A4.into(),
-                printer: crate::print::printer::Printer::EXACT,
-            },
-        };
-        for kind in [BoardKind::Aprilgrid, BoardKind::Charuco, BoardKind::Chessboard] {
-            let definition = definition(&BoardRequest {
-                kind,
-                ..request.clone()
-            })
-            .unwrap();
-            let text = definition.to_toml().unwrap();
-            assert_eq!(toml::from_str::<Definition>(&text).unwrap(), definition, "{text}");
-        }
-    }
 }

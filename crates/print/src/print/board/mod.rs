@@ -3,6 +3,7 @@
 mod definition;
 mod draw;
 
+pub use definition::definition;
 pub use scaleproof_pose::board::Definition;
 
 use super::SheetError;
@@ -95,7 +96,7 @@ pub struct Board {
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     let media = request.media;
     media.check_is_cut()?;
-    let definition = definition::definition(request)?;
+    let definition = definition(request)?;
     let size_mm = definition.size_mm();
     let Some((page, area)) = media.with_room(size_mm, QUIET_MM)? else {
         let free = media.both_ways()?.last().map(PageFrame::usable_size);

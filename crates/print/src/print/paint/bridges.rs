@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::plane::{Area, PlanePoint, edges};
+use super::plane::{Area, PlaneOutline, PlanePoint, edges};
 use crate::print::buckets::{Buckets, bounds};
 
 /// A bridge: the square is swept along it.
@@ -17,7 +17,7 @@ const ROUNDING: i64 = 3;
 /// short edges, and only the nearest place to each corner counts.
 pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
-    let along = Along::of(core);
+    let along = Along::all(core);
     let ways: Vec<Link> = along.iter().map(|edge| edge.way).collect();
     if ways.is_empty() {
         return Vec::new();
@@ -31,10 +31,8 @@ pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     for edge in &along {
         let corner = edge.way.0;
         let mut nearest: Option<(i64, PlanePoint)> = None;
-        for other in buckets.at(at(corner)).unwrap_or_default() {
-            let Some(other) = along.get(*other as usize) else {
-                continue;
-            };
+        let near = buckets.at(at(corner)).unwrap_or_default().iter();
+        for other in near.map(|i| &along[*i as usize]) {
             let way = other.way;
             if out_of_reach(corner, way, reach) || corner == way.0 || corner == way.1 {
                 continue;
@@ -68,7 +66,7 @@ struct Along {
 
 impl Along {
     /// The edges of all outlines in their order.
-    fn of(core: &Area) -> Vec<Self> {
+    fn all(core: &Area) -> Vec<Self> {
         let mut all = Vec::new();
         for (outline, corners) in core.outlines().enumerate() {
             let length = edges(corners).map(|(a, b)| between(a, b)).sum();
@@ -124,11 +122,8 @@ pub fn nearest(core: &Area) -> Vec<Link> {
         return Vec::new();
     }
     let mut best: Vec<Option<(f64, usize, Link)>> = vec![None; count];
-    let piece_ways: Vec<Vec<Link>> = core
-        .pieces
-        .iter()
-        .map(|piece| piece.iter().flat_map(edges).collect())
-        .collect();
+    let ways = |piece: &Vec<PlaneOutline>| piece.iter().flat_map(edges).collect();
+    let piece_ways: Vec<Vec<Link>> = core.pieces.iter().map(ways).collect();
     for (a, ways_a) in piece_ways.iter().enumerate() {
         for (corner, _) in ways_a {
             for (b, ways_b) in piece_ways.iter().enumerate().filter(|(b, _)| *b != a) {

@@ -15,6 +15,7 @@ pub use legend::{Legend, sheets as legend_sheets, swatch};
 pub use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stencil};
 pub use stencil_sheet::{OPENING, cross, disc, hole_mm, mirrored};
 
+use super::frame::PageFrame;
 use super::sheet::Sheet;
 use super::template::cover::cover;
 use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
@@ -137,11 +138,6 @@ impl PaintSheets {
         let is_stencil = |name: &&String| name.starts_with("paint") && name.contains('-');
         self.names.iter().filter(is_stencil).count()
     }
-
-    fn add(&mut self, name: String, sheet: Sheet, stretch: (f64, f64)) {
-        self.pages.push(printer::corrected_one(sheet, stretch));
-        self.names.push(name);
-    }
 }
 
 /// Draws the sheets. A sheet on which a paint does not occur, or cannot be sprayed, gets no stencil of it.
@@ -162,46 +158,44 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
     let grid = CellGrid { painted, cell_mm };
     let (stencils, areas) = cut(&grid, &layout, rules)?;
     let captions = Captions::new(pattern, &request.template, cell_mm);
-    let mut made = PaintSheets {
-        layout,
-        cell_mm,
-        areas,
-        pages: Vec::new(),
-        names: Vec::new(),
+    let (mut pages, mut names) = (Vec::new(), Vec::new());
+    let mut add = |frame: &PageFrame, name: String, sheet: Sheet| {
+        pages.push(printer::corrected_one(sheet, frame.setup.stretch()));
+        names.push(name);
     };
-    add_front_matter(&mut made, painted, request, &captions);
-    let layout = made.layout.clone();
-    let stretch = layout.frame.setup.stretch();
-    for plan in &layout.sheets {
-        let sheet = numbers::sheet(&layout, plan, &grid, &captions);
-        made.add(format!("numbers-{}", plan.id()), sheet, stretch);
-    }
-    let pen = stencil_sheet::StencilPen::new(&layout, pattern, request, cell_mm);
-    for Cut { paint, plan, stencil } in &stencils {
-        let sheet = pen.sheet(plan, *paint + 1, &painted.paints[*paint].paint, stencil);
-        made.add(format!("paint{}-{}", paint + 1, plan.id()), sheet, stretch);
-    }
-    Ok(made)
-}
-
-fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRequest, captions: &Captions) {
-    let stretch = made.layout.cover.setup.stretch();
     let steps = legend::steps(request);
     let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
-    let cover = cover(&made.layout, captions, "How to paint", &steps);
-    made.add("paint".to_owned(), cover, stretch);
+    let cover = cover(&layout, &captions, "How to paint", &steps);
+    add(&layout.cover, "paint".to_owned(), cover);
     let table = Legend {
         painted,
-        areas: &made.areas,
+        areas: &areas,
         whole: "panel",
         notes: &["dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area."],
     };
-    let legend = legend::sheets(&made.layout.cover, &table, captions);
-    for (i, sheet) in legend.into_iter().enumerate() {
-        made.add(format!("legend{}", i + 1), sheet, stretch);
+    let legend = legend::sheets(&layout.cover, &table, &captions).into_iter();
+    legend
+        .zip(1..)
+        .for_each(|(sheet, i)| add(&layout.cover, format!("legend{i}"), sheet));
+    for plan in &layout.sheets {
+        let sheet = numbers::sheet(&layout, plan, &grid, &captions);
+        add(&layout.frame, format!("numbers-{}", plan.id()), sheet);
     }
+    let pen = stencil_sheet::StencilPen::new(&layout, pattern, request, cell_mm);
+    for (paint, plan, stencil) in &stencils {
+        let sheet = pen.sheet(plan, *paint + 1, &painted.paints[*paint].paint, stencil);
+        add(&layout.frame, format!("paint{}-{}", paint + 1, plan.id()), sheet);
+    }
+    Ok(PaintSheets {
+        layout,
+        cell_mm,
+        areas,
+        pages,
+        names,
+    })
 }
 
+/// Refuses features that no printer shows or that these cells have no room for.
 pub fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), PaintError> {
     if !(MIN_FEATURE_MM..=MAX_FEATURE_MM).contains(&feature_mm) {
         return Err(PaintError::FeatureWidth { feature_mm });
@@ -218,6 +212,7 @@ pub fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(),
     Ok(())
 }
 
+/// Refuses paints on sheets that are too many pages, stencils and sheets to paint by number.
 pub fn check_pages(paints: usize, sheets: usize) -> Result<(), PaintError> {
     let pages = (paints + 1) * sheets;
     if pages > MAX_SHEETS {
@@ -235,15 +230,15 @@ fn check_cells(cell_mm: f64, (width_mm, height_mm): (f64, f64)) -> Result<(), Pa
     Ok(())
 }
 
-/// A stencil of a paint on a sheet.
-struct Cut {
-    paint: usize,
-    plan: SheetPlan,
-    stencil: Stencil,
-}
+/// A paint, a sheet and its stencil.
+type Cut<'a> = (usize, &'a SheetPlan, Stencil);
 
 /// All stencils with an opening, paint by paint, and what becomes of each paint's area.
-fn cut(grid: &CellGrid, layout: &SheetLayout, rules: Rules) -> Result<(Vec<Cut>, Vec<PaintArea>), PaintError> {
+fn cut<'a>(
+    grid: &CellGrid,
+    layout: &'a SheetLayout,
+    rules: Rules,
+) -> Result<(Vec<Cut<'a>>, Vec<PaintArea>), PaintError> {
     let mut stencils = Vec::new();
     let mut areas = Vec::new();
     for paint in 0..grid.painted.paints.len() {
@@ -255,11 +250,7 @@ fn cut(grid: &CellGrid, layout: &SheetLayout, rules: Rules) -> Result<(Vec<Cut>,
             area.openings_mm2 += made.openings.mm2();
             area.bridges_mm2 += made.bridges.mm2();
             if !made.openings.is_empty() {
-                stencils.push(Cut {
-                    paint,
-                    plan: plan.clone(),
-                    stencil: made,
-                });
+                stencils.push((paint, plan, made));
             }
         }
         areas.push(area);

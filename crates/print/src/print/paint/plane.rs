@@ -34,7 +34,7 @@ pub struct Area {
 }
 
 /// An upright rectangle by its edges, y up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Bounds {
     pub left: i32,
     pub bottom: i32,
@@ -43,13 +43,17 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    pub fn grown(self, by: i32) -> Self {
+    pub fn new(left: i32, bottom: i32, right: i32, top: i32) -> Self {
         Self {
-            left: self.left - by,
-            bottom: self.bottom - by,
-            right: self.right + by,
-            top: self.top + by,
+            left,
+            bottom,
+            right,
+            top,
         }
+    }
+
+    pub fn grown(self, by: i32) -> Self {
+        Self::new(self.left - by, self.bottom - by, self.right + by, self.top + by)
     }
 
     pub fn outline(self) -> PlaneOutline {
@@ -86,17 +90,10 @@ impl Area {
     }
 
     pub fn bounds(&self) -> Option<Bounds> {
-        let place = |p: &PlanePoint| Bounds {
-            left: p.x,
-            bottom: p.y,
-            right: p.x,
-            top: p.y,
-        };
-        let around = |a: Bounds, b: Bounds| Bounds {
-            left: a.left.min(b.left),
-            bottom: a.bottom.min(b.bottom),
-            right: a.right.max(b.right),
-            top: a.top.max(b.top),
+        let place = |p: &PlanePoint| Bounds::new(p.x, p.y, p.x, p.y);
+        let around = |a: Bounds, b: Bounds| {
+            let (right, top) = (a.right.max(b.right), a.top.max(b.top));
+            Bounds::new(a.left.min(b.left), a.bottom.min(b.bottom), right, top)
         };
         self.outlines().flatten().map(place).reduce(around)
     }
@@ -193,58 +190,5 @@ fn operation(subject: &[PlaneOutline], clip: &[PlaneOutline], rule: OverlayRule)
     let mut overlay = Overlay::<i32>::from_subj_and_clip_custom(subject, clip, options, Default::default());
     Area {
         pieces: overlay.overlay(rule, FillRule::NonZero),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn square(left: i32, bottom: i32, side: i32) -> PlaneOutline {
-        Bounds {
-            left,
-            bottom,
-            right: left + side,
-            top: bottom + side,
-        }
-        .outline()
-    }
-
-    #[test]
-    fn growing_and_shrinking_are_exact() {
-        let ring = Area::of(&[square(0, 0, 100)]).without(&Area::of(&[square(40, 40, 20)]));
-        assert_eq!(ring.doubled_area(), 2 * (10_000 - 400));
-        assert_eq!(ring.grown(5).doubled_area(), 2 * (110 * 110 - 100));
-        assert_eq!(ring.shrunk(5).doubled_area(), 2 * (90 * 90 - 900));
-        assert_eq!(ring.shrunk(20), Area::default());
-        assert_eq!(ring.opened(5).doubled_area(), ring.doubled_area());
-        // A spike of 4 goes, the rest stays.
-        let spiked = ring.with(&[Bounds {
-            left: 100,
-            bottom: 10,
-            right: 130,
-            top: 14,
-        }
-        .outline()]);
-        assert_eq!(spiked.opened(5).doubled_area(), ring.doubled_area());
-    }
-
-    #[test]
-    fn squares_that_touch_in_a_corner_are_two_pieces() {
-        assert_eq!(Area::of(&[square(0, 0, 10), square(10, 10, 10)]).pieces.len(), 2);
-        assert_eq!(Area::of(&[square(0, 0, 10), square(10, 0, 10)]).pieces.len(), 1);
-    }
-
-    #[test]
-    fn a_slanted_sweep_has_the_area_of_its_hexagon() {
-        for (b, _) in [
-            (PlanePoint::new(30, 40), 0),
-            (PlanePoint::new(30, -40), 0),
-            (PlanePoint::new(-30, 40), 0),
-        ] {
-            let made = Area::of(&[swept(PlanePoint::new(0, 0), b, 5)]);
-            // The square, and its width and height times the way.
-            assert_eq!(made.doubled_area(), 2 * (100 + 10 * 30 + 10 * 40));
-        }
     }
 }

@@ -26,12 +26,8 @@ pub struct PaintPatch {
 }
 
 pub fn bounds(region: TemplateRect) -> Bounds {
-    Bounds {
-        left: units(region.left_mm),
-        bottom: units(-region.bottom_mm),
-        right: units(region.right_mm),
-        top: units(-region.top_mm),
-    }
+    let [left, bottom, right, top] = [region.left_mm, -region.bottom_mm, region.right_mm, -region.top_mm].map(units);
+    Bounds::new(left, bottom, right, top)
 }
 
 pub fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
@@ -58,12 +54,12 @@ impl CellGrid<'_> {
     /// What a region has of some columns and rows.
     fn part(&self, region: Bounds, columns: Range<usize>, rows: Range<usize>) -> Bounds {
         let edge = |i: usize| units(i as f64 * self.cell_mm);
-        Bounds {
-            left: edge(columns.start).max(region.left),
-            bottom: (-edge(rows.end)).max(region.bottom),
-            right: edge(columns.end).min(region.right),
-            top: (-edge(rows.start)).min(region.top),
-        }
+        Bounds::new(
+            edge(columns.start).max(region.left),
+            (-edge(rows.end)).max(region.bottom),
+            edge(columns.end).min(region.right),
+            (-edge(rows.start)).min(region.top),
+        )
     }
 
     /// What a paint takes of a region: a rectangle for each run of its cells in a row. They share borders and nothing else.

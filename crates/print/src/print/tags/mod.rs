@@ -10,7 +10,7 @@ mod map;
 mod mat;
 mod mat_sheet;
 mod piece;
-mod seams;
+pub mod seams;
 mod strip;
 mod strip_sheet;
 mod tent;

@@ -9,12 +9,11 @@ use super::seams::{CLEAR_MM, SeamMark, seams};
 use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
 use crate::print::raster::{self, FlatPaint, FlatTriangle, PixelGrid, Pose};
 use crate::print::sheet::{BLACK, Mark, PointMm, Sheet};
-use crate::print::template::{Captions, PatternStamp, SheetPlan, TemplateRequest, cell_mm, check_scale, furniture};
+use crate::print::template::{Captions, PatternStamp, SheetPlan, cell_mm, check_scale, furniture};
 use crate::print::{SheetError, printer};
 use scaleproof_surface::mesh::Mesh;
-use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::world_aligned::Side;
-use scaleproof_surface::texture::Texture;
+use scaleproof_surface::texture::{Texture, Tile};
 
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
@@ -36,137 +35,81 @@ pub fn wrap(
         Ok(SpreadPanel { panel, layout, corner })
     };
     let pieces: Vec<_> = panels.into_iter().map(spread).collect::<Result<_, SheetError>>()?;
-    let ink = Ink::new((mesh, paint), &pieces, texture, request)?;
+    let cells = Cells::new(texture, &pieces, request)?;
+    let captions = |side: Side, size_mm: (f64, f64)| {
+        let template = request.template(side, size_mm);
+        match &cells {
+            Some(Cells { tile, cell_mm, .. }) => {
+                Captions::new(&tile.pattern, &template.tiled(tile.tile_mm()), *cell_mm)
+            }
+            None => Captions::of_image(&template, &request.facts),
+        }
+    };
     let mut made = Wrap {
         pieces,
         surface_mm2: paint.surface_mm2(),
         unlettered_mm: seams.unlettered_mm,
-        cell_mm: ink.cell_mm(),
+        cell_mm: cells.as_ref().map(|cells| cells.cell_mm),
         pages: Vec::new(),
     };
     let Some(first) = made.pieces.first() else {
         return Err(WrapError::NothingToPrint);
     };
-    let captions = ink.captions(&request.template(Side::Front, (100.0, 100.0)), request);
-    let mut pages = vec![cover::cover(&made, &seams, first.layout.cover, &captions)];
-    for (i, (piece, grown)) in made.pieces.iter().zip(&grown).enumerate() {
-        let side = piece.panel.side;
-        let template = request.template(side, piece.layout.size_mm());
+    let overview = captions(Side::Front, (100.0, 100.0));
+    let mut pages = vec![cover::cover(&made, &seams, first.layout.cover, &overview)];
+    for (piece, grown) in made.pieces.iter().zip(&grown) {
+        let SpreadPanel { panel, layout, corner } = piece;
         let drawing = Drawing {
             piece,
             grown,
-            letters: seams.marks.get(&side).map_or(&[], Vec::as_slice),
-            captions: ink.captions(&template, request).of_panel(side.name()),
+            letters: seams.marks.get(&panel.side).map_or(&[], Vec::as_slice),
+            captions: captions(panel.side, layout.size_mm()).of_panel(panel.side.name()),
         };
-        let inks = ink.on_sheets(i, piece, request.dpi);
-        let sheets = piece
-            .layout
-            .sheets
+        let faces = paint
+            .faces
             .iter()
-            .zip(inks)
-            .map(|(plan, ink)| drawing.sheet(plan, ink))
-            .collect();
-        pages.extend(printer::corrected(sheets, piece.layout.frame.setup.stretch()));
+            .filter(|face| cells.is_none() && face.side == panel.side);
+        let triangles: Vec<FlatTriangle> = faces.map(flat_triangle).collect();
+        let pixels = FlatPaint::new(mesh, texture, &triangles, &panel.region, BLEED_MM);
+        let grid = PixelGrid::new(layout.frame.page.height_mm, request.dpi);
+        let ink = |plan: &SheetPlan| match &cells {
+            Some(cells) => Some(cells.stamp.on(plan, (-corner[0], corner[1]))),
+            None => {
+                let pose = Pose::moved(piece.moved_by_mm(plan));
+                let (image, area) = pixels.image(&pose, grid, BLEED_MM, plan.printed)?;
+                let image = Arc::new(image);
+                Some(Mark::clipped(plan.printed, vec![Mark::Image { image, area }]))
+            }
+        };
+        let sheets = layout.sheets.iter().map(|plan| drawing.sheet(plan, ink(plan)));
+        pages.extend(printer::corrected(sheets.collect(), layout.frame.setup.stretch()));
     }
     made.pages = pages;
     Ok(made)
 }
 
-/// What fills the panels: the cells of a pattern, which stay sharp at any size, or pixels.
-enum Ink<'a> {
-    Cells {
-        pattern: &'a Pattern,
-        cell_mm: f64,
-        tile_mm: f64,
-        stamp: PatternStamp,
-    },
-    Pixels {
-        mesh: &'a Mesh,
-        texture: &'a Texture,
-        /// Of each panel.
-        triangles: Vec<Vec<FlatTriangle>>,
-    },
+/// The cells of a pattern on the panels, which stay sharp at any size; other textures become pixels.
+struct Cells<'a> {
+    tile: &'a Tile,
+    cell_mm: f64,
+    stamp: PatternStamp,
 }
 
-impl<'a> Ink<'a> {
-    fn new(
-        (mesh, paint): (&'a Mesh, &PaintedSurface),
-        pieces: &[SpreadPanel],
-        texture: &'a Texture,
-        request: &WrapRequest,
-    ) -> Result<Self, WrapError> {
+impl<'a> Cells<'a> {
+    /// `None` of a texture without cells; whatever it is, it can be printed.
+    fn new(texture: &'a Texture, pieces: &[SpreadPanel], request: &WrapRequest) -> Result<Option<Self>, WrapError> {
+        let sizes = pieces.iter().map(|piece| piece.layout.size_mm());
         let Texture::Tile(tile) = texture else {
             check_scale(request.scale)?;
-            let sizes = pieces.iter().map(|p| p.layout.size_mm());
             raster::check(request.dpi, sizes.map(|(w, h)| w * h).sum())?;
-            let of_side = |side: Side| paint.faces.iter().filter(move |face| face.side == side);
-            let triangles = |p: &SpreadPanel| of_side(p.panel.side).map(flat_triangle).collect();
-            return Ok(Self::Pixels {
-                mesh,
-                texture,
-                triangles: pieces.iter().map(triangles).collect(),
-            });
+            return Ok(None);
         };
-        let largest = pieces.iter().fold((0.0f64, 0.0f64), |most, piece| {
-            let size = piece.layout.size_mm();
-            (most.0.max(size.0), most.1.max(size.1))
-        });
-        let tile_mm = tile.tile_mm();
-        let cell_mm = cell_mm(&tile.pattern, &request.template(Side::Front, largest).tiled(tile_mm))?;
+        let largest = sizes.fold((0.0f64, 0.0f64), |most, size| (most.0.max(size.0), most.1.max(size.1)));
+        let template = request.template(Side::Front, largest).tiled(tile.tile_mm());
+        let cell_mm = cell_mm(&tile.pattern, &template)?;
         let stamp = PatternStamp::new(&tile.pattern, cell_mm, largest);
         stamp.check_placements(pieces.iter().flat_map(|piece| &piece.layout.sheets))?;
-        Ok(Self::Cells {
-            pattern: &tile.pattern,
-            cell_mm,
-            tile_mm,
-            stamp,
-        })
-    }
-
-    fn cell_mm(&self) -> Option<f64> {
-        match self {
-            Self::Cells { cell_mm, .. } => Some(*cell_mm),
-            Self::Pixels { .. } => None,
-        }
-    }
-
-    fn captions(&self, template: &TemplateRequest, request: &WrapRequest) -> Captions {
-        match self {
-            Self::Cells {
-                pattern,
-                cell_mm,
-                tile_mm,
-                ..
-            } => Captions::new(pattern, &template.clone().tiled(*tile_mm), *cell_mm),
-            Self::Pixels { .. } => Captions::of_image(template, &request.facts),
-        }
-    }
-
-    /// What fills each sheet of a panel.
-    fn on_sheets(&self, i: usize, piece: &SpreadPanel, dpi: f64) -> Vec<Vec<Mark>> {
-        let sheets = piece.layout.sheets.iter();
-        let [left, top] = piece.corner;
-        match self {
-            Self::Cells { stamp, .. } => sheets.map(|plan| vec![stamp.on(plan, (-left, top))]).collect(),
-            Self::Pixels {
-                mesh,
-                texture,
-                triangles,
-            } => {
-                let paint = FlatPaint::new(mesh, texture, &triangles[i], &piece.panel.region, BLEED_MM);
-                let grid = PixelGrid::new(piece.layout.frame.page.height_mm, dpi);
-                let on_sheet = |plan: &SheetPlan| {
-                    let pose = Pose::moved(piece.moved_by_mm(plan));
-                    let image = paint.image(&pose, grid, BLEED_MM, plan.printed);
-                    let mark = image.map(|(image, area)| {
-                        let image = Arc::new(image);
-                        Mark::clipped(plan.printed, vec![Mark::Image { image, area }])
-                    });
-                    mark.into_iter().collect()
-                };
-                sheets.map(on_sheet).collect()
-            }
-        }
+        Ok(Some(Self { tile, cell_mm, stamp }))
     }
 }
 
@@ -189,7 +132,7 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    fn sheet(&self, plan: &SheetPlan, ink: Vec<Mark>) -> Sheet {
+    fn sheet(&self, plan: &SheetPlan, ink: Option<Mark>) -> Sheet {
         let layout = &self.piece.layout;
         let by = self.piece.moved_by_mm(plan);
         let panel = &self.piece.panel;
@@ -204,7 +147,7 @@ impl Drawing<'_> {
         let mut marks = vec![
             Mark::Clipped {
                 to: moved(self.grown.contours(), by),
-                marks: ink,
+                marks: ink.into_iter().collect(),
             },
             Mark::clipped(plan.printed, lines),
             cutter_path(&panel.region, by, plan),
