@@ -32,42 +32,34 @@ impl ChartKind {
     /// All, the largest first.
     pub const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
 
+    /// Its name, levels, first tag, and columns and rows.
+    fn row(self) -> (&'static str, &'static [u8], u32, (usize, usize)) {
+        match self {
+            Self::Rgb6 => ("rgb6", &[0, 51, 102, 153, 204, 255], 582, (16, 18)),
+            Self::Rgb5 => ("rgb5", &[0, 64, 128, 191, 255], 577, (12, 14)),
+            Self::Rgb4 => ("rgb4", &[0, 85, 170, 255], 572, (10, 10)),
+        }
+    }
+
     /// The chart's name in captions and files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Rgb6 => "rgb6",
-            Self::Rgb5 => "rgb5",
-            Self::Rgb4 => "rgb4",
-        }
+        self.row().0
     }
 
     /// The levels of each channel, evenly from 0 to 255; every combination is a patch.
     pub fn levels(self) -> &'static [u8] {
-        match self {
-            Self::Rgb6 => &[0, 51, 102, 153, 204, 255],
-            Self::Rgb5 => &[0, 64, 128, 191, 255],
-            Self::Rgb4 => &[0, 85, 170, 255],
-        }
+        self.row().1
     }
 
     /// Ids of its tags: upper left, upper right, lower right, lower left, middle. They are the family's last, which a scene
     /// hardly uses.
     pub fn tag_ids(self) -> [u32; 5] {
-        let first = match self {
-            Self::Rgb6 => 582,
-            Self::Rgb5 => 577,
-            Self::Rgb4 => 572,
-        };
-        [0, 1, 2, 3, 4].map(|i| first + i)
+        [0, 1, 2, 3, 4].map(|i| self.row().2 + i)
     }
 
     /// Columns and rows of cells.
     pub fn grid(self) -> (usize, usize) {
-        match self {
-            Self::Rgb6 => (16, 18),
-            Self::Rgb5 => (12, 14),
-            Self::Rgb4 => (10, 10),
-        }
+        self.row().3
     }
 }
 

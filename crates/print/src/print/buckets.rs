@@ -34,11 +34,9 @@ impl Buckets {
             lists: Vec::new(),
         };
         buckets.lists = vec![Vec::new(); buckets.columns * buckets.rows];
-        for (i, (from, to)) in boxes.enumerate() {
-            for row in buckets.index(from, 1)..=buckets.index(to, 1) {
-                for column in buckets.index(from, 0)..=buckets.index(to, 0) {
-                    buckets.lists[row * buckets.columns + column].push(i as u32);
-                }
+        for (i, corners) in boxes.enumerate() {
+            for cell in buckets.cells(corners) {
+                buckets.lists[cell].push(i as u32);
             }
         }
         buckets
@@ -49,12 +47,18 @@ impl Buckets {
         (((p[axis] - self.low[axis]) / self.step[axis]).max(0.0) as usize).min(count - 1)
     }
 
-    /// All that may touch a box, rising.
-    pub fn over(&self, (from, to): (Point, Point)) -> Vec<usize> {
+    /// The buckets of a box, row by row.
+    fn cells(&self, (from, to): (Point, Point)) -> impl Iterator<Item = usize> + use<> {
+        let width = self.columns;
+        let (first, last) = (self.index(from, 0), self.index(to, 0));
         let rows = self.index(from, 1)..=self.index(to, 1);
-        let columns = || self.index(from, 0)..=self.index(to, 0);
-        let cells = rows.flat_map(|row| columns().map(move |column| row * self.columns + column));
-        let mut found: Vec<usize> = cells.flat_map(|i| &self.lists[i]).map(|i| *i as usize).collect();
+        rows.flat_map(move |row| (first..=last).map(move |column| row * width + column))
+    }
+
+    /// All that may touch a box, rising.
+    pub fn over(&self, corners: (Point, Point)) -> Vec<usize> {
+        let all = self.cells(corners).flat_map(|i| &self.lists[i]);
+        let mut found: Vec<usize> = all.map(|i| *i as usize).collect();
         found.sort_unstable();
         found.dedup();
         found
@@ -62,14 +66,12 @@ impl Buckets {
 
     /// What is near a place; `None` outside of all.
     pub fn at(&self, p: Point) -> Option<&[u32]> {
-        let reach = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;
-        let counts = [self.columns, self.rows];
-        let outside = |axis: usize| p[axis] < self.low[axis] || p[axis] > reach(axis, counts[axis]);
-        if outside(0) || outside(1) {
+        let high = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;
+        let outside = |axis: usize, count: usize| p[axis] < self.low[axis] || p[axis] > high(axis, count);
+        if outside(0, self.columns) || outside(1, self.rows) {
             return None;
         }
-        self.lists
-            .get(self.index(p, 1) * self.columns + self.index(p, 0))
-            .map(Vec::as_slice)
+        let list = self.lists.get(self.index(p, 1) * self.columns + self.index(p, 0));
+        list.map(Vec::as_slice)
     }
 }

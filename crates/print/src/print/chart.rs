@@ -47,11 +47,7 @@ pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     }
     for tag in &layout.tags {
         let image = TagImage::new(FAMILY, tag.id).ok_or(ChartPrintError::NoTagImage { id: tag.id })?;
-        let place = TagPlacement {
-            centre: on_page(tag.centre_mm),
-            right: [1.0, 0.0],
-            module_mm: TAG_MM / image.border_modules() as f64,
-        };
+        let place = TagPlacement::new(&image, TAG_MM, on_page(tag.centre_mm), [1.0, 0.0]);
         marks.push(Mark::black(black_modules(image.modules(), &place)));
     }
     let label = format!("chart {}", layout.kind.name());

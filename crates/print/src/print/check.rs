@@ -175,15 +175,9 @@ fn blanks(plan: &CheckPlan) -> Vec<Mark> {
 
 fn caption(plan: &CheckPlan, request: &CheckRequest) -> Vec<Mark> {
     let area = plan.frame.printable;
-    let lines = [
-        "Printer and paper: ______________________________   measured by, on: ______________________________"
-            .to_owned(),
-        making(&request.printer, request.date),
-    ];
-    let place = |(i, line): (usize, String)| {
-        let baseline = area.bottom_mm + 1.0 + (1 - i) as f64 * 1.5 * LEADING_MM;
-        let at = (area.left_mm, baseline);
-        Mark::fitted(at, (TEXT_MM, area.width_mm()), TextAnchor::Left, line)
-    };
-    lines.into_iter().enumerate().map(place).collect()
+    let blanks = "Printer and paper: ______________________________   measured by, on: ______________________________";
+    let lines = [blanks, &making(&request.printer, request.date)];
+    Mark::lines(lines, area.left_mm, (TEXT_MM, area.width_mm()), |i| {
+        area.bottom_mm + 1.0 + (1 - i) as f64 * 1.5 * LEADING_MM
+    })
 }

@@ -9,8 +9,8 @@ use super::SheetError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Date {
     year: u16,
-    month: u8,
-    day: u8,
+    month: u16,
+    day: u16,
 }
 
 impl FromStr for Date {
@@ -33,15 +33,13 @@ fn parse(text: &str) -> Option<Date> {
         let plain = part.len() == count && part.bytes().all(|b| b.is_ascii_digit());
         plain.then(|| part.parse::<u16>().ok()).flatten()
     };
-    let mut parts = text.split('-');
-    let (year, month, day) = (parts.next()?, parts.next()?, parts.next()?);
+    let parts: Vec<&str> = text.split('-').collect();
+    let [year, month, day] = parts[..] else {
+        return None;
+    };
     let (year, month, day) = (digits(year, 4)?, digits(month, 2)?, digits(day, 2)?);
-    let exists = parts.next().is_none() && (1..=days(year, month)?).contains(&day);
-    exists.then_some(Date {
-        year,
-        month: month as u8,
-        day: day as u8,
-    })
+    let exists = (1..=days(year, month)?).contains(&day);
+    exists.then_some(Date { year, month, day })
 }
 
 fn days(year: u16, month: u16) -> Option<u16> {

@@ -76,22 +76,13 @@ impl PageFrame {
     /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it
     /// comes out of the printer in true size; cut out at `trim`.
     pub fn labelled(&self, trim: RectMm, mut marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
-        let RectMm {
-            left_mm,
-            bottom_mm,
-            right_mm,
-            ..
-        } = self.printable;
+        let [left_mm, bottom_mm, right_mm, _] = self.printable.edges();
         marks.extend(rulers(self));
         let most_mm = self.printable.width_mm() - LABEL_WIDTH_MM;
-        marks.extend(captions.iter().rev().enumerate().map(|(i, line)| {
-            let baseline = bottom_mm + 0.8 + i as f64 * LEADING_MM;
-            Mark::fitted(
-                (left_mm, baseline),
-                (CAPTION_MM, most_mm),
-                TextAnchor::Left,
-                printable(line),
-            )
+        let captions: Vec<String> = captions.iter().rev().map(|line| printable(line)).collect();
+        let lines = captions.iter().map(String::as_str);
+        marks.extend(Mark::lines(lines, left_mm, (CAPTION_MM, most_mm), |i| {
+            bottom_mm + 0.8 + i as f64 * LEADING_MM
         }));
         let room = (LABEL_MM, LABEL_WIDTH_MM - 2.0);
         marks.push(Mark::fitted(

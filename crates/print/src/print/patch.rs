@@ -153,7 +153,7 @@ impl PanelPatch {
 }
 
 /// The pages of some patches.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Patches {
     /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
     /// patch as a piece. As the printer needs them.
@@ -172,11 +172,7 @@ pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) 
     check_scale(request.scale)?;
     // All before the first is drawn: a panel's sheets show every patch on it.
     patches.iter().try_for_each(check)?;
-    let mut made = Patches {
-        pages: Vec::new(),
-        page_names: Vec::new(),
-        off_panel: Vec::new(),
-    };
+    let mut made = Patches::default();
     let mut shown = Vec::new();
     for (i, patch) in patches.iter().enumerate() {
         let side = patch.side.name();

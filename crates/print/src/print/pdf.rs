@@ -1,7 +1,5 @@
 //! Sheets → PDF, by `printpdf`, in true size. The same sheets give the same bytes: no date, no random ids.
 
-pub(super) mod font;
-
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -9,15 +7,20 @@ use std::sync::Arc;
 use image::RgbImage;
 use lopdf::{Dictionary, Document, Object};
 use printpdf::{
-    Color, CurTransMat, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode,
-    PdfDocument, PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem, TextMatrix,
-    WindingOrder, XObject, XObjectId, XObjectTransform,
+    BuiltinFont, Color, CurTransMat, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op,
+    PaintMode, PdfDocument, PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem,
+    TextMatrix, WindingOrder, XObject, XObjectId, XObjectTransform,
 };
 
 use super::SheetError;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor, number_of};
 use scaleproof_plot::lettering;
-use scaleproof_plot::pdf::{PdfError, bytes_of, name};
+use scaleproof_plot::pdf::{PdfError, bytes_of, font, name};
+
+/// What the pages call the one font of every sheet until [`embed_font`] exchanges it. printpdf encodes the text of its built-in
+/// fonts in WinAnsi, one byte a letter, which is all a Latin-1 font needs; its own embedding would number the glyphs anew for
+/// every file.
+const STAND_IN: BuiltinFont = BuiltinFont::Helvetica;
 
 /// Writes the sheets as the pages of one PDF.
 ///
@@ -27,11 +30,8 @@ pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, SheetError> {
     let mut pdf = PdfDocument::new(title);
     let mut stamps = Stamps::default();
     for sheet in sheets {
-        let ops = sheet
-            .marks
-            .iter()
-            .flat_map(|mark| mark_ops(mark, &mut stamps))
-            .collect();
+        let marks = sheet.marks.iter();
+        let ops = marks.flat_map(|mark| mark_ops(mark, &mut stamps)).collect();
         pdf.pages.push(PdfPage {
             ops,
             ..blank_page(sheet)
@@ -65,7 +65,7 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
         ("DisplayDocTitle", Object::Boolean(true)),
     ]);
     document.catalog_mut()?.set("ViewerPreferences", preferences);
-    font::embed(document);
+    embed_font(document);
     let pages: Vec<_> = document.page_iter().collect();
     for (page, sheet) in pages.into_iter().zip(sheets) {
         // printpdf writes a box as x, y, width, height; a PDF wants two corners.
@@ -87,10 +87,22 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
     Ok(())
 }
 
+/// Exchanges the stand-in for the embedded font, so that a print shop's machine letters it as ours does.
+fn embed_font(document: &mut Document) {
+    let is_stand_in = |object: &Object| {
+        let base_font = object.as_dict().and_then(|dict| dict.get(b"BaseFont"));
+        let name = base_font.and_then(Object::as_name);
+        name.is_ok_and(|name| name == STAND_IN.get_id().as_bytes())
+    };
+    let found = document.objects.iter().find(|(_, object)| is_stand_in(object));
+    if let Some(id) = found.map(|(id, _)| *id) {
+        let font = font(document);
+        document.set_object(id, font);
+    }
+}
+
 fn corners(area: RectMm) -> Vec<Object> {
-    [area.left_mm, area.bottom_mm, area.right_mm, area.top_mm]
-        .map(|mm| Object::Real(points(mm) as f32))
-        .to_vec()
+    area.edges().map(|mm| Object::Real(points(mm) as f32)).to_vec()
 }
 
 /// The stamps and images met so far; each becomes one XObject however often it is placed.
@@ -149,10 +161,8 @@ fn external(dict: BTreeMap<String, DictItem>, content: Vec<u8>) -> XObject {
 
 /// A form XObject. printpdf's own form type cannot carry the required BBox, so this is an "external" stream.
 fn form(stamp: &Stamp) -> XObject {
-    let b = stamp.bounds;
-    let bounds = [b.left_mm, b.bottom_mm, b.right_mm, b.top_mm]
-        .map(|mm| DictItem::Real(points(mm) as f32))
-        .to_vec();
+    let edges = stamp.bounds.edges();
+    let bounds = edges.map(|mm| DictItem::Real(points(mm) as f32)).to_vec();
     let dict = BTreeMap::from([
         ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
         ("Subtype".to_owned(), DictItem::Name(b"Form".to_vec())),
@@ -213,7 +223,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
                 Op::StartTextSection,
                 fill(*colour),
                 Op::SetFont {
-                    font: PdfFontHandle::Builtin(font::STAND_IN),
+                    font: PdfFontHandle::Builtin(STAND_IN),
                     size: pt(*size_mm),
                 },
                 Op::SetTextMatrix {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::sheet::{PointMm, RectMm, sides};
-use scaleproof_pose::tags::Modules;
+use scaleproof_pose::tags::{Modules, TagImage};
 
 /// A closed convex outline, counter-clockwise.
 pub type OutlineMm = Vec<PointMm>;
@@ -18,6 +18,15 @@ pub struct TagPlacement {
 }
 
 impl TagPlacement {
+    /// Where a tag with a black border of this size lies.
+    pub fn new(image: &TagImage, size_mm: f64, centre: PointMm, right: [f64; 2]) -> Self {
+        Self {
+            centre,
+            right,
+            module_mm: size_mm / image.border_modules() as f64,
+        }
+    }
+
     /// The page's place of a point (x right, y up, mm) from the centre of the square.
     pub fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
         let [c, s] = self.right;

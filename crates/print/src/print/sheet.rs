@@ -38,7 +38,7 @@ pub fn sides<T>(outline: &[T]) -> impl Iterator<Item = (&T, &T)> {
 }
 
 /// An upright rectangle on the page, given by its edges so that neighbours share an edge exactly.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RectMm {
     pub left_mm: f64,
     pub bottom_mm: f64,
@@ -101,6 +101,11 @@ impl RectMm {
             && self.top_mm <= outer.top_mm
     }
 
+    /// Left, bottom, right, top.
+    pub fn edges(&self) -> [f64; 4] {
+        [self.left_mm, self.bottom_mm, self.right_mm, self.top_mm]
+    }
+
     /// The middle: (x, y).
     pub fn middle(&self) -> (f64, f64) {
         (
@@ -119,7 +124,7 @@ impl RectMm {
 
     /// The corners, counter-clockwise.
     pub fn outline(&self) -> Vec<PointMm> {
-        let (l, b, r, t) = (self.left_mm, self.bottom_mm, self.right_mm, self.top_mm);
+        let [l, b, r, t] = self.edges();
         [(l, b), (r, b), (r, t), (l, t)].map(PointMm::from).to_vec()
     }
 }
@@ -253,6 +258,17 @@ impl Mark {
         let text = text.into();
         let size_mm = fitting_size_mm(&text, size_mm, most_mm);
         Self::text((x, y - 0.5 * CAP_HEIGHT * size_mm), size_mm, TextAnchor::Centre, text)
+    }
+
+    /// Lines of text from `left_mm` on, each with its baseline by its number; sized as by [`Mark::fitted`].
+    pub fn lines<'a>(
+        lines: impl IntoIterator<Item = &'a str>,
+        left_mm: f64,
+        size: (f64, f64),
+        baseline: impl Fn(usize) -> f64,
+    ) -> Vec<Self> {
+        let line = |(i, line): (usize, &str)| Self::fitted((left_mm, baseline(i)), size, TextAnchor::Left, line);
+        lines.into_iter().enumerate().map(line).collect()
     }
 
     /// Marks of which only what lies in a rectangle is shown.

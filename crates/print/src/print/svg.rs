@@ -141,26 +141,22 @@ impl SvgPage {
     fn image(&mut self, image: &Arc<RgbImage>, area: RectMm) {
         let (number, is_new) = number_of(&mut self.images, image);
         if is_new {
-            self.define_image(number, image);
+            let mut png = Cursor::new(Vec::new());
+            // Encoding into memory cannot fail: the image is not empty and 8-bit RGB.
+            let _ = image.write_to(&mut png, ImageFormat::Png);
+            let data = BASE64_STANDARD.encode(png.into_inner());
+            // As a square of 1 mm.
+            let _ = writeln!(
+                self.definitions,
+                "<image id=\"image{number}\" width=\"1\" height=\"1\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+                 xlink:href=\"data:image/png;base64,{data}\"/>"
+            );
         }
         let [x, y] = [area.left_mm, self.height_mm - area.top_mm].map(length);
         let [width, height] = [area.width_mm(), area.height_mm()].map(length);
         let _ = writeln!(
             self.content,
             "<use xlink:href=\"#image{number}\" transform=\"translate({x} {y}) scale({width} {height})\"/>"
-        );
-    }
-
-    /// As a square of 1 mm.
-    fn define_image(&mut self, number: usize, image: &RgbImage) {
-        let mut png = Cursor::new(Vec::new());
-        // Encoding into memory cannot fail: the image is not empty and 8-bit RGB.
-        let _ = image.write_to(&mut png, ImageFormat::Png);
-        let data = BASE64_STANDARD.encode(png.into_inner());
-        let _ = writeln!(
-            self.definitions,
-            "<image id=\"image{number}\" width=\"1\" height=\"1\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
-             xlink:href=\"data:image/png;base64,{data}\"/>"
         );
     }
 

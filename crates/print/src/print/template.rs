@@ -3,8 +3,6 @@
 pub mod cover;
 pub(super) mod furniture;
 pub mod layout;
-mod seams;
-mod texture;
 
 use std::sync::Arc;
 
@@ -20,10 +18,12 @@ use super::{SheetError, printer};
 use scaleproof_core::geometry::length::{SCALES, shown};
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::area::averaged;
 use scaleproof_surface::pattern::picture::Picture;
 
 /// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
 pub const MIN_CELL_MM: f64 = 0.2;
+const MM_PER_INCH: f64 = 25.4;
 /// Smaller repeats of a texture are a colour.
 const LEAST_REPEAT_MM: f64 = 1.0;
 /// The widest repeat: a full-size car twice over. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
@@ -49,13 +49,13 @@ pub enum TemplateError {
     #[error("scale cannot be {}; give 10 for a 1:10 model, from 0.01 to 10000", shown(*scale))]
     Scale { scale: f64 },
     #[error(
-        "a cell would be {cell_mm:.3} mm, smaller than the {least_mm} mm a printer can show; use a larger tile or fewer cells"
+        "a cell would be {cell_mm:.3} mm, smaller than the {MIN_CELL_MM} mm a printer can show; use a larger tile or fewer cells"
     )]
-    CellTooSmall { cell_mm: f64, least_mm: f64 },
+    CellTooSmall { cell_mm: f64 },
     #[error(
-        "the pattern would be placed {count:.0} times, more than {most:.0}; use a larger tile, a smaller size, or less overlap and bleed"
+        "the pattern would be placed {count:.0} times, more than {MOST_PLACEMENTS:.0}; use a larger tile, a smaller size, or less overlap and bleed"
     )]
-    TooManyPlacements { count: f64, most: f64 },
+    TooManyPlacements { count: f64 },
     #[error("one repeat of the texture would be {width} × {height} mm; make it wider, so that both are 1 mm or more")]
     TextureTooSmall { width: String, height: String },
     #[error("a texture cannot be printed at {} dots per inch; give 36 to 2400", shown(*dpi))]
@@ -166,11 +166,22 @@ pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) 
             height: number(repeat_mm.1),
         });
     }
-    let repeat = texture::resampled(texture, repeat_mm, dpi);
+    let repeat = resampled(texture, repeat_mm, dpi);
     let pixel_mm = tile_mm / f64::from(repeat.width());
     let stamp = PatternStamp::from_image(&repeat, repeat_mm, request.layout.size_mm);
     let captions = Captions::from_texture(texture, request, pixel_mm);
     drawn(&stamp, &captions, pixel_mm, request)
+}
+
+/// One repeat, of this width and height, in pixels that are the mean light of their areas; an image that has fewer stays as it is.
+fn resampled(texture: &Picture, (width_mm, height_mm): (f64, f64), dpi: f64) -> Arc<RgbImage> {
+    let (width, height) = texture.pixels.dimensions();
+    let most = |mm: f64| (mm / MM_PER_INCH * dpi).round().max(1.0);
+    let size = [(width, width_mm), (height, height_mm)].map(|(pixels, mm)| most(mm).min(f64::from(pixels)) as u32);
+    if size == [width, height] {
+        return Arc::clone(&texture.pixels);
+    }
+    Arc::new(averaged(&texture.pixels, size, 1.0))
 }
 
 fn drawn(
@@ -200,10 +211,7 @@ fn drawn(
 pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
     let cell_mm = check_tile(request)? / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
-        return Err(TemplateError::CellTooSmall {
-            cell_mm,
-            least_mm: MIN_CELL_MM,
-        });
+        return Err(TemplateError::CellTooSmall { cell_mm });
     }
     Ok(cell_mm)
 }
@@ -297,8 +305,7 @@ impl PatternStamp {
         };
         let count: f64 = sheets.into_iter().map(on).sum();
         if count > MOST_PLACEMENTS {
-            let most = MOST_PLACEMENTS;
-            return Err(TemplateError::TooManyPlacements { count, most });
+            return Err(TemplateError::TooManyPlacements { count });
         }
         Ok(())
     }
@@ -311,9 +318,10 @@ impl PatternStamp {
         let rows = blocks(carried.top_mm - start_y, carried.bottom_mm - start_y, self.height_mm);
         let at = rows
             .flat_map(|row| columns.clone().map(move |column| (row, column)))
-            .map(|(row, column)| PointMm {
-                x_mm: printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm),
-                y_mm: printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm),
+            .map(|(row, column)| {
+                let x_mm = printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm);
+                let y_mm = printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm);
+                PointMm { x_mm, y_mm }
             });
         match &self.block {
             Block::Cells(stamp) => Mark::Stamped {

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use super::plane::{Area, PlaneOutline, PlanePoint, edges};
 use crate::print::buckets::{Buckets, bounds};
+use scaleproof_core::geometry::distance;
 
 /// A bridge: the square is swept along it.
 pub type Link = (PlanePoint, PlanePoint);
@@ -45,8 +46,8 @@ pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
             let is_neck = (ROUNDING..=reach).contains(&away) && !holds_middle(&ways, corner, end);
             if is_neck && around > 0 {
                 nearest = Some((away, end));
-            } else if is_neck && !found.contains(&(key(end), key(corner))) {
-                found.insert((key(corner), key(end)));
+            } else if is_neck && !found.contains(&(end, corner)) {
+                found.insert((corner, end));
                 links.push((corner, end));
             }
         }
@@ -92,11 +93,7 @@ impl Along {
 }
 
 fn between(a: PlanePoint, b: PlanePoint) -> f64 {
-    (f64::from(b.x) - f64::from(a.x)).hypot(f64::from(b.y) - f64::from(a.y))
-}
-
-fn key(p: PlanePoint) -> (i32, i32) {
-    (p.x, p.y)
+    distance(at(a), at(b))
 }
 
 fn at(p: PlanePoint) -> [f64; 2] {
@@ -134,7 +131,7 @@ pub fn nearest(core: &Area) -> Vec<Link> {
                         continue;
                     }
                     let at = nearest_on(*way, *corner);
-                    let far = f64::from(at.x - corner.x).hypot(f64::from(at.y - corner.y));
+                    let far = between(at, *corner);
                     for (from, to) in [(a, b), (b, a)] {
                         if best[from].is_none_or(|(known, _, _)| far < known) {
                             best[from] = Some((far, to, (*corner, at)));

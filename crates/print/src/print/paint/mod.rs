@@ -4,16 +4,15 @@
 
 mod bridges;
 mod legend;
-mod numbers;
 mod pieces;
 pub mod plane;
 mod regions;
+mod sheets;
 mod stencil;
-mod stencil_sheet;
 
 pub use legend::{Legend, sheets as legend_sheets, swatch};
+pub use sheets::{OPENING, cross, disc, hole_mm, mirrored};
 pub use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stencil};
-pub use stencil_sheet::{OPENING, cross, disc, hole_mm, mirrored};
 
 use super::frame::PageFrame;
 use super::sheet::Sheet;
@@ -178,10 +177,10 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
         .zip(1..)
         .for_each(|(sheet, i)| add(&layout.cover, format!("legend{i}"), sheet));
     for plan in &layout.sheets {
-        let sheet = numbers::sheet(&layout, plan, &grid, &captions);
+        let sheet = sheets::numbers(&layout, plan, &grid, &captions);
         add(&layout.frame, format!("numbers-{}", plan.id()), sheet);
     }
-    let pen = stencil_sheet::StencilPen::new(&layout, pattern, request, cell_mm);
+    let pen = sheets::StencilPen::new(&layout, pattern, request, cell_mm);
     for (paint, plan, stencil) in &stencils {
         let sheet = pen.sheet(plan, *paint + 1, &painted.paints[*paint].paint, stencil);
         add(&layout.frame, format!("paint{}-{}", paint + 1, plan.id()), sheet);

@@ -1,7 +1,6 @@
 //! The cells of a panel as rectangles, runs and connected regions. Areas are in the template's frame with y turned up:
 //! (x, -y) of [`TemplateRect`], in [`plane`](super::plane) units.
 
-use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
@@ -120,7 +119,7 @@ impl CellGrid<'_> {
             };
             let size = |i: usize| mm((part(i).right - part(i).left).min(part(i).top - part(i).bottom));
             let mut best = first;
-            for i in flooded(first, wide, high, &mut seen, |i| paint(i) == paint(first)) {
+            for (i, _) in flooded(vec![first], wide, high, &mut seen, |i| paint(i) == paint(first)) {
                 // The deepest cell, and of those the one with the most room at the panel's edge.
                 if (inside[i], size(i)) > (inside[best], size(best)) {
                     best = i;
@@ -137,16 +136,22 @@ impl CellGrid<'_> {
     }
 }
 
-/// The cells that can be reached from one through cells that are alike; marks them as seen.
-fn flooded(first: usize, wide: usize, high: usize, seen: &mut [bool], alike: impl Fn(usize) -> bool) -> Vec<usize> {
-    let mut found = vec![first];
-    seen[first] = true;
+/// The cells that can be reached from some through cells that are alike, each with the steps it takes; marks them as seen.
+fn flooded(
+    first: Vec<usize>,
+    wide: usize,
+    high: usize,
+    seen: &mut [bool],
+    alike: impl Fn(usize) -> bool,
+) -> Vec<(usize, u32)> {
+    first.iter().for_each(|i| seen[*i] = true);
+    let mut found: Vec<(usize, u32)> = first.into_iter().map(|i| (i, 0)).collect();
     let mut next = 0;
-    while next < found.len() {
-        for i in neighbours(found[next], wide, high).into_iter().flatten() {
+    while let Some((cell, steps)) = found.get(next).copied() {
+        for i in neighbours(cell, wide, high).into_iter().flatten() {
             if !seen[i] && alike(i) {
                 seen[i] = true;
-                found.push(i);
+                found.push((i, steps + 1));
             }
         }
         next += 1;
@@ -156,21 +161,12 @@ fn flooded(first: usize, wide: usize, high: usize, seen: &mut [bool], alike: imp
 
 /// How many steps each cell is from the nearest cell of another paint, or from the outside.
 fn depths(wide: usize, high: usize, paint: impl Fn(usize) -> usize) -> Vec<u32> {
-    let mut depth = vec![u32::MAX; wide * high];
-    let at_border = |i: &usize| {
-        neighbours(*i, wide, high)
-            .iter()
-            .any(|n| n.is_none_or(|n| paint(n) != paint(*i)))
-    };
-    let mut queue: VecDeque<usize> = (0..wide * high).filter(at_border).collect();
-    queue.iter().for_each(|i| depth[*i] = 0);
-    while let Some(i) = queue.pop_front() {
-        for n in neighbours(i, wide, high).into_iter().flatten() {
-            if depth[n] == u32::MAX {
-                depth[n] = depth[i] + 1;
-                queue.push_back(n);
-            }
-        }
+    let is_other = |n: &Option<usize>, i: usize| n.is_none_or(|n| paint(n) != paint(i));
+    let at_border = |i: &usize| neighbours(*i, wide, high).iter().any(|n| is_other(n, *i));
+    let border = (0..wide * high).filter(at_border).collect();
+    let mut depth = vec![0; wide * high];
+    for (i, steps) in flooded(border, wide, high, &mut vec![false; wide * high], |_| true) {
+        depth[i] = steps;
     }
     depth
 }

@@ -11,7 +11,7 @@ const FLAT_DEG: f64 = 0.5;
 const LIFT_MM: f64 = 0.2;
 
 /// The tags of a scene, by what they are printed on; each tag is in one place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Arrangement<'a> {
     /// On the ground mat: they look straight up and lie on the ground (within [`FLAT_MM`]).
     pub flat: Vec<&'a Tag>,
@@ -59,9 +59,8 @@ impl<'a> Arrangement<'a> {
     /// Every tag on a plain card.
     pub fn plain(scene: &'a Scene) -> Self {
         Self {
-            flat: Vec::new(),
-            tents: Vec::new(),
             cards: scene.tags.iter().collect(),
+            ..Self::default()
         }
     }
 

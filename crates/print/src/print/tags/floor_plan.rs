@@ -136,9 +136,8 @@ pub fn name(i: usize) -> String {
 fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     let [length, width, _] = scene.model.size_mm;
     let model = RectMm::new(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0);
-    let shown = tags
-        .iter()
-        .fold(model.grown(ARROW_MM), |all, tag| all.union(RectMm::around(&foot(tag))));
+    let feet = tags.iter().map(|tag| RectMm::around(&foot(tag)));
+    let shown = feet.fold(model.grown(ARROW_MM), RectMm::union);
     // What the ids take beyond the cards, on the page.
     let edge = POINTER_MM + 3.0 * ID_MM;
     let (wide, high) = (
@@ -147,15 +146,9 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     );
     let fits = |n: &&f64| shown.width_mm() / **n <= wide && shown.height_mm() / **n <= high;
     let one_to = SCALES.iter().find(fits).copied().unwrap_or(1000.0);
-    let window = GroundWindow {
-        centre: PointMm::new(shown.left_mm, shown.top_mm),
-        at: PointMm::new(
-            (room.left_mm + room.right_mm - shown.width_mm() / one_to) / 2.0,
-            room.top_mm - edge,
-        ),
-        right: [1.0, 0.0],
-        scale: 1.0 / one_to,
-    };
+    let left = (room.left_mm + room.right_mm - shown.width_mm() / one_to) / 2.0;
+    let at = (left, room.top_mm - edge);
+    let window = GroundWindow::level((shown.left_mm, shown.top_mm), at, 1.0 / one_to);
     let mut marks = model_marks(model, &window);
     for tag in tags {
         marks.extend(card(tag, &window));
@@ -209,10 +202,8 @@ fn foot(tag: &Tag) -> OutlineMm {
 
 /// A bar of a round length, and what the drawing's scale is.
 fn scale_bar(one_to: f64, (x, y): (f64, f64)) -> Vec<Mark> {
-    let length = [50.0, 100.0, 200.0, 500.0, 1000.0, 5000.0]
-        .into_iter()
-        .find(|length| length / one_to >= 20.0)
-        .unwrap_or(20_000.0);
+    let mut lengths = [50.0, 100.0, 200.0, 500.0, 1000.0, 5000.0].into_iter();
+    let length = lengths.find(|length| length / one_to >= 20.0).unwrap_or(20_000.0);
     let end = x + length / one_to;
     vec![
         Mark::line((x, y), (end, y), LINE_MM),

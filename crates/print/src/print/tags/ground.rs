@@ -152,21 +152,20 @@ fn on_ground(paper: RectMm, region: TemplateRect) -> RectMm {
 fn tiled(page: PageFrame, media: Media, mat: &Mat, content: RectMm) -> Result<(SheetLayout, RectMm), TagPrintError> {
     let tags: Vec<RectMm> = mat.tags.iter().map(|(_, tag)| RectMm::around(tag)).collect();
     let (wide, high) = page.usable_size();
-    let across = SeamAxis {
-        low_mm: content.left_mm,
-        high_mm: content.right_mm,
-        usable_mm: wide,
+    let axis = |(low_mm, high_mm), usable_mm, span: fn(&RectMm) -> (f64, f64)| SeamAxis {
+        low_mm,
+        high_mm,
+        usable_mm,
         overlap_mm: OVERLAP_MM,
-        keep: tags.iter().map(|tag| (tag.left_mm, tag.right_mm)).collect(),
+        keep: tags.iter().map(span).collect(),
     };
+    let across = axis((content.left_mm, content.right_mm), wide, |tag| {
+        (tag.left_mm, tag.right_mm)
+    });
     // Rows count from the top.
-    let down = SeamAxis {
-        low_mm: -content.top_mm,
-        high_mm: -content.bottom_mm,
-        usable_mm: high,
-        overlap_mm: OVERLAP_MM,
-        keep: tags.iter().map(|tag| (-tag.top_mm, -tag.bottom_mm)).collect(),
-    };
+    let down = axis((-content.top_mm, -content.bottom_mm), high, |tag| {
+        (-tag.top_mm, -tag.bottom_mm)
+    });
     if across.sheets().saturating_mul(down.sheets()) > MAX_SHEETS {
         return Err(SheetError::TooManySheets { most: MAX_SHEETS }.into());
     }

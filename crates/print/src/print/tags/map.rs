@@ -7,7 +7,7 @@ use super::window::GroundWindow;
 use super::{Arrangement, TagPrintError, captions};
 use crate::print::page::Media;
 use crate::print::shapes::{OutlineMm, stroked};
-use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::cover::instructions;
 use crate::print::template::layout::ROLL_COVER_MM;
 use scaleproof_core::spelling::count;
@@ -130,19 +130,14 @@ impl TagMap<'_> {
     fn ground_map(&self, ground: &Ground, room: RectMm) -> Vec<Mark> {
         let strips: Vec<OutlineMm> = ground.strips.iter().map(super::strip::PlaceStrip::outline).collect();
         let all = ground.paper.union(ground.mat.whole());
-        let shown = strips.iter().fold(all, |all, strip| all.union(RectMm::around(strip)));
+        let shown = strips.iter().map(RectMm::around).fold(all, RectMm::union);
         let (wide, high) = (room.width_mm().min(MAP_MOST_MM), room.height_mm().min(MAP_MOST_MM));
         let scale = (wide / shown.width_mm()).min(high / shown.height_mm());
         if scale <= 0.0 {
             return Vec::new();
         }
         let left = room.left_mm + (room.width_mm() - scale * shown.width_mm()) / 2.0;
-        let window = GroundWindow {
-            centre: PointMm::new(shown.left_mm, shown.top_mm),
-            at: PointMm::new(left, room.top_mm),
-            right: [1.0, 0.0],
-            scale,
-        };
+        let window = GroundWindow::level((shown.left_mm, shown.top_mm), (left, room.top_mm), scale);
         let mut marks = Vec::new();
         for plan in &ground.layout.sheets {
             let cell = RectMm::around(&window.outline(&ground.ground(plan.own).outline()));

@@ -23,7 +23,7 @@ const UP_MM: f64 = 4.0;
 const ARROW_MM: f64 = 18.0;
 
 /// Everything on the mat, in painting order.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mat {
     pub shapes: Vec<GroundShape>,
     pub labels: Vec<Label>,
@@ -60,15 +60,7 @@ impl Mat {
     /// # Errors
     /// A tag that cannot be drawn.
     pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
-        let mut mat = Mat {
-            shapes: Vec::new(),
-            labels: Vec::new(),
-            footprints: Vec::new(),
-            model: Vec::new(),
-            core: RectMm::new(0.0, 0.0, 0.0, 0.0),
-            tents: Vec::new(),
-            tags: Vec::new(),
-        };
+        let mut mat = Mat::default();
         mat.add_model(&scene.model);
         for tag in &arrangement.flat {
             mat.add_flat_tag(tag)?;
@@ -92,13 +84,8 @@ impl Mat {
 
     fn add_model(&mut self, model: &ScaleModel) {
         let [length, width, _] = model.size_mm;
-        let level = TagPlacement {
-            centre: PointMm::new(0.0, 0.0),
-            right: [1.0, 0.0],
-            module_mm: 1.0,
-        };
         let (front, side) = (length / 2.0, width / 2.0);
-        let ground = level.rectangle(-front, -side, front, side);
+        let ground = RectMm::new(-front, -side, front, side).outline();
         let mut outlines = stroked(&ground, LINE_MM);
         self.footprints.push(("the model".to_owned(), ground));
         let cross = |x: f64, y: f64| stroke(PointMm::new(-x, -y), PointMm::new(x, y), LINE_MM);
@@ -119,11 +106,8 @@ impl Mat {
     fn add_flat_tag(&mut self, tag: &Tag) -> Result<(), TagPrintError> {
         let image = image_of(tag)?;
         let half = image.width_mm(tag.size_mm) / 2.0;
-        let place = TagPlacement {
-            centre: on_mat(&tag.centre_mm),
-            right: level_unit(tag.right.x, tag.right.y),
-            module_mm: tag.size_mm / image.border_modules() as f64,
-        };
+        let right = level_unit(tag.right.x, tag.right.y);
+        let place = TagPlacement::new(&image, tag.size_mm, on_mat(&tag.centre_mm), right);
         let ground = place.rectangle(-half, -half, half, half);
         self.tags.push((tag.id, ground.clone()));
         self.footprints.push((format!("tag {}", tag.id), ground));
@@ -165,7 +149,7 @@ impl Mat {
 
     /// The ground with all tent cards.
     pub fn whole(&self) -> RectMm {
-        self.tents.iter().fold(self.core, |all, tent| all.union(*tent))
+        self.tents.iter().copied().fold(self.core, RectMm::union)
     }
 
     /// What is seen of the shapes through a window, inside a rectangle of the page.

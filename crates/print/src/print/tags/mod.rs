@@ -3,18 +3,16 @@
 //! What a tag is printed on follows from where it stands ([`arrange`]).
 
 mod arrange;
-mod card;
+mod cards;
 mod floor_plan;
 mod ground;
+mod ground_sheets;
 mod map;
 mod mat;
-mod mat_sheet;
 mod piece;
 pub mod seams;
 mod strip;
-mod strip_sheet;
 mod tent;
-mod tent_sheet;
 mod window;
 
 pub use arrange::{Arrangement, arrange};
@@ -185,7 +183,11 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     let captions = captions(scene, media, cards_how_to(&arrangement));
     let named = cards.iter().zip(&card_names);
     sheets.extend(named.map(|(on, name)| on.page.labelled(on.page.printable, on.marks.clone(), &captions, name)));
-    sheets.extend(ground.iter().flat_map(|ground| mat_sheet::sheets(ground, scene, media)));
+    sheets.extend(
+        ground
+            .iter()
+            .flat_map(|ground| ground_sheets::sheets(ground, scene, media)),
+    );
     let cut_out = cards.iter().zip(first_card..).flat_map(|(page, sheet)| {
         let piece = move |(name, area): &(String, RectMm)| CutOut {
             name: name.clone(),
@@ -216,9 +218,9 @@ fn pieces<'a>(
     arrangement: &'a Arrangement,
     ground: Option<&'a Ground>,
 ) -> Result<Vec<piece::CutPiece<'a>>, TagPrintError> {
-    let mut pieces = tent_sheet::pieces(&arrangement.tents);
-    pieces.extend(card::pieces(&arrangement.cards)?);
-    pieces.extend(ground.into_iter().flat_map(strip_sheet::pieces));
+    let mut pieces = cards::tents(&arrangement.tents);
+    pieces.extend(cards::plain(&arrangement.cards)?);
+    pieces.extend(ground.into_iter().flat_map(ground_sheets::strips));
     Ok(pieces)
 }
 

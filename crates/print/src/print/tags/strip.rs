@@ -54,14 +54,10 @@ impl Standing {
         {
             return Standing::OnMat;
         }
-        let middles = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
-        let [a, b] = middles;
-        let strips = [(a, b), (b, a)]
-            .map(|(foot, other)| PlaceStrip::from_foot(number, tent, (foot, other), mat, paper, most_mm));
-        let shortest = strips
-            .into_iter()
-            .flatten()
-            .min_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
+        let [a, b] = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
+        let strip = |foot, other| PlaceStrip::from_foot(number, tent, (foot, other), mat, paper, most_mm);
+        let strips = [strip(a, b), strip(b, a)].into_iter().flatten();
+        let shortest = strips.min_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
         shortest.map_or(Standing::OutOfReach, Standing::OnStrip)
     }
 }
@@ -94,9 +90,8 @@ impl PlaceStrip {
             }
         };
         let steps = |from: f64, to: f64| {
-            (0..)
-                .map(move |k| from + f64::from(k) * STEP_MM)
-                .take_while(move |s| *s <= to)
+            let all = (0..).map(move |k| from + f64::from(k) * STEP_MM);
+            all.take_while(move |step| *step <= to)
         };
         let most = most_mm - under;
         let first =

@@ -18,6 +18,16 @@ pub struct GroundWindow {
 }
 
 impl GroundWindow {
+    /// The ground with the model's front to the right.
+    pub fn level(centre: (f64, f64), at: (f64, f64), scale: f64) -> Self {
+        Self {
+            centre: centre.into(),
+            at: at.into(),
+            right: [1.0, 0.0],
+            scale,
+        }
+    }
+
     /// A point of the ground on the page.
     pub fn on_page(&self, p: PointMm) -> PointMm {
         let (x, y) = (p.x_mm - self.centre.x_mm, p.y_mm - self.centre.y_mm);

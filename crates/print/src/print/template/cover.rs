@@ -162,20 +162,17 @@ fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
 fn scale_check(frame: &PageFrame) -> Vec<Mark> {
     let area = frame.usable;
     let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };
-    let lines = [
-        "Scale check. Measure both rulers to 0.1 mm and write down:".to_owned(),
-        format!(
-            "{horizontal} measured (lower ruler) ____________ mm     {vertical} measured (left ruler) ____________ mm"
-        ),
-        format!(
-            "then: {}, and export again with --printer printer.toml",
-            frame.setup.printer.verify_command()
-        ),
-    ];
+    let blanks = format!(
+        "{horizontal} measured (lower ruler) ____________ mm     {vertical} measured (left ruler) ____________ mm"
+    );
+    let command = frame.setup.printer.verify_command();
+    let then = format!("then: {command}, and export again with --printer printer.toml");
+    let heading = "Scale check. Measure both rulers to 0.1 mm and write down:";
     let top = area.bottom_mm + CHECK_MM - LEADING_MM;
-    let place = |(i, line): (usize, String)| {
-        let at = (area.left_mm, top - i as f64 * 1.5 * LEADING_MM);
-        Mark::fitted(at, (TEXT_MM, area.width_mm()), TextAnchor::Left, line)
-    };
-    lines.into_iter().enumerate().map(place).collect()
+    Mark::lines(
+        [heading, &blanks, &then],
+        area.left_mm,
+        (TEXT_MM, area.width_mm()),
+        |i| top - i as f64 * 1.5 * LEADING_MM,
+    )
 }

@@ -213,12 +213,9 @@ impl Captions {
         let named = format!("{name} · {}", self.facts);
         let check = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
         let lines = [check, &self.true_size, &named, &self.making];
-        let place = |(i, line): (usize, &str)| {
-            let baseline = printable.bottom_mm + 0.8 + (lines.len() - 1 - i) as f64 * CAPTION_LEADING_MM;
-            let at = (printable.left_mm, baseline);
-            Mark::fitted(at, (CAPTION_MM, most_mm), TextAnchor::Left, line)
-        };
-        lines.into_iter().enumerate().map(place).collect()
+        Mark::lines(lines, printable.left_mm, (CAPTION_MM, most_mm), |i| {
+            printable.bottom_mm + 0.8 + (lines.len() - 1 - i) as f64 * CAPTION_LEADING_MM
+        })
     }
 
     /// A whole page with these captions and rulers around some marks.
@@ -286,12 +283,7 @@ pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
 
 /// The lines of a map: the outline of every sheet, shared ones once.
 pub fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
-    let RectMm {
-        left_mm: left,
-        bottom_mm: bottom,
-        right_mm: right,
-        top_mm: top,
-    } = map;
+    let [left, bottom, right, top] = map.edges();
     let upright = |x: f64| Mark::line((x, bottom), (x, top), CROP_LINE_MM);
     let level = |y: f64| Mark::line((left, y), (right, y), CROP_LINE_MM);
     let first_row = layout.sheets.iter().filter(|plan| plan.row == 0);

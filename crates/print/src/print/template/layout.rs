@@ -258,13 +258,43 @@ impl SheetLayout {
         )
     }
 
+    /// Seams are lettered row by row: those between the sheets of a row, then those to the row below.
+    pub fn seams(&self, row: usize, column: usize) -> SheetSeams {
+        let row_starts = |row: usize| row * (2 * self.columns - 1);
+        let right_of = |row: usize, column: usize| letters(row_starts(row) + column);
+        let below = |row: usize, column: usize| letters(row_starts(row) + self.columns - 1 + column);
+        SheetSeams {
+            left: (column > 0 && self.has(row, column - 1)).then(|| right_of(row, column - 1)),
+            right: self.has(row, column + 1).then(|| right_of(row, column)),
+            above: (row > 0 && self.has(row - 1, column)).then(|| below(row - 1, column)),
+            below: self.has(row + 1, column).then(|| below(row, column)),
+        }
+    }
+
     /// Whether a sheet is printed; one that carries nothing may be left out.
     pub fn has(&self, row: usize, column: usize) -> bool {
         self.sheets.iter().any(|plan| (plan.row, plan.column) == (row, column))
     }
 }
 
+/// The letters of the seams around a sheet; the neighbour beyond has the same one, so that a person finds what meets what.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SheetSeams {
+    pub left: Option<String>,
+    pub right: Option<String>,
+    pub above: Option<String>,
+    pub below: Option<String>,
+}
+
 impl SheetPlan {
+    /// The page's place of a point of the template with y turned up: (x, −y) of the template frame.
+    pub fn on_page(&self, x_mm: f64, y_mm: f64) -> (f64, f64) {
+        (
+            self.printed.left_mm + x_mm - self.carried.left_mm,
+            self.printed.top_mm + y_mm + self.carried.top_mm,
+        )
+    }
+
     /// Row letter and column number, as in `B2`. After row Z comes AA.
     pub fn id(&self) -> String {
         format!("{}{}", letters(self.row), self.column + 1)

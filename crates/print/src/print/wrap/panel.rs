@@ -1,6 +1,6 @@
 //! The surface of a model divided into the sides it looks to: what each panel shows, and what the projection costs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
 
@@ -110,13 +110,17 @@ impl PaintedSurface {
     /// The printed panels that have a surface, in the order of [`PRINTED`].
     pub fn panels(&self) -> Vec<Panel> {
         let edges = self.edges();
-        let mut other_edges: Vec<_> = self.others.iter().flat_map(Triangle::edges).collect();
-        other_edges.sort_unstable();
+        let other_edges = self.others.iter().flat_map(Triangle::edges).collect();
         let panel = |side| self.panel(side, &edges, &other_edges);
         PRINTED.into_iter().filter_map(panel).collect()
     }
 
-    fn panel(&self, side: Side, edges: &BTreeMap<[usize; 2], Vec<usize>>, other_edges: &[[usize; 2]]) -> Option<Panel> {
+    fn panel(
+        &self,
+        side: Side,
+        edges: &BTreeMap<[usize; 2], Vec<usize>>,
+        other_edges: &BTreeSet<[usize; 2]>,
+    ) -> Option<Panel> {
         let faces: Vec<&Face> = self.faces.iter().filter(|face| face.side == side).collect();
         let flat = |face: &&Face| face.corners.map(|p| side.project(&p)).to_vec();
         let region = Region::union(faces.iter().map(flat).collect());
@@ -133,7 +137,7 @@ impl PaintedSurface {
                 _ => true,
             };
             let ends = edge.map(|corner| corner_of(first, corner));
-            (bent || other_edges.binary_search(edge).is_ok()).then_some(())?;
+            (bent || other_edges.contains(edge)).then_some(())?;
             cover.shows_inside(&ends).then(|| ends.map(|p| side.project(&p)))
         };
         Some(Panel {

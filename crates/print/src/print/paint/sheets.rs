@@ -1,7 +1,8 @@
-//! A stencil on its sheet: openings tinted, to be cut out; the rim with its label, and registration holes at the same place for every
-//! paint.
+//! The sheets of one part of the panel: to paint by number, with the border of every patch of one paint and the paint's number in it; and the
+//! stencils, with the openings to be cut out tinted, and a rim with a label. Registration holes are at the same place on all of them.
 
 use super::plane::{PlaneOutline, mm};
+use super::regions::CellGrid;
 use super::{PaintRequest, Stencil};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
@@ -12,6 +13,10 @@ use scaleproof_surface::pattern::palette::Paint;
 /// What is to be cut out: light, to spare ink, and no colour of lines and text.
 pub const OPENING: Srgb8 = [255, 214, 140];
 const LINE_MM: f64 = 0.15;
+const BORDER_MM: f64 = 0.2;
+const NUMBER_MM: f64 = 4.0;
+/// Height and width of a number, of those of the cell it stands in, at most.
+const NUMBER_SHARE: f64 = 0.6;
 const LABEL_MM: f64 = 3.5;
 const HOLE_MM: f64 = 3.0;
 /// Corners of a registration hole.
@@ -48,6 +53,33 @@ fn corners(outer: RectMm, rim_mm: f64) -> impl Iterator<Item = (f64, f64)> {
     middles.into_iter().map(|p| (p.x_mm, p.y_mm))
 }
 
+/// One sheet, cut at its part of the panel; the part lies on the page where the stencils of this sheet have it.
+pub fn numbers(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
+    let outer = plan.trim;
+    let rim = plan.own.left_mm - plan.carried.left_mm;
+    let part = outer.grown(-rim);
+    let at = |x_mm: f64, y_mm: f64| plan.on_page(x_mm, y_mm);
+    let mut marks = Vec::new();
+    for (a, b) in grid.borders(plan.own) {
+        marks.push(Mark::line(at(mm(a.x), mm(a.y)), at(mm(b.x), mm(b.y)), BORDER_MM));
+    }
+    for patch in grid.patches(plan.own) {
+        let text = (patch.paint + 1).to_string();
+        let largest = NUMBER_MM.min(NUMBER_SHARE * patch.room_mm.1);
+        let room = (largest, NUMBER_SHARE * patch.room_mm.0);
+        marks.push(Mark::centred(at(patch.at_mm.0, patch.at_mm.1), room, text));
+    }
+    let cut_here = SheetPlan {
+        trim: part,
+        printed: part,
+        ..plan.clone()
+    };
+    marks.extend(guides(layout, &cut_here));
+    marks.extend(registration(outer, rim, 0.0));
+    marks.extend(around(layout, plan, captions));
+    layout.frame.sheet(part, part, marks)
+}
+
 /// Draws the stencils of one request.
 pub struct StencilPen<'a> {
     layout: &'a SheetLayout,
@@ -80,16 +112,21 @@ impl<'a> StencilPen<'a> {
     pub fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
         let outer = plan.trim;
         let rim = plan.own.left_mm - plan.carried.left_mm;
-        let openings = self.openings(plan, rim, stencil);
-        let mut marks = vec![Mark::Area {
-            outlines: openings.clone(),
-            colour: OPENING,
-        }];
-        marks.push(Mark::Cut {
-            outlines: openings,
-            is_piece: false,
-        });
-        marks.extend(registration(outer, rim, hole_mm(self.min_feature_mm)));
+        let place = |outline: &PlaneOutline| outline.iter().map(|p| plan.on_page(mm(p.x), mm(p.y)).into()).collect();
+        let hole_mm = hole_mm(self.min_feature_mm);
+        let holes = corners(outer, rim).map(|middle| disc(middle, 0.5 * hole_mm));
+        let openings: Vec<Vec<PointMm>> = stencil.openings.outlines().map(place).chain(holes).collect();
+        let mut marks = vec![
+            Mark::Area {
+                outlines: openings.clone(),
+                colour: OPENING,
+            },
+            Mark::Cut {
+                outlines: openings,
+                is_piece: false,
+            },
+        ];
+        marks.extend(registration(outer, rim, hole_mm));
         marks.extend(Mark::outline(&outer.outline(), LINE_MM));
         marks.push(self.label(plan, rim, number, paint));
         marks.extend(guides(self.layout, plan));
@@ -98,23 +135,6 @@ impl<'a> StencilPen<'a> {
         }
         marks.extend(around(self.layout, plan, &self.captions));
         self.layout.frame.sheet(outer, outer, marks)
-    }
-
-    /// Those of the paint, and the registration holes.
-    fn openings(&self, plan: &SheetPlan, rim: f64, stencil: &Stencil) -> Vec<Vec<PointMm>> {
-        let outer = plan.trim;
-        let place = |outline: &PlaneOutline| -> Vec<PointMm> {
-            let corner = |p: &super::plane::PlanePoint| {
-                PointMm::new(
-                    outer.left_mm + mm(p.x) - plan.carried.left_mm,
-                    outer.top_mm + mm(p.y) + plan.carried.top_mm,
-                )
-            };
-            outline.iter().map(corner).collect()
-        };
-        let radius = 0.5 * hole_mm(self.min_feature_mm);
-        let holes = corners(outer, rim).map(|middle| disc(middle, radius));
-        stencil.openings.outlines().map(place).chain(holes).collect()
     }
 
     /// What stays on the stencil when its page is cut away.

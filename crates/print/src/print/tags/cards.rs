@@ -1,13 +1,18 @@
-//! Draws tent cards: cut lines solid, fold lines dashed, a tag on each face.
+//! Draws cards: plain ones, one tag each, upright, inside a cut line; tent cards, cut lines solid, fold lines dashed, a tag on each face.
 
 use super::piece::CutPiece;
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::shapes::{TagPlacement, black_modules};
-use crate::print::sheet::{BLACK, Mark, PointMm, TextAnchor, sides};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, TextAnchor, sides};
 use scaleproof_plot::lettering::{fitting_size_mm, number};
+use scaleproof_pose::scene::Tag;
+use scaleproof_pose::tags::TagImage;
 
 const TEXT_MM: f64 = 3.0;
+/// Below the tag of a plain card, for its name.
+const STRIP_MM: f64 = 7.0;
+const PLAIN_UP_MM: f64 = 3.0;
 const TITLE_MM: f64 = 7.0;
 const LEADING_MM: f64 = 4.2;
 const UP_MM: f64 = 4.0;
@@ -15,8 +20,51 @@ const UP_MM: f64 = 4.0;
 const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
+/// The card of each tag.
+pub fn plain<'a>(tags: &[&'a Tag]) -> Result<Vec<CutPiece<'a>>, TagPrintError> {
+    let piece = |tag: &&'a Tag| {
+        let (tag, image) = (*tag, image_of(tag)?);
+        let width = image.width_mm(tag.size_mm);
+        Ok(CutPiece {
+            size_mm: (width, width + STRIP_MM),
+            name: format!("id {}", tag.id),
+            what: format!("the card of tag {}", tag.id),
+            instead: Instead::Nothing,
+            draw: Box::new(move |at| Ok(plain_marks(tag, &image, at))),
+        })
+    };
+    tags.iter().map(piece).collect()
+}
+
+fn plain_marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
+    let width = image.width_mm(tag.size_mm);
+    let card = RectMm::new(at.x_mm, at.y_mm, at.x_mm + width, at.y_mm + STRIP_MM + width);
+    let centre = PointMm::new(at.x_mm + width / 2.0, at.y_mm + STRIP_MM + width / 2.0);
+    let place = TagPlacement::new(image, tag.size_mm, centre, [1.0, 0.0]);
+    let mut outlines = black_modules(image.modules(), &place);
+    outlines.push(place.up_mark(
+        width / 2.0 - PLAIN_UP_MM / 2.0 - 1.0,
+        -width / 2.0 - 0.5 * (STRIP_MM + PLAIN_UP_MM),
+        PLAIN_UP_MM,
+    ));
+    let name = format!(
+        "id {} · {} · {} mm",
+        tag.id,
+        family_name(tag.family),
+        number(tag.size_mm)
+    );
+    let size_mm = fitting_size_mm(&name, TEXT_MM, (width - PLAIN_UP_MM - 4.0).max(1.0));
+    let baseline = (at.x_mm + 1.0, at.y_mm + 0.5 * (STRIP_MM - 0.7 * size_mm));
+    let mut marks = vec![
+        Mark::black(outlines),
+        Mark::text(baseline, size_mm, TextAnchor::Left, name),
+    ];
+    marks.extend(Mark::outline(&card.outline(), LINE_MM));
+    marks
+}
+
 /// The cards of some tents; tent `i` is called T`i + 1`.
-pub fn pieces(tents: &[Tent]) -> Vec<CutPiece<'_>> {
+pub fn tents(tents: &[Tent]) -> Vec<CutPiece<'_>> {
     let piece = |(i, tent): (usize, &'_ Tent)| {
         let (net, tent) = (tent.net(), tent.clone());
         let [a, b] = [tent.tags[0].id, tent.tags[1].id];
@@ -25,14 +73,14 @@ pub fn pieces(tents: &[Tent]) -> Vec<CutPiece<'_>> {
             name: format!("T{}", i + 1),
             what: format!("tent card T{} (tags {a} and {b})", i + 1),
             instead: Instead::PlainCards,
-            draw: Box::new(move |at| marks(i + 1, &tent, &net, at)),
+            draw: Box::new(move |at| tent_marks(i + 1, &tent, &net, at)),
         }
     };
     tents.iter().enumerate().map(piece).collect()
 }
 
 /// All marks of one card whose flat frame begins at `at` on the page.
-fn marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>, TagPrintError> {
+fn tent_marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>, TagPrintError> {
     let mut marks = Vec::new();
     for flat in &net.tags {
         marks.push(tag_marks(flat, net, at)?);
@@ -50,11 +98,8 @@ fn marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>
 
 fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintError> {
     let image = image_of(&flat.tag)?;
-    let place = TagPlacement {
-        centre: PointMm::new(at.x_mm + flat.centre_mm.x, at.y_mm + flat.centre_mm.y),
-        right: flat.right.into(),
-        module_mm: flat.tag.size_mm / image.border_modules() as f64,
-    };
+    let centre = PointMm::new(at.x_mm + flat.centre_mm.x, at.y_mm + flat.centre_mm.y);
+    let place = TagPlacement::new(&image, flat.tag.size_mm, centre, flat.right.into());
     let mut outlines = black_modules(image.modules(), &place);
     // The up mark stands beside the tag, half way into the free strip of the card.
     let mark = TagPlacement {
@@ -80,7 +125,7 @@ fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
 /// What the card is, on the side it stands on.
 fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
     let [a, b] = &tent.tags;
-    let family = |tag: &scaleproof_pose::scene::Tag| format!("{} · {} mm", family_name(tag.family), mm(tag.size_mm));
+    let family = |tag: &Tag| format!("{} · {} mm", family_name(tag.family), mm(tag.size_mm));
     let [family_a, family_b] = [a, b].map(family);
     let families = if family_a == family_b {
         family_a
