@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 /// The quadratic surface must lower the left-out error to this share of the plane's.
 const WORTH: f64 = 0.8;
 
-/// Which surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+/// The kind of surface that is fitted to the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Surface {
     Plane,

@@ -55,7 +55,7 @@ impl Buckets {
         rows.flat_map(move |row| (first..=last).map(move |column| row * width + column))
     }
 
-    /// All that may touch a box, rising.
+    /// The numbers of all things that may touch a box, rising.
     pub fn over(&self, corners: (Point, Point)) -> Vec<usize> {
         let all = self.cells(corners).flat_map(|i| &self.lists[i]);
         let mut found: Vec<usize> = all.map(|i| *i as usize).collect();
@@ -64,7 +64,7 @@ impl Buckets {
         found
     }
 
-    /// What is near a place; `None` outside of all.
+    /// The numbers of the things near a place; `None` outside of all buckets.
     pub fn at(&self, p: Point) -> Option<&[u32]> {
         let high = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;
         let outside = |axis: usize, count: usize| p[axis] < self.low[axis] || p[axis] > high(axis, count);

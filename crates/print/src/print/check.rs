@@ -26,7 +26,7 @@ const BLANKS_MM: f64 = 48.0;
 /// Length of the check page of a roll.
 const ROLL_LENGTH_MM: f64 = 260.0;
 
-/// What to print. The page is upright, so that its x is the printer's.
+/// A request for a printer's check page, which is upright, so that its x is the printer's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckRequest {
     pub paper: Stock,
@@ -44,7 +44,7 @@ pub struct CheckPlan {
     pub long_box: RectMm,
 }
 
-/// Plans the page.
+/// Plans the check page.
 ///
 /// # Errors
 /// A margin that is no length, paper too small for the boxes and their blanks.
@@ -84,7 +84,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
     })
 }
 
-/// Draws the page.
+/// Draws the check page.
 ///
 /// # Errors
 /// As for [`plan`].

@@ -41,7 +41,7 @@ pub struct PageSetup {
 }
 
 impl PageSetup {
-    /// Drawn over true length along the page's x and y.
+    /// Drawn length over true length, along the page's x and y.
     pub fn stretch(&self) -> (f64, f64) {
         let (x, y) = self.printer.factors();
         if self.turned { (y, x) } else { (x, y) }
@@ -71,6 +71,8 @@ pub struct PageFrame {
 }
 
 impl PageFrame {
+    /// The areas of a page with this setup.
+    ///
     /// # Errors
     /// A margin that is no length, paper too small for the rulers and the captions.
     pub fn new(page: Paper, setup: PageSetup) -> Result<Self, SheetError> {
@@ -117,12 +119,12 @@ impl PageFrame {
         }
     }
 
-    /// All of the page.
+    /// The rectangle of the whole page.
     pub fn whole(&self) -> RectMm {
         RectMm::new(0.0, 0.0, self.page.width_mm, self.page.height_mm)
     }
 
-    /// The middle of the usable area.
+    /// A rectangle of this size in the middle of the usable area.
     pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
         let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
         let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;

@@ -5,7 +5,7 @@ use crate::print::sheet::{PointMm, RectMm};
 /// Free paper between two things, for scissors.
 const GAP_MM: f64 = 4.0;
 
-/// Where a thing lies.
+/// The place of a packed thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// From 0.

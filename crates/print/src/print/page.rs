@@ -24,6 +24,8 @@ pub struct Media {
 }
 
 impl Media {
+    /// Refuses a roll.
+    ///
     /// # Errors
     /// A roll, for what must lie on one cut sheet.
     pub fn check_is_cut(&self) -> Result<(), SheetError> {

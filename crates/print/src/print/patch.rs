@@ -61,6 +61,7 @@ impl PatchImage {
         Ok(Self(Picture::load(path)?))
     }
 
+    /// The pixels of the image.
     pub fn pixels(&self) -> &RgbImage {
         &self.0.pixels
     }
@@ -152,7 +153,7 @@ impl PanelPatch {
     }
 }
 
-/// The pages of some patches.
+/// Patches on their pages.
 #[derive(Debug, Clone, Default)]
 pub struct Patches {
     /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
@@ -200,8 +201,10 @@ pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) 
     Ok(made)
 }
 
+/// Refuses a patch with a place or size that no patch has.
+///
 /// # Errors
-/// A place or size that no patch has.
+/// That place or size.
 pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
     for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {

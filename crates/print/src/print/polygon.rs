@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::wrap::{Point, cross};
 
-/// A number at each place of the plane that grows evenly, as a column of an image on a flat triangle does.
+/// An affine function on the plane, as the column of an image on a flat triangle is.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
     origin: Point,
@@ -15,7 +15,7 @@ pub struct Affine {
 }
 
 impl Affine {
-    /// By the values at a triangle's corners; `None` of a triangle without area, and of values beyond all use.
+    /// The function with these values at a triangle's corners; `None` for a triangle without area, and for values beyond all use.
     pub fn through([a, b, c]: &[Point; 3], values: [f64; 3]) -> Option<Self> {
         let doubled = cross(a, b, c);
         let [along_b, along_c] = [values[1] - values[0], values[2] - values[0]];
@@ -83,7 +83,7 @@ pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
     [(a, b), (b, c), (c, a)].into_iter().fold(polygon.to_vec(), cut_by)
 }
 
-/// The part where a function that grows evenly is not negative (Sutherland & Hodgman 1974).
+/// The part where an affine function is not negative (Sutherland & Hodgman 1974).
 fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Vec<Point> {
     let mut part = Vec::with_capacity(polygon.len() + 1);
     let Some(mut before) = polygon.last() else {

@@ -66,7 +66,7 @@ impl Printer {
         y_mm: NOMINAL_MM,
     };
 
-    /// From the measured lengths of the two 100 mm rulers.
+    /// The printer with these measured lengths of the two 100 mm rulers.
     ///
     /// # Errors
     /// A length more than `MOST_OFF` from 100 mm.
@@ -89,7 +89,7 @@ impl Printer {
         Self::measured(self.x_mm * again.x_mm / NOMINAL_MM, self.y_mm * again.y_mm / NOMINAL_MM)
     }
 
-    /// Drawn over true length, along x and y.
+    /// Drawn length over true length, along x and y.
     pub fn factors(&self) -> (f64, f64) {
         (NOMINAL_MM / self.x_mm, NOMINAL_MM / self.y_mm)
     }
@@ -105,7 +105,7 @@ impl Printer {
         format!("scaleproof print verify --x-mm … --y-mm …{known} -o printer.toml")
     }
 
-    /// For the caption of a sheet.
+    /// The correction as a clause for the caption of a sheet.
     pub fn caption(&self) -> String {
         if *self == Self::EXACT {
             return "no printer correction".into();

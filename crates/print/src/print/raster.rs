@@ -146,7 +146,7 @@ pub struct FlatPaint<'a> {
 }
 
 impl<'a> FlatPaint<'a> {
-    /// `outline` is that of all the triangles, and colours run on beyond it by `bleed_mm`.
+    /// A surface laid flat as `triangles`, whose common outline is `outline`; colours run on beyond it by `bleed_mm`.
     pub fn new(
         mesh: &'a Mesh,
         texture: &'a Texture,

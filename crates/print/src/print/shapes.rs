@@ -18,7 +18,7 @@ pub struct TagPlacement {
 }
 
 impl TagPlacement {
-    /// Where a tag with a black border of this size lies.
+    /// The placement of a tag whose black border has this outer size.
     pub fn new(image: &TagImage, size_mm: f64, centre: PointMm, right: [f64; 2]) -> Self {
         Self {
             centre,

@@ -68,7 +68,7 @@ impl RectMm {
         points.into_iter().fold(none, |all, p| all.union(point(p)))
     }
 
-    /// The rectangle around two.
+    /// The rectangle around two rectangles.
     pub fn union(self, other: Self) -> Self {
         Self::new(
             self.left_mm.min(other.left_mm),
@@ -78,7 +78,7 @@ impl RectMm {
         )
     }
 
-    /// The rectangle with more on every side.
+    /// The rectangle with `by_mm` more on every side.
     pub fn grown(self, by_mm: f64) -> Self {
         Self::new(
             self.left_mm - by_mm,
@@ -88,7 +88,7 @@ impl RectMm {
         )
     }
 
-    /// The rectangle somewhere else.
+    /// The rectangle moved by (x, y).
     pub fn moved(self, [x, y]: [f64; 2]) -> Self {
         Self::new(self.left_mm + x, self.bottom_mm + y, self.right_mm + x, self.top_mm + y)
     }
@@ -101,7 +101,7 @@ impl RectMm {
             && self.top_mm <= outer.top_mm
     }
 
-    /// Left, bottom, right, top.
+    /// The edges: left, bottom, right, top.
     pub fn edges(&self) -> [f64; 4] {
         [self.left_mm, self.bottom_mm, self.right_mm, self.top_mm]
     }

@@ -62,7 +62,7 @@ pub enum TemplateError {
     Resolution { dpi: f64 },
 }
 
-/// What to print. All lengths in mm.
+/// A request for a tiled template. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemplateRequest {
     /// Printed width of one repeat of the pattern; its height follows, cells are square.
@@ -85,7 +85,7 @@ impl TemplateRequest {
         Self { tile_mm, ..self }
     }
 
-    /// What the document is called.
+    /// The document's title.
     pub fn title(&self) -> String {
         format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
     }
@@ -204,7 +204,7 @@ fn drawn(
     Ok(Template { layout, cell_mm, pages })
 }
 
-/// Width and height of a cell.
+/// Width and height of a printed cell of the pattern.
 ///
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`].
@@ -271,6 +271,7 @@ impl PatternStamp {
         }
     }
 
+    /// Whole repeats of a pattern's cells.
     pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
         let (columns, rows) = (pattern.columns(), pattern.rows());
         let across = repeats(cell_mm * f64::from(columns), size_mm.0) * columns;

@@ -57,7 +57,7 @@ pub enum BoardError {
     Definition(#[from] DefinitionError),
 }
 
-/// Which board.
+/// The kinds of calibration boards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoardKind {
     Charuco,
@@ -65,7 +65,7 @@ pub enum BoardKind {
     Aprilgrid,
 }
 
-/// What to print. Lengths in mm.
+/// A request for a calibration board. Lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardRequest {
     pub kind: BoardKind,

@@ -22,40 +22,35 @@ const NAME_AT_MM: f64 = 24.0;
 const NAME_MM: f64 = 40.0;
 const HEX_AT_MM: f64 = 66.0;
 const NUMBERS_AT_MM: [f64; 5] = [98.0, 118.0, 138.0, 156.0, TABLE_MM];
-const NUMBER_HEADS: [&str; 5] = ["area cm²", "stencil", "touch up", "ΔE mean", "max"];
+/// The font of the sheets is Latin-1: dE is ΔE.
+const NUMBER_HEADS: [&str; 5] = ["area cm²", "stencil", "touch up", "dE mean", "max"];
 
 /// The steps from printed sheets to a painted model.
 pub fn steps(request: &PaintRequest) -> Vec<String> {
-    let feature = number(request.min_feature_mm);
-    let mut steps = vec![
-        "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.".to_owned(),
-        "Mix or buy the paints of the legend; try each on a scrap of the model's material.".to_owned(),
+    let steps = [
+        "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
+        "Mix or buy the paints of the legend; try each on a scrap of the model's material.",
         "With a brush: the sheets 'numbers' show each patch with its paint's number. They are cut at the crop marks and \
-         laid edge to edge; seams that meet have the same letter."
-            .to_owned(),
+         laid edge to edge; seams that meet have the same letter.",
         "With a spray: every paint has a stencil for every sheet it occurs on. Cut out what is tinted, the holes in the \
-         corners too, and the frame at its outer line."
-            .to_owned(),
+         corners too, and the frame at its outer line.",
         "Mark the four corner holes of the first stencil of a sheet on the model or on masking tape, and lay every other \
-         stencil of that sheet with its holes on these marks."
-            .to_owned(),
-        format!(
-            "Each stencil is one piece: bridges of at least {feature} mm hold its islands. What they cover is touched up with \
-             the paint by number; the legend has its area."
+         stencil of that sheet with its holes on these marks.",
+        &format!(
+            "Each stencil is one piece: bridges of at least {} mm hold its islands. What they cover is touched up with \
+             the paint by number; the legend has its area.",
+            number(request.min_feature_mm)
         ),
+        "The stencils are mirrored: cut the film from its back and lay it with the printed side down.",
     ];
-    if request.mirror {
-        steps.push(
-            "The stencils are mirrored: cut the film from its back and lay it with the printed side down.".to_owned(),
-        );
-    }
-    steps
+    let count = if request.mirror { steps.len() } else { steps.len() - 1 };
+    steps.into_iter().take(count).map(str::to_owned).collect()
 }
 
 /// A paint, counted from 0, and its area.
 type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
-/// What the table is of.
+/// The contents of the table of paints.
 pub struct Legend<'a> {
     pub painted: &'a Painted,
     /// Of each paint.
@@ -66,7 +61,7 @@ pub struct Legend<'a> {
     pub notes: &'a [&'a str],
 }
 
-/// The pages of the table.
+/// The pages of the table of paints.
 pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sheet> {
     let Legend { painted, areas, .. } = *legend;
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
@@ -111,8 +106,7 @@ impl Table<'_> {
         self.text(NAME_AT_MM, TextAnchor::Left, "name".to_owned());
         self.text(HEX_AT_MM, TextAnchor::Left, "sRGB".to_owned());
         for (x, head) in NUMBERS_AT_MM.into_iter().zip(NUMBER_HEADS) {
-            // The font of the sheets is Latin-1.
-            self.text(x, TextAnchor::Right, head.replace('Δ', "d"));
+            self.text(x, TextAnchor::Right, head.to_owned());
         }
         self.row += 1;
     }

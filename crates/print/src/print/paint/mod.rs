@@ -67,7 +67,7 @@ pub enum PaintError {
     TooManyCells { cells: usize },
 }
 
-/// What to print.
+/// A request for paint sheets of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaintRequest {
     /// As for a template. Overlap and bleed have no meaning: the sheets have rims and are laid edge to edge.
@@ -79,7 +79,7 @@ pub struct PaintRequest {
 }
 
 impl PaintRequest {
-    /// What the document is called.
+    /// The document's title.
     pub fn title(&self) -> String {
         let TemplateRequest {
             pattern_name, tile_mm, ..

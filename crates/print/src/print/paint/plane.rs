@@ -70,7 +70,7 @@ impl Area {
         operation(outlines, &[], OverlayRule::Subject)
     }
 
-    /// One piece: its outline, then its holes.
+    /// The area of one piece: its outline, then its holes.
     pub fn from_piece(piece: &[PlaneOutline]) -> Self {
         let pieces = vec![piece.to_vec()];
         Self { pieces }
@@ -106,7 +106,7 @@ impl Area {
         operation(&self.flat(), &other.flat(), OverlayRule::Difference)
     }
 
-    /// With more outlines, which run counter-clockwise.
+    /// This area and what more outlines enclose, which run counter-clockwise.
     pub fn with(&self, more: &[PlaneOutline]) -> Self {
         operation(&self.flat(), more, OverlayRule::Union)
     }
@@ -147,7 +147,7 @@ impl Area {
         self.edges().map(crossing).sum::<i32>() != 0
     }
 
-    /// In square units; exact.
+    /// Twice the area in square units; exact.
     pub fn doubled_area(&self) -> i128 {
         let cross =
             |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);

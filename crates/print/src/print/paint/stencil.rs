@@ -66,14 +66,14 @@ pub struct Slant {
 }
 
 impl Slant {
-    /// Cells that lie upright.
+    /// The slant of cells that lie upright: none.
     pub const NONE: Self = Self {
         tip: ROUNDING,
         around: 0,
         corner: 0,
     };
 
-    /// Cells on a curved surface that was laid flat.
+    /// The slant of cells on a curved surface that was laid flat.
     pub fn of_curved(min_feature_mm: f64) -> Self {
         Self {
             tip: units(0.1 * min_feature_mm),

@@ -27,7 +27,7 @@ const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
 /// What of the page's height they may take.
 const THUMBNAIL_SHARE: f64 = 0.45;
 
-/// What the map shows.
+/// The contents of the map page.
 pub struct TagMap<'a> {
     pub scene: &'a Scene,
     pub media: Media,
@@ -40,7 +40,7 @@ pub struct TagMap<'a> {
 }
 
 impl TagMap<'_> {
-    /// Draws the page.
+    /// Draws the map page.
     ///
     /// # Errors
     /// Paper too small for the rulers.
@@ -76,47 +76,43 @@ impl TagMap<'_> {
         let all = 1 + self.plan_names.len() + self.card_names.len() + mat.len();
         let kinds = [self.plan_names, self.card_names, &mat];
         let named: Vec<String> = kinds.iter().filter_map(|names| span(names)).collect();
-        let mut steps = vec![
-            format!(
-                "Print all {} at 100 %, without fit to page: this map, {}.",
-                count(all, "sheet"),
-                named.join(", ")
-            ),
-            "Measure both rulers below with a steel ruler before you cut anything.".to_owned(),
-        ];
+        let (all, named) = (count(all, "sheet"), named.join(", "));
+        let mut steps = vec![format!(
+            "Print all {all} at 100 %, without fit to page: this map, {named}."
+        )];
+        let mut add = |step: &str| steps.push(step.to_owned());
+        add("Measure both rulers below with a steel ruler before you cut anything.");
         if mat.len() > 1 {
-            steps.push(
+            add(
                 "Ground mat: lay its sheets out as on the map. Cut each at the crop marks, but leave the strip beyond a dashed line: it \
                  goes under the next sheet, whose edge is glued on the dashed line. Seams that meet have the same letter. Go row by \
-                 row from the top left."
-                    .to_owned(),
+                 row from the top left.",
             );
         } else if mat.len() == 1 {
-            steps.push("Ground mat: cut it out at the crop marks.".to_owned());
+            add("Ground mat: cut it out at the crop marks.");
         }
         if self.ground.is_some_and(|ground| !ground.strips.is_empty()) {
-            steps.push(
-                "Place strips: cut them out, and glue the marked end of each onto its outline on the mat, so that the lines of both run on."
-                    .to_owned(),
+            add(
+                "Place strips: cut them out, and glue the marked end of each onto its outline on the mat, so that the lines of both run on.",
             );
         }
         if !self.arrangement.tents.is_empty() {
-            steps.push(
+            add(
                 "Tent cards: cut along the solid lines, crease the dashed ones, fold away from the print, glue the tab inside the base. Stand \
-                 each on its outline, its foot on the line and the marks in the middle together, each tag on the side with its number."
-                    .to_owned(),
+                 each on its outline, its foot on the line and the marks in the middle together, each tag on the side with its number.",
             );
         }
         if !self.arrangement.cards.is_empty() {
-            steps.push("Plain cards: cut them out and fix each where the floor plan says.".to_owned());
+            add("Plain cards: cut them out and fix each where the floor plan says.");
         }
         if self.ground.is_some() {
-            steps.push("Stand the model on its outline, its front at the arrow. Fix the mat, so that nothing moves between photos.".to_owned());
+            add(
+                "Stand the model on its outline, its front at the arrow. Fix the mat, so that nothing moves between photos.",
+            );
         } else {
-            steps.push(
+            add(
                 "Nothing may move between photos. A card that is not quite in its place spoils poses: `scaleproof survey` finds from \
-                 photos where cards really stand."
-                    .to_owned(),
+                 photos where cards really stand.",
             );
         }
         steps

@@ -113,7 +113,7 @@ impl fmt::Display for TagNote {
     }
 }
 
-/// What to print.
+/// A request for the tags of a scene on paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagRequest {
     pub media: Media,
@@ -123,7 +123,7 @@ pub struct TagRequest {
     pub whole_mat: bool,
 }
 
-/// The pages, and what is on them.
+/// The tags of a scene on their pages.
 #[derive(Debug, Clone)]
 pub struct TagSheets {
     /// The map, the floor plan of plain cards, cards and strips, then the mat.

@@ -7,7 +7,7 @@ use super::window::GroundWindow;
 use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 
-/// Across a strip.
+/// Width of a place strip.
 pub const WIDTH_MM: f64 = 36.0;
 /// What of a strip lies beneath its card.
 const UNDER_MM: f64 = 18.0;
@@ -137,7 +137,7 @@ impl PlaceStrip {
         }
     }
 
-    /// The strip on such a page.
+    /// The strip's rectangle on such a page.
     pub fn area(&self, at: PointMm) -> RectMm {
         RectMm::sized((at.x_mm, at.y_mm), (self.length_mm, WIDTH_MM))
     }

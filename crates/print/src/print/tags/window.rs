@@ -18,7 +18,7 @@ pub struct GroundWindow {
 }
 
 impl GroundWindow {
-    /// The ground with the model's front to the right.
+    /// A window with the model's front to the right.
     pub fn level(centre: (f64, f64), at: (f64, f64), scale: f64) -> Self {
         Self {
             centre: centre.into(),

@@ -242,7 +242,7 @@ impl Captions {
     }
 }
 
-/// By which printer, program and when.
+/// A clause that says by which printer, program and when a sheet was made.
 pub fn making(printer: &Printer, date: Option<Date>) -> String {
     let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION"));
     let date = date.map_or(String::new(), |date| format!(" · {date}"));

@@ -20,7 +20,7 @@ const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
-/// `panels` are those of `paint`.
+/// Draws `panels`, which are those of `paint`, on their sheets.
 pub fn wrap(
     mesh: &Mesh,
     paint: &PaintedSurface,

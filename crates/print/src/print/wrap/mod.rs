@@ -52,7 +52,7 @@ pub enum WrapError {
     NothingToPrint,
 }
 
-/// What to print. All lengths in mm.
+/// A request for the panels of a model. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrapRequest {
     /// The model is 1:`scale`; only the captions use it.
@@ -72,7 +72,7 @@ pub struct WrapRequest {
 }
 
 impl WrapRequest {
-    /// What the document is called.
+    /// The document's title.
     pub fn title(&self) -> String {
         format!("Panels of {}", self.name)
     }
@@ -91,7 +91,7 @@ impl WrapRequest {
         Ok((template, layout, [low[0] - room_mm, high[1] + room_mm]))
     }
 
-    /// What a panel is as a template.
+    /// A panel of this size as a template.
     pub(super) fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
             Side::Left => Front::Left,
