@@ -133,21 +133,25 @@ impl Stamps {
 /// A lossless image XObject with every pixel as it is: printpdf's own image type goes through its optimiser.
 fn image_object(image: &RgbImage) -> XObject {
     let number = |n: u32| DictItem::Int(i64::from(n));
-    let dict = BTreeMap::from([
-        ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
-        ("Subtype".to_owned(), DictItem::Name(b"Image".to_vec())),
-        ("Width".to_owned(), number(image.width())),
-        ("Height".to_owned(), number(image.height())),
-        ("ColorSpace".to_owned(), DictItem::Name(b"DeviceRGB".to_vec())),
-        ("BitsPerComponent".to_owned(), number(8)),
-        ("Interpolate".to_owned(), DictItem::Bool(false)),
-    ]);
-    external(dict, image.as_raw().clone())
+    let entries = [
+        ("Subtype", named("Image")),
+        ("Width", number(image.width())),
+        ("Height", number(image.height())),
+        ("ColorSpace", named("DeviceRGB")),
+        ("BitsPerComponent", number(8)),
+        ("Interpolate", DictItem::Bool(false)),
+    ];
+    external(entries, image.as_raw().clone())
 }
 
-fn external(dict: BTreeMap<String, DictItem>, content: Vec<u8>) -> XObject {
+fn named(name: &str) -> DictItem {
+    DictItem::Name(name.as_bytes().to_vec())
+}
+
+fn external(entries: impl IntoIterator<Item = (&'static str, DictItem)>, content: Vec<u8>) -> XObject {
+    let entries = [("Type", named("XObject"))].into_iter().chain(entries);
     let stream = ExternalStream {
-        dict,
+        dict: entries.map(|(key, item)| (key.to_owned(), item)).collect(),
         content,
         compress: true,
     };
@@ -163,12 +167,11 @@ fn external(dict: BTreeMap<String, DictItem>, content: Vec<u8>) -> XObject {
 fn form(stamp: &Stamp) -> XObject {
     let edges = stamp.bounds.edges();
     let bounds = edges.map(|mm| DictItem::Real(points(mm) as f32)).to_vec();
-    let dict = BTreeMap::from([
-        ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
-        ("Subtype".to_owned(), DictItem::Name(b"Form".to_vec())),
-        ("BBox".to_owned(), DictItem::Array(bounds)),
-        ("Resources".to_owned(), DictItem::Dict { map: BTreeMap::new() }),
-    ]);
+    let entries = [
+        ("Subtype", named("Form")),
+        ("BBox", DictItem::Array(bounds)),
+        ("Resources", DictItem::Dict { map: BTreeMap::new() }),
+    ];
     let mut content = String::new();
     for fill in &stamp.fills {
         let [r, g, b] = fill.colour.map(unit);
@@ -177,7 +180,7 @@ fn form(stamp: &Stamp) -> XObject {
         // Writing to a String cannot fail.
         let _ = writeln!(content, "{r} {g} {b} rg {x} {y} {w} {h} re f");
     }
-    external(dict, content.into_bytes())
+    external(entries, content.into_bytes())
 }
 
 fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {

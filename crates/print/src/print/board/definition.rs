@@ -3,7 +3,7 @@
 use super::{BoardError, BoardKind, BoardRequest, Definition, MIN_MODULE_MM};
 use scaleproof_core::geometry::length;
 use scaleproof_pose::scene::TagFamily;
-use scaleproof_pose::tags::MarkerDictionary;
+use scaleproof_pose::tags::{MarkerDictionary, Modules};
 
 /// The definition of a board that can be printed.
 ///
@@ -11,31 +11,58 @@ use scaleproof_pose::tags::MarkerDictionary;
 /// Numbers that make no board, too few markers in the dictionary, modules too small to print.
 pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
     let (columns, rows) = request.squares;
+    let (squares, square_mm) = ([columns, rows], request.square_mm);
     let least = if request.kind == BoardKind::Aprilgrid { 1 } else { 3 };
-    if !(least..=Definition::MOST_SQUARES).contains(&columns) || !(least..=Definition::MOST_SQUARES).contains(&rows) {
+    if !squares.iter().all(|n| (least..=Definition::MOST_SQUARES).contains(n)) {
         return Err(BoardError::Squares { columns, rows, least });
     }
-    length::size_mm("square", request.square_mm)?;
-    match request.kind {
-        BoardKind::Charuco => charuco(request),
-        BoardKind::Chessboard => chessboard(request),
-        BoardKind::Aprilgrid => aprilgrid(request),
-    }
-}
-
-fn charuco(request: &BoardRequest) -> Result<Definition, BoardError> {
-    let dictionary = MarkerDictionary::named(request.dictionary.as_deref().unwrap_or(Definition::DICTIONARY))?;
-    let marker_mm = marker_mm(request, Definition::MARKER_SHARE)?;
-    let (columns, rows) = request.squares;
-    check_count(columns * rows / 2, dictionary.name(), dictionary.count())?;
-    let modules = dictionary.marker(0).map_or(1, scaleproof_pose::tags::Modules::side);
-    printable(marker_mm / modules as f64)?;
-    Ok(Definition::Charuco {
-        squares: [columns, rows],
-        square_mm: request.square_mm,
-        marker_mm,
-        dictionary: dictionary.name().to_owned(),
-        legacy_layout: false,
+    length::size_mm("square", square_mm)?;
+    let without_dictionary = |board: &'static str| match request.dictionary {
+        Some(_) => Err(BoardError::DictionaryUnused { board }),
+        None => Ok(()),
+    };
+    Ok(match request.kind {
+        BoardKind::Charuco => {
+            let dictionary = MarkerDictionary::named(request.dictionary.as_deref().unwrap_or(Definition::DICTIONARY))?;
+            let marker_mm = marker_mm(request, Definition::MARKER_SHARE)?;
+            check_count(columns * rows / 2, dictionary.name(), dictionary.count())?;
+            let modules = dictionary.marker(0).map_or(1, Modules::side);
+            printable(marker_mm / modules as f64)?;
+            Definition::Charuco {
+                squares,
+                square_mm,
+                marker_mm,
+                dictionary: dictionary.name().to_owned(),
+                legacy_layout: false,
+            }
+        }
+        BoardKind::Chessboard => {
+            let board = "a chessboard";
+            if request.marker_mm.is_some() {
+                return Err(BoardError::MarkerSizeUnused { board });
+            }
+            without_dictionary(board)?;
+            printable(square_mm)?;
+            Definition::Chessboard {
+                squares,
+                inner_corners: squares.map(|n| n - 1),
+                square_mm,
+            }
+        }
+        BoardKind::Aprilgrid => {
+            without_dictionary("an AprilGrid, which is made of tag36h11")?;
+            let tag_mm = marker_mm(request, 1.0 / (1.0 + Definition::TAG_SPACING))?;
+            check_count(columns * rows, "tag36h11", TagFamily::Tag36h11.count() as usize)?;
+            printable(tag_mm / f64::from(Definition::GRID_TAG_MODULES))?;
+            Definition::Aprilgrid {
+                tags: squares,
+                tag_mm,
+                // Rounded to what the file shows, so that the board and its file agree: a millionth of a tag.
+                tag_spacing: ((square_mm / tag_mm - 1.0) * 1e6).round() / 1e6,
+                family: "tag36h11".to_owned(),
+                border_modules: 2,
+            }
+        }
     })
 }
 
@@ -49,43 +76,6 @@ fn check_count(needed: u32, dictionary: &'static str, count: usize) -> Result<()
         });
     }
     Ok(())
-}
-
-fn chessboard(request: &BoardRequest) -> Result<Definition, BoardError> {
-    let board = "a chessboard";
-    if request.marker_mm.is_some() {
-        return Err(BoardError::MarkerSizeUnused { board });
-    }
-    if request.dictionary.is_some() {
-        return Err(BoardError::DictionaryUnused { board });
-    }
-    printable(request.square_mm)?;
-    let (columns, rows) = request.squares;
-    Ok(Definition::Chessboard {
-        squares: [columns, rows],
-        inner_corners: [columns - 1, rows - 1],
-        square_mm: request.square_mm,
-    })
-}
-
-fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
-    if request.dictionary.is_some() {
-        return Err(BoardError::DictionaryUnused {
-            board: "an AprilGrid, which is made of tag36h11",
-        });
-    }
-    let tag_mm = marker_mm(request, 1.0 / (1.0 + Definition::TAG_SPACING))?;
-    let (columns, rows) = request.squares;
-    check_count(columns * rows, "tag36h11", TagFamily::Tag36h11.count() as usize)?;
-    printable(tag_mm / f64::from(Definition::GRID_TAG_MODULES))?;
-    Ok(Definition::Aprilgrid {
-        tags: [columns, rows],
-        tag_mm,
-        // Rounded to what the file shows, so that the board and its file agree: a millionth of a tag.
-        tag_spacing: ((request.square_mm / tag_mm - 1.0) * 1e6).round() / 1e6,
-        family: "tag36h11".to_owned(),
-        border_modules: 2,
-    })
 }
 
 /// The marker's size, requested or usual, in thousandths of a millimetre.

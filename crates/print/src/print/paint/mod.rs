@@ -4,7 +4,6 @@
 
 mod bridges;
 mod legend;
-mod pieces;
 pub mod plane;
 mod regions;
 mod sheets;
@@ -17,7 +16,9 @@ pub use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stenci
 use super::frame::PageFrame;
 use super::sheet::Sheet;
 use super::template::cover::cover;
-use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
+use super::template::{
+    Captions, LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm, layout,
+};
 use super::{SheetError, printer};
 use regions::CellGrid;
 use scaleproof_core::geometry::length::shown;
@@ -151,7 +152,7 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
         min_feature_mm: request.min_feature_mm,
         rim_mm: rim_mm(request.min_feature_mm),
     };
-    let layout = pieces::pieces(&request.template.layout, cell_mm, rules.rim_mm)?;
+    let layout = pieces(&request.template.layout, cell_mm, rules.rim_mm)?;
     check_pages(painted.paints.len(), layout.sheets.len())?;
     check_cells(cell_mm, request.template.layout.size_mm)?;
     let grid = CellGrid { painted, cell_mm };
@@ -227,6 +228,43 @@ fn check_cells(cell_mm: f64, (width_mm, height_mm): (f64, f64)) -> Result<(), Pa
         return Err(PaintError::TooManyCells { cells });
     }
     Ok(())
+}
+
+/// A panel spread over sheets that stand alone: each has a rim around its part, and seams follow the cells' borders where they can, so that no
+/// cell is cut into slivers. Of each sheet, `own` is its part of the panel, `carried` that and the rim. `trim` and `printed` are the rim's
+/// outer edge. Overlap and bleed of the request do not matter.
+fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLayout, SheetError> {
+    // A strip of two rims between sheets and one around them leaves each sheet its part and its own rim.
+    let spread = layout(&LayoutRequest {
+        overlap_mm: 2.0 * rim_mm,
+        bleed_mm: rim_mm,
+        ..request.clone()
+    })?;
+    let (width, height) = spread.frame.usable_size();
+    let x = cuts(request.size_mm.0, cell_mm, width - 2.0 * rim_mm, spread.columns);
+    let y = cuts(request.size_mm.1, cell_mm, height - 2.0 * rim_mm, spread.rows);
+    if (x.len() - 1) * (y.len() - 1) > MAX_SHEETS {
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS });
+    }
+    let mut made = SheetLayout::cut_at(spread.frame, &x, &y, [rim_mm; 3]);
+    made.cover = spread.cover;
+    made.sheets.iter_mut().for_each(|plan| plan.trim = plan.printed);
+    Ok(made)
+}
+
+/// Where the panel is cut along one axis: between cells, as many of them on each sheet as on any other or one less. Cells that
+/// are larger than a sheet are cut into `parts` equal parts.
+fn cuts(size_mm: f64, cell_mm: f64, most_mm: f64, parts: usize) -> Vec<f64> {
+    // A millionth of slack for sizes made to measure.
+    let fit = (most_mm / cell_mm + 1e-6).floor();
+    if fit < 1.0 {
+        let inner = (1..parts).map(|i| size_mm * i as f64 / parts as f64);
+        return [0.0].into_iter().chain(inner).chain([size_mm]).collect();
+    }
+    let cells = (size_mm / cell_mm - 1e-6).ceil().max(1.0);
+    let sheets = (cells / fit).ceil();
+    let inner = (1..sheets as usize).map(|i| (i as f64 * cells / sheets).floor() * cell_mm);
+    [0.0].into_iter().chain(inner).chain([size_mm]).collect()
 }
 
 /// A paint, a sheet and its stencil.

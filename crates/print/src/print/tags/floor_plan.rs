@@ -5,16 +5,15 @@
 
 use nalgebra::Vector3;
 
-use super::window::GroundWindow;
+use super::mat::{ARROW_MM, GREY, GroundWindow};
 use super::{TagPrintError, captions, family_name};
 use crate::print::page::Media;
 use crate::print::shapes::{OutlineMm, stroke, stroked};
-use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::cover::titled;
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable};
 use scaleproof_pose::scene::{Scene, Tag};
 
-const GREY: Srgb8 = [110, 110, 110];
 const TEXT_MM: f64 = 2.6;
 const LEADING_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.25;
@@ -24,7 +23,6 @@ const DRAWING_SHARE: f64 = 0.55;
 /// On the page, how far a card's line towards the side it faces is drawn, and its id beyond that.
 const POINTER_MM: f64 = 4.0;
 const ID_MM: f64 = 2.4;
-const ARROW_MM: f64 = 18.0;
 /// A card that looks up within this shows its top instead of the side it faces.
 const FLAT_DEG: f64 = 0.5;
 /// Length of a roll's page that may be used.

@@ -13,7 +13,6 @@ use crate::print::page::Media;
 use crate::print::paper::Stock;
 use crate::print::shapes::{clipped, stroked};
 use crate::print::sheet::RectMm;
-use crate::print::template::layout::Strips;
 use crate::print::template::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect};
 
 /// What neighbouring sheets share for gluing.
@@ -192,12 +191,7 @@ fn tiled(page: PageFrame, media: Media, mat: &Mat, content: RectMm) -> Result<(S
     let ends = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
     let ((left, right), (top, bottom)) = (ends(&x), ends(&y));
     let from = |edges: &[f64], zero: f64| edges.iter().map(|edge| edge - zero).collect::<Vec<_>>();
-    let strips = Strips {
-        before_mm: 0.0,
-        after_mm: OVERLAP_MM,
-        outer_mm: 0.0,
-    };
-    let layout = SheetLayout::cut_at(page, &from(&x, left), &from(&y, top), strips);
+    let layout = SheetLayout::cut_at(page, &from(&x, left), &from(&y, top), [0.0, OVERLAP_MM, 0.0]);
     Ok((layout, RectMm::new(left, -bottom, right, -top)))
 }
 

@@ -2,9 +2,9 @@
 //! dashed line goes under the next), and the place strips, each the ground as it is seen through the strip.
 
 use super::ground::Ground;
+use super::mat::GroundWindow;
 use super::piece::CutPiece;
 use super::strip::{PlaceStrip, WIDTH_MM};
-use super::window::GroundWindow;
 use super::{Instead, LINE_MM, captions};
 use crate::print::page::Media;
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};

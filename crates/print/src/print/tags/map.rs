@@ -1,9 +1,8 @@
 //! The first page: what to do in which order, where every sheet belongs, and the scale check that is filled in by hand.
 
 use super::ground::Ground;
-use super::mat::GREY;
+use super::mat::{GREY, GroundWindow};
 use super::piece::PiecePage;
-use super::window::GroundWindow;
 use super::{Arrangement, TagPrintError, captions};
 use crate::print::page::Media;
 use crate::print::shapes::{OutlineMm, stroked};

@@ -1,13 +1,15 @@
-//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame of [`super::window`];
+//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame;
 //! [`super::ground`] spreads it over paper.
+//!
+//! *Ground frame*: the ground seen from above, the model's front to the right: x and y of the model frame, millimetres. A window onto it shows
+//! the same drawing on a sheet of the mat, on a place strip, and on the map.
 
 use nalgebra::Point3;
 
 use super::arrange::Arrangement;
 use super::tent::Tent;
-use super::window::GroundWindow;
 use super::{TagPrintError, image_of};
-use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, overlap, stroke, stroked};
+use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, clipped, overlap, stroke, stroked};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
 use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use scaleproof_pose::scene::{ScaleModel, Scene, Tag};
@@ -20,7 +22,7 @@ const TEXT_MM: f64 = 4.0;
 const TITLE_MM: f64 = 8.0;
 const UP_MM: f64 = 4.0;
 /// Length and width of the arrow at the model's front.
-const ARROW_MM: f64 = 18.0;
+pub const ARROW_MM: f64 = 18.0;
 
 /// Everything on the mat, in painting order.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -178,4 +180,49 @@ pub fn on_mat(point: &Point3<f64>) -> PointMm {
 fn level_unit(x: f64, y: f64) -> [f64; 2] {
     let length = x.hypot(y);
     [x / length, y / length]
+}
+
+/// Which point of the ground lies where on a page, how it is turned, and how much smaller it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroundWindow {
+    /// On the ground.
+    pub centre: PointMm,
+    /// Where `centre` lies on the page.
+    pub at: PointMm,
+    /// Unit vector of the ground that runs to the right on the page.
+    pub right: [f64; 2],
+    pub scale: f64,
+}
+
+impl GroundWindow {
+    /// A window with the model's front to the right.
+    pub fn level(centre: (f64, f64), at: (f64, f64), scale: f64) -> Self {
+        Self {
+            centre: centre.into(),
+            at: at.into(),
+            right: [1.0, 0.0],
+            scale,
+        }
+    }
+
+    /// A point of the ground on the page.
+    pub fn on_page(&self, p: PointMm) -> PointMm {
+        let (x, y) = (p.x_mm - self.centre.x_mm, p.y_mm - self.centre.y_mm);
+        let [c, s] = self.right;
+        PointMm::new(
+            self.at.x_mm + self.scale * (c * x + s * y),
+            self.at.y_mm + self.scale * (c * y - s * x),
+        )
+    }
+
+    /// An outline of the ground on the page.
+    pub fn outline(&self, outline: &[PointMm]) -> OutlineMm {
+        outline.iter().map(|p| self.on_page(*p)).collect()
+    }
+
+    /// What is seen of some outlines inside a rectangle of the page.
+    pub fn clipped(&self, outlines: &[OutlineMm], to: RectMm) -> Vec<OutlineMm> {
+        let seen = outlines.iter().map(|outline| clipped(&self.outline(outline), to));
+        seen.filter(|outline| outline.len() > 2).collect()
+    }
 }

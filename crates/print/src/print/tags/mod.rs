@@ -13,7 +13,6 @@ mod piece;
 pub mod seams;
 mod strip;
 mod tent;
-mod window;
 
 pub use arrange::{Arrangement, arrange};
 pub use ground::Ground;

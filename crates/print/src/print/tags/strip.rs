@@ -1,9 +1,8 @@
 //! Place strips: where a tent card stands that is beyond the mat's paper. One end is glued onto its outline on the mat, the card
-//! stands on the other. A strip is a window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::window`].
+//! stands on the other. A strip is a window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::mat`].
 
-use super::mat::{Mat, on_mat};
+use super::mat::{GroundWindow, Mat, on_mat};
 use super::tent::Tent;
-use super::window::GroundWindow;
 use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 

@@ -108,16 +108,18 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
             (high + CROP_GAP_MM, high + CROP_GAP_MM + length),
         ]
     };
-    let mut marks = Vec::new();
-    for x in [trim.left_mm, trim.right_mm] {
-        let both = spans(printed.bottom_mm, printed.top_mm);
-        marks.extend(both.map(|(from, to)| Mark::line((x, from), (x, to), CROP_LINE_MM)));
-    }
-    for y in [trim.bottom_mm, trim.top_mm] {
-        let both = spans(printed.left_mm, printed.right_mm);
-        marks.extend(both.map(|(from, to)| Mark::line((from, y), (to, y), CROP_LINE_MM)));
-    }
-    marks
+    let crop = |at: [f64; 2], [low, high]: [f64; 2], point: fn(f64, f64) -> (f64, f64)| {
+        let lines = at.map(|at| spans(low, high).map(|(from, to)| [point(at, from), point(at, to)]));
+        lines
+            .into_iter()
+            .flatten()
+            .map(|[from, to]| Mark::line(from, to, CROP_LINE_MM))
+    };
+    let ([left, bottom, right, top], [low_x, low_y, high_x, high_y]) = (trim.edges(), printed.edges());
+    let upright = crop([left, right], [low_y, high_y], |x, y| (x, y));
+    upright
+        .chain(crop([bottom, top], [low_x, high_x], |y, x| (x, y)))
+        .collect()
 }
 
 /// Outside the middle of each side: a registration cross, and the letter of the seam if a neighbour follows. The crosses of

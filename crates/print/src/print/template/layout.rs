@@ -136,12 +136,7 @@ fn spread(request: &LayoutRequest, turned: bool) -> Result<SheetLayout, SheetErr
     let frame = frame.cut_off(request.paper, carried_mm(total, count, overlap_mm, bleed_mm))?;
     let x = cuts(request.size_mm.0, columns, overlap_mm, bleed_mm);
     let y = cuts(request.size_mm.1, rows, overlap_mm, bleed_mm);
-    let strips = Strips {
-        before_mm: 0.0,
-        after_mm: overlap_mm,
-        outer_mm: bleed_mm,
-    };
-    Ok(SheetLayout::cut_at(frame, &x, &y, strips))
+    Ok(SheetLayout::cut_at(frame, &x, &y, [0.0, overlap_mm, bleed_mm]))
 }
 
 /// How many sheets the template takes: (across, down).
@@ -196,21 +191,14 @@ fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64>
     [0.0].into_iter().chain(inner).chain([size_mm]).collect()
 }
 
-/// What a sheet carries beside its own part: towards the sheets before and after it along each axis, and at the template's edge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strips {
-    pub before_mm: f64,
-    pub after_mm: f64,
-    pub outer_mm: f64,
-}
-
 impl SheetLayout {
     /// Sheets cut at given edges, from 0 on, each along its axis in rising order; the first and the last are the template's own.
-    /// Every sheet must have room for what it carries.
-    pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], strips: Strips) -> Self {
+    /// Every sheet must have room for what it carries: beside its own part strips towards the sheets `before` and `after` it along
+    /// each axis, and an `outer` one at the template's edge.
+    pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], [before, after, outer]: [f64; 3]) -> Self {
         let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
-        let before = |i: usize| if i == 0 { strips.outer_mm } else { strips.before_mm };
-        let after = |is_last: bool| if is_last { strips.outer_mm } else { strips.after_mm };
+        let before = |i: usize| if i == 0 { outer } else { before };
+        let after = |is_last: bool| if is_last { outer } else { after };
         let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
         let sheet = |(row, column): (usize, usize)| {
             let own = TemplateRect {

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use super::lines::{EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, place};
 use super::panel::Face;
-use super::region::Region;
+use super::region::{Contour, Region};
 use super::seams::{CLEAR_MM, SeamMark, seams};
 use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
 use crate::print::raster::{self, FlatPaint, FlatTriangle, PixelGrid, Pose};
@@ -15,6 +14,14 @@ use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 use scaleproof_surface::texture::{Texture, Tile};
 
+/// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
+const CUT_GAP_MM: f64 = 0.1;
+const CUT_LINE_MM: f64 = 0.15;
+/// Free paper that the line takes around a region, and a little more.
+pub const CUT_ROOM_MM: f64 = 1.0;
+/// Edges within a panel are marked lightly: they lie on the pattern.
+pub const EDGE_LINE_MM: f64 = 0.06;
+pub const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
@@ -156,6 +163,35 @@ impl Drawing<'_> {
         marks.extend(furniture::all(layout, plan, &self.captions));
         layout.frame.sheet(plan.trim, plan.printed, marks)
     }
+}
+
+/// What a cutter follows on a sheet: the part of the region's border that the sheet shows.
+pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
+    let sheet = plan.printed.outline();
+    let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
+    Mark::Cut {
+        outlines: moved(region.and(&sheet).contours(), by),
+        is_piece: true,
+    }
+}
+
+/// The line around a region, outside of it.
+pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
+    let around = moved(region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM).contours(), by);
+    let lines = around.iter().flat_map(|outline| Mark::outline(outline, CUT_LINE_MM));
+    lines.collect()
+}
+
+/// A place of a plane on a page.
+fn place(p: Point, by: Point) -> PointMm {
+    PointMm::new(p[0] + by[0], p[1] + by[1])
+}
+
+/// Outlines of a plane, moved onto a page.
+pub fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
+    outlines
+        .map(|outline| outline.iter().map(|p| place(*p, by)).collect())
+        .collect()
 }
 
 /// A seam's letter and the line from it to the seam, on the sheet that shows the letter once all are glued.

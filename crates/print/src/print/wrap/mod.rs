@@ -7,12 +7,11 @@
 
 mod cover;
 mod draw;
-mod lines;
 mod panel;
 mod region;
 mod seams;
 
-pub use lines::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved};
+pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved};
 pub use panel::{Face, PRINTED, PaintedSurface, Panel};
 pub use region::{Contour, Point, Region, corners, cross};
 

@@ -136,15 +136,14 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Seam
         let steps = (length / 3.0).ceil().max(1.0) as usize;
         for step in 0..steps {
             let share = (step as f64 + 0.5) / steps as f64;
-            let p = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+            let p = [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
             let off_middle = distance(p, middle);
-            if best.as_ref().is_some_and(|(found, ..)| *found <= off_middle) || region.distance_mm(p) < -0.1 {
+            if best.is_some_and(|(found, ..)| found <= off_middle) || region.distance_mm(p) < -0.1 {
                 continue;
             }
-            let mut signs = [1.0, -1.0].iter();
-            if let Some(at) = signs.find_map(|sign| free(p, outward.map(|c| sign * c), grown, taken)) {
-                best = Some((off_middle, p, at));
-            }
+            let here = free(p, outward, grown, taken);
+            let at = here.or_else(|| free(p, outward.map(|c| -c), grown, taken));
+            best = at.map(|at| (off_middle, p, at)).or(best);
         }
     }
     best.map(|(_, p, at)| (p, at))
