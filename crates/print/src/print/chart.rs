@@ -6,6 +6,7 @@ use super::page::Media;
 use super::printer::Printer;
 use super::shapes::{TagPlacement, black_modules};
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::template::making;
 use crate::colour_chart::layout::{ChartKind, ChartLayout, FAMILY, PATCH_MM, TAG_MM};
 use scaleproof_plot::lettering::{number, size};
 use scaleproof_pose::tags::TagImage;
@@ -71,25 +72,22 @@ fn placed(media: Media) -> Result<(ChartLayout, PageFrame, RectMm), ChartPrintEr
 }
 
 fn captions(layout: &ChartLayout, printer: &Printer) -> Vec<String> {
-    let ids = layout.kind.tag_ids();
-    vec![
-        "Print at 100 %, on the paper and with the settings of the later sheets; let the ink dry. Lay it flat, in even light from the side."
-            .to_owned(),
-        "Photograph all of it sharply, from above, without flash and a little dark: white paper must not be at the end of the scale."
-            .to_owned(),
-        format!(
-            "Colour chart {}: {} patches, {} cells of bare paper, tag36h11 {} to {} of {} mm",
-            layout.kind.name(),
-            layout.patches.len(),
-            layout.whites.len(),
-            ids[0],
-            ids[4],
-            number(TAG_MM)
-        ),
-        format!(
-            "Then: scaleproof colour read PHOTO -o printer.toml · {} · scaleproof {}",
-            printer.caption(),
-            env!("CARGO_PKG_VERSION")
-        ),
+    let (kind, ids) = (layout.kind.name(), layout.kind.tag_ids());
+    let contents = format!(
+        "Colour chart {kind}: {} patches, {} cells of bare paper, tag36h11 {} to {} of {} mm",
+        layout.patches.len(),
+        layout.whites.len(),
+        ids[0],
+        ids[4],
+        number(TAG_MM)
+    );
+    let then = "Then: scaleproof colour read PHOTO -o printer.toml";
+    [
+        "Print at 100 %, on the paper and with the settings of the later sheets; let the ink dry. Lay it flat, in even light from the side.",
+        "Photograph all of it sharply, from above, without flash and a little dark: white paper must not be at the end of the scale.",
+        &contents,
+        &format!("{then} · {}", making(printer, None)),
     ]
+    .map(str::to_owned)
+    .to_vec()
 }

@@ -1,9 +1,7 @@
 //! Calibration boards on one sheet: ChArUco, chessboard, AprilGrid.
 
-mod definition;
 mod draw;
 
-pub use definition::definition;
 pub use scaleproof_pose::board::Definition;
 
 use super::SheetError;
@@ -11,10 +9,12 @@ use super::frame::PageFrame;
 use super::page::Media;
 use super::printer::Printer;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
-use scaleproof_core::geometry::length::BadLength;
+use super::template::making;
+use scaleproof_core::geometry::length::{self, BadLength};
 use scaleproof_plot::lettering::size;
 use scaleproof_pose::board::DefinitionError;
-use scaleproof_pose::tags::DictionaryError;
+use scaleproof_pose::scene::TagFamily;
+use scaleproof_pose::tags::{DictionaryError, MarkerDictionary, Modules};
 
 /// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
 const MIN_MODULE_MM: f64 = 0.2;
@@ -89,6 +89,99 @@ pub struct Board {
     pub sheet: Sheet,
 }
 
+/// The definition of a board that can be printed.
+///
+/// # Errors
+/// Numbers that make no board, too few markers in the dictionary, modules too small to print.
+pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
+    let (columns, rows) = request.squares;
+    let (squares, square_mm) = ([columns, rows], request.square_mm);
+    let least = if request.kind == BoardKind::Aprilgrid { 1 } else { 3 };
+    if !squares.iter().all(|n| (least..=Definition::MOST_SQUARES).contains(n)) {
+        return Err(BoardError::Squares { columns, rows, least });
+    }
+    length::size_mm("square", square_mm)?;
+    let without_dictionary = |board: &'static str| match request.dictionary {
+        Some(_) => Err(BoardError::DictionaryUnused { board }),
+        None => Ok(()),
+    };
+    Ok(match request.kind {
+        BoardKind::Charuco => {
+            let dictionary = MarkerDictionary::named(request.dictionary.as_deref().unwrap_or(Definition::DICTIONARY))?;
+            let marker_mm = marker_mm(request, Definition::MARKER_SHARE)?;
+            check_count(columns * rows / 2, dictionary.name(), dictionary.count())?;
+            let modules = dictionary.marker(0).map_or(1, Modules::side);
+            printable(marker_mm / modules as f64)?;
+            Definition::Charuco {
+                squares,
+                square_mm,
+                marker_mm,
+                dictionary: dictionary.name().to_owned(),
+                legacy_layout: false,
+            }
+        }
+        BoardKind::Chessboard => {
+            let board = "a chessboard";
+            if request.marker_mm.is_some() {
+                return Err(BoardError::MarkerSizeUnused { board });
+            }
+            without_dictionary(board)?;
+            printable(square_mm)?;
+            Definition::Chessboard {
+                squares,
+                inner_corners: squares.map(|n| n - 1),
+                square_mm,
+            }
+        }
+        BoardKind::Aprilgrid => {
+            without_dictionary("an AprilGrid, which is made of tag36h11")?;
+            let tag_mm = marker_mm(request, 1.0 / (1.0 + Definition::TAG_SPACING))?;
+            check_count(columns * rows, "tag36h11", TagFamily::Tag36h11.count() as usize)?;
+            printable(tag_mm / f64::from(Definition::GRID_TAG_MODULES))?;
+            Definition::Aprilgrid {
+                tags: squares,
+                tag_mm,
+                // Rounded to what the file shows, so that the board and its file agree: a millionth of a tag.
+                tag_spacing: ((square_mm / tag_mm - 1.0) * 1e6).round() / 1e6,
+                family: "tag36h11".to_owned(),
+                border_modules: 2,
+            }
+        }
+    })
+}
+
+fn check_count(needed: u32, dictionary: &'static str, count: usize) -> Result<(), BoardError> {
+    let needed = needed as usize;
+    if needed > count {
+        return Err(BoardError::NotEnoughMarkers {
+            needed,
+            dictionary,
+            count,
+        });
+    }
+    Ok(())
+}
+
+/// The marker's size, requested or usual, in thousandths of a millimetre.
+fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError> {
+    let usual = (request.square_mm * usual_share * 1000.0).round() / 1000.0;
+    let marker_mm = length::size_mm("marker", request.marker_mm.unwrap_or(usual))?;
+    if marker_mm >= 0.95 * request.square_mm {
+        return Err(BoardError::MarkerTooLarge {
+            marker_mm,
+            square_mm: request.square_mm,
+        });
+    }
+    Ok(marker_mm)
+}
+
+fn printable(module_mm: f64) -> Result<(), BoardError> {
+    if module_mm < MIN_MODULE_MM {
+        return Err(BoardError::ModuleTooSmall { module_mm });
+    }
+    Ok(())
+}
+
 /// Draws a board in the middle of one sheet.
 ///
 /// # Errors
@@ -118,10 +211,8 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
 }
 
 fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {
-    vec![
-        "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
-        "Glue the sheet to something flat and stiff; a board that bends spoils a calibration.".to_owned(),
-        definition.line(),
-        format!("{} · scaleproof {}", printer.caption(), env!("CARGO_PKG_VERSION")),
-    ]
+    let print = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
+    let glue = "Glue the sheet to something flat and stiff; a board that bends spoils a calibration.";
+    let lines = [print, glue, &definition.line(), &making(printer, None)];
+    lines.map(str::to_owned).to_vec()
 }

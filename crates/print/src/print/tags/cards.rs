@@ -1,7 +1,7 @@
 //! Draws cards: plain ones, one tag each, upright, inside a cut line; tent cards, cut lines solid, fold lines dashed, a tag on each face.
 
 use super::piece::CutPiece;
-use super::tent::{FlatTag, Net, SIDE_MM, Tent};
+use super::tent::{FlatTag, Fold, Net, SIDE_MM, Tent};
 use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::shapes::{TagPlacement, black_modules};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, TextAnchor, sides};
@@ -164,12 +164,9 @@ fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
         dash_mm,
         colour: BLACK,
     };
-    let folds = net
-        .folds
-        .iter()
-        .map(|fold| line([0.0, fold.y_mm], [net.width_mm, fold.y_mm], Some(DASH_MM)));
-    let tab = net.tab;
-    let (w, h) = (net.width_mm, net.height_mm);
+    let (tab, w, h) = (net.tab, net.width_mm, net.height_mm);
+    let fold = |fold: Fold| line([0.0, fold.y_mm], [w, fold.y_mm], Some(DASH_MM));
+    let folds = net.folds.map(fold);
     let around = [tab[0], tab[1], tab[2], [w, h], [0.0, h], tab[3]];
     let cuts = sides(&around).map(|(from, to)| line(*from, *to, None));
     // Where a face meets the ground: its middle, which belongs to the mark on the ground.

@@ -310,17 +310,13 @@ fn family_name(family: TagFamily) -> &'static str {
 
 /// The lines at the foot of every page.
 fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
-    let [first, second] = how_to.map(str::to_owned);
-    vec![
-        "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
-        first,
-        second,
-        format!(
-            "scene {} · scale 1:{} · {} · scaleproof {}",
-            scene.model.name,
-            number(scene.model.scale),
-            media.printer.caption(),
-            env!("CARGO_PKG_VERSION")
-        ),
-    ]
+    let making = format!(
+        "scene {} · scale 1:{} · {} · scaleproof {}",
+        scene.model.name,
+        number(scene.model.scale),
+        media.printer.caption(),
+        env!("CARGO_PKG_VERSION")
+    );
+    let check = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
+    [check, how_to[0], how_to[1], &making].map(str::to_owned).to_vec()
 }

@@ -97,11 +97,8 @@ impl SeamAxis {
     }
 
     fn cost(&self, seam: f64, even: f64) -> f64 {
-        let cut = self
-            .keep
-            .iter()
-            .filter(|(low, high)| seam > *low && seam < *high)
-            .count();
+        let is_cut = |(low, high): &&(f64, f64)| seam > *low && seam < *high;
+        let cut = self.keep.iter().filter(is_cut).count();
         let clear = clearance(seam, &self.keep).min(CLEAR_MM);
         TAG_WEIGHT * cut as f64 + CLEAR_WEIGHT * (CLEAR_MM - clear) + (seam - even).abs()
     }
