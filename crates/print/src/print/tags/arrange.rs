@@ -33,19 +33,18 @@ pub fn arrange(scene: &Scene) -> Arrangement<'_> {
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut taken = vec![false; rest.len()];
-    let mut tents: Vec<(usize, Tent)> = Vec::new();
+    let mut tents: Vec<Option<Tent>> = vec![None; rest.len()];
     for (_, i, j, tent) in pairs {
         if !taken[i] && !taken[j] {
             (taken[i], taken[j]) = (true, true);
-            tents.push((i, tent));
+            tents[i] = Some(tent);
         }
     }
-    tents.sort_by_key(|(first, _)| *first);
     let mut taken = taken.into_iter();
     rest.retain(|_| !taken.next().unwrap_or(false));
     Arrangement {
         flat,
-        tents: tents.into_iter().map(|(_, tent)| tent).collect(),
+        tents: tents.into_iter().flatten().collect(),
         cards: rest,
     }
 }

@@ -121,10 +121,9 @@ impl Tent {
             tags: Vec::new(),
         };
         let panels = net.folded_panels(self);
-        let tags = self.tags.iter().zip([FACE_A, FACE_B]);
-        net.tags = tags
-            .map(|(tag, panel)| FlatTag::on(panel, tag, &(self.place * panels[panel])))
-            .collect();
+        for (tag, panel) in self.tags.iter().zip([FACE_A, FACE_B]) {
+            net.tags.push(FlatTag::on(panel, tag, &(self.place * panels[panel])));
+        }
         net
     }
 

@@ -27,16 +27,18 @@ const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
-/// Draws `panels`, which are those of `paint`, on their sheets.
-pub fn wrap(
-    mesh: &Mesh,
-    paint: &PaintedSurface,
-    panels: Vec<Panel>,
-    texture: &Texture,
-    request: &WrapRequest,
-) -> Result<Wrap, WrapError> {
+/// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
+///
+/// # Errors
+/// No surface on any side, and whatever the layout and the cells of a template refuse.
+pub fn wrap(mesh: &Mesh, materials: &[usize], texture: &Texture, request: &WrapRequest) -> Result<Wrap, WrapError> {
+    let paint = PaintedSurface::of_materials(mesh, materials);
+    let panels = paint.panels();
+    if panels.is_empty() {
+        return Err(WrapError::NothingToPrint);
+    }
     let grown: Vec<Region> = panels.iter().map(|panel| panel.region.grown(BLEED_MM)).collect();
-    let seams = seams(paint, &panels, &grown);
+    let seams = seams(&paint, &panels, &grown);
     let spread = |panel: Panel| {
         let (_, layout, corner) = request.spread(panel.side, &panel.region, ROOM_MM)?;
         Ok(SpreadPanel { panel, layout, corner })
@@ -59,11 +61,8 @@ pub fn wrap(
         cell_mm: cells.as_ref().map(|cells| cells.cell_mm),
         pages: Vec::new(),
     };
-    let Some(first) = made.pieces.first() else {
-        return Err(WrapError::NothingToPrint);
-    };
     let overview = captions(Side::Front, (100.0, 100.0));
-    let mut pages = vec![cover::cover(&made, &seams, first.layout.cover, &overview)];
+    let mut pages = vec![cover::cover(&made, &seams, made.pieces[0].layout.cover, &overview)];
     for (piece, grown) in made.pieces.iter().zip(&grown) {
         let SpreadPanel { panel, layout, corner } = piece;
         let drawing = Drawing {

@@ -11,7 +11,7 @@ mod panel;
 mod region;
 mod seams;
 
-pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved};
+pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, wrap};
 pub use panel::{Face, PRINTED, PaintedSurface, Panel};
 pub use region::{Contour, Point, Region, corners, cross};
 
@@ -26,7 +26,6 @@ use scaleproof_core::spelling::count;
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
-use scaleproof_surface::texture::Texture;
 
 /// How far the pattern runs on beyond a panel's outline.
 pub const BLEED_MM: f64 = 2.0;
@@ -162,12 +161,8 @@ impl Wrap {
     pub fn page_names(&self) -> Vec<String> {
         let mut names = vec!["assembly".to_owned()];
         for SpreadPanel { panel, layout, .. } in &self.pieces {
-            names.extend(
-                layout
-                    .sheets
-                    .iter()
-                    .map(|plan| format!("{}-{}", panel.side.name(), plan.id())),
-            );
+            let name = |plan: &SheetPlan| format!("{}-{}", panel.side.name(), plan.id());
+            names.extend(layout.sheets.iter().map(name));
         }
         names
     }
@@ -217,19 +212,6 @@ impl Wrap {
         ));
         facts
     }
-}
-
-/// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
-///
-/// # Errors
-/// No surface on any side, and whatever the layout and the cells of a template refuse.
-pub fn wrap(mesh: &Mesh, materials: &[usize], texture: &Texture, request: &WrapRequest) -> Result<Wrap, WrapError> {
-    let paint = PaintedSurface::of_materials(mesh, materials);
-    let panels = paint.panels();
-    if panels.is_empty() {
-        return Err(WrapError::NothingToPrint);
-    }
-    draw::wrap(mesh, &paint, panels, texture, request)
 }
 
 /// Refuses a mesh that is not as large as the scene says.
