@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof_core::files::sha256_hex;
-use scaleproof_detect::{Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest};
+use scaleproof_detect::{Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest, protocol};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::frames::import::import as import_frames;
 use scaleproof_photo::photo::Photo;
@@ -263,7 +263,19 @@ pub fn results(bytes: &[u8]) {
 /// What a program says: a hello, an answer about a photo of 64 × 48 px, a manifest that starts it, and a command line.
 pub fn program(bytes: &[u8]) {
     let Some(text) = text(bytes) else { return };
-    scaleproof_detect::read_as_a_programs(text);
+    let labels = protocol::Hello::parse(text).map_or(Labels::Coco80, |hello| hello.labels);
+    if let Ok(found) = protocol::detections(text, 1, [64, 48], labels) {
+        assert!(
+            found.len() <= 100
+                && found
+                    .iter()
+                    .all(|d| d.box_px.is_solid() && labels.name(d.label).is_some())
+        );
+        assert!(found.is_sorted_by(|a, b| a.score >= b.score));
+    }
+    if let Ok(Some(loss)) = protocol::loss(text, 1, [64, 48]) {
+        assert!(loss >= 0.0);
+    }
     let _ = ProgramSpec::parse(text, Path::new("mine.toml"));
     let _ = ProgramSpec::named(&format!("exec:{text}"));
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::manifest::is_network;
 use super::{Manifest, ManifestError, ProgramSpec, registered, registered_names};
 use scaleproof_core::files::{self, FileError};
 
@@ -35,11 +36,6 @@ fn is_file(name: &str) -> bool {
     name.ends_with(".toml") || is_network(name)
 }
 
-fn is_network(name: &str) -> bool {
-    let lower = name.to_ascii_lowercase();
-    lower.ends_with(".onnx") || lower.ends_with(".ort")
-}
-
 fn one(name: &str) -> Result<Manifest, ManifestError> {
     if let Ok(Some(_)) = ProgramSpec::named(name) {
         let name = name.to_owned();
@@ -49,7 +45,7 @@ fn one(name: &str) -> Result<Manifest, ManifestError> {
         return Manifest::open(Path::new(name));
     }
     if is_network(name) {
-        return of_network(Path::new(name));
+        return beside(Path::new(name));
     }
     if let Some(manifest) = registered(name)? {
         return Ok(manifest);
@@ -64,24 +60,23 @@ fn one(name: &str) -> Result<Manifest, ManifestError> {
 }
 
 /// The manifest beside an ONNX file, which must be about this file.
-fn of_network(network: &Path) -> Result<Manifest, ManifestError> {
-    let path = network.with_extension("toml");
-    let (network, manifest) = (network.to_owned(), path.clone());
+fn beside(network: &Path) -> Result<Manifest, ManifestError> {
+    let (network, manifest) = (network.to_owned(), network.with_extension("toml"));
     if !network.is_file() {
         return Err(ManifestError::NoNetwork { network });
     }
-    if !path.is_file() {
+    if !manifest.is_file() {
         return Err(ManifestError::NoManifest { network, manifest });
     }
-    let found = Manifest::open(&path)?;
-    let described = path.parent().unwrap_or(Path::new("")).join(&found.weights.file);
+    let found = Manifest::open(&manifest)?;
+    let described = manifest.with_file_name(&found.weights.file);
     if described.canonicalize().ok() == network.canonicalize().ok() {
-        Ok(found)
-    } else {
-        Err(ManifestError::OtherNetwork {
-            network,
-            manifest,
-            described: found.weights.file,
-        })
+        return Ok(found);
     }
+    let described = found.weights.file;
+    Err(ManifestError::OtherNetwork {
+        network,
+        manifest,
+        described,
+    })
 }

@@ -7,18 +7,19 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Detection, Labels, Manifest};
+use super::registered::names_in;
+use super::{Detection, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 
-/// One line of a COCO results file.
-#[derive(Debug, Serialize, Deserialize)]
-struct CocoResult {
-    image_id: u64,
-    category_id: u32,
+/// One detection of a COCO results file (cocodataset.org, "Results format").
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CocoResult {
+    pub image_id: u64,
+    pub category_id: u32,
     /// x, y, width, height in pixels.
-    bbox: [f64; 4],
-    score: f64,
+    pub bbox: [f64; 4],
+    pub score: f64,
 }
 
 /// COCO results JSON of some photos, given as (image id, detections); one result a line. `category_id` says which category a label is
@@ -94,17 +95,7 @@ impl Recording {
 
     /// The detectors that a folder has recordings of, by name; none when there is no such folder.
     pub fn names_in(folder: &Path) -> Vec<String> {
-        let name_of = |file: &str| {
-            file.strip_suffix(PROVENANCE)
-                .filter(|name| Manifest::is_name(name))
-                .map(str::to_owned)
-        };
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let mut names: Vec<String> = entries
-            .filter_map(|entry| name_of(entry.file_name().to_str()?))
-            .collect();
-        names.sort();
-        names
+        names_in(folder, PROVENANCE)
     }
 }
 
@@ -157,25 +148,29 @@ impl Recorded {
         }
         let results: Vec<CocoResult> = parse(&text, &results_path)?;
         let by_id: BTreeMap<u64, &str> = recording.photos.iter().map(|p| (p.id, p.sha256.as_str())).collect();
-        let mut by_photo: BTreeMap<String, Vec<Detection>> = recording
-            .photos
-            .iter()
-            .map(|p| (p.sha256.clone(), Vec::new()))
-            .collect();
-        for r in results {
-            let detections = by_id.get(&r.image_id).and_then(|sha256| by_photo.get_mut(*sha256));
-            let detection = detection(&r, manifest.labels);
-            match (detections, detection) {
-                (Some(detections), Some(detection)) => detections.push(detection),
-                (None, _) => {
-                    let message = format!("image_id {} has no photo in its provenance", r.image_id);
-                    return Err(unreadable(&results_path, message));
-                }
-                (_, None) => {
-                    let message = format!("a result of image {} has no valid box, score or category", r.image_id);
-                    return Err(unreadable(&results_path, message));
-                }
-            }
+        let none = |photo: &RecordedPhoto| (photo.sha256.clone(), Vec::new());
+        let mut by_photo: BTreeMap<String, Vec<Detection>> = recording.photos.iter().map(none).collect();
+        for CocoResult {
+            image_id,
+            category_id,
+            bbox: [x, y, w, h],
+            score,
+        } in results
+        {
+            let detections = by_id.get(&image_id).and_then(|sha256| by_photo.get_mut(*sha256));
+            let Some(detections) = detections else {
+                let message = format!("image_id {image_id} has no photo in its provenance");
+                return Err(unreadable(&results_path, message));
+            };
+            let label = manifest
+                .labels
+                .of_category(category_id)
+                .filter(|_| (0.0..=1.0).contains(&score));
+            let detection = label.and_then(|label| Detection::new(label, score, BoxPx::new(x, y, x + w, y + h)));
+            detections.push(detection.ok_or_else(|| {
+                let message = format!("a result of image {image_id} has no valid box, score or category");
+                unreadable(&results_path, message)
+            })?);
         }
         Ok(Recorded { recording, by_photo })
     }
@@ -221,16 +216,4 @@ fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, R
 fn unreadable(path: &Path, message: impl ToString) -> RecordedError {
     let (path, message) = (path.to_owned(), message.to_string());
     RecordedError::Syntax { path, message }
-}
-
-fn detection(r: &CocoResult, labels: Labels) -> Option<Detection> {
-    let [x, y, w, h] = r.bbox;
-    if !(0.0..=1.0).contains(&r.score) {
-        return None;
-    }
-    Detection::new(
-        labels.of_category(r.category_id)?,
-        r.score,
-        BoxPx::new(x, y, x + w, y + h),
-    )
 }

@@ -1,12 +1,13 @@
 //! Detectors that are no network of this program: another program runs them, or has run them. Only their boxes are seen here.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{Channels, Head, Input, Kernel, Layout, Resize, Values, Weights};
-use super::{Detection, Labels, Manifest};
-use scaleproof_core::files;
+use super::manifest::{Input, Layout, Values, Weights};
+use super::{Detection, HIGHEST_SCORE, Labels, Manifest};
+use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 
 /// How the boxes of such a detector come here.
@@ -60,102 +61,78 @@ impl ForeignCard {
 impl Manifest {
     /// What stands for a manifest where no network is fed: the photo goes in as it is, and boxes come out.
     pub fn of_foreign(card: &ForeignCard) -> Manifest {
+        let input = Input::unchanged(Layout::Nhwc, Values::U8);
         Manifest {
-            name: card.name.clone(),
             title: card.title.clone(),
             licence: card.licence.clone(),
             origin: card.origin.clone(),
-            labels: card.labels,
-            published_ap: None,
             weights: Weights {
-                file: String::new(),
-                url: String::new(),
                 sha256: card.sha256(),
+                ..Weights::default()
             },
-            input: Input {
-                size_px: [0, 0],
-                layout: Layout::Nhwc,
-                values: Values::U8,
-                resize: Resize::Original,
-                kernel: Kernel::OpencvLinear,
-                pad: 0,
-                channels: Channels::Rgb,
-                mean: [0.0; 3],
-                std: [1.0; 3],
-            },
-            head: Head::Foreign {},
             class_map: card.class_map.clone(),
-            folder: None,
+            ..Manifest::unstated(&card.name, card.labels, input)
         }
     }
 }
 
-/// A sigmoid or softmax may round up a little.
-const HIGHEST_SCORE: f64 = 1.001;
+/// A file's name with its SHA-256.
+pub(super) fn hashed(path: &Path) -> Result<(String, String), FileError> {
+    Ok((name_of(path), files::sha256_hex(&files::read(path)?)))
+}
+
+/// The last part of a path.
+pub(super) fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
 /// Rounding a box to whole pixels explains so much over the border.
 const ROUNDING_PX: f64 = 1.0;
 /// No detector is this sure of a box that reaches out of its photo by more than [`FAR_OUT`] of a side.
 const SURE: f64 = 0.5;
 const FAR_OUT: f64 = 0.1;
+
 /// A detection of another program in the precision that files keep, cut at the border of its photo; `None` for a box without an area.
 ///
 /// # Errors
 /// Why it cannot be one of a photo of this size, in px.
 pub(super) fn placed(label: usize, score: f64, b: BoxPx, size: [u32; 2]) -> Result<Option<Detection>, String> {
     check_score(score)?;
-    let size = size.map(f64::from);
-    if !<[f64; 4]>::from(b).iter().all(|v| v.is_finite()) {
-        return Err(format!("the box {:?}, which is not finite", <[f64; 4]>::from(b)));
+    let ([width, height], corners) = (size.map(f64::from), <[f64; 4]>::from(b));
+    if !corners.iter().all(|v| v.is_finite()) {
+        return Err(format!("the box {corners:?}, which is not finite"));
     }
-    if let Some(fault) = place_fault(&b, score, size) {
-        return Err(fault);
-    }
-    let inside = if reaches_out(&b, size) > ROUNDING_PX {
-        b.clipped(size[0], size[1])
+    let reaches_out_px = (-b.x1).max(-b.y1).max(b.x2 - width).max(b.y2 - height);
+    let clipped = b.clipped(width, height);
+    let fault = if !clipped.is_solid() && b.is_solid() {
+        Some("lies outside")
     } else {
-        b
+        let is_far = reaches_out_px > FAR_OUT * width.max(height) && score >= SURE;
+        is_far.then_some("reaches far out of")
     };
+    if let Some(fault) = fault {
+        let [x1, y1, x2, y2] = corners.map(|v| format!("{v:.1}"));
+        return Err(format!(
+            "a box of confidence {score} from x, y = {x1}, {y1} to {x2}, {y2} {fault} the photo of {width}×{height} px: was the image of another \
+             size, or are these corners (x1, y1, x2, y2) where COCO has x, y, width, height?"
+        ));
+    }
+    let inside = if reaches_out_px > ROUNDING_PX { clipped } else { b };
     Ok(Detection::new(label, score.min(1.0), inside))
 }
 
 /// Refuses what is no confidence.
 pub(super) fn check_score(score: f64) -> Result<(), String> {
     if (0.0..=HIGHEST_SCORE).contains(&score) {
-        return Ok(());
-    }
-    if (1.0..=100.0).contains(&score) {
+        Ok(())
+    } else if (1.0..=100.0).contains(&score) {
         Err(format!(
             "the confidence {score} is above 1: divide it by 100 if it counts per cent; confidences go from 0 to 1"
         ))
     } else {
         Err(format!("the confidence {score} is none: confidences go from 0 to 1"))
     }
-}
-
-/// How far a box reaches over the border, in px.
-fn reaches_out(b: &BoxPx, [width, height]: [f64; 2]) -> f64 {
-    (-b.x1).max(-b.y1).max(b.x2 - width).max(b.y2 - height)
-}
-
-/// Why a box cannot be of a photo of this size.
-fn place_fault(b: &BoxPx, score: f64, [width, height]: [f64; 2]) -> Option<String> {
-    let shown = || {
-        let corners = <[f64; 4]>::from(*b).map(|v| format!("{v:.1}"));
-        format!(
-            "a box of confidence {score} from x, y = {}, {} to {}, {}",
-            corners[0], corners[1], corners[2], corners[3]
-        )
-    };
-    let why =
-        "was the image of another size, or are these corners (x1, y1, x2, y2) where COCO has x, y, width, height?";
-    if !b.clipped(width, height).is_solid() && b.is_solid() {
-        return Some(format!(
-            "{} lies outside the photo of {width}×{height} px: {why}",
-            shown()
-        ));
-    }
-    let far = reaches_out(b, [width, height]) > FAR_OUT * width.max(height);
-    (far && score >= SURE).then(|| format!("{} reaches far out of the photo of {width}×{height} px: {why}", shown()))
 }
 
 /// Labels as the text that a manifest has: shards know no other way to tell a list's name from a list.

@@ -59,38 +59,36 @@ impl TryFrom<WrittenLabels> for Labels {
 
 impl From<Labels> for WrittenLabels {
     fn from(labels: Labels) -> WrittenLabels {
-        let named = |name: &str| WrittenLabels::Named(name.to_owned());
         match labels {
-            Labels::Coco80 => named("coco80"),
-            Labels::Coco91 => named("coco91"),
-            Labels::Voc20 => named("voc20"),
             Labels::Custom(names) => WrittenLabels::Custom(names.to_vec()),
+            list => {
+                let named = NAMED_LISTS.into_iter().find(|(_, named)| *named == list);
+                WrittenLabels::Named(named.map_or("", |(name, _)| name).to_owned())
+            }
         }
     }
 }
 
+/// The lists that have a name.
+const NAMED_LISTS: [(&str, Labels); 3] = [
+    ("coco80", Labels::Coco80),
+    ("coco91", Labels::Coco91),
+    ("voc20", Labels::Voc20),
+];
+
 impl Labels {
     /// One of the lists that have a name.
     pub fn of_list(name: &str) -> Option<Labels> {
-        match name {
-            "coco80" => Some(Labels::Coco80),
-            "coco91" => Some(Labels::Coco91),
-            "voc20" => Some(Labels::Voc20),
-            _ => None,
-        }
+        let named = NAMED_LISTS.into_iter().find(|(known, _)| *known == name);
+        named.map(|(_, list)| list)
     }
 
     /// Labels by their names, in the order of their numbers; those of COCO or VOC become that list.
     pub fn of_names(names: Vec<String>) -> Result<Labels, LabelsError> {
-        let is = |list: &Labels| {
-            (0..list.count())
-                .map(|i| list.name(i))
-                .eq(names.iter().map(|n| Some(n.as_str())))
-        };
-        match [Labels::Coco80, Labels::Voc20].into_iter().find(is) {
-            Some(list) => Ok(list),
-            None => Labels::custom(names),
-        }
+        let own = || names.iter().map(|name| Some(name.as_str()));
+        let is = |list: &Labels| (0..list.count()).map(|i| list.name(i)).eq(own());
+        let list = [Labels::Coco80, Labels::Voc20].into_iter().find(is);
+        list.map_or_else(|| Labels::custom(names.clone()), Ok)
     }
 
     fn custom(names: Vec<String>) -> Result<Labels, LabelsError> {
@@ -119,10 +117,10 @@ impl Labels {
     pub fn name(self, label: usize) -> Option<&'static str> {
         match self {
             Labels::Coco80 => COCO80.get(label).map(|(_, name)| *name),
-            Labels::Coco91 => COCO80
-                .iter()
-                .find(|(id, _)| *id as usize == label)
-                .map(|(_, name)| *name),
+            Labels::Coco91 => {
+                let named = COCO80.iter().find(|(id, _)| *id as usize == label);
+                named.map(|(_, name)| *name)
+            }
             Labels::Voc20 => VOC20.get(label).copied(),
             Labels::Custom(names) => names.get(label).map(String::as_str),
         }
@@ -172,59 +170,3 @@ const COCO80: [(u32, &str); 80] = [
     (78, "microwave"), (79, "oven"), (80, "toaster"), (81, "sink"), (82, "refrigerator"), (84, "book"), (85, "clock"),
     (86, "vase"), (87, "scissors"), (88, "teddy bear"), (89, "hair drier"), (90, "toothbrush"),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[derive(Deserialize)]
-    struct File {
-        labels: Labels,
-    }
-
-    fn read(text: &str) -> Result<Labels, String> {
-        let file: Result<File, _> = toml::from_str(text);
-        file.map(|f| f.labels).map_err(|e| e.message().to_owned())
-    }
-
-    #[test]
-    fn names_numbers_and_category_ids_agree_in_every_list() {
-        let own = read(r#"labels = ["van", "car"]"#).unwrap();
-        for (labels, names, car) in [
-            (Labels::Coco80, 80, 2),
-            (Labels::Coco91, 80, 3),
-            (Labels::Voc20, 20, 6),
-            (own, 2, 1),
-        ] {
-            assert_eq!(labels.find("car"), Some(car));
-            let named: Vec<usize> = (0..labels.count()).filter(|l| labels.name(*l).is_some()).collect();
-            assert_eq!(named.len(), names, "{labels:?}");
-            for label in named {
-                assert_eq!(labels.find(labels.name(label).unwrap()), Some(label));
-                assert_eq!(labels.of_category(labels.category_id(label).unwrap()), Some(label));
-            }
-        }
-        // COCO's own ids, whichever way the detector counts.
-        assert_eq!(
-            (Labels::Coco80.category_id(79), Labels::Coco91.category_id(90)),
-            (Some(90), Some(90))
-        );
-        assert_eq!((Labels::Coco91.name(12), Labels::Coco91.category_id(0)), (None, None));
-    }
-
-    #[test]
-    fn lists_that_say_nothing_are_refused() {
-        for (text, word) in [
-            (r#"labels = "coco82""#, "coco82"),
-            ("labels = []", "empty"),
-            (r#"labels = ["car", "van", "car"]"#, "\"car\" is listed twice"),
-            ("labels = 3", "a list of names"),
-        ] {
-            let error = read(text).unwrap_err();
-            assert!(error.contains(word), "{text}: {error}");
-        }
-        let many = Labels::of_names((0..=MOST_LABELS).map(|i| i.to_string()).collect());
-        assert_eq!(many, Err(LabelsError::TooMany(20_001)));
-        assert!(Labels::of_names((0..MOST_LABELS).map(|i| i.to_string()).collect()).is_ok());
-    }
-}

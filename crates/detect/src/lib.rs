@@ -12,12 +12,11 @@ mod choose;
 mod coco_results;
 mod counting;
 #[cfg(feature = "full")]
-mod fetch;
+pub mod download;
 mod foreign;
 mod heads;
 mod input;
 mod labels;
-mod linear;
 mod manifest;
 mod nms;
 mod outside;
@@ -33,33 +32,27 @@ use serde::{Deserialize, Serialize};
 use scaleproof_core::geometry::BoxPx;
 
 pub use choose::{choose, chosen_as};
-pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
+pub use coco_results::{CocoResult, Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;
-#[cfg(feature = "full")]
-pub use fetch::{FetchError, fetch};
 pub use foreign::{ForeignCard, ForeignKind};
-pub use heads::wants_photo_size;
-pub use heads::{Anchor, Anchors, Data, Tensor, anchors};
-pub use input::InputPlacement;
-pub use input::tensor;
+pub use heads::{Anchor, Anchors, Data, HeadError, Tensor, anchors, candidates, wants_photo_size};
+pub use input::{InputPlacement, tensor};
 pub use labels::{Labels, LabelsError};
-pub use manifest::{Channels, Kernel, Resize};
-pub use manifest::{Input, Layout, Values};
-pub use manifest::{Manifest, ManifestError};
-pub use nms::{CandidateBox, suppress};
-pub use outside::{OutsideError, OutsideResults, PhotoName, ResultsRequest, flat_name};
-pub use program::read_as_a_programs;
-pub use program::{
-    Gradients, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs,
+pub use manifest::{
+    Channels, FirstLabel, Head, Input, Kernel, Layout, Manifest, ManifestError, Resize, Scores, Values, Weights,
 };
-pub use propose::Proposal;
-pub use propose::propose_within;
-pub use propose::{Family, Hints, ProposalNote, ProposeError, propose};
+pub use nms::{BestFirst, CandidateBox, suppress};
+pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};
+pub use program::{
+    Gradients, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError,
+    keep_programs_in_our_group, kill_programs, protocol,
+};
+pub use propose::{
+    Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, propose, propose_within, python_names,
+};
 pub use registered::{RegisterError, register, registered, registered_names, unregister};
-pub use runtime::DetectError;
-pub use runtime::{Detector, Runtime};
-pub use speed::Speeds;
-pub use speed::{Speed, SpeedError};
+pub use runtime::{DetectError, Detector, Runtime};
+pub use speed::{Speed, SpeedError, Speeds};
 pub use weights::{WeightFolders, WeightsError};
 
 /// Candidates below this score are dropped; AP needs them down to here.
@@ -67,6 +60,9 @@ pub const SCORE_FLOOR: f64 = 0.001;
 
 /// So many candidates are kept per photo, the best first: what COCO's evaluation looks at.
 pub const MAX_DETECTIONS: usize = 100;
+
+/// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.
+const HIGHEST_SCORE: f64 = 1.001;
 
 /// One box a detector found.
 ///
@@ -97,23 +93,7 @@ impl Detection {
     }
 
     /// `[x, y, width, height]` in hundredths of a pixel.
-    fn to_xywh(&self) -> [f64; 4] {
+    pub fn to_xywh(&self) -> [f64; 4] {
         self.box_px.to_xywh().map(|v| (v * 100.0).round() / 100.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// A detection written as COCO writes it and read again is the same detection, bit for bit.
-        #[test]
-        fn detections_survive_a_file(x in -50.0..4000.0_f64, y in -50.0..3000.0_f64, w in 0.1..4000.0_f64, h in 0.1..3000.0_f64, s in 0.0..1.0_f64) {
-            let d = Detection::new(2, s, BoxPx::new(x, y, x + w, y + h)).unwrap();
-            let [x, y, w, h] = d.to_xywh();
-            prop_assert_eq!(Detection::new(2, d.score, BoxPx::new(x, y, x + w, y + h)).unwrap(), d);
-        }
     }
 }

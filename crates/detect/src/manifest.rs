@@ -41,7 +41,7 @@ pub struct Manifest {
 }
 
 /// The ONNX file.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weights {
     /// A plain file name; without `url` it may also be a whole path, as `detectors add` writes for a network in another folder.
@@ -73,6 +73,23 @@ pub struct Input {
     /// Each channel becomes (value − mean) / std, in the order of `channels`, on values 0–255.
     pub mean: [f32; 3],
     pub std: [f32; 3],
+}
+
+impl Input {
+    /// The photo as it is, its values from 0 to 255.
+    pub(super) fn unchanged(layout: Layout, values: Values) -> Input {
+        Input {
+            size_px: [0, 0],
+            layout,
+            values,
+            resize: Resize::Original,
+            kernel: Kernel::OpencvLinear,
+            pad: 0,
+            channels: Channels::Rgb,
+            mean: [0.0; 3],
+            std: [1.0; 3],
+        }
+    }
 }
 
 /// A manifest leaves out what is as usual.
@@ -259,22 +276,35 @@ const BUILT_IN: [(&str, &str); 5] = [
 impl Manifest {
     /// Every known detector.
     pub fn all() -> Result<Vec<Manifest>, ManifestError> {
-        BUILT_IN
-            .iter()
-            .map(|(file, text)| Manifest::parse(text, file))
-            .collect()
+        let parsed = BUILT_IN.iter().map(|(file, text)| Manifest::parse(text, file));
+        parsed.collect()
     }
 
     /// One detector by its name.
     pub fn named(name: &str) -> Result<Manifest, ManifestError> {
-        let mut all = Manifest::all()?;
-        match all.iter().position(|m| m.name == name) {
-            Some(i) => Ok(all.swap_remove(i)),
-            None => {
-                let known = all.into_iter().map(|m| m.name).collect();
-                let name = name.to_owned();
-                Err(ManifestError::Unknown { name, known })
-            }
+        let all = Manifest::all()?;
+        let known: Vec<String> = all.iter().map(|m| m.name.clone()).collect();
+        let found = all.into_iter().find(|m| m.name == name);
+        found.ok_or_else(|| {
+            let name = name.to_owned();
+            ManifestError::Unknown { name, known }
+        })
+    }
+
+    /// A manifest that states nothing but a detector's name, labels and input.
+    pub(super) fn unstated(name: &str, labels: Labels, input: Input) -> Manifest {
+        Manifest {
+            name: name.to_owned(),
+            title: name.to_owned(),
+            licence: "not stated".to_owned(),
+            origin: "not stated".to_owned(),
+            labels,
+            published_ap: None,
+            weights: Weights::default(),
+            input,
+            head: Head::Foreign {},
+            class_map: BTreeMap::new(),
+            folder: None,
         }
     }
 
@@ -327,15 +357,9 @@ impl Manifest {
         if let Some(fault) = self.class_map_fault() {
             return Err(fault);
         }
-        let Input {
-            size_px,
-            mean,
-            std,
-            resize,
-            ..
-        } = &self.input;
-        let size_is_good = match resize {
-            Resize::Original => *size_px == [0, 0],
+        let (size_px, mean, std) = (self.input.size_px, &self.input.mean, &self.input.std);
+        let size_is_good = match self.input.resize {
+            Resize::Original => size_px == [0, 0],
             Resize::ShortSide => size_px[0] == size_px[1] && SIDES_PX.contains(&size_px[0]),
             _ => size_px.iter().all(|side| SIDES_PX.contains(side)),
         };
@@ -387,8 +411,7 @@ impl Weights {
                 "weights.url is {url:?}: give an address that begins with https:// or http://, or leave it out"
             ));
         }
-        let is_digit = |b: u8| matches!(b, b'0'..=b'9' | b'a'..=b'f');
-        if sha256.len() != 64 || !sha256.bytes().all(is_digit) {
+        if sha256.len() != 64 || !sha256.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')) {
             return Err(format!(
                 "weights.sha256 is {sha256:?}: give the 64 lower-case hex digits that `sha256sum` prints"
             ));
@@ -397,16 +420,21 @@ impl Weights {
     }
 
     fn names_a_network(&self) -> bool {
-        let (path, lower) = (Path::new(&self.file), self.file.to_ascii_lowercase());
+        let (file, path) = (&self.file, Path::new(&self.file));
         let mut parts = path.components();
         let is_one_part = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
-        let is_plain = is_one_part && !self.file.starts_with('.') && !self.file.contains(['/', '\\']);
+        let is_plain = is_one_part && !file.starts_with('.') && !file.contains(['/', '\\']);
         // A whole path is only read, never written to.
         let is_whole_path =
             self.url.is_empty() && path.is_absolute() && !path.components().any(|c| c == Component::ParentDir);
-        let is_network = lower.ends_with(".onnx") || lower.ends_with(".ort");
-        is_network && (is_plain || is_whole_path) && !self.file.contains(char::is_control)
+        is_network(file) && (is_plain || is_whole_path) && !file.contains(char::is_control)
     }
+}
+
+/// Whether a file is called as those that ONNX Runtime reads.
+pub(super) fn is_network(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    lower.ends_with(".onnx") || lower.ends_with(".ort")
 }
 
 impl Head {
@@ -429,71 +457,3 @@ impl Head {
 
 /// Input sides that some detector could have.
 pub(super) const SIDES_PX: std::ops::RangeInclusive<u32> = 32..=8192;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_manifest_of_the_folder_ships_and_reads() {
-        let shipped: Vec<_> = Manifest::all().unwrap();
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/manifests");
-        let files = std::fs::read_dir(folder)
-            .unwrap()
-            .filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "toml"));
-        assert_eq!(shipped.len(), files.count());
-        for m in &shipped {
-            assert_eq!(m.weights.sha256.len(), 64, "{}", m.name);
-            assert!(m.weights.url.starts_with("https://"), "{}", m.name);
-            // A download by a shortened commit may fail, or find another file one day.
-            let is_commit = |part: &str| part.len() == 40 && part.bytes().all(|b| b.is_ascii_hexdigit());
-            assert!(m.weights.url.split('/').any(is_commit), "{}", m.weights.url);
-        }
-    }
-
-    #[test]
-    fn an_unknown_name_lists_the_known_ones() {
-        let text = Manifest::named("yolo99").unwrap_err().to_string();
-        assert!(
-            text.contains("yolo99") && text.contains("yolox_nano, nanodet_m"),
-            "{text}"
-        );
-    }
-
-    /// A manifest without an address to fetch from, whose weights have this name.
-    fn with_file(file: &str) -> Result<Manifest, ManifestError> {
-        let mut manifest = Manifest::named("yolox_nano").unwrap();
-        manifest.weights.url.clear();
-        manifest.weights.file = file.into();
-        Manifest::parse(&manifest.to_toml()?, "x.toml")
-    }
-
-    #[test]
-    fn a_whole_path_may_be_read_and_never_fetched_to() {
-        for file in ["/home/me/my car.onnx", "my car.onnx", "CAR.ONNX", "car.ort"] {
-            assert_eq!(with_file(file).unwrap().weights.file, file);
-        }
-        for file in [
-            "/home/../etc/car.onnx",
-            "cars/car.onnx",
-            "./car.onnx",
-            "",
-            ".onnx",
-            "/",
-            "car.onnx/",
-        ] {
-            assert!(with_file(file).is_err(), "{file:?}");
-        }
-    }
-
-    #[test]
-    fn an_unknown_key_is_refused() {
-        let text = format!("colour = 1\n{}", BUILT_IN[0].1);
-        assert!(
-            Manifest::parse(&text, "x.toml")
-                .unwrap_err()
-                .to_string()
-                .contains("unknown field `colour`")
-        );
-    }
-}

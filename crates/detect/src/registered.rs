@@ -1,6 +1,6 @@
 //! Detectors that a user registered: their manifests lie in the user's data folder, so that their names are known everywhere.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{Manifest, ManifestError, WeightFolders, WeightsError};
 use scaleproof_core::files::{self, FileError};
@@ -28,23 +28,32 @@ pub enum RegisterError {
     File(#[from] FileError),
 }
 
+/// Where the manifests of registered detectors lie.
 fn folder() -> Option<PathBuf> {
     Some(dirs::data_dir()?.join("scaleproof").join("detectors"))
 }
 
+/// Where the manifest of a registered detector lies.
 fn path(name: &str) -> Option<PathBuf> {
     Some(folder()?.join(format!("{name}.toml")))
 }
 
 /// The names of the registered detectors, in alphabetical order.
 pub fn registered_names() -> Vec<String> {
-    let Some(Ok(entries)) = folder().map(std::fs::read_dir) else {
-        return Vec::new();
+    folder().map_or_else(Vec::new, |folder| names_in(&folder, ".toml"))
+}
+
+/// The detectors that have a file with such an ending in a folder, in alphabetical order; none when there is no such folder.
+pub(super) fn names_in(folder: &Path, ending: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let name_of = |file: &str| {
+        file.strip_suffix(ending)
+            .filter(|name| Manifest::is_name(name))
+            .map(str::to_owned)
     };
-    let files = entries.flatten().map(|entry| entry.path());
-    let manifests = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
-    let names = manifests.filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()));
-    let mut names: Vec<String> = names.filter(|name| Manifest::is_name(name)).collect();
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| name_of(entry.file_name().to_str()?))
+        .collect();
     names.sort();
     names
 }
@@ -94,14 +103,12 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
 pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
     let names = registered_names();
     if !names.iter().any(|known| known == name) {
-        return Err(RegisterError::NotThere {
-            name: name.to_owned(),
-            registered: if names.is_empty() {
-                ": none is registered".into()
-            } else {
-                format!(": registered are {}", names.join(", "))
-            },
-        });
+        let registered = match names.join(", ") {
+            none if none.is_empty() => ": none is registered".into(),
+            names => format!(": registered are {names}"),
+        };
+        let name = name.to_owned();
+        return Err(RegisterError::NotThere { name, registered });
     }
     let path = path(name).ok_or(RegisterError::NoFolder)?;
     files::remove(&path)?;

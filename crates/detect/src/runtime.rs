@@ -12,10 +12,11 @@ use ort::session::builder::GraphOptimizationLevel;
 use ort::session::{RunOptions, Session};
 use ort::value::{DynValue, Tensor as OrtTensor};
 
-use super::heads::{self, Data, DecodedOutputs, HeadError, Tensor};
+use super::heads::{self, Data, HeadError, Tensor};
 use super::input::{self, InputPlacement};
 use super::manifest::{Input, Layout, Values};
-use super::{Detection, MAX_DETECTIONS, Manifest};
+use super::nms::BestFirst;
+use super::{Detection, HIGHEST_SCORE, MAX_DETECTIONS, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers::stopwatch::{Stage, timed};
@@ -50,9 +51,6 @@ pub enum DetectError {
     TooLong { detector: String, seconds: f64 },
 }
 
-/// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.
-const HIGHEST_SCORE: f64 = 1.001;
-
 /// Time limit for one photo, far more than any network takes on a single core. A loop in its file may never end.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
@@ -79,18 +77,12 @@ impl Runtime {
 
 fn load() -> Result<Runtime, DetectError> {
     let file = files::environment::text("ORT_DYLIB_PATH").unwrap_or_else(default_library);
-    let missing = |reason: String| {
-        let reason = reason.lines().next().unwrap_or_default().to_owned();
-        DetectError::NoRuntime {
-            tried: format!("{file}: {reason}"),
-        }
+    let missing = |reason: String| DetectError::NoRuntime {
+        tried: format!("{file}: {reason}"),
     };
-    let environment = ort::init_from(&file)
-        .map_err(|e| missing(e.to_string()))?
-        .with_telemetry(false)
-        .with_name("scaleproof")
-        .build()
-        .map_err(|e| missing(e.to_string()))?;
+    let builder = ort::init_from(&file).map_err(|e| missing(first_line(&e)))?;
+    let named = builder.with_telemetry(false).with_name("scaleproof");
+    let environment = named.build().map_err(|e| missing(first_line(&e)))?;
     environment.set_log_level(LogLevel::Error);
     Ok(Runtime {
         environment,
@@ -126,13 +118,9 @@ pub struct Detector {
 impl Detector {
     /// Loads a detector's weights; one inference thread.
     pub fn open(runtime: &Runtime, manifest: &Manifest, weights: &Path) -> Result<Detector, DetectError> {
-        let session = session(runtime, weights).map_err(|e| DetectError::Model {
-            path: weights.to_owned(),
-            reason: e.to_string().lines().next().unwrap_or_default().to_owned(),
-        })?;
         Ok(Detector {
             manifest: manifest.clone(),
-            session,
+            session: session(runtime, weights)?,
             time_limit: TIME_LIMIT,
         })
     }
@@ -154,11 +142,17 @@ impl Detector {
             detector: detector(),
             what,
         };
-        let placement = InputPlacement::new(&self.manifest.input, width, height);
-        let tensor = timed(Stage::Resize, || input::tensor(photo, &self.manifest.input, &placement));
-        let tensor = tensor.map_err(|e| failed(e.to_string()))?;
-        let outputs = run(&mut self.session, &self.manifest, tensor, &placement, self.time_limit);
-        let outputs = outputs.map_err(|e| match e {
+        let (input, in_photo_px) = (&self.manifest.input, heads::wants_photo_size(&self.manifest.head));
+        let placement = InputPlacement::new(input, width, height);
+        let ran = run(
+            &mut self.session,
+            input,
+            in_photo_px,
+            photo,
+            &placement,
+            self.time_limit,
+        );
+        let outputs = ran.map_err(|e| match e {
             NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
             NoAnswer::TooLong => DetectError::TooLong {
                 detector: detector(),
@@ -168,14 +162,11 @@ impl Detector {
         if let Some(what) = heads::with_no_number(&outputs) {
             return Err(not_a_number(what));
         }
-        let decoded = heads::decode(&self.manifest, &outputs, placement.canvas);
-        let DecodedOutputs {
-            candidates,
-            in_photo_px,
-        } = decoded.map_err(|e| match e {
+        let candidates = heads::candidates(&self.manifest, &outputs, placement.canvas).map_err(|e| match e {
             HeadError::NotFinite { what } => not_a_number(what),
             e => failed(e.to_string()),
         })?;
+        let candidates = BestFirst::new(candidates, self.manifest.head.nms_iou());
         if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
             return Err(DetectError::NotAScore {
                 detector: detector(),
@@ -194,61 +185,63 @@ impl Detector {
     }
 }
 
-pub(super) fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
-    Session::builder(&runtime.environment)?
-        .with_optimization_level(GraphOptimizationLevel::Level3)?
-        .with_intra_threads(1)?
-        .with_log_level(LogLevel::Error)?
-        .commit_from_file(weights)
+/// A network, loaded for one inference thread.
+pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, DetectError> {
+    let load = || {
+        Session::builder(&runtime.environment)?
+            .with_optimization_level(GraphOptimizationLevel::Level3)?
+            .with_intra_threads(1)?
+            .with_log_level(LogLevel::Error)?
+            .commit_from_file(weights)
+    };
+    load().map_err(|e: ort::Error| DetectError::Model {
+        path: weights.to_owned(),
+        reason: first_line(&e),
+    })
+}
+
+/// The first line of what ONNX Runtime says.
+pub(super) fn first_line(e: &impl ToString) -> String {
+    e.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
 /// Why a network gave no answer.
+#[derive(Debug, thiserror::Error)]
 pub(super) enum NoAnswer {
-    Failed(ort::Error),
+    #[error(transparent)]
+    Failed(#[from] ort::Error),
+    #[error("its time is over")]
     TooLong,
 }
 
-impl From<ort::Error> for NoAnswer {
-    fn from(e: ort::Error) -> NoAnswer {
-        NoAnswer::Failed(e)
-    }
-}
-
-/// The network's outputs, if it answers within the time limit.
+/// The network's outputs for a photo, if it answers within the time limit.
 pub(super) fn run(
     session: &mut Session,
-    manifest: &Manifest,
-    tensor: Vec<f32>,
+    input: &Input,
+    takes_photo_size: bool,
+    photo: &RgbImage,
     placement: &InputPlacement,
     time_limit: Duration,
 ) -> Result<Vec<Tensor>, NoAnswer> {
-    let image = image_tensor(&manifest.input, tensor, placement)?;
-    let photo_px = heads::wants_photo_size(&manifest.head).then(|| placement.photo.map(|v| v as i64).to_vec());
+    let tensor = timed(Stage::Resize, || input::tensor(photo, input, placement));
+    let image = image_tensor(input, tensor, placement)?;
     let mut options = RunOptions::new()?;
     // Its complaints come back as errors; on standard error they would be a second sentence.
     options.set_log_level(LogLevel::Fatal)?;
-    let work = || answer(session, image, photo_px, &options);
+    let work = || {
+        let outputs = if takes_photo_size {
+            let size = OrtTensor::from_array(([1, 2], placement.photo.map(|v| v as i64).to_vec()))?;
+            session.run_with_options(ort::inputs![image, size], &options)?
+        } else {
+            session.run_with_options(ort::inputs![image], &options)?
+        };
+        outputs.iter().map(|(name, value)| copied(name, &value)).collect()
+    };
     match stopped_after(time_limit, &options, work) {
         (Ok(outputs), _) => Ok(outputs),
         (Err(_), true) => Err(NoAnswer::TooLong),
         (Err(e), false) => Err(NoAnswer::Failed(e)),
     }
-}
-
-fn answer(
-    session: &mut Session,
-    image: DynValue,
-    photo_px: Option<Vec<i64>>,
-    options: &RunOptions,
-) -> ort::Result<Vec<Tensor>> {
-    let outputs = match photo_px {
-        Some(size) => {
-            let size = OrtTensor::from_array(([1, 2], size))?;
-            session.run_with_options(ort::inputs![image, size], options)?
-        }
-        None => session.run_with_options(ort::inputs![image], options)?,
-    };
-    outputs.iter().map(|(name, value)| copied(name, &value)).collect()
 }
 
 /// Does some work, and what ONNX Runtime runs for it with these options is stopped after the time limit; true: it was. ONNX Runtime stops

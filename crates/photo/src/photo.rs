@@ -2,14 +2,14 @@
 
 mod budget;
 mod decode;
+mod encode;
 mod heif;
 mod jpeg;
 mod lens;
-mod lossy;
 mod luma;
 mod problem;
+mod resize;
 mod shot;
-mod shrink;
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -21,14 +21,14 @@ use scaleproof_core::files;
 
 pub use budget::Budget;
 pub use decode::open_png;
+pub use encode::{as_jpeg, preview_jpeg};
 pub use heif::reads_heif;
 use jpeg::Coefficients;
 pub use lens::Lens;
-pub use lossy::as_jpeg;
 use luma::JpegLuma;
 pub use luma::Luma;
+pub use resize::{boxed, opencv_linear, shrunk};
 use shot::Shot;
-pub use shrink::{boxed, preview_jpeg, shrunk};
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

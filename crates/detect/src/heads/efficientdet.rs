@@ -48,7 +48,7 @@ pub(super) fn anchors(
     let boxes = own_boxes(size, anchor_scale).zip(offsets.chunks_exact(4)).enumerate();
     let anchors = boxes.map(|(i, ([cx, cy, w, h], o))| {
         let b = centred([cx + o[1] * w, cy + o[0] * h, o[3].exp() * w, o[2].exp() * h]);
-        Anchor::in_row(b, output, i * columns, false)
+        Anchor::new(b, output, None, i * columns, 1)
     });
     Ok(Anchors {
         are_logits: scores == Scores::Logits,

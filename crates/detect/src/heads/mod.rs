@@ -1,26 +1,18 @@
-//! One file per output layout: tensors in, candidates out.
+//! Output tensors in, candidate boxes out, by the form in which networks answer: tables, grids, distances, lists, or boxes of their own choice.
 
-mod deim;
+mod distances;
 pub(super) mod efficientdet;
-mod fastestdet;
-mod nanodet;
-mod nanodet_plus;
-mod rcnn;
-mod rfdetr;
-mod rows;
-mod rtdetr;
-mod ssd_resnet34;
-mod tf_od;
-mod yolov10;
-mod yolov3;
-mod yolov4;
-mod yolov5;
-mod yolov8;
-mod yolox;
+mod grids;
+mod listed;
+mod queries;
+mod tables;
+
+pub(super) use distances::BINS;
+use listed::Rows;
 
 use super::SCORE_FLOOR;
 use super::manifest::{Head, Manifest};
-use super::nms::{BestFirst, CandidateBox};
+use super::nms::CandidateBox;
 use scaleproof_core::geometry::BoxPx;
 
 /// One output tensor, row-major.
@@ -41,22 +33,14 @@ impl Tensor {
     /// The first of some outputs that has fractions and such a shape: its number and its values.
     fn shaped(outputs: &[Tensor], fits: impl Fn(&[usize]) -> bool) -> Option<(usize, &[f32])> {
         let mut shaped = outputs.iter().enumerate().filter(|(_, t)| fits(&t.shape));
-        shaped.next().and_then(|(i, t)| Some((i, t.floats()?)))
+        shaped.find_map(|(i, t)| Some((i, t.floats()?)))
     }
 
-    fn floats(&self) -> Option<&[f32]> {
+    /// Its values, where they are fractions.
+    pub fn floats(&self) -> Option<&[f32]> {
         match &self.data {
             Data::F32(v) => Some(v),
             Data::I64(_) => None,
-        }
-    }
-
-    #[cfg(test)]
-    fn of_floats(shape: &[usize], data: Vec<f32>) -> Tensor {
-        Tensor {
-            name: String::new(),
-            shape: shape.to_vec(),
-            data: Data::F32(data),
         }
     }
 }
@@ -90,15 +74,15 @@ pub struct Anchors {
 }
 
 impl Anchor {
-    /// Of a head that gives a row for each box: the scores follow each other from `first_label` on, behind the objectness if there is one.
-    fn in_row(b: BoxPx, output: usize, first_label: usize, has_objectness: bool) -> Anchor {
+    /// An anchor with a score for every label.
+    fn new(b: BoxPx, output: usize, objectness: Option<usize>, first_label: usize, label_step: usize) -> Anchor {
         Anchor {
             b,
             output,
-            objectness: has_objectness.then(|| first_label - 1),
+            objectness,
             first_label,
             label: None,
-            label_step: 1,
+            label_step,
         }
     }
 }
@@ -146,27 +130,26 @@ impl Anchors {
 pub fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Option<Anchors>, HeadError> {
     let labels = manifest.labels.count();
     Ok(Some(match &manifest.head {
-        Head::Yolox { .. } => yolox::anchors(outputs, size, labels)?,
-        Head::Nanodet { strides, .. } => nanodet::anchors(outputs, size, strides, labels)?,
-        Head::NanodetPlus { strides, .. } => nanodet_plus::anchors(outputs, size, strides, labels)?,
-        Head::Fastestdet { .. } => fastestdet::anchors(outputs, size, labels)?,
-        Head::Yolov3 { .. } => yolov3::anchors(outputs, size, labels)?,
+        Head::Yolox { .. } => tables::yolox(outputs, size, labels)?,
+        Head::Nanodet { strides, .. } => distances::nanodet(outputs, size, strides, labels)?,
+        Head::NanodetPlus { strides, .. } => tables::nanodet_plus(outputs, size, strides, labels)?,
+        Head::Fastestdet { .. } => grids::fastestdet(outputs, size, labels)?,
+        Head::Yolov3 { .. } => grids::yolov3(outputs, size, labels)?,
         Head::Efficientdet {
             scores, anchor_scale, ..
         } => efficientdet::anchors(outputs, size, (*scores, *anchor_scale as f32), labels)?,
-        Head::Rfdetr {} => rfdetr::anchors(outputs, size, labels)?,
-        Head::Yolov4 { .. } => yolov4::anchors(outputs, size, labels)?,
-        Head::Yolov5 { .. } => yolov5::anchors(outputs, labels)?,
-        Head::Yolov8 { .. } => yolov8::anchors(outputs, labels)?,
-        Head::Deim {} => deim::anchors(outputs, labels)?,
+        Head::Rfdetr {} => queries::rfdetr_anchors(outputs, size, labels)?,
+        Head::Yolov4 { .. } => grids::yolov4(outputs, size, labels)?,
+        Head::Yolov5 { .. } => tables::yolov5(outputs, labels)?,
+        Head::Yolov8 { .. } => tables::yolov8(outputs, labels)?,
+        Head::Deim {} => Anchors::new(deim(outputs)?.anchors(labels)),
         _ => return Ok(None),
     }))
 }
 
-/// Candidates in input pixels for most heads; DEIM answers in photo pixels.
-pub(super) struct DecodedOutputs {
-    pub candidates: BestFirst,
-    pub in_photo_px: bool,
+/// DEIM, D-FINE, RT-DETR exports with `orig_target_sizes`: boxes x1 y1 x2 y2 in photo pixels.
+fn deim(outputs: &[Tensor]) -> Result<Rows<'_>, HeadError> {
+    Rows::pick(outputs, "deim", "labels 1×n, boxes 1×n×4, scores 1×n")
 }
 
 /// Why outputs have no boxes to read.
@@ -189,33 +172,49 @@ pub enum HeadError {
     },
 }
 
-/// Reads a detector's outputs for an input of width × height `size` in pixels.
-pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<DecodedOutputs, HeadError> {
+/// The candidates in a detector's outputs for an input of width × height `size` in pixels, in input pixels; in photo pixels where
+/// [`wants_photo_size`].
+pub fn candidates(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Vec<CandidateBox>, HeadError> {
     let labels = manifest.labels.count();
     let mut candidates = match &manifest.head {
-        Head::Yolov10 {} => yolov10::decode(outputs, labels)?,
-        Head::Deim {} => deim::decode(outputs, labels)?,
-        Head::Rtdetr {} => rtdetr::decode(outputs, size, labels)?,
-        Head::Rfdetr {} => rfdetr::decode(outputs, size, labels)?,
-        Head::TfOd(first) => tf_od::decode(outputs, size, first.first_label, labels)?,
-        Head::SsdResnet34(first) => ssd_resnet34::decode(outputs, size, first.first_label, labels)?,
-        Head::Rcnn(first) => rcnn::decode(outputs, first.first_label, labels)?,
+        Head::Yolov10 {} => queries::yolov10(outputs, labels)?,
+        Head::Rfdetr {} => queries::rfdetr(outputs, size, labels)?,
+        Head::Rtdetr {} => tables::rtdetr(outputs, size, labels)?.candidates(outputs, labels),
+        Head::Deim {} => deim(outputs)?.candidates(0, labels, BoxPx::from)?,
+        // Boxes y1 x1 y2 x2 as shares of the photo; classes are floats, counted from 1. Source: the API's `exporter`.
+        Head::TfOd(first) => {
+            let rows = Rows::of_tensorflow(outputs)?;
+            rows.candidates(first.first_label, labels, |[y1, x1, y2, x2]| {
+                scaled(BoxPx::new(x1, y1, x2, y2), size)
+            })?
+        }
+        // Boxes x1 y1 x2 y2 as shares of the input. Source: the ONNX zoo's page on the model for the shapes; MLPerf's reference for the order
+        // (mlcommons/inference, `PostProcessCocoOnnx`, which swaps each pair to read it as TensorFlow's y1 x1 y2 x2).
+        Head::SsdResnet34(first) => {
+            let expected = "boxes 1×n×4, whole-number labels 1×n, scores 1×n";
+            let rows = Rows::pick(outputs, "ssd_resnet34", expected)?;
+            rows.candidates(first.first_label, labels, |b| scaled(b.into(), size))?
+        }
+        // Faster and Mask R-CNN (ONNX zoo, torchvision) and torchvision's SSD and RetinaNet: boxes x1 y1 x2 y2 in input pixels; masks are not
+        // used. Source: the zoo's page on Faster R-CNN; torchvision's detection models.
+        Head::Rcnn(first) => {
+            let rows = Rows::pick(outputs, "rcnn", "boxes n×4, whole-number labels n, scores n")?;
+            rows.candidates(first.first_label, labels, BoxPx::from)?
+        }
         _ => anchors(manifest, outputs, size)?.map_or_else(Vec::new, |a| a.candidates(outputs, labels)),
     };
     // Numbers in the gaps of a list mean nothing, and no file could keep them.
     candidates.retain(|c| manifest.labels.name(c.label).is_some());
-    if let Some(c) = candidates.iter().find(|c| !is_finite(&c.b)) {
-        let what = not_finite(&c.b, outputs);
-        return Err(HeadError::NotFinite { what });
+    match candidates.iter().find(|c| !is_finite(&c.b)) {
+        Some(c) => Err(HeadError::NotFinite {
+            what: not_finite(&c.b, outputs),
+        }),
+        None => Ok(candidates),
     }
-    Ok(DecodedOutputs {
-        candidates: BestFirst::new(candidates, manifest.head.nms_iou()),
-        in_photo_px: matches!(manifest.head, Head::Deim {}),
-    })
 }
 
 /// A NaN or an infinity and the first output that holds it, as the end of the sentence "it answered with …". Minus infinity is a logit
-/// like any other; in a box, [`decode`] finds it.
+/// like any other; in a box, [`candidates`] finds it.
 pub(super) fn with_no_number(outputs: &[Tensor]) -> Option<String> {
     outputs.iter().find_map(|tensor| {
         let bad = |v: &&f32| v.is_nan() || **v == f32::INFINITY;
@@ -256,13 +255,8 @@ fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
     BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)
 }
 
-/// A candidate by centre and size; `None` as in [`from_corners`].
-fn from_centre(label: usize, score: f32, centre_and_size: [f32; 4]) -> Option<CandidateBox> {
-    from_corners(label, score, centred(centre_and_size))
-}
-
-/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`decode`] refuses the whole
-/// answer, since dropping it would make a network that fails look like one that finds nothing.
+/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`candidates`] refuses the
+/// whole answer, since dropping it would make a network that fails look like one that finds nothing.
 fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<CandidateBox> {
     let score = f64::from(score);
     (score >= SCORE_FLOOR && (b.is_solid() || !is_finite(&b))).then_some(CandidateBox { label, score, b })

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::super::Labels;
-use super::{OutsideError, labels_of, syntax};
+use super::{OutsideError, syntax};
 use scaleproof_core::files::{self, FileError};
 
 /// One of a COCO file's `categories`.
@@ -56,26 +56,27 @@ impl Categories {
         let text = files::read_text(path)?;
         let whose = format!("{}'s", path.display());
         let refuse = |message: String| OutsideError::from(FileError::content(path, message));
-        let is_yaml = path
+        let labels = |names: Result<Vec<String>, String>| {
+            let labels = Labels::of_names(names.map_err(refuse)?);
+            labels.map_err(|e| refuse(e.to_string()))
+        };
+        if path
             .extension()
-            .is_some_and(|ending| ending == "yaml" || ending == "yml");
-        if is_yaml {
-            let names = yaml_names(&text).map_err(refuse)?;
-            return Ok(Categories::numbered(labels_of(names, path)?, whose));
+            .is_some_and(|ending| ending == "yaml" || ending == "yml")
+        {
+            return Ok(Categories::numbered(labels(yaml_names(&text))?, whose));
         }
         if !text.trim_start().starts_with(['{', '[']) {
-            let names = names(&text).map_err(refuse)?;
-            return Ok(Categories::numbered(labels_of(names, path)?, whose));
+            return Ok(Categories::numbered(labels(names(&text))?, whose));
         }
         let file: CocoFile = serde_json::from_str(&text).map_err(|e| syntax(path, &e))?;
         let by_id: BTreeMap<u64, &str> = file.categories.iter().map(|c| (c.id, c.name.as_str())).collect();
         if by_id.len() != file.categories.len() {
             return Err(refuse("an id of its categories appears twice".into()));
         }
-        check_count(by_id.len()).map_err(refuse)?;
         let names = by_id.values().map(|name| (*name).to_owned()).collect();
         Ok(Categories {
-            labels: labels_of(names, path)?,
+            labels: labels(checked(names))?,
             by_id: by_id.keys().enumerate().map(|(label, id)| (*id, label)).collect(),
             whose,
         })
@@ -83,19 +84,12 @@ impl Categories {
 
     /// The label of a category id of a file.
     pub(super) fn of_id(&self, id: u64, path: &Path) -> Result<usize, OutsideError> {
-        self.by_id
-            .get(&id)
-            .copied()
-            .ok_or_else(|| OutsideError::UnknownCategory {
-                path: path.to_owned(),
-                id,
-                known: self.whose.clone(),
-            })
-    }
-
-    /// The label of a class number, counted from 0.
-    pub(super) fn of_index(&self, index: usize) -> Option<usize> {
-        (index < self.labels.count()).then_some(index)
+        let unknown = || OutsideError::UnknownCategory {
+            path: path.to_owned(),
+            id,
+            known: self.whose.clone(),
+        };
+        self.by_id.get(&id).copied().ok_or_else(unknown)
     }
 
     /// Refuses categories of an `images` file that are others than COCO's, where nothing says which the results mean.
@@ -131,37 +125,34 @@ enum YoloNames {
 
 fn yaml_names(text: &str) -> Result<Vec<String>, String> {
     let read: Result<YoloDataSet, _> = serde_saphyr::from_str(text);
-    let names = match read
-        .map_err(|_| "it has no `names`, neither a list nor by number".to_owned())?
-        .names
-    {
-        YoloNames::Listed(names) => names,
+    let read = read.map_err(|_| "it has no `names`, neither a list nor by number".to_owned());
+    match read?.names {
+        YoloNames::Listed(names) => checked(names),
         YoloNames::Numbered(names) => match (0..).zip(names.keys()).find(|(expected, number)| expected != *number) {
-            Some((expected, _)) => return Err(format!("its `names` have no number {expected}")),
-            None => names.into_values().collect(),
+            Some((expected, _)) => Err(format!("its `names` have no number {expected}")),
+            None => checked(names.into_values().collect()),
         },
-    };
-    check_count(names.len())?;
-    Ok(names)
+    }
 }
 
 /// Names, one a line.
 fn names(text: &str) -> Result<Vec<String>, String> {
-    let names: Vec<String> = text.trim_end().lines().map(|line| line.trim().to_owned()).collect();
-    check_count(names.len())?;
+    let names = checked(text.trim_end().lines().map(|line| line.trim().to_owned()).collect())?;
     match names.iter().position(|name| name.is_empty()) {
         None => Ok(names),
-        Some(at) => Err(format!(
-            "line {} is empty: give one name a line, in the order of the numbers",
-            at + 1
-        )),
+        Some(at) => {
+            let line = at + 1;
+            Err(format!(
+                "line {line} is empty: give one name a line, in the order of the numbers"
+            ))
+        }
     }
 }
 
-fn check_count(count: usize) -> Result<(), String> {
-    if count <= MOST {
-        Ok(())
-    } else {
-        Err(format!("it has {count} names, more than the {MOST} that are read"))
+/// No more names than are read.
+fn checked(names: Vec<String>) -> Result<Vec<String>, String> {
+    match names.len() {
+        0..=MOST => Ok(names),
+        count => Err(format!("it has {count} names, more than the {MOST} that are read")),
     }
 }

@@ -10,15 +10,14 @@ mod yolo;
 
 use std::path::{Path, PathBuf};
 
-use super::foreign::{check_score, placed};
-use super::{Detection, ForeignCard, ForeignKind, Labels, LabelsError, MAX_DETECTIONS, SCORE_FLOOR};
+use super::foreign::{check_score, hashed, name_of, placed};
+use super::{Detection, ForeignCard, ForeignKind, MAX_DETECTIONS, SCORE_FLOOR};
 use categories::Categories;
-use photo_names::PhotoNames;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 
-pub use photo_names::{PhotoName, flat_name};
+pub use photo_names::{PhotoName, PhotoNames, flat_name};
 
 /// Why detections from outside cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
@@ -74,7 +73,8 @@ pub struct OutsideResults {
     path: PathBuf,
     /// In the order of the run's photos.
     by_photo: Vec<PhotoBoxes>,
-    unit: Unit,
+    /// Whether boxes count shares of the photo's width and height, else pixels.
+    are_shares: bool,
 }
 
 /// What a file says of one photo.
@@ -96,14 +96,6 @@ struct RawBox {
     xywh: [f64; 4],
 }
 
-/// What the numbers of a box count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Unit {
-    Pixels,
-    /// Shares of the photo's width and height.
-    Shares,
-}
-
 /// What a reader of one format returns.
 struct ReadResults {
     by_photo: Vec<PhotoBoxes>,
@@ -121,17 +113,13 @@ impl OutsideResults {
     /// # Errors
     /// A sentence on what cannot be read or is open to doubt.
     pub fn open(request: &ResultsRequest) -> Result<OutsideResults, OutsideError> {
-        let categories = request
-            .categories
-            .map(Categories::open)
-            .transpose()?
-            .unwrap_or_default();
+        let categories = request.categories.map_or(Ok(Categories::default()), Categories::open)?;
         let is_folder = request.path.is_dir();
         if let (true, Some(images)) = (is_folder, request.images) {
             let message = "it says what the images of a COCO results list are, and a folder of text files has names";
             return Err(FileError::content(images, message).into());
         }
-        let names = PhotoNames::of(request.photos);
+        let names = PhotoNames::new(request.photos);
         let mut read = if is_folder {
             yolo::read(request, &categories, &names)?
         } else {
@@ -140,24 +128,32 @@ impl OutsideResults {
         read.files.extend(request.categories.map(hashed).transpose()?);
         let path = request.path;
         if read.by_photo.iter().all(|p| p.boxes.is_empty()) {
-            let unknown = read.unknown.first().map(|name| format!(" (it has {name})"));
-            let message = format!(
-                "it has no detection in any photo of this run{}",
-                unknown.unwrap_or_default()
-            );
+            let unknown = read
+                .unknown
+                .first()
+                .map_or(String::new(), |name| format!(" (it has {name})"));
+            let message = format!("it has no detection in any photo of this run{unknown}");
             return Err(FileError::content(path, message).into());
         }
         for (photo, boxes) in request.photos.iter().zip(&read.by_photo) {
-            let refuse = |message: String| FileError::content(path, format!("{}: {message}", photo.file));
-            check_scores(&boxes.boxes).map_err(refuse)?;
-            check_copies(&boxes.boxes).map_err(refuse)?;
+            let scores = boxes.boxes.iter().try_for_each(|b| check_score(b.score));
+            let checked = scores.and_then(|()| check_copies(&boxes.boxes));
+            checked.map_err(|message| FileError::content(path, format!("{}: {message}", photo.file)))?;
         }
         let mut notes = notes(request, &read);
         for photo in &mut read.by_photo {
             photo.boxes.retain(|b| b.score >= SCORE_FLOOR);
             photo.boxes.sort_by(|a, b| b.score.total_cmp(&a.score));
         }
-        notes.extend(cut_to_the_best(request.name, &mut read.by_photo));
+        let full = read.by_photo.iter().filter(|p| p.boxes.len() > MAX_DETECTIONS).count();
+        if full > 0 {
+            read.by_photo.iter_mut().for_each(|p| p.boxes.truncate(MAX_DETECTIONS));
+            notes.push(format!(
+                "the results of {} have more than {MAX_DETECTIONS} detections in {}, of which the best {MAX_DETECTIONS} count",
+                request.name,
+                spelling::count(full, "photo")
+            ));
+        }
         Ok(OutsideResults {
             card: ForeignCard {
                 kind: ForeignKind::Results,
@@ -174,7 +170,7 @@ impl OutsideResults {
             },
             path: path.to_owned(),
             by_photo: read.by_photo,
-            unit: if is_folder { Unit::Shares } else { Unit::Pixels },
+            are_shares: is_folder,
         })
     }
 
@@ -201,37 +197,28 @@ impl OutsideResults {
             message,
         };
         if let Some([w, h]) = photo.size.filter(|size| *size != [width, height]) {
-            let turned = if [h, w] == [width, height] {
+            let is_turned = [h, w] == [width, height];
+            let hint = if is_turned {
                 ": the other program did not turn it as its EXIF says"
             } else {
                 ""
             };
             return Err(refuse(format!(
-                "the photo is {width}×{height} px upright, and its boxes are of an image of {w}×{h} px{turned}"
+                "the photo is {width}×{height} px upright, and its boxes are of an image of {w}×{h} px{hint}"
             )));
         }
-        let size = [f64::from(width), f64::from(height)];
-        let mut found = Vec::with_capacity(photo.boxes.len());
-        for raw in &photo.boxes {
-            found.extend(placed(raw.label, raw.score, raw.in_px(self.unit, size), [width, height]).map_err(refuse)?);
-        }
-        Ok(found)
-    }
-}
-
-impl RawBox {
-    fn in_px(&self, unit: Unit, [width, height]: [f64; 2]) -> BoxPx {
-        let [x, y, w, h] = self.xywh;
-        let [sx, sy] = match unit {
-            Unit::Pixels => [1.0, 1.0],
-            Unit::Shares => [width, height],
+        let [sx, sy] = if self.are_shares {
+            [width, height].map(f64::from)
+        } else {
+            [1.0; 2]
         };
-        BoxPx::new(x * sx, y * sy, x * sx + w * sx, y * sy + h * sy)
+        let placed = photo.boxes.iter().map(|raw| {
+            let [x, y, w, h] = raw.xywh;
+            let b = BoxPx::new(x * sx, y * sy, x * sx + w * sx, y * sy + h * sy);
+            placed(raw.label, raw.score, b, [width, height]).map_err(refuse)
+        });
+        placed.filter_map(Result::transpose).collect()
     }
-}
-
-fn check_scores(boxes: &[RawBox]) -> Result<(), String> {
-    boxes.iter().try_for_each(|b| check_score(b.score))
 }
 
 /// Results that were put together twice count their false alarms twice.
@@ -239,8 +226,7 @@ fn check_copies(boxes: &[RawBox]) -> Result<(), String> {
     let key = |b: &RawBox| (b.label, b.score.to_bits(), b.xywh.map(f64::to_bits));
     let mut keys: Vec<_> = boxes.iter().filter(|b| b.score >= SCORE_FLOOR).map(key).collect();
     keys.sort_unstable();
-    let copies = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    match copies {
+    match keys.windows(2).filter(|pair| pair[0] == pair[1]).count() {
         0 => Ok(()),
         count => Err(format!(
             "{} there twice, with label, box and confidence: remove the {}",
@@ -253,28 +239,22 @@ fn check_copies(boxes: &[RawBox]) -> Result<(), String> {
 /// What a reader of the figures must know of the files.
 fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
     let (name, mut notes) = (request.name, Vec::new());
-    let silent: Vec<&str> = request
-        .photos
-        .iter()
-        .zip(&read.by_photo)
-        .filter(|(_, boxes)| !boxes.is_listed)
-        .map(|(photo, _)| photo.file.as_str())
-        .collect();
-    if let Some(first) = silent.first() {
+    let photos = || request.photos.iter().zip(&read.by_photo);
+    let all = spelling::count(request.photos.len(), "photo");
+    let silent = || photos().filter(|(_, boxes)| !boxes.is_listed);
+    if let Some((first, _)) = silent().next() {
         notes.push(format!(
-            "the results of {name} do not mention {} of {} (the first: {first}): there they count as if nothing was found",
-            silent.len(),
-            spelling::count(request.photos.len(), "photo"),
+            "the results of {name} do not mention {} of {all} (the first: {}): there they count as if nothing was found",
+            silent().count(),
+            first.file,
         ));
     }
-    let bare =
-        || (request.photos.iter().zip(&read.by_photo)).filter(|(_, boxes)| boxes.is_listed && boxes.boxes.is_empty());
+    let bare = || photos().filter(|(_, boxes)| boxes.is_listed && boxes.boxes.is_empty());
     if let (false, Some((first, _))) = (request.path.is_dir(), bare().next()) {
         notes.push(format!(
-            "the results of {name} have no detection in {} of {} (the first: {}): there they count as if nothing was found, and a list of results \
-             does not say whether its program looked at these",
+            "the results of {name} have no detection in {} of {all} (the first: {}): there they count as if nothing was found, and a list of \
+             results does not say whether its program looked at these",
             bare().count(),
-            spelling::count(request.photos.len(), "photo"),
             first.file,
         ));
     }
@@ -300,33 +280,11 @@ fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
     notes
 }
 
-/// Keeps as many detections of each photo as count, which are sorted.
-fn cut_to_the_best(name: &str, by_photo: &mut [PhotoBoxes]) -> Option<String> {
-    let full = by_photo.iter().filter(|p| p.boxes.len() > MAX_DETECTIONS).count();
-    by_photo.iter_mut().for_each(|p| p.boxes.truncate(MAX_DETECTIONS));
-    (full > 0).then(|| {
-        format!(
-            "the results of {name} have more than {MAX_DETECTIONS} detections in {}, of which the best {MAX_DETECTIONS} count",
-            spelling::count(full, "photo")
-        )
-    })
-}
-
-/// A file's name with its SHA-256.
-fn hashed(path: &Path) -> Result<(String, String), FileError> {
-    Ok((name_of(path), files::sha256_hex(&files::read(path)?)))
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().map_or_else(
-        || path.display().to_string(),
-        |name| name.to_string_lossy().into_owned(),
-    )
-}
-
-/// The labels of a list of names, or why they are none; `path` is where they stand.
-fn labels_of(names: Vec<String>, path: &Path) -> Result<Labels, FileError> {
-    Labels::of_names(names).map_err(|e: LabelsError| FileError::content(path, e))
+/// The text of a file, and the file's name with its SHA-256.
+fn hashed_text(path: &Path) -> Result<(String, (String, String)), FileError> {
+    let text = files::read_text(path)?;
+    let sha256 = files::sha256_hex(text.as_bytes());
+    Ok((text, (name_of(path), sha256)))
 }
 
 /// What is wrong with some JSON, and where.

@@ -49,25 +49,16 @@ pub(super) fn stem(name: &str) -> &str {
     }
 }
 
-/// What a name means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Found {
-    /// The photo with this index.
-    Photo(usize),
-    Nothing,
-    /// These and perhaps others.
-    Several(usize, usize),
-}
-
 /// The photos of a run by what other programs may call them.
-pub(super) struct PhotoNames<'a> {
+pub struct PhotoNames<'a> {
     photos: &'a [PhotoName],
     by_name: HashMap<String, Vec<usize>>,
     by_stem: HashMap<String, Vec<usize>>,
 }
 
 impl PhotoNames<'_> {
-    pub(super) fn of(photos: &[PhotoName]) -> PhotoNames<'_> {
+    /// The names of some photos.
+    pub fn new(photos: &[PhotoName]) -> PhotoNames<'_> {
         let (mut by_name, mut by_stem) = (HashMap::new(), HashMap::new());
         for (index, photo) in photos.iter().enumerate() {
             let mut names = vec![photo.last().to_owned(), flat_name(&photo.file)];
@@ -84,35 +75,34 @@ impl PhotoNames<'_> {
         }
     }
 
-    /// The photo of a name. Of photos that are called alike, the one whose folders agree furthest.
-    pub(super) fn find(&self, name: &str) -> Found {
+    /// The index of the photo that a name means, if there is one: of photos that are called alike, the one whose folders agree furthest.
+    ///
+    /// # Errors
+    /// Why a name that means several photos is refused.
+    pub fn find(&self, name: &str) -> Result<Option<usize>, String> {
         let parts: Vec<&str> = name.split(['/', '\\']).filter(|part| !part.is_empty()).collect();
         let Some((last, folders)) = parts.split_last() else {
-            return Found::Nothing;
+            return Ok(None);
         };
         let found = self.by_name.get(*last).or_else(|| self.by_stem.get(*last));
-        let Some(found) = found else {
-            return Found::Nothing;
-        };
-        let agreeing = |index: &&usize| {
-            let own = self.photos.get(**index).map_or(&[][..], |photo| &photo.parts);
-            let own = own.split_last().map_or(&[][..], |(_, folders)| folders);
+        let agreeing = |index: &usize| {
+            let own = self.photos.get(*index).and_then(|photo| photo.parts.split_last());
+            let own = own.map_or(&[][..], |(_, folders)| folders);
             let pairs = own.iter().rev().zip(folders.iter().rev());
             pairs.take_while(|(own, other)| own == other).count()
         };
-        let most = found.iter().map(|index| agreeing(&index)).max().unwrap_or(0);
-        let mut best = found.iter().filter(|index| agreeing(index) == most);
+        let most = found.into_iter().flatten().map(agreeing).max();
+        let mut best = found
+            .into_iter()
+            .flatten()
+            .filter(|index| Some(agreeing(index)) == most);
         match (best.next(), best.next()) {
-            (Some(only), None) => Found::Photo(*only),
-            (Some(a), Some(b)) => Found::Several(*a, *b),
-            _ => Found::Nothing,
+            (Some(a), Some(b)) => {
+                let [a, b] = [a, b].map(|index| self.photos.get(*index).map_or("", |photo| &photo.file));
+                Err(format!("{name} may be {a} or {b}: name it with its folder"))
+            }
+            (only, _) => Ok(only.copied()),
         }
-    }
-
-    /// Why a name that means several photos is refused.
-    pub(super) fn several(&self, name: &str, a: usize, b: usize) -> String {
-        let file = |index: usize| self.photos.get(index).map_or("", |photo| photo.file.as_str());
-        format!("{name} may be {} or {}: name it with its folder", file(a), file(b))
     }
 }
 
@@ -120,36 +110,5 @@ fn add(to: &mut HashMap<String, Vec<usize>>, name: &str, index: usize) {
     let found = to.entry(name.to_owned()).or_default();
     if found.last() != Some(&index) {
         found.push(index);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_means_the_photo_whose_folders_agree_furthest() {
-        let photo = |folder: &str, file: &str| PhotoName::new(Path::new(folder), file);
-        let photos = [
-            photo("/s/one", "a.jpg"),
-            photo("/s/two", "a.jpg"),
-            photo("/s/two", "../x/b.jpg"),
-            photo("/s/two", "c/d.jpg"),
-        ];
-        let names = PhotoNames::of(&photos);
-        for (name, found) in [
-            ("two/a.jpg", Found::Photo(1)),
-            ("/elsewhere/one/a.jpg", Found::Photo(0)),
-            ("one\\a", Found::Photo(0)),
-            ("a.jpg", Found::Several(0, 1)),
-            ("b", Found::Photo(2)),
-            ("x_b.jpg", Found::Photo(2)),
-            ("c_d", Found::Photo(3)),
-            ("e.jpg", Found::Nothing),
-            ("", Found::Nothing),
-            ("/", Found::Nothing),
-        ] {
-            assert_eq!(names.find(name), found, "{name}");
-        }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::categories::Categories;
-use super::photo_names::{Found, PhotoNames};
+use super::photo_names::{PhotoNames, stem};
 use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest, name_of};
 use scaleproof_core::files::{self, FileError};
 
@@ -28,20 +28,14 @@ pub(super) fn read(
     for name in &found {
         let path = folder.join(name);
         // A list of names may lie among the results.
-        if request
-            .categories
-            .is_some_and(|list| files::whole_path(list).ok() == files::whole_path(&path).ok())
-        {
+        let is_same = |list: &Path| files::whole_path(list).ok() == files::whole_path(&path).ok();
+        if request.categories.is_some_and(is_same) {
             continue;
         }
         let refuse = |message: String| FileError::content(folder, message);
-        let index = match names.find(super::photo_names::stem(name)) {
-            Found::Photo(index) => index,
-            Found::Several(a, b) => return Err(refuse(names.several(name, a, b)).into()),
-            Found::Nothing => {
-                unknown.push(name.clone());
-                continue;
-            }
+        let Some(index) = names.find(stem(name)).map_err(refuse)? else {
+            unknown.push(name.clone());
+            continue;
         };
         if let Some(other) = files_of.insert(index, name) {
             let photo = request.photos.get(index).map_or("", |photo| photo.file.as_str());
@@ -49,8 +43,11 @@ pub(super) fn read(
         }
         let text = files::read_text(&path)?;
         hashes.push_str(&format!("{} {name}\n", files::sha256_hex(text.as_bytes())));
+        let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+        let boxes = lines
+            .map(|(at, line)| raw_box(line, categories).map_err(|message| FileError::syntax(&path, at + 1, message)));
         if let Some(photo) = by_photo.get_mut(index) {
-            photo.boxes = boxes(&text, &path, categories)?;
+            photo.boxes = boxes.collect::<Result<_, _>>()?;
             photo.is_listed = true;
         }
     }
@@ -90,24 +87,13 @@ fn text_files(folder: &Path, below: &Path, deeper: usize, found: &mut Vec<String
     Ok(())
 }
 
-fn boxes(text: &str, path: &Path, categories: &Categories) -> Result<Vec<RawBox>, OutsideError> {
-    let mut boxes = Vec::new();
-    for (at, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let found = raw_box(line, categories);
-        boxes.push(found.map_err(|message| FileError::syntax(path, at + 1, message))?);
-    }
-    Ok(boxes)
-}
-
 fn raw_box(line: &str, categories: &Categories) -> Result<RawBox, String> {
-    let words: Vec<&str> = line.split_whitespace().take(8).collect();
-    let [class, numbers @ ..] = words.as_slice() else {
-        return Err("it is empty".into());
-    };
-    let numbers: Vec<f64> = numbers.iter().filter_map(|word| word.parse().ok()).collect();
-    let [cx, cy, w, h, score] = match (words.len(), numbers.as_slice()) {
-        (6, &[cx, cy, w, h, score]) => [cx, cy, w, h, score],
-        (5, _) => {
+    let mut words = line.split_whitespace();
+    let class = words.next().unwrap_or_default();
+    let numbers: Vec<Option<f64>> = words.take(7).map(|word| word.parse().ok()).collect();
+    let [cx, cy, w, h, score] = match numbers[..] {
+        [Some(cx), Some(cy), Some(w), Some(h), Some(score)] => [cx, cy, w, h, score],
+        [_, _, _, _] => {
             return Err(
                 "it has no confidence: let the other program write it as the last number (Ultralytics: save_conf=True)"
                     .into(),
@@ -115,13 +101,15 @@ fn raw_box(line: &str, categories: &Categories) -> Result<RawBox, String> {
         }
         _ => return Err("give class, centre x, centre y, width, height and confidence, and nothing else".into()),
     };
-    let index = class
-        .parse::<usize>()
+    let index: usize = class
+        .parse()
         .map_err(|_| format!("the class {class:?} is no whole number"))?;
-    let label = categories.of_index(index).ok_or_else(|| {
-        let count = categories.labels.count();
-        format!("the class {index} is none of the {count} labels, which count from 0")
-    })?;
+    let count = categories.labels.count();
+    if index >= count {
+        return Err(format!(
+            "the class {index} is none of the {count} labels, which count from 0"
+        ));
+    }
     let shares = [cx, cy, w, h];
     if w < 0.0 || h < 0.0 || !shares.iter().all(|v| v.is_finite()) {
         return Err(format!(
@@ -134,7 +122,7 @@ fn raw_box(line: &str, categories: &Categories) -> Result<RawBox, String> {
         ));
     }
     Ok(RawBox {
-        label,
+        label: index,
         score,
         xywh: [cx - w / 2.0, cy - h / 2.0, w, h],
     })

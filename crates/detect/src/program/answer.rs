@@ -1,6 +1,7 @@
-//! What a program answers about a photo, in one line.
+//! What a program answers: the boxes in a photo, in one line; or the loss of an image, in a line with the loss's derivative by each value of
+//! the image behind it.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::super::foreign::placed;
 use super::super::{Detection, Labels, MAX_DETECTIONS, SCORE_FLOOR};
@@ -9,9 +10,25 @@ use scaleproof_core::geometry::BoxPx;
 /// More boxes than any detector has use for; the best hundred count.
 const MOST_BOXES: usize = 10_000;
 
+/// Why an answer has nothing to use, as a sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NoAnswer {
+    /// The program gives no answer about this image, and says why.
+    Declined(String),
+    /// Nothing of the program can be trusted.
+    Fault(String),
+}
+
+impl<S: Into<String>> From<S> for NoAnswer {
+    fn from(fault: S) -> NoAnswer {
+        NoAnswer::Fault(fault.into())
+    }
+}
+
+/// An answer's line about a photo.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Answer {
+struct BoxesLine {
     id: u64,
     detections: Option<Vec<Found>>,
     /// Why there are none, as a sentence.
@@ -38,104 +55,153 @@ enum Label {
     Name(String),
 }
 
-/// The photo that was asked about.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Asked {
-    pub id: u64,
-    /// Width, height of the upright photo, px.
-    pub size: [u32; 2],
-    pub labels: Labels,
+impl Label {
+    /// Its number among the program's labels.
+    fn number(&self, labels: Labels) -> Result<usize, String> {
+        let found = match self {
+            Label::Number(label) => labels.name(*label).map(|_| *label),
+            Label::Name(name) => labels.find(name),
+        };
+        found.ok_or_else(|| match self {
+            Label::Number(label) => {
+                let last = labels.count().saturating_sub(1);
+                format!("the label {label} is none: they are numbered from 0 to {last}")
+            }
+            Label::Name(name) => format!("the label {:?} is none of its {}", start(name), labels.count()),
+        })
+    }
 }
 
-/// What an answer comes to.
-pub(super) enum Verdict {
-    Detections(Vec<Detection>),
-    /// The program gives no answer about this photo, and says why.
-    Declined(String),
-}
-
-/// Reads an answer.
-///
-/// # Errors
-/// Why nothing of the program can be trusted, as a sentence.
-pub(super) fn parse(line: &str, asked: &Asked) -> Result<Verdict, String> {
-    let answer: Answer = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
-    if answer.id != asked.id {
-        return Err(format!(
-            "it is about photo {}, and asked was photo {}",
-            answer.id, asked.id
-        ));
+/// Reads the detections in the answer to the request `id` about a photo of width × height `size`, px, by a program with some labels; best
+/// first.
+pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result<Vec<Detection>, NoAnswer> {
+    let answer: BoxesLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
+    if answer.id != id {
+        return Err(format!("it is about photo {}, and asked was photo {id}", answer.id).into());
     }
     if let Some(sentence) = answer.error {
-        return Ok(Verdict::Declined(one_line(&sentence)));
+        return Err(NoAnswer::Declined(one_line(&sentence)));
     }
-    let [width, height] = asked.size;
-    if let Some((w, h)) = answer.width.zip(answer.height).filter(|size| *size != (width, height)) {
-        let turned = if (h, w) == (width, height) {
+    let [width, height] = size;
+    if let Some((w, h)) = answer
+        .width
+        .zip(answer.height)
+        .filter(|decoded| *decoded != (width, height))
+    {
+        let is_turned = (h, w) == (width, height);
+        let hint = if is_turned {
             ": it did not turn it as its EXIF says"
         } else {
             ""
         };
         return Err(format!(
-            "its boxes are of an image of {w}×{h} px, and the photo is {width}×{height} px upright{turned}"
-        ));
+            "its boxes are of an image of {w}×{h} px, and the photo is {width}×{height} px upright{hint}"
+        )
+        .into());
     }
     let found = answer.detections.ok_or("it has neither detections nor an error")?;
     if found.len() > MOST_BOXES {
-        return Err(format!(
-            "it has {} boxes, more than the {MOST_BOXES} that are read",
-            found.len()
-        ));
+        return Err(format!("it has {} boxes, more than the {MOST_BOXES} that are read", found.len()).into());
     }
     let mut detections = Vec::with_capacity(found.len());
     for one in found {
-        let label = label(&one.label, asked.labels)?;
+        let label = one.label.number(labels)?;
         let b = BoxPx::from(one.b);
         if b.x2 < b.x1 || b.y2 < b.y1 {
-            return Err(format!(
-                "the corners of the box {:?} are not left, top, right, bottom",
-                one.b
-            ));
+            return Err(format!("the corners of the box {:?} are not left, top, right, bottom", one.b).into());
         }
-        let kept = placed(label, one.score, b, asked.size)?;
+        let kept = placed(label, one.score, b, size)?;
         detections.extend(kept.filter(|d| d.score >= SCORE_FLOOR));
     }
     detections.sort_by(|a, b| b.score.total_cmp(&a.score));
     detections.truncate(MAX_DETECTIONS);
     // They are kept for the whole run, and so would be the room of all others.
     detections.shrink_to_fit();
-    Ok(Verdict::Detections(detections))
+    Ok(detections)
 }
 
-fn label(given: &Label, labels: Labels) -> Result<usize, String> {
-    match given {
-        Label::Number(label) => labels.name(*label).map(|_| *label).ok_or_else(|| {
-            format!(
-                "the label {label} is none: they are numbered from 0 to {}",
-                labels.count().saturating_sub(1)
-            )
-        }),
-        Label::Name(name) => {
-            let short: String = name.chars().take(60).collect();
-            labels
-                .find(name)
-                .ok_or_else(|| format!("the label {short:?} is none of its {}", labels.count()))
+/// An answer's line about the loss of an image.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LossLine {
+    id: u64,
+    /// `null` where no box meets the model.
+    #[serde(default, deserialize_with = "given")]
+    loss: Option<Option<f64>>,
+    /// Of the array behind the line.
+    shape: Option<Vec<u64>>,
+    error: Option<String>,
+}
+
+/// Tells `null` from a key that is not there.
+fn given<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Option<f64>>, D::Error> {
+    Option::deserialize(from).map(Some)
+}
+
+/// 1 − C is not this near to 0 in any program's numbers.
+const MOST_LOSS: f64 = 10_000.0;
+
+/// Reads the loss in the answer to the request `id` about an image of width × height `size`, px; `None` where no box meets the model. Behind
+/// the line of a loss follow its derivatives.
+pub fn loss(line: &str, id: u64, size: [u32; 2]) -> Result<Option<f64>, NoAnswer> {
+    let answer: LossLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
+    if answer.id != id {
+        return Err(format!("it is about image {}, and asked was image {id}", answer.id).into());
+    }
+    if let Some(sentence) = answer.error {
+        return Err(NoAnswer::Declined(one_line(&sentence)));
+    }
+    let Some(loss) = answer.loss.ok_or("it has neither a loss nor an error")? else {
+        return Ok(None);
+    };
+    if !(0.0..=MOST_LOSS).contains(&loss) {
+        return Err(format!("its loss is {loss}, and −ln(1 − C) of a confidence C is from 0 to {MOST_LOSS}").into());
+    }
+    let (shape, [width, height]) = (
+        answer.shape.ok_or("it has no shape of its gradient")?,
+        size.map(u64::from),
+    );
+    let right = [height, width, 3];
+    let hint = match &shape[..] {
+        shape if *shape == right => return Ok(Some(loss)),
+        [1, _, _, _] => ": it is that of a batch; leave out its first axis",
+        [3, ..] => ": channels come last",
+        shape if *shape == [width, height, 3] => ": rows come first",
+        _ => "",
+    };
+    Err(
+        format!("its gradient has the shape {shape:?}, and the image has {right:?} (height, width, channels){hint}")
+            .into(),
+    )
+}
+
+/// Reads the derivatives by red, green and blue of each pixel of an image: numbers of 32 bits, the lowest byte first.
+pub fn derivatives(bytes: &[u8], width: u32) -> Result<Vec<[f64; 3]>, String> {
+    let numbers = bytes.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b)));
+    let numbers: Vec<f64> = numbers.collect();
+    match numbers.iter().position(|v| !v.is_finite()) {
+        None => Ok(numbers.as_chunks().0.to_vec()),
+        Some(at) => {
+            let (pixel, width) = (at / 3, width.max(1) as usize);
+            let (x, y) = (pixel % width, pixel / width);
+            Err(format!("its gradient is {} at pixel x {x}, y {y}", numbers[at]))
         }
     }
 }
 
 /// The beginning of a program's sentence.
 pub(super) fn one_line(sentence: &str) -> String {
-    sentence
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .take(500)
-        .collect()
+    let shown = sentence.chars().map(|c| if c.is_control() { ' ' } else { c });
+    shown.take(500).collect()
+}
+
+/// The beginning of what a program says, to be quoted.
+pub(super) fn start(text: &str) -> String {
+    text.chars().take(60).collect()
 }
 
 /// What stands in place of JSON.
-pub(super) fn garbage(line: &str, e: &serde_json::Error) -> String {
-    let start: String = line.trim().chars().take(60).collect();
+fn garbage(line: &str, e: &serde_json::Error) -> String {
     let number = ["NaN", "Infinity"]
         .into_iter()
         .find(|word| e.is_syntax() && line.contains(word));
@@ -143,92 +209,9 @@ pub(super) fn garbage(line: &str, e: &serde_json::Error) -> String {
         Some(word) => format!("it has {word} where a number belongs"),
         // The error may quote a whole key.
         None => format!(
-            "it begins with {start:?}, which is no answer ({})",
+            "it begins with {:?}, which is no answer ({})",
+            start(line.trim()),
             one_line(&e.to_string())
         ),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const ASKED: Asked = Asked {
-        id: 7,
-        size: [640, 480],
-        labels: Labels::Coco80,
-    };
-
-    fn answered(line: &str) -> Result<Vec<Detection>, String> {
-        parse(line, &ASKED).map(|verdict| match verdict {
-            Verdict::Detections(found) => found,
-            Verdict::Declined(why) => panic!("{why}"),
-        })
-    }
-
-    #[test]
-    fn boxes_come_best_first_and_are_cut_at_the_border() {
-        let line = r#"{"id": 7, "detections": [{"label": "car", "score": 0.5, "box": [-30, 10, 50, 40]},
-            {"label": 0, "score": 0.8, "box": [1, 2, 3, 4]}, {"label": "car", "score": 0.0001, "box": [1, 2, 3, 4]}]}"#;
-        let found = answered(line).unwrap();
-        let expected = [(0, 0.8, [1.0, 2.0, 3.0, 4.0]), (2, 0.5, [0.0, 10.0, 50.0, 40.0])];
-        let expected = expected.map(|(label, score, b)| Detection::new(label, score, b.into()).unwrap());
-        assert_eq!(found, expected);
-        let declined = parse(r#"{"id": 7, "error": "out of\nmemory"}"#, &ASKED);
-        assert!(matches!(declined, Ok(Verdict::Declined(why)) if why == "out of memory"));
-    }
-
-    #[test]
-    fn lies_are_named() {
-        let one = |found: &str| format!(r#"{{"id": 7, "detections": [{found}]}}"#);
-        let many = vec![r#"{"label": 0, "score": 0.5, "box": [1, 2, 3, 4]}"#; MOST_BOXES + 1].join(",");
-        for (line, words) in [
-            ("ok".to_owned(), "it begins with \"ok\", which is no answer"),
-            (String::new(), "which is no answer"),
-            (
-                r#"{"id": 8, "detections": []}"#.into(),
-                "about photo 8, and asked was photo 7",
-            ),
-            (r#"{"id": 7}"#.into(), "neither detections nor an error"),
-            (r#"{"id": 7, "boxes": []}"#.into(), "unknown field `boxes`"),
-            (
-                r#"{"id": 7, "detections": [], "width": 480, "height": 640}"#.into(),
-                "did not turn it as its EXIF says",
-            ),
-            (
-                one(r#"{"label": "carr", "score": 0.5, "box": [1, 2, 3, 4]}"#),
-                "the label \"carr\" is none of its 80",
-            ),
-            (
-                one(r#"{"label": 80, "score": 0.5, "box": [1, 2, 3, 4]}"#),
-                "the label 80 is none: they are numbered from 0 to 79",
-            ),
-            (
-                one(r#"{"label": 2, "score": NaN, "box": [1, 2, 3, 4]}"#),
-                "NaN where a number belongs",
-            ),
-            (
-                one(r#"{"label": 2, "score": 97.1, "box": [1, 2, 3, 4]}"#),
-                "the confidence 97.1 is above 1",
-            ),
-            (
-                one(r#"{"label": 2, "score": 0.5, "box": [30, 2, 3, 4]}"#),
-                "not left, top, right, bottom",
-            ),
-            (
-                one(r#"{"label": 2, "score": 0.5, "box": [700, 2, 730, 4]}"#),
-                "lies outside the photo of 640×480 px",
-            ),
-            (
-                one(r#"{"label": 2, "score": 0.5, "box": [1, 2, 3]}"#),
-                "which is no answer",
-            ),
-            (one(&many), "10001 boxes"),
-        ] {
-            let error = answered(&line).unwrap_err();
-            assert!(error.contains(words) && !error.contains('\n'), "{error}");
-        }
-        let long = format!(r#"{{"id": 7, "{}": 1}}"#, "x".repeat(1 << 20));
-        assert!(answered(&long).unwrap_err().len() < 1000);
     }
 }

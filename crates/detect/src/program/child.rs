@@ -26,27 +26,15 @@ pub(super) enum Silence {
     Unread,
 }
 
-/// What the thread that listens is to read.
-enum Wanted {
-    Line,
-    /// So many bytes.
-    Bytes(usize),
-}
-
-/// What it has read.
-enum Heard {
-    Whole(Vec<u8>),
-    HugeLine,
-}
-
 /// A program that runs.
 #[derive(Debug)]
 pub(super) struct Child {
     process: Process,
     /// Dropped first: the end of its input tells a program to end.
     to: Option<SyncSender<Vec<u8>>>,
-    wanted: SyncSender<Wanted>,
-    from: Receiver<Heard>,
+    /// Asks for so many bytes, or for a line, which `from` gives.
+    wanted: SyncSender<Option<usize>>,
+    from: Receiver<Result<Vec<u8>, Silence>>,
     words: Receiver<String>,
     group: Group,
 }
@@ -64,9 +52,7 @@ impl Child {
         if let Some(folder) = folder.filter(|folder| !folder.as_os_str().is_empty()) {
             starting.current_dir(folder);
         }
-        Group::prepare(&mut starting);
-        let mut process = starting.spawn()?;
-        let group = Group::of(&process);
+        let (mut process, group) = Group::start(&mut starting)?;
         let (to, (wanted, from), words) = match (process.stdin.take(), process.stdout.take(), process.stderr.take()) {
             (Some(stdin), Some(stdout), Some(stderr)) => (writer(stdin), reader(stdout), listener(stderr)),
             _ => return Err(std::io::ErrorKind::BrokenPipe.into()),
@@ -93,25 +79,19 @@ impl Child {
 
     /// The next line, waited for.
     pub(super) fn line(&mut self, limit: Duration) -> Result<String, Silence> {
-        String::from_utf8(self.read(Wanted::Line, limit)?).map_err(|_| Silence::NoText)
+        String::from_utf8(self.read(None, limit)?).map_err(|_| Silence::NoText)
     }
 
-    /// So many bytes behind a line, waited for.
-    pub(super) fn bytes(&mut self, count: usize, limit: Duration) -> Result<Vec<u8>, Silence> {
-        self.read(Wanted::Bytes(count), limit)
+    /// So many bytes behind a line, or the next line, waited for.
+    pub(super) fn read(&mut self, count: Option<usize>, limit: Duration) -> Result<Vec<u8>, Silence> {
+        let _ = self.wanted.send(count);
+        self.from.recv_timeout(limit).unwrap_or_else(|e| match e {
+            RecvTimeoutError::Timeout => Err(Silence::TooLong),
+            RecvTimeoutError::Disconnected => Err(Silence::Ended),
+        })
     }
 
-    fn read(&mut self, wanted: Wanted, limit: Duration) -> Result<Vec<u8>, Silence> {
-        let _ = self.wanted.send(wanted);
-        match self.from.recv_timeout(limit) {
-            Ok(Heard::Whole(bytes)) => Ok(bytes),
-            Ok(Heard::HugeLine) => Err(Silence::HugeLine),
-            Err(RecvTimeoutError::Timeout) => Err(Silence::TooLong),
-            Err(RecvTimeoutError::Disconnected) => Err(Silence::Ended),
-        }
-    }
-
-    /// Ends it at once, and returns how it ended and the last line of its standard error.
+    /// Ends the program at once, and returns how it ended and the last line of its standard error.
     pub(super) fn post_mortem(mut self) -> (Option<ExitStatus>, Option<String>) {
         // It may be about to end by itself, with a status that says more than our signal.
         let status = self.wait(GRACE / 4);
@@ -156,16 +136,26 @@ fn writer(mut stdin: ChildStdin) -> SyncSender<Vec<u8>> {
     to
 }
 
+/// Where what is to be read is asked for, so many bytes or a line, and where it arrives.
+type Reading = (SyncSender<Option<usize>>, Receiver<Result<Vec<u8>, Silence>>);
+
 /// Reads what is wanted and no more: whatever else the program writes waits in its pipe.
-fn reader(stdout: impl Read + Send + 'static) -> (SyncSender<Wanted>, Receiver<Heard>) {
-    let ((want, wanted), (tell, heard)) = (sync_channel(1), sync_channel(1));
+fn reader(stdout: impl Read + Send + 'static) -> Reading {
+    let ((want, wanted), (tell, heard)) = (sync_channel::<Option<usize>>(1), sync_channel(1));
     std::thread::spawn(move || {
         let mut stdout = BufReader::new(stdout);
         for wanted in wanted {
-            let Ok(read) = heard_in(&mut stdout, &wanted) else {
-                return;
+            let mut read = vec![0; wanted.unwrap_or(0)];
+            let count = match wanted {
+                Some(count) => stdout.read_exact(&mut read).map(|()| count),
+                None => (&mut stdout).take(LONGEST_LINE + 1).read_until(b'\n', &mut read),
             };
-            if tell.send(read).is_err() {
+            let heard = match (wanted, count) {
+                (_, Err(_)) | (None, Ok(0)) => return,
+                (None, Ok(count)) if count as u64 > LONGEST_LINE => Err(Silence::HugeLine),
+                _ => Ok(read),
+            };
+            if tell.send(heard).is_err() {
                 return;
             }
         }
@@ -173,36 +163,20 @@ fn reader(stdout: impl Read + Send + 'static) -> (SyncSender<Wanted>, Receiver<H
     (want, heard)
 }
 
-fn heard_in(stdout: &mut impl BufRead, wanted: &Wanted) -> std::io::Result<Heard> {
-    let mut read = Vec::new();
-    match wanted {
-        Wanted::Bytes(count) => {
-            read.resize(*count, 0);
-            stdout.read_exact(&mut read)?;
-        }
-        Wanted::Line => match stdout.take(LONGEST_LINE + 1).read_until(b'\n', &mut read)? {
-            0 => return Err(std::io::ErrorKind::UnexpectedEof.into()),
-            count if count as u64 > LONGEST_LINE => return Ok(Heard::HugeLine),
-            _ => {}
-        },
-    }
-    Ok(Heard::Whole(read))
-}
-
-/// Reads standard error to its end, and then says its last line that is not empty.
+/// Reads standard error to its end, and then sends its last line that is not empty.
 fn listener(stderr: impl Read + Send + 'static) -> Receiver<String> {
     let (tell, words) = sync_channel(1);
     std::thread::spawn(move || {
         let mut stderr = BufReader::new(stderr);
         let mut last = String::new();
-        loop {
-            let mut line = Vec::new();
-            // The rest of a longer line is one of its own.
-            match (&mut stderr).take(LONGEST_WORDS).read_until(b'\n', &mut line) {
-                Ok(0) | Err(_) => break,
-                Ok(_) => {}
-            }
-            let line = String::from_utf8_lossy(&line).trim().to_owned();
+        let mut line = Vec::new();
+        // The rest of a longer line is one of its own.
+        while (&mut stderr)
+            .take(LONGEST_WORDS)
+            .read_until(b'\n', &mut line)
+            .is_ok_and(|count| count > 0)
+        {
+            let line = String::from_utf8_lossy(&std::mem::take(&mut line)).trim().to_owned();
             if !line.is_empty() {
                 last = line;
             }

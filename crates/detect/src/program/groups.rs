@@ -2,13 +2,24 @@
 
 use std::collections::BTreeSet;
 use std::process::{Child, Command};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Whether programs get groups of their own, which a terminal's Ctrl-C does not reach.
+static ARE_APART: AtomicBool = AtomicBool::new(cfg!(unix));
 
 /// Ids of the groups that run.
 static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
-fn running() -> MutexGuard<'static, BTreeSet<u32>> {
-    RUNNING.lock().unwrap_or_else(|e| e.into_inner())
+/// Locks what no thread leaves half written, even if it panics.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on programs stay in the process group of this one, whose interruption reaches them: for callers that cannot call
+/// [`kill_programs`] when they are interrupted.
+pub fn keep_programs_in_our_group() {
+    ARE_APART.store(false, Ordering::Relaxed);
 }
 
 /// A program and whatever it starts.
@@ -16,25 +27,25 @@ fn running() -> MutexGuard<'static, BTreeSet<u32>> {
 pub(super) struct Group(u32);
 
 impl Group {
-    /// Lets a command that is about to start have a group of its own.
-    #[cfg(all(unix, feature = "full"))]
-    pub(super) fn prepare(command: &mut Command) {
-        std::os::unix::process::CommandExt::process_group(command, 0);
-    }
-
-    /// A terminal's Ctrl-C ends it in this one's.
-    #[cfg(not(all(unix, feature = "full")))]
-    pub(super) fn prepare(_: &mut Command) {}
-
-    pub(super) fn of(process: &Child) -> Group {
-        running().insert(process.id());
-        Group(process.id())
+    /// Starts a command, in a group of its own.
+    pub(super) fn start(command: &mut Command) -> std::io::Result<(Child, Group)> {
+        let is_apart = ARE_APART.load(Ordering::Relaxed);
+        #[cfg(unix)]
+        if is_apart {
+            std::os::unix::process::CommandExt::process_group(command, 0);
+        }
+        let process = command.spawn()?;
+        if is_apart {
+            lock(&RUNNING).insert(process.id());
+        }
+        let group = Group(process.id());
+        Ok((process, group))
     }
 
     /// Ends all of it.
     pub(super) fn kill(&self) {
         // An id that is not listed any more may be another's.
-        if running().remove(&self.0) {
+        if lock(&RUNNING).remove(&self.0) {
             kill(self.0);
         }
     }
@@ -48,16 +59,14 @@ impl Drop for Group {
 
 /// Ends every program that runs for this one.
 pub fn kill_programs() {
-    std::mem::take(&mut *running()).into_iter().for_each(kill);
+    std::mem::take(&mut *lock(&RUNNING)).into_iter().for_each(kill);
 }
 
-#[cfg(all(unix, feature = "full"))]
 fn kill(group: u32) {
-    use rustix::process::{Pid, Signal, kill_process_group};
-    if let Some(group) = i32::try_from(group).ok().and_then(Pid::from_raw) {
-        let _ = kill_process_group(group, Signal::KILL);
+    #[cfg(unix)]
+    if let Some(group) = i32::try_from(group).ok().and_then(rustix::process::Pid::from_raw) {
+        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
     }
+    #[cfg(not(unix))]
+    let _ = group;
 }
-
-#[cfg(not(all(unix, feature = "full")))]
-fn kill(_: u32) {}

@@ -3,30 +3,36 @@
 
 mod answer;
 mod child;
-mod gradient;
 mod groups;
 mod hello;
 mod spec;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::ExitStatus;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 use image::RgbImage;
 
+use super::foreign::hashed;
 use super::{Detection, ForeignCard, ForeignKind};
-use answer::{Asked, Verdict};
+use answer::NoAnswer;
 use child::{Child, Silence};
-use gradient::Head;
+use groups::lock;
 use hello::{Hello, InputRule};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 
-pub use groups::kill_programs;
+pub use groups::{keep_programs_in_our_group, kill_programs};
 pub use hello::Gradients;
 pub use spec::{ProgramSpec, ProgramSpecError};
+
+/// What a program says, read without the program: its first line and its answers.
+pub mod protocol {
+    pub use crate::program::answer::{NoAnswer, derivatives, detections, loss};
+    pub use crate::program::hello::{Hello, InputRule};
+}
 
 /// Why a program cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
@@ -112,24 +118,36 @@ pub struct ProgramDetector {
     hello: Hello,
     card: ForeignCard,
     limit: Duration,
+    /// The number of the last request.
+    asked: AtomicU64,
     pool: Mutex<Pool>,
     freed: Condvar,
     /// Answers of this run, by the SHA-256 of the photo.
     answers: Mutex<BTreeMap<String, Vec<Detection>>>,
 }
 
-/// Why an answer is not taken.
-enum Distrust {
+/// Why there is no answer to use.
+enum Trouble {
     Silence(Silence),
-    Fault(String),
+    Answer(NoAnswer),
+}
+
+impl From<Silence> for Trouble {
+    fn from(silence: Silence) -> Trouble {
+        Trouble::Silence(silence)
+    }
+}
+
+impl From<NoAnswer> for Trouble {
+    fn from(answer: NoAnswer) -> Trouble {
+        Trouble::Answer(answer)
+    }
 }
 
 #[derive(Debug, Default)]
 struct Pool {
     idle: Vec<Child>,
     running: usize,
-    /// The number of the last request.
-    asked: u64,
     /// Why no photo is looked at any more.
     failed: Option<Arc<ProgramError>>,
 }
@@ -149,6 +167,7 @@ impl ProgramDetector {
             hello,
             card,
             limit,
+            asked: AtomicU64::new(0),
             pool: Mutex::new(pool),
             freed: Condvar::new(),
             answers: Mutex::default(),
@@ -180,33 +199,20 @@ impl ProgramDetector {
     /// [`ProgramError::Declined`] concerns this photo; all others the program.
     pub fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
         let id = self.next_id();
-        let verdict = self.ask(photo.file, self.request(id, photo)?, |line, _| {
-            let asked = Asked {
-                id,
-                size: photo.size,
-                labels: self.hello.labels,
-            };
-            answer::parse(line, &asked).map_err(Distrust::Fault)
-        })?;
-        match verdict {
-            Verdict::Detections(found) => Ok(found),
-            Verdict::Declined(sentence) => Err(self.declined(sentence)),
-        }
+        self.ask(photo.file, self.request(id, photo)?, |line, _| {
+            Ok(answer::detections(line, id, photo.size, self.hello.labels)?)
+        })
     }
 
     /// What it answered for a photo in this run, by the SHA-256 of its file: a session that is scored again after each photo keeps earlier answers, whatever the program
     /// would say now.
     pub fn answered(&self, sha256: &str) -> Option<Vec<Detection>> {
-        self.answers().get(sha256).cloned()
+        lock(&self.answers).get(sha256).cloned()
     }
 
     /// Remembers an answer for [`ProgramDetector::answered`].
     pub fn remember(&self, sha256: &str, found: &[Detection]) {
-        self.answers().insert(sha256.to_owned(), found.to_vec());
-    }
-
-    fn answers(&self) -> MutexGuard<'_, BTreeMap<String, Vec<Detection>>> {
-        self.answers.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+        lock(&self.answers).insert(sha256.to_owned(), found.to_vec());
     }
 
     /// The loss `−ln(1 − C)` of the surest box that meets the model in an image, and its derivative; `None` where none meets it.
@@ -215,41 +221,27 @@ impl ProgramDetector {
     /// Those of [`ProgramDetector::detect`].
     pub fn loss_and_gradient(&self, image: &ProgramImage) -> Result<Option<ProgramLoss>, ProgramError> {
         let (id, [width, height]) = (self.next_id(), image.size);
-        let pixels = gradient::bytes(image.pixels);
+        let pixels = image.pixels.iter().flatten().flat_map(|v| (*v as f32).to_le_bytes());
+        let pixels: Vec<u8> = pixels.collect();
         let count = pixels.len();
         let line = serde_json::json!({
             "id": id, "task": "loss_and_gradient", "width": width, "height": height, "bytes": count,
             "box": <[f64; 4]>::from(image.model), "least_iou": image.least_iou, "labels": image.labels,
         });
         let message = [line.to_string().as_bytes(), b"\n", &pixels].concat();
-        let answer = self.ask("an image", message, |line, child| {
-            let head = gradient::parse(line, id, image.size).map_err(Distrust::Fault)?;
-            let gradient = match head {
-                Head::Loss(_) => {
-                    let bytes = child.bytes(count, self.limit).map_err(Distrust::Silence)?;
-                    gradient::derivatives(&bytes, width).map_err(Distrust::Fault)?
-                }
-                Head::Nothing | Head::Declined(_) => Vec::new(),
+        self.ask("an image", message, |line, child| {
+            let Some(loss) = answer::loss(line, id, image.size)? else {
+                return Ok(None);
             };
-            Ok((head, gradient))
-        })?;
-        match answer {
-            (Head::Loss(loss), gradient) => Ok(Some(ProgramLoss { loss, gradient })),
-            (Head::Nothing, _) => Ok(None),
-            (Head::Declined(sentence), _) => Err(self.declined(sentence)),
-        }
-    }
-
-    fn declined(&self, sentence: String) -> ProgramError {
-        let detector = self.card.name.clone();
-        ProgramError::Declined { detector, sentence }
+            let bytes = child.read(Some(count), self.limit)?;
+            let gradient = answer::derivatives(&bytes, width).map_err(NoAnswer::Fault)?;
+            Ok(Some(ProgramLoss { loss, gradient }))
+        })
     }
 
     /// The number of the next request.
     fn next_id(&self) -> u64 {
-        let mut pool = self.pool();
-        pool.asked += 1;
-        pool.asked
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1
     }
 
     /// Sends a request about something to a program that has nothing to do, and reads its answer.
@@ -257,36 +249,43 @@ impl ProgramDetector {
         &self,
         about: &str,
         request: Vec<u8>,
-        read: impl FnOnce(&str, &mut Child) -> Result<T, Distrust>,
+        read: impl FnOnce(&str, &mut Child) -> Result<T, Trouble>,
     ) -> Result<T, ProgramError> {
         let mut child = self.lease()?;
         let line = child.send(request).and_then(|()| child.line(self.limit));
-        let line = line.map_err(Distrust::Silence);
-        let fault = match line.and_then(|line| read(&line, &mut child)) {
-            Ok(answer) => {
-                self.pool().idle.push(child);
-                self.freed.notify_one();
-                return Ok(answer);
-            }
-            Err(Distrust::Silence(silence)) => {
+        let answer = line.map_err(Trouble::Silence).and_then(|line| read(&line, &mut child));
+        let detector = self.card.name.clone();
+        let fault = match answer {
+            Err(Trouble::Silence(silence)) => {
                 let when = format!("before it answered about {about}");
                 explained(&self.spec, child, silence, self.limit, when)
             }
-            Err(Distrust::Fault(fault)) => {
+            Err(Trouble::Answer(NoAnswer::Fault(fault))) => {
                 drop(child.post_mortem());
-                ProgramError::Answer {
-                    detector: self.card.name.clone(),
-                    file: about.to_owned(),
-                    fault,
-                }
+                let file = about.to_owned();
+                ProgramError::Answer { detector, file, fault }
+            }
+            Err(Trouble::Answer(NoAnswer::Declined(sentence))) => {
+                self.free(child);
+                return Err(ProgramError::Declined { detector, sentence });
+            }
+            Ok(answer) => {
+                self.free(child);
+                return Ok(answer);
             }
         };
         Err(self.lost(fault))
     }
 
+    /// A program has nothing to do any more.
+    fn free(&self, child: Child) {
+        lock(&self.pool).idle.push(child);
+        self.freed.notify_one();
+    }
+
     /// A program that has nothing to do.
     fn lease(&self) -> Result<Child, ProgramError> {
-        let mut pool = self.pool();
+        let mut pool = lock(&self.pool);
         loop {
             if let Some(error) = &pool.failed {
                 return Err(ProgramError::Lost(Arc::clone(error)));
@@ -298,28 +297,24 @@ impl ProgramDetector {
                 pool.running += 1;
                 break;
             }
-            pool = self.freed.wait(pool).unwrap_or_else(|e| e.into_inner());
+            pool = self.freed.wait(pool).unwrap_or_else(PoisonError::into_inner);
         }
         drop(pool);
-        match start(&self.spec, self.limit) {
-            Ok((child, hello)) if hello == self.hello => Ok(child),
-            Ok(_) => Err(self.lost(ProgramError::Changed {
-                detector: self.card.name.clone(),
-            })),
-            Err(e) => Err(self.lost(e)),
+        let (child, hello) = start(&self.spec, self.limit).map_err(|e| self.lost(e))?;
+        if hello == self.hello {
+            Ok(child)
+        } else {
+            let detector = self.card.name.clone();
+            Err(self.lost(ProgramError::Changed { detector }))
         }
     }
 
     /// After an error no photo is looked at any more, and nobody waits for a program.
     fn lost(&self, error: ProgramError) -> ProgramError {
         let error = Arc::new(error);
-        self.pool().failed.get_or_insert(Arc::clone(&error));
+        lock(&self.pool).failed.get_or_insert(Arc::clone(&error));
         self.freed.notify_all();
         ProgramError::Lost(error)
-    }
-
-    fn pool(&self) -> MutexGuard<'_, Pool> {
-        self.pool.lock().unwrap_or_else(|e| e.into_inner())
     }
 
     /// The line about a photo, and its pixels behind it.
@@ -348,15 +343,16 @@ fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramE
         command: command.clone(),
         reason: files::plain(&e),
     })?;
-    match child.line(limit) {
-        Ok(line) => match Hello::parse(&line) {
-            Ok(hello) => Ok((child, hello)),
-            Err(fault) => {
-                drop(child.post_mortem());
-                Err(ProgramError::Hello { command, fault })
-            }
-        },
-        Err(silence) => Err(explained(spec, child, silence, limit, "before its hello".into())),
+    let line = match child.line(limit) {
+        Ok(line) => line,
+        Err(silence) => return Err(explained(spec, child, silence, limit, "before its hello".into())),
+    };
+    match Hello::parse(&line) {
+        Ok(hello) => Ok((child, hello)),
+        Err(fault) => {
+            drop(child.post_mortem());
+            Err(ProgramError::Hello { command, fault })
+        }
     }
 }
 
@@ -364,18 +360,22 @@ fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramE
 fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration, when: String) -> ProgramError {
     let command = spec.in_words();
     let (status, words) = child.post_mortem();
-    let how = match silence {
-        Silence::TooLong => {
+    let how = match (silence, status) {
+        (Silence::TooLong, _) => {
             let seconds = limit.as_secs_f64();
             return ProgramError::TooLong { command, seconds, when };
         }
-        Silence::Ended => status.map_or("ended".to_owned(), ended),
-        Silence::HugeLine => "wrote a line that has no end".to_owned(),
-        Silence::NoText => "wrote what is no UTF-8 text".to_owned(),
-        Silence::Unread => {
+        (Silence::Unread, _) => {
             let fault = "it answers without reading its requests".to_owned();
             return ProgramError::Hello { command, fault };
         }
+        (Silence::HugeLine, _) => "wrote a line that has no end".to_owned(),
+        (Silence::NoText, _) => "wrote what is no UTF-8 text".to_owned(),
+        (Silence::Ended, None) => "ended".to_owned(),
+        (Silence::Ended, Some(status)) => match status.code() {
+            Some(code) => format!("ended with exit code {code}"),
+            None => format!("was ended ({status})"),
+        },
     };
     ProgramError::Ended {
         command,
@@ -385,28 +385,13 @@ fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration
     }
 }
 
-fn ended(status: ExitStatus) -> String {
-    match status.code() {
-        Some(code) => format!("ended with exit code {code}"),
-        None => format!("was ended ({status})"),
-    }
-}
-
 /// What is known of a program: what it says, what its manifest says, and the files of both.
 fn card(spec: &ProgramSpec, hello: &Hello) -> Result<ForeignCard, FileError> {
     let own = |text: &Option<String>, of_hello: &Option<String>| text.clone().or_else(|| of_hello.clone());
     let name = spec.name.clone().unwrap_or_else(|| hello.name.clone());
     let mut seen: Vec<(String, String)> = Vec::new();
-    for path in spec
-        .files()
-        .into_iter()
-        .chain(hello.files.iter().map(|file| spec.seen(file)))
-    {
-        let named = path.file_name().map_or_else(
-            || path.display().to_string(),
-            |name| name.to_string_lossy().into_owned(),
-        );
-        let hashed = (named, files::sha256_hex(&files::read(&path)?));
+    for path in (spec.files().into_iter()).chain(hello.files.iter().map(|file| spec.seen(file))) {
+        let hashed = hashed(&path)?;
         if !seen.contains(&hashed) {
             seen.push(hashed);
         }
@@ -431,27 +416,4 @@ fn card(spec: &ProgramSpec, hello: &Hello) -> Result<ForeignCard, FileError> {
         notes,
         name,
     })
-}
-
-/// A path as a program that was started in a folder sees it.
-fn from(folder: Option<&Path>, path: &Path) -> PathBuf {
-    folder.map_or_else(|| path.to_owned(), |folder| folder.join(path))
-}
-
-/// Reads a text as a hello and as an answer, for fuzzing: what is read is within its bounds.
-pub fn read_as_a_programs(text: &str) {
-    let labels = Hello::parse(text).map_or(super::Labels::Coco80, |hello| hello.labels);
-    let (id, size) = (1, [64, 48]);
-    if let Ok(Verdict::Detections(found)) = answer::parse(text, &Asked { id, size, labels }) {
-        assert!(
-            found.len() <= 100
-                && found
-                    .iter()
-                    .all(|d| d.box_px.is_solid() && labels.name(d.label).is_some())
-        );
-        assert!(found.is_sorted_by(|a, b| a.score >= b.score));
-    }
-    if let Ok(Head::Loss(loss)) = gradient::parse(text, id, size) {
-        assert!(loss >= 0.0);
-    }
 }

@@ -47,20 +47,19 @@ impl ProgramSpec {
     /// A command line or manifest that is none.
     pub fn named(name: &str) -> Result<Option<ProgramSpec>, ProgramSpecError> {
         if let Some(line) = name.strip_prefix(PREFIX) {
-            let fault = |fault| ProgramSpecError::CommandLine {
-                text: name.to_owned(),
-                fault,
-            };
-            let command = words(line).map_err(fault)?;
-            return if command.first().is_none_or(String::is_empty) {
-                Err(fault(
-                    "no program is named: write exec:PROGRAM, or exec:'PROGRAM ARGUMENT …'",
-                ))
-            } else {
-                Ok(Some(ProgramSpec {
+            let command = words(line).and_then(|words| match words.first() {
+                Some(program) if !program.is_empty() => Ok(words),
+                _ => Err("no program is named: write exec:PROGRAM, or exec:'PROGRAM ARGUMENT …'"),
+            });
+            return match command {
+                Ok(command) => Ok(Some(ProgramSpec {
                     command,
                     ..ProgramSpec::default()
-                }))
+                })),
+                Err(fault) => Err(ProgramSpecError::CommandLine {
+                    text: name.to_owned(),
+                    fault,
+                }),
             };
         }
         let path = Path::new(name);
@@ -68,20 +67,15 @@ impl ProgramSpec {
             return Ok(None);
         }
         let text = files::read_text(path)?;
-        if has_command(&text) {
-            Ok(Some(ProgramSpec::parse(&text, path)?))
-        } else {
-            Ok(None)
-        }
+        let has_command = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("command"));
+        Ok(has_command.then(|| ProgramSpec::parse(&text, path)).transpose()?)
     }
 
     /// A manifest's text; `path` is where it lies.
     pub fn parse(text: &str, path: &Path) -> Result<ProgramSpec, FileError> {
         let refuse = |message: &str| {
-            FileError::content(
-                path,
-                format!("the manifest is not valid: {}", message.replace('\n', " ")),
-            )
+            let message = message.replace('\n', " ");
+            FileError::content(path, format!("the manifest is not valid: {message}"))
         };
         let spec: ProgramSpec = toml::from_str(text).map_err(|e| refuse(e.message()))?;
         if spec.command.first().is_none_or(String::is_empty) {
@@ -101,7 +95,7 @@ impl ProgramSpec {
     }
 
     /// The command as a person would type it.
-    pub(super) fn in_words(&self) -> String {
+    pub fn in_words(&self) -> String {
         self.command.join(" ")
     }
 
@@ -113,12 +107,8 @@ impl ProgramSpec {
 
     /// A path as the program sees it.
     pub(super) fn seen(&self, path: &Path) -> PathBuf {
-        super::from(self.folder.as_deref(), path)
+        self.folder.as_ref().map_or(path.to_owned(), |folder| folder.join(path))
     }
-}
-
-fn has_command(text: &str) -> bool {
-    toml::from_str::<toml::Table>(text).is_ok_and(|table| table.contains_key("command"))
 }
 
 /// The words of a command line: blanks part them, except between quotes.
@@ -139,44 +129,5 @@ fn words(line: &str) -> Result<Vec<String>, &'static str> {
     match quote {
         None => Ok(words),
         Some(_) => Err("a quotation mark has no second"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn command_lines_and_manifests_name_programs() {
-        let command = |name: &str| {
-            ProgramSpec::named(name)
-                .map(|spec| spec.map(|s| s.command))
-                .map_err(|e| e.to_string())
-        };
-        let wanted = |words: &[&str]| Ok(Some(words.iter().map(|w| (*w).to_owned()).collect()));
-        assert_eq!(
-            command("exec:python3  'my car.py' \"\""),
-            wanted(&["python3", "my car.py", ""])
-        );
-        assert_eq!(command("yolox_nano"), Ok(None));
-        assert!(command("exec: ").unwrap_err().contains("no program is named"));
-        assert!(command("exec:'a").unwrap_err().contains("has no second"));
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("mine.toml");
-        std::fs::write(&path, "command = ['./run', 'x']\nname = 'mine'\n").unwrap();
-        let spec = ProgramSpec::named(path.to_str().unwrap()).unwrap().unwrap();
-        assert_eq!(
-            (spec.in_words().as_str(), spec.folder.as_deref()),
-            ("./run x", path.parent())
-        );
-        for (text, words) in [
-            ("command = []", "command is empty"),
-            ("command = ['a']\nlabels = 3", "unknown field `labels`"),
-            ("command = ['a']\nname = 'a b'", "for the name"),
-        ] {
-            std::fs::write(&path, text).unwrap();
-            let error = command(path.to_str().unwrap()).unwrap_err();
-            assert!(error.contains(words), "{error}");
-        }
     }
 }

@@ -4,25 +4,19 @@ use std::path::Path;
 use std::time::Duration;
 
 use image::{Rgb, RgbImage};
-use ort::session::Session;
 use ort::value::{Outlet, TensorElementType};
 
 use super::ProposeError;
 use super::metadata::Metadata;
 use crate::heads::Tensor;
-use crate::input::{self, InputPlacement};
-use crate::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, SIDES_PX, Values, Weights};
-use crate::runtime::{self, NoAnswer};
-use crate::{DetectError, Labels, Runtime};
+use crate::input::InputPlacement;
+use crate::manifest::{Input, Layout, Resize, SIDES_PX, Values};
+use crate::runtime::{self, NoAnswer, first_line};
+use crate::{DetectError, Runtime};
 
 /// A network, asked.
 pub(super) struct Inspected {
-    pub layout: Layout,
-    pub values: Values,
-    /// True with a second input of two whole numbers: the photo's width and height.
-    pub takes_photo_size: bool,
-    /// True when the file fixes the input's width and height.
-    pub size_is_fixed: bool,
+    pub takes: Required,
     /// Width, height of the two images.
     pub size_px: [u32; 2],
     pub metadata: Metadata,
@@ -42,14 +36,11 @@ pub(super) fn inspect(
     size_px: Option<[u32; 2]>,
     time_limit: Duration,
 ) -> Result<Inspected, ProposeError> {
-    let mut session = runtime::session(runtime, path).map_err(|e| DetectError::Model {
-        path: path.to_owned(),
-        reason: first_line(&e),
-    })?;
+    let mut session = runtime::session(runtime, path)?;
     let metadata = Metadata::of(&session);
     let inputs: Vec<Port> = session.inputs().iter().map(Port::of).collect();
-    let asked = Asked::of(&inputs)?;
-    let fixed = asked.size_px;
+    let takes = Required::by(&inputs)?;
+    let fixed = takes.size_px;
     if let (Some(fixed), Some(named)) = (fixed, size_px.filter(|named| Some(*named) != fixed)) {
         return Err(ProposeError::OtherSize { fixed, named });
     }
@@ -57,49 +48,36 @@ pub(super) fn inspect(
     if !size_px.iter().all(|side| SIDES_PX.contains(side)) {
         return Err(ProposeError::Size { size_px });
     }
-    let manifest = asked.manifest(size_px);
-    let mut answer = |image: RgbImage| answer(&mut session, &manifest, &image, path, time_limit);
+    let (layout, values) = (takes.layout, takes.values);
+    let input = Input {
+        size_px,
+        std: [if values == Values::F32 { 255.0 } else { 1.0 }; 3],
+        resize: Resize::Stretch,
+        ..Input::unchanged(layout, values)
+    };
+    let placement = InputPlacement::new(&input, size_px[0], size_px[1]);
+    let mut answer = |image: RgbImage| {
+        let takes_size = takes.takes_photo_size;
+        let outputs = runtime::run(&mut session, &input, takes_size, &image, &placement, time_limit);
+        outputs.map_err(|e| match e {
+            NoAnswer::Failed(e) => ProposeError::Trial {
+                size_px,
+                reason: first_line(&e),
+            },
+            NoAnswer::TooLong => ProposeError::Detect(DetectError::TooLong {
+                detector: path.display().to_string(),
+                seconds: time_limit.as_secs_f64(),
+            }),
+        })
+    };
+    let grey = RgbImage::from_pixel(size_px[0], size_px[1], Rgb([114; 3]));
     Ok(Inspected {
-        layout: asked.layout,
-        values: asked.values,
-        takes_photo_size: asked.takes_photo_size,
-        size_is_fixed: fixed.is_some(),
+        answers: [answer(grey)?, answer(noise(size_px))?],
+        takes,
         size_px,
         metadata,
-        answers: [answer(grey(size_px))?, answer(noise(size_px))?],
         inputs: listed(&inputs),
     })
-}
-
-fn first_line(e: &ort::Error) -> String {
-    e.to_string().lines().next().unwrap_or_default().to_owned()
-}
-
-fn answer(
-    session: &mut Session,
-    manifest: &Manifest,
-    image: &RgbImage,
-    path: &Path,
-    time_limit: Duration,
-) -> Result<Vec<Tensor>, ProposeError> {
-    let failed = |reason: String| ProposeError::Trial {
-        size_px: manifest.input.size_px,
-        reason,
-    };
-    let placement = InputPlacement::new(&manifest.input, image.width(), image.height());
-    let tensor = input::tensor(image, &manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
-    let outputs = runtime::run(session, manifest, tensor, &placement, time_limit);
-    outputs.map_err(|e| match e {
-        NoAnswer::Failed(e) => failed(first_line(&e)),
-        NoAnswer::TooLong => ProposeError::Detect(DetectError::TooLong {
-            detector: path.display().to_string(),
-            seconds: time_limit.as_secs_f64(),
-        }),
-    })
-}
-
-fn grey([width, height]: [u32; 2]) -> RgbImage {
-    RgbImage::from_pixel(width, height, Rgb([114; 3]))
 }
 
 /// Noise that is identical every time: a linear congruential generator (Knuth's multiplier), its upper byte a value.
@@ -153,17 +131,18 @@ fn listed(ports: &[Port]) -> String {
     ports.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// What the network requires.
-struct Asked {
-    layout: Layout,
-    values: Values,
-    takes_photo_size: bool,
+/// What a network requires.
+pub(super) struct Required {
+    pub layout: Layout,
+    pub values: Values,
+    /// True with a second input of two whole numbers: the photo's width and height.
+    pub takes_photo_size: bool,
     /// Width, height; `None` where the file leaves them open.
-    size_px: Option<[u32; 2]>,
+    pub size_px: Option<[u32; 2]>,
 }
 
-impl Asked {
-    fn of(inputs: &[Port]) -> Result<Asked, ProposeError> {
+impl Required {
+    fn by(inputs: &[Port]) -> Result<Required, ProposeError> {
         let images: Vec<&Port> = inputs.iter().filter(|p| p.image().is_some()).collect();
         let all = listed(inputs);
         let (port, layout) = match images[..] {
@@ -192,52 +171,11 @@ impl Asked {
             return Err(ProposeError::Batch { inputs: all });
         }
         let fixed = sides.map(|side| u32::try_from(side).ok().filter(|side| *side > 0));
-        Ok(Asked {
+        Ok(Required {
             layout,
             values,
             takes_photo_size,
             size_px: fixed[0].zip(fixed[1]).map(|(w, h)| [w, h]),
         })
-    }
-
-    /// A manifest good enough to run the network with images of the input's size.
-    fn manifest(&self, size_px: [u32; 2]) -> Manifest {
-        let std = match self.values {
-            Values::F32 => 255.0,
-            Values::U8 => 1.0,
-        };
-        let input = Input {
-            size_px,
-            layout: self.layout,
-            values: self.values,
-            resize: Resize::Stretch,
-            kernel: Kernel::OpencvLinear,
-            pad: 0,
-            channels: Channels::Rgb,
-            mean: [0.0; 3],
-            std: [std; 3],
-        };
-        let weights = Weights {
-            file: String::new(),
-            url: String::new(),
-            sha256: String::new(),
-        };
-        Manifest {
-            name: String::new(),
-            title: String::new(),
-            licence: String::new(),
-            origin: String::new(),
-            labels: Labels::Coco80,
-            published_ap: None,
-            weights,
-            input,
-            head: if self.takes_photo_size {
-                Head::Deim {}
-            } else {
-                Head::Yolov10 {}
-            },
-            class_map: std::collections::BTreeMap::new(),
-            folder: None,
-        }
     }
 }

@@ -22,7 +22,7 @@ impl Metadata {
         };
         let entry = |key: &str| metadata.custom(key).filter(|v| !v.trim().is_empty());
         Metadata {
-            names: entry("names").and_then(|text| names(&text)),
+            names: entry("names").and_then(|text| python_names(&text)),
             size_px: entry("imgsz").and_then(|text| height_and_width(&text)),
             task: entry("task"),
             licence: entry("license"),
@@ -30,16 +30,16 @@ impl Metadata {
     }
 }
 
-/// `[480, 640]`, height first.
-fn height_and_width(text: &str) -> Option<[u32; 2]> {
+/// Width and height from `[480, 640]`, which has the height first.
+pub fn height_and_width(text: &str) -> Option<[u32; 2]> {
     match serde_json::from_str::<Vec<u32>>(text).ok()?[..] {
         [height, width] => Some([width, height]),
         _ => None,
     }
 }
 
-/// A Python dictionary of numbers and strings, `{0: 'person', 1: "driver's seat"}`, numbered from 0 without gaps.
-fn names(text: &str) -> Option<Vec<String>> {
+/// The strings of a Python dictionary of numbers and strings, `{0: 'person', 1: "driver's seat"}`, numbered from 0 without gaps.
+pub fn python_names(text: &str) -> Option<Vec<String>> {
     let mut rest = text.trim().strip_prefix('{')?.trim_start();
     let mut names = Vec::new();
     while let Some((number, after)) = rest.split_once(':') {
@@ -66,35 +66,4 @@ fn quoted(text: &str) -> Option<(String, &str)> {
         }
     }
     None
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_read_as_python_writes_them() {
-        let read = |text: &str| names(text).map(|n| n.join("|"));
-        assert_eq!(
-            read("{0: 'person', 1: 'traffic light'}").as_deref(),
-            Some("person|traffic light")
-        );
-        assert_eq!(
-            read(r#"{0: "driver's seat", 1: 'a\'b: c, }'}"#).as_deref(),
-            Some("driver's seat|a'b: c, }")
-        );
-        assert_eq!(read(r#"{"0": "car"}"#).as_deref(), Some("car"));
-        for bad in [
-            "{}",
-            "{1: 'car'}",
-            "{0: 'car'",
-            "{0: car}",
-            "['car']",
-            "{0: 'a', 2: 'b'}",
-            "{0: 'é",
-        ] {
-            assert_eq!(read(bad), None, "{bad}");
-        }
-        assert_eq!(height_and_width("[480, 640]"), Some([640, 480]));
-    }
 }

@@ -5,14 +5,15 @@ mod inspect;
 mod metadata;
 mod recognise;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
 pub use family::Family;
+pub use metadata::{height_and_width, python_names};
 
 use super::heads::{self, HeadError, Tensor};
-use super::manifest::{Input, SIDES_PX, Values, Weights};
+use super::manifest::{Input, SIDES_PX, Values};
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use inspect::Inspected;
 use recognise::FamilyCandidate;
@@ -168,38 +169,27 @@ pub fn propose_within(
     };
     let candidate = chosen(&network, hints.family, known)?;
     let (labels, guessed) = labels(&candidate, known)?;
-    let manifest = Manifest {
-        name: name.to_owned(),
-        title: name.to_owned(),
-        licence: network.metadata.licence.clone().unwrap_or_else(|| "not stated".into()),
-        origin: "not stated".into(),
-        labels,
-        published_ap: None,
-        weights: Weights {
-            file: weights.to_owned(),
-            url: String::new(),
-            sha256,
-        },
-        input: input(&network, candidate.family)?,
-        head: candidate
-            .family
-            .head(labels, candidate.strides.clone(), recognise::scores(&network)),
-        class_map: BTreeMap::new(),
-        folder: None,
-    };
+    let family = candidate.family;
+    let mut manifest = Manifest::unstated(name, labels, input(&network, family)?);
+    manifest.head = family.head(labels, &candidate.strides, recognise::scores(&network))?;
+    manifest.weights.file = weights.to_owned();
+    manifest.weights.sha256 = sha256;
+    if let Some(licence) = &network.metadata.licence {
+        manifest.licence.clone_from(licence);
+    }
     let text = manifest.to_toml()?;
     for outputs in &network.answers {
-        heads::decode(&manifest, outputs, network.size_px).map_err(|e| match e {
+        heads::candidates(&manifest, outputs, network.size_px).map_err(|e| match e {
             HeadError::NotFinite { what } => ProposeError::NotANumber { what },
             e => ProposeError::Misread {
-                title: candidate.family.title(),
+                title: family.title(),
                 reason: e.to_string(),
             },
         })?;
     }
     Ok(Proposal {
-        family: candidate.family,
-        notes: notes(&network, &candidate, &manifest, guessed),
+        family,
+        notes: notes(&network, family, &manifest, guessed),
         manifest,
         text,
     })
@@ -207,29 +197,18 @@ pub fn propose_within(
 
 /// The family's usual way, for what this network takes.
 fn input(network: &Inspected, family: Family) -> Result<Input, ManifestError> {
-    let takes_any_size = !network.size_is_fixed && family.takes_any_size();
-    let usual = family.usual_input((!takes_any_size).then_some(network.size_px))?;
-    let (mean, std) = match network.values {
-        Values::F32 => (usual.mean, usual.std),
-        Values::U8 => ([0.0; 3], [1.0; 3]),
-    };
-    Ok(Input {
-        layout: network.layout,
-        values: network.values,
-        mean,
-        std,
-        ..usual
-    })
+    let takes_any_size = network.takes.size_px.is_none() && family.takes_any_size();
+    let mut input = family.usual_input((!takes_any_size).then_some(network.size_px))?;
+    (input.layout, input.values) = (network.takes.layout, network.takes.values);
+    if input.values == Values::U8 {
+        (input.mean, input.std) = ([0.0; 3], [1.0; 3]);
+    }
+    Ok(input)
 }
 
 /// The one family that fits, or why there is not one.
 fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<FamilyCandidate, ProposeError> {
-    let outputs = || shapes(&network.answers[0]);
-    let has_room = |c: &FamilyCandidate| {
-        c.labels
-            .zip(labels)
-            .is_none_or(|(room, labels)| fits(c.family, room, labels))
-    };
+    let outputs = shapes(&network.answers[0]);
     let mut fitting = recognise::by_shape(network);
     if let Some(named) = named {
         if !fitting.iter().any(|c| c.family == named) {
@@ -239,54 +218,46 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
             } else {
                 format!("they could be of {}", others.join(" or "))
             };
-            let (outputs, named) = (outputs(), named.title());
             return Err(ProposeError::NotThisFamily {
                 outputs,
-                named,
+                named: named.title(),
                 instead,
             });
         }
         fitting.retain(|c| c.family == named);
     }
     if fitting.is_empty() {
-        return Err(ProposeError::Unknown { outputs: outputs() });
+        return Err(ProposeError::Unknown { outputs });
     }
     if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
-        return Err(ProposeError::NotDecoded { outputs: outputs() });
+        return Err(ProposeError::NotDecoded { outputs });
     }
     // Labels that fit none of them are another mistake than numbers that do not.
     let rooms: BTreeSet<usize> = fitting.iter().filter_map(|c| c.labels).collect();
-    fitting.retain(has_room);
-    if let (true, Some(labels)) = (fitting.is_empty(), labels) {
-        let given = labels.count();
-        let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
-        return Err(ProposeError::LabelCount { room, given });
+    if let Some(labels) = labels {
+        fitting.retain(|c| c.labels.is_none_or(|room| fits(c.family, room, labels)));
+        if fitting.is_empty() {
+            let given = labels.count();
+            let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
+            return Err(ProposeError::LabelCount { room, given });
+        }
     }
-    let judged: Vec<(FamilyCandidate, Option<String>)> = fitting
-        .into_iter()
-        .map(|c| (c.clone(), recognise::against(&c, network)))
-        .collect();
-    let refuted = judged
-        .iter()
-        .find_map(|(c, against)| Some((c.family, against.clone()?)));
-    let left: Vec<FamilyCandidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
-    match (&left[..], refuted) {
-        ([only], _) => Ok(only.clone()),
-        ([], Some((family, reason))) => Err(ProposeError::WrongNumbers {
-            outputs: outputs(),
-            title: family.title(),
-            reason,
-        }),
-        ([], None) => Err(ProposeError::Unknown { outputs: outputs() }),
-        (several, _) => {
-            let names = several
+    let mut refuted = None;
+    fitting.retain(|c| {
+        let reason = recognise::against(c, network);
+        let is_left = reason.is_none();
+        refuted = refuted.take().or(reason.map(|reason| (c.family.title(), reason)));
+        is_left
+    });
+    match (fitting.len(), refuted) {
+        (1, _) => Ok(fitting.swap_remove(0)),
+        (0, Some((title, reason))) => Err(ProposeError::WrongNumbers { outputs, title, reason }),
+        _ => {
+            let names = fitting
                 .iter()
                 .map(|c| format!("{} ({})", c.family.name(), c.family.title()));
             let families = names.collect::<Vec<_>>().join(" or ");
-            Err(ProposeError::Ambiguous {
-                outputs: outputs(),
-                families,
-            })
+            Err(ProposeError::Ambiguous { outputs, families })
         }
     }
 }
@@ -296,15 +267,15 @@ fn fits(family: Family, room: usize, labels: Labels) -> bool {
     room == labels.count() || (family == Family::Rfdetr && room == labels.count() + 1)
 }
 
-/// The labels of a network, and whether their number alone says so.
-fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
+/// The labels of a network, and which list they are taken for by their number alone.
+fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, Option<&'static str>), ProposeError> {
     if let Some(labels) = known {
-        return Ok((labels, false));
+        return Ok((labels, None));
     }
     let what = match candidate.labels {
-        Some(80) => return Ok((Labels::Coco80, true)),
-        Some(91) => return Ok((Labels::Coco91, true)),
-        Some(20) => return Ok((Labels::Voc20, true)),
+        Some(80) => return Ok((Labels::Coco80, Some("coco80"))),
+        Some(91) => return Ok((Labels::Coco91, Some("coco91"))),
+        Some(20) => return Ok((Labels::Voc20, Some("voc20"))),
         Some(room) => format!("the outputs have room for {room} labels, which the file does not name"),
         None => "neither the file nor the outputs' shapes say what the labels are".to_owned(),
     };
@@ -319,24 +290,21 @@ fn shapes(outputs: &[Tensor]) -> String {
     outputs.iter().map(of).collect::<Vec<_>>().join(", ")
 }
 
-fn notes(network: &Inspected, candidate: &FamilyCandidate, manifest: &Manifest, guessed: bool) -> Vec<ProposalNote> {
-    let family = candidate.family;
+fn notes(network: &Inspected, family: Family, manifest: &Manifest, guessed: Option<&str>) -> Vec<ProposalNote> {
     let mut notes = vec![ProposalNote::Recognised {
         title: family.title(),
         inputs: network.inputs.clone(),
         outputs: shapes(&network.answers[0]),
     }];
-    if guessed {
-        let list = ["coco80", "coco91", "voc20"].into_iter();
-        let list = list.filter(|l| Labels::of_list(l) == Some(manifest.labels)).collect();
-        let count = manifest.labels.count();
-        notes.push(ProposalNote::LabelsByCount { list, count });
-    }
-    if !network.size_is_fixed && !family.takes_any_size() {
+    notes.extend(guessed.map(|list| ProposalNote::LabelsByCount {
+        list: list.to_owned(),
+        count: manifest.labels.count(),
+    }));
+    if network.takes.size_px.is_none() && !family.takes_any_size() {
         let [width, height] = manifest.input.size_px;
         notes.push(ProposalNote::OpenSize { width, height });
     }
-    if network.values == Values::U8 && family != Family::TfOd {
+    if network.takes.values == Values::U8 && family != Family::TfOd {
         notes.push(ProposalNote::Bytes);
     }
     notes.push(ProposalNote::UsualInput);

@@ -2,7 +2,7 @@
 
 use super::family::Family;
 use super::inspect::Inspected;
-use crate::heads::{Data, Tensor, efficientdet};
+use crate::heads::{BINS, Data, Tensor, efficientdet};
 use crate::manifest::{Layout, Scores};
 
 /// A family whose outputs have these shapes.
@@ -18,44 +18,82 @@ pub(super) struct FamilyCandidate {
 /// The grids that the one-stage families with one table use.
 const STRIDES: [&[u32]; 3] = [&[8, 16, 32], &[8, 16, 32, 64], &[16, 32, 64]];
 
-/// Every family with outputs of these shapes.
-pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
-    let outputs = &network.answers[0];
-    let candidate = |family, labels| FamilyCandidate {
-        family,
-        labels,
-        strides: Vec::new(),
-    };
-    if named(outputs, "detection_boxes") && named(outputs, "detection_classes") && named(outputs, "detection_scores") {
-        return vec![candidate(Family::TfOd, None)];
-    }
-    if let Some(rows) = listed_boxes(outputs) {
-        return listing(network, rows).into_iter().map(|f| candidate(f, None)).collect();
-    }
-    let mut found = Vec::new();
-    found.extend(yolov4(outputs, network.size_px).map(|labels| candidate(Family::Yolov4, Some(labels))));
-    found.extend(fastestdet(outputs, network.size_px).map(|labels| candidate(Family::Fastestdet, Some(labels))));
-    found.extend(nanodet(outputs, network.size_px));
-    found.extend(yolov3(outputs, network.size_px).map(|labels| candidate(Family::Yolov3, Some(labels))));
-    found.extend(efficientdet(outputs, network.size_px).map(|labels| candidate(Family::Efficientdet, Some(labels))));
-    if found.is_empty() {
-        let is_of_transformers = named(outputs, "logits") && named(outputs, "pred_boxes");
-        match rfdetr(outputs) {
-            // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
-            Some(92) if is_of_transformers => return Vec::new(),
-            Some(columns) if is_of_transformers => found.push(candidate(Family::HfDetr, Some(columns))),
-            Some(columns) => found.push(candidate(Family::Rfdetr, Some(columns))),
-            None => {}
+impl FamilyCandidate {
+    fn new(family: Family, labels: Option<usize>, strides: &[u32]) -> FamilyCandidate {
+        let strides = strides.to_vec();
+        FamilyCandidate {
+            family,
+            labels,
+            strides,
         }
     }
-    if found.is_empty() {
-        found.extend(outputs.iter().flat_map(|t| one_table(t, network.size_px)));
-    }
-    found
 }
 
-fn named(outputs: &[Tensor], name: &str) -> bool {
-    outputs.iter().any(|t| t.name.split(':').next() == Some(name))
+/// Every family with outputs of these shapes.
+pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
+    let (outputs, size) = (&network.answers[0], network.size_px);
+    let is_named = |name: &str| outputs.iter().any(|t| t.name.split(':').next() == Some(name));
+    let bare = |family, labels: Option<usize>| labels.map(|labels| FamilyCandidate::new(family, Some(labels), &[]));
+    if ["detection_boxes", "detection_classes", "detection_scores"]
+        .into_iter()
+        .all(is_named)
+    {
+        return vec![FamilyCandidate::new(Family::TfOd, None, &[])];
+    }
+    if let Some(boxes) = listed_boxes(outputs) {
+        let families = listing(network, boxes).into_iter();
+        return families.map(|family| FamilyCandidate::new(family, None, &[])).collect();
+    }
+    let yolov4 = labels_of_grids(outputs, size, &[8, 16, 32], |shape, grid| match shape {
+        [1, rows, columns, 3, row] if [*columns, *rows] == grid => row.checked_sub(5),
+        _ => None,
+    });
+    let of_planes = |shape: &[usize], grid: [usize; 2], boxes: usize| match shape {
+        [1, row, rows, columns] if [*columns, *rows] == grid && row % boxes == 0 => (row / boxes).checked_sub(5),
+        _ => None,
+    };
+    let fastestdet = labels_of_grids(outputs, size, &[16], |shape, grid| of_planes(shape, grid, 1));
+    let yolov3 = labels_of_grids(outputs, size, &[8, 16, 32], |shape, grid| of_planes(shape, grid, 3));
+    let of_grids = [
+        bare(Family::Yolov4, yolov4),
+        bare(Family::Fastestdet, fastestdet.filter(|_| outputs.len() == 1)),
+        nanodet(outputs, size),
+        bare(Family::Yolov3, yolov3.filter(|_| outputs.len() == 3)),
+        bare(Family::Efficientdet, efficientdet(outputs, size)),
+    ];
+    let found: Vec<FamilyCandidate> = of_grids.into_iter().flatten().collect();
+    if !found.is_empty() {
+        return found;
+    }
+    let is_of_transformers = is_named("logits") && is_named("pred_boxes");
+    match rfdetr(outputs) {
+        // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
+        Some(92) if is_of_transformers => Vec::new(),
+        Some(columns) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(columns), &[])],
+        Some(columns) => vec![FamilyCandidate::new(Family::Rfdetr, Some(columns), &[])],
+        None => outputs.iter().flat_map(|t| one_table(t, size)).collect(),
+    }
+}
+
+/// How many labels outputs have room for that are grids at these strides, all of as many; `room` is that of a shape for a grid of some
+/// columns and rows.
+fn labels_of_grids(
+    outputs: &[Tensor],
+    size: [u32; 2],
+    strides: &[u32],
+    room: impl Fn(&[usize], [usize; 2]) -> Option<usize>,
+) -> Option<usize> {
+    let labels = |stride: &u32| {
+        let grid = size.map(|side| (side / stride) as usize);
+        outputs
+            .iter()
+            .find_map(|t| room(&t.shape, grid).filter(|labels| *labels > 0))
+    };
+    let found = labels(strides.first()?)?;
+    strides
+        .iter()
+        .all(|stride| labels(stride) == Some(found))
+        .then_some(found)
 }
 
 /// Cells of all grids of an input.
@@ -74,11 +112,11 @@ fn listed_boxes(outputs: &[Tensor]) -> Option<&Tensor> {
 
 /// Families that list their boxes. R-CNNs take an image without a batch axis or list their boxes without one.
 fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
-    if network.takes_photo_size {
+    if network.takes.takes_photo_size {
         return vec![Family::Deim];
     }
     let digits = |t: &Tensor| !t.name.is_empty() && t.name.chars().all(|c| c.is_ascii_digit());
-    match (boxes.shape.len(), network.layout != Layout::Chw) {
+    match (boxes.shape.len(), network.takes.layout != Layout::Chw) {
         (3, true) => vec![Family::SsdResnet34],
         (_, true) => vec![Family::Torchvision],
         // The zoo's outputs have no names but the numbers that the exporter of its time gave them.
@@ -86,43 +124,6 @@ fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
         (_, false) if boxes.name == "boxes" => vec![Family::Torchvision],
         (_, false) => vec![Family::ZooRcnn, Family::Torchvision],
     }
-}
-
-fn yolov4(outputs: &[Tensor], [width, height]: [u32; 2]) -> Option<usize> {
-    let grid = |s: u32| {
-        let is_grid = |shape: &[usize]| match shape {
-            [1, rows, columns, 3, row] if *row > 5 => {
-                ([*columns, *rows] == [width / s, height / s].map(|v| v as usize)).then_some(row - 5)
-            }
-            _ => None,
-        };
-        outputs.iter().find_map(|t| is_grid(&t.shape))
-    };
-    let labels = grid(8)?;
-    (grid(16) == Some(labels) && grid(32) == Some(labels)).then_some(labels)
-}
-
-fn fastestdet(outputs: &[Tensor], [width, height]: [u32; 2]) -> Option<usize> {
-    match (outputs.len(), &outputs.first()?.shape[..]) {
-        (1, [1, row, rows, columns]) if *row > 5 => {
-            ([*columns, *rows] == [width / 16, height / 16].map(|v| v as usize)).then_some(row - 5)
-        }
-        _ => None,
-    }
-}
-
-fn yolov3(outputs: &[Tensor], [width, height]: [u32; 2]) -> Option<usize> {
-    let labels = |s: u32| {
-        let of_grid = |t: &Tensor| match t.shape[..] {
-            [1, row, rows, columns] if [columns, rows] == [width / s, height / s].map(|v| v as usize) => {
-                (row % 3 == 0).then(|| (row / 3).checked_sub(5)).flatten()
-            }
-            _ => None,
-        };
-        outputs.iter().find_map(of_grid).filter(|labels| *labels > 0)
-    };
-    let found = labels(8)?;
-    (outputs.len() == 3 && labels(16) == Some(found) && labels(32) == Some(found)).then_some(found)
 }
 
 fn efficientdet(outputs: &[Tensor], size: [u32; 2]) -> Option<usize> {
@@ -142,39 +143,30 @@ pub(super) fn scores(network: &Inspected) -> Scores {
     let rows = efficientdet::count(network.size_px);
     let is_scores = |t: &&Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && columns != 4);
     let tables = network.answers.iter().flatten().filter(is_scores);
-    match no_score(tables.flat_map(|t| floats(t).iter().copied())) {
-        Some(_) => Scores::Logits,
-        None => Scores::Probabilities,
+    if no_score(tables.flat_map(floats)).is_some() {
+        Scores::Logits
+    } else {
+        Scores::Probabilities
     }
 }
 
 /// A pair of tables per stride.
 fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
-    const BOX_LOGITS: usize = 32;
-    let of_stride = |stride: u32| -> Vec<usize> {
+    let labels_at = |stride: u32| {
         let count = cells(size, &[stride]);
         let rows = outputs.iter().filter_map(|t| match t.shape[..] {
             [1, n, row] | [n, row] if n == count => Some(row),
             _ => None,
         });
-        rows.collect()
-    };
-    let labels_of = |stride: &u32| {
-        let rows = of_stride(*stride);
-        let at = rows.iter().position(|row| *row == BOX_LOGITS)?;
-        match (rows.len(), at) {
-            (2, at) => Some(rows[1 - at]),
+        match rows.collect::<Vec<usize>>()[..] {
+            [row, labels] | [labels, row] if row == 4 * BINS => Some((stride, labels)),
             _ => None,
         }
     };
-    let strides = [4, 8, 16, 32, 64, 128].into_iter();
-    let (strides, labels): (Vec<u32>, Vec<usize>) = strides.filter_map(|s| Some((s, labels_of(&s)?))).unzip();
+    let (strides, labels): (Vec<u32>, Vec<usize>) = [4, 8, 16, 32, 64, 128].into_iter().filter_map(labels_at).unzip();
     let are_alike = labels.iter().all(|l| *l == labels[0]);
-    (!strides.is_empty() && are_alike && outputs.len() == 2 * strides.len()).then(|| FamilyCandidate {
-        family: Family::Nanodet,
-        labels: labels.first().copied(),
-        strides,
-    })
+    let is_found = !strides.is_empty() && are_alike && outputs.len() == 2 * strides.len();
+    is_found.then(|| FamilyCandidate::new(Family::Nanodet, labels.first().copied(), &strides))
 }
 
 /// Boxes 1×n×4 beside logits 1×n×columns.
@@ -196,16 +188,10 @@ fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
         return Vec::new();
     };
     let mut found = Vec::new();
-    let mut push = |family, labels: Option<usize>, strides: &[u32]| {
-        found.push(FamilyCandidate {
-            family,
-            labels,
-            strides: strides.to_vec(),
-        });
-    };
+    let mut push = |family, labels, strides: &[u32]| found.push(FamilyCandidate::new(family, labels, strides));
     let is_grid = |n: usize, times: usize| STRIDES.iter().any(|s| times * cells(size, s) == n);
-    for strides in STRIDES.iter().filter(|s| cells(size, s) == first && last > 32) {
-        push(Family::NanodetPlus, Some(last - 32), strides);
+    for strides in STRIDES.iter().filter(|s| cells(size, s) == first && last > 4 * BINS) {
+        push(Family::NanodetPlus, Some(last - 4 * BINS), strides);
     }
     let (one_a_cell, three_a_cell) = (is_grid(first, 1), is_grid(first, 3));
     if three_a_cell && last > 5 {
@@ -231,22 +217,22 @@ fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
 
 /// Why the numbers cannot be this family's, as what was found; `None` where nothing speaks against it.
 pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Option<String> {
-    network.answers.iter().find_map(|outputs| match candidate.family {
+    let (family, labels) = (candidate.family, candidate.labels);
+    network.answers.iter().find_map(|outputs| match family {
         Family::Yolov4 => outputs.iter().find_map(|t| no_score(columns(t, 4..))),
-        Family::Yolov5 | Family::YoloxDecoded => {
-            let t = table(outputs, candidate.labels? + 5)?;
-            no_score(columns(t, 4..)).or_else(|| not_decoded(t, network.size_px))
-        }
-        Family::Yolox => {
-            let t = table(outputs, candidate.labels? + 5)?;
-            no_score(columns(t, 4..)).or_else(|| decoded(t))
+        Family::Yolov5 | Family::YoloxDecoded | Family::Yolox => {
+            let t = table(outputs, labels? + 5)?;
+            no_score(columns(t, 4..)).or_else(|| match family {
+                Family::Yolox => decoded(t),
+                _ => not_decoded(t, network.size_px),
+            })
         }
         Family::Yolov8 => {
             let t = outputs
                 .iter()
-                .find(|t| t.shape.get(1) == Some(&(candidate.labels.unwrap_or(0) + 4)))?;
+                .find(|t| t.shape.get(1) == Some(&(labels.unwrap_or(0) + 4)))?;
             let n = *t.shape.last()?;
-            no_score(floats(t).iter().skip(4 * n).copied())
+            no_score(floats(t).skip(4 * n))
         }
         Family::Yolov10 => {
             let t = table(outputs, 6)?;
@@ -255,45 +241,42 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
             label.or_else(|| no_score(columns(t, 4..5)))
         }
         Family::Nanodet => {
-            let scores = outputs.iter().filter(|t| t.shape.last() == candidate.labels.as_ref());
-            scores.into_iter().find_map(|t| no_score(floats(t).iter().copied()))
+            let mut scores = outputs.iter().filter(|t| t.shape.last() == labels.as_ref());
+            scores.find_map(|t| no_score(floats(t)))
         }
-        Family::NanodetPlus => no_score(columns(table(outputs, candidate.labels? + 32)?, 0..candidate.labels?)),
+        Family::NanodetPlus => no_score(columns(table(outputs, labels? + 4 * BINS)?, 0..labels?)),
         Family::Fastestdet => {
             let t = outputs.first()?;
             let plane: usize = t.shape.get(2..)?.iter().product();
-            let scores = floats(t).iter().enumerate();
-            no_score(scores.filter(|(i, _)| i / plane == 0 || i / plane > 4).map(|(_, v)| *v))
+            let scores = floats(t).enumerate().filter(|(i, _)| i / plane == 0 || i / plane > 4);
+            no_score(scores.map(|(_, v)| v))
         }
         Family::Rtdetr => {
-            let t = table(outputs, candidate.labels? + 4)?;
+            let t = table(outputs, labels? + 4)?;
             no_score(columns(t, 4..)).or_else(|| no_share(columns(t, 0..4)))
         }
         Family::Rfdetr | Family::HfDetr => {
             let logits = outputs.iter().find(|t| t.shape.last() != Some(&4))?;
-            let probabilities = no_score(floats(logits).iter().copied()).is_none();
-            let text = format!(
-                "its scores are probabilities already, and {} gives logits",
-                candidate.family.title()
-            );
-            probabilities
-                .then_some(text)
-                .or_else(|| no_share(floats(table(outputs, 4)?).iter().copied()))
+            if no_score(floats(logits)).is_some() {
+                return no_share(floats(table(outputs, 4)?));
+            }
+            let title = family.title();
+            Some(format!(
+                "its scores are probabilities already, and {title} gives logits"
+            ))
         }
-        Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?).iter().copied()),
+        Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?)),
         Family::Yolov3 => {
-            let probabilities = no_score(outputs.iter().flat_map(|t| floats(t).iter().copied())).is_none();
+            let probabilities = no_score(outputs.iter().flat_map(floats)).is_none();
             probabilities.then(|| "its numbers are probabilities already, and YOLOv3's grids are logits".to_owned())
         }
         Family::Efficientdet | Family::Deim | Family::TfOd | Family::ZooRcnn | Family::Torchvision => None,
     })
 }
 
-fn floats(t: &Tensor) -> &[f32] {
-    match &t.data {
-        Data::F32(v) => v,
-        Data::I64(_) => &[],
-    }
+/// Its values, where they are fractions.
+fn floats(t: &Tensor) -> impl Iterator<Item = f32> {
+    t.floats().unwrap_or_default().iter().copied()
 }
 
 fn table(outputs: &[Tensor], row: usize) -> Option<&Tensor> {
@@ -305,8 +288,8 @@ fn table(outputs: &[Tensor], row: usize) -> Option<&Tensor> {
 /// The numbers in some columns of a table.
 fn columns(t: &Tensor, of: impl std::ops::RangeBounds<usize>) -> impl Iterator<Item = f32> {
     let row = t.shape.last().copied().unwrap_or(1).max(1);
-    let all = floats(t).iter().enumerate();
-    all.filter(move |(i, _)| of.contains(&(i % row))).map(|(_, v)| *v)
+    let all = floats(t).enumerate();
+    all.filter(move |(i, _)| of.contains(&(i % row))).map(|(_, v)| v)
 }
 
 /// A number that is no probability; rounding may leave one a hair outside.
@@ -331,12 +314,11 @@ fn decoded(t: &Tensor) -> Option<String> {
 
 /// Decoded boxes have sizes of pixels, nearly all above 0, and centres all over the image.
 fn not_decoded(t: &Tensor, [width, _]: [u32; 2]) -> Option<String> {
-    let negative = columns(t, 2..4).find(|v| *v < 0.0);
     let widest = columns(t, 0..1).fold(0.0, f32::max);
-    let text = |what: String| Some(format!("{what}: its boxes are not decoded"));
-    match negative {
-        Some(v) => text(format!("a box's size is {v}")),
-        None if widest < width as f32 / 4.0 => text(format!("no box's centre lies beyond {widest} pixels")),
-        None => None,
-    }
+    let what = match columns(t, 2..4).find(|v| *v < 0.0) {
+        Some(v) => format!("a box's size is {v}"),
+        None if widest < width as f32 / 4.0 => format!("no box's centre lies beyond {widest} pixels"),
+        None => return None,
+    };
+    Some(format!("{what}: its boxes are not decoded"))
 }

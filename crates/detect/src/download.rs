@@ -1,0 +1,199 @@
+//! Downloads weights: with progress, resumed where it stopped, and kept only when the hash is right.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::Manifest;
+use super::weights::other_hash;
+use scaleproof_core::files;
+
+/// Why a download did not end in a usable file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FetchError {
+    #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
+    NoUrl { name: String, file: String },
+    #[error("cannot reach {host} to fetch {name} ({reason}): go online, or copy {file} into {folder}", folder = folder.display())]
+    Unreachable {
+        name: String,
+        host: String,
+        file: String,
+        folder: PathBuf,
+        reason: String,
+    },
+    #[error("{url} answered {status}: the file may have moved; see the manifest of {name} for its origin")]
+    Refused { name: String, url: String, status: u16 },
+    #[error(
+        "the download of {name} broke off after {bytes} bytes ({reason}): run the command again to go on from there"
+    )]
+    BrokeOff { name: String, bytes: u64, reason: String },
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("the file at {url} is not the one {name} was described with; it was not kept")]
+    WrongFile { name: String, url: String },
+    #[error(
+        "the download of {name} has more than 2 GB, so it is not the file that the manifest describes; it was not kept"
+    )]
+    TooLarge { name: String },
+    #[error("{path} is already there and is not the file {name} was described with: move it away", path = path.display())]
+    Taken { name: String, path: PathBuf },
+    #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
+    NoPart { path: PathBuf },
+}
+
+/// Nothing this program fetches is near this size; a longer answer is not the file.
+const MAX_BYTES: u64 = 2 << 30;
+
+/// A download breaks off when no byte comes for this long.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// So does one that is slower than this on the whole, once it had time to begin: the file would take a day.
+const LEAST_BYTES_PER_S: f64 = 100.0;
+const SLOW_START_S: f64 = 60.0;
+
+/// Downloads a detector's weights into a folder. `progress` receives the bytes so far and, if known, in all.
+///
+/// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified. The right file that is
+/// there already stays, and another one is never replaced.
+pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u64>)) -> Result<PathBuf, FetchError> {
+    fetch_within(manifest, folder, progress, PATIENCE)
+}
+
+/// Like [`fetch`], breaking off when no byte comes for other than its 30 s.
+pub fn fetch_within(
+    manifest: &Manifest,
+    folder: &Path,
+    progress: &dyn Fn(u64, Option<u64>),
+    patience: Duration,
+) -> Result<PathBuf, FetchError> {
+    let (name, file) = (manifest.name.clone(), manifest.weights.file.clone());
+    if manifest.weights.url.is_empty() {
+        return Err(FetchError::NoUrl { name, file });
+    }
+    let (target, part) = (folder.join(&file), folder.join(format!("{file}.part")));
+    if std::fs::symlink_metadata(&target).is_ok() {
+        return match other_hash(manifest, &target)? {
+            None => Ok(target),
+            Some(_) => Err(FetchError::Taken { name, path: target }),
+        };
+    }
+    let have = match std::fs::symlink_metadata(&part) {
+        Ok(about) if about.is_file() => about.len(),
+        // A link is not followed: the download would be written to wherever it points.
+        Ok(_) => return Err(FetchError::NoPart { path: part }),
+        Err(_) => 0,
+    };
+    if let Some(response) = request(manifest, folder, have, patience)? {
+        let failed = |e: std::io::Error| files::FileError::write(&part, &e);
+        std::fs::create_dir_all(folder).map_err(failed)?;
+        let resumed = response.status() == 206 && have > 0;
+        let have = if resumed { have } else { 0 };
+        let mut to = open_part(&part, resumed).map_err(failed)?;
+        let received = receive(manifest, response, &mut to, have, progress, patience);
+        if matches!(received, Err(FetchError::TooLarge { .. })) {
+            files::remove(&part)?;
+        }
+        received?;
+        to.sync_all().map_err(failed)?;
+    }
+    let failed = |e: std::io::Error| files::FileError::write(&target, &e);
+    if other_hash(manifest, &part)?.is_some() {
+        std::fs::remove_file(&part).map_err(failed)?;
+        let url = manifest.weights.url.clone();
+        return Err(FetchError::WrongFile { name, url });
+    }
+    std::fs::rename(&part, &target).map_err(failed)?;
+    Ok(target)
+}
+
+type Response = ureq::http::Response<ureq::Body>;
+
+/// Asks for the file from byte `have` on. `None`: there is nothing after it, the part is already whole.
+fn request(manifest: &Manifest, folder: &Path, have: u64, patience: Duration) -> Result<Option<Response>, FetchError> {
+    let url = &manifest.weights.url;
+    let agent: ureq::Agent = ureq::Agent::config_builder()
+        .timeout_connect(Some(Duration::from_secs(8)))
+        .timeout_recv_response(Some(Duration::from_secs(30)))
+        // Starts anew with every byte, unlike the time-out of the body, which a slow line and a large file would exceed.
+        .timeout_per_read(Some(patience))
+        .http_status_as_error(false)
+        .build()
+        .into();
+    let mut request = agent.get(url);
+    if have > 0 {
+        request = request.header("Range", format!("bytes={have}-"));
+    }
+    let response = request.call().map_err(|e| FetchError::Unreachable {
+        name: manifest.name.clone(),
+        host: url.split('/').nth(2).unwrap_or(url).to_owned(),
+        file: manifest.weights.file.clone(),
+        folder: folder.to_owned(),
+        reason: e.to_string().replace('\n', " "),
+    })?;
+    match response.status().as_u16() {
+        200 | 206 => Ok(Some(response)),
+        416 if have > 0 => Ok(None),
+        status => Err(FetchError::Refused {
+            name: manifest.name.clone(),
+            url: url.clone(),
+            status,
+        }),
+    }
+}
+
+fn open_part(part: &Path, resumed: bool) -> std::io::Result<File> {
+    if resumed {
+        return OpenOptions::new().append(true).open(part);
+    }
+    // A new file, so that nothing is written through a link that came in between.
+    if std::fs::symlink_metadata(part).is_ok() {
+        std::fs::remove_file(part)?;
+    }
+    OpenOptions::new().write(true).create_new(true).open(part)
+}
+
+fn receive(
+    manifest: &Manifest,
+    response: Response,
+    file: &mut File,
+    mut have: u64,
+    progress: &dyn Fn(u64, Option<u64>),
+    patience: Duration,
+) -> Result<(), FetchError> {
+    let total = response.body().content_length().map(|rest| have + rest);
+    // A little more, so that the limit is found below.
+    let limit = MAX_BYTES + (1 << 20);
+    let mut body = response.into_body().into_with_config().limit(limit).reader();
+    let mut buffer = vec![0; 1 << 16];
+    let (begin, had, name) = (Instant::now(), have, || manifest.name.clone());
+    loop {
+        progress(have, total);
+        if have > MAX_BYTES {
+            return Err(FetchError::TooLarge { name: name() });
+        }
+        let broke_off = |reason: String| FetchError::BrokeOff {
+            name: name(),
+            bytes: have,
+            reason,
+        };
+        let (seconds, came) = (begin.elapsed().as_secs_f64(), (have - had) as f64);
+        if seconds > SLOW_START_S && came < seconds * LEAST_BYTES_PER_S {
+            return Err(broke_off(format!("fewer than {LEAST_BYTES_PER_S} bytes a second came")));
+        }
+        let failed = |e: std::io::Error| {
+            // Only single reads have a time limit while a body comes.
+            let cause = e.get_ref().and_then(|cause| cause.downcast_ref::<ureq::Error>());
+            broke_off(match cause {
+                Some(ureq::Error::Timeout(_)) => format!("nothing came for {} s", patience.as_secs_f64()),
+                _ => files::plain(&e),
+            })
+        };
+        match body.read(&mut buffer).map_err(failed)? {
+            0 => return Ok(()),
+            n => file.write_all(&buffer[..n]).map_err(failed)?,
+        }
+        have = file.metadata().map_err(failed)?.len();
+    }
+}

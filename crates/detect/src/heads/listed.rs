@@ -1,0 +1,118 @@
+//! Networks that list their boxes, already suppressed: n labels, n boxes, n scores.
+
+use super::{Anchor, Data, HeadError, SCORE_FLOOR, Tensor, from_corners, misfit};
+use crate::nms::CandidateBox;
+use scaleproof_core::geometry::BoxPx;
+
+/// The three lists, of equal length.
+pub(super) struct Rows<'a> {
+    labels: Vec<i64>,
+    /// What the four numbers of a row mean is the head's business.
+    boxes: &'a [[f32; 4]],
+    scores: &'a [f32],
+    /// Which output the scores are.
+    output: usize,
+}
+
+impl<'a> Rows<'a> {
+    /// Picks the lists by type and size, in whatever order they come: whole-number labels n, boxes n×4, scores n. Other
+    /// outputs (masks) are passed over.
+    pub(super) fn pick(outputs: &'a [Tensor], kind: &'static str, expected: &str) -> Result<Rows<'a>, HeadError> {
+        let find = || {
+            let labels = outputs.iter().find_map(|t| match &t.data {
+                Data::I64(v) => Some(v.clone()),
+                Data::F32(_) => None,
+            })?;
+            let is_boxes = |t: &Tensor| t.shape.len() >= 2 && t.shape.last() == Some(&4);
+            let of_length = |t: &'a Tensor, n: usize| t.floats().filter(|v| v.len() == n);
+            let mut all = outputs.iter().enumerate();
+            let is_found = |(_, t): &(usize, &'a Tensor)| is_boxes(t) && of_length(t, 4 * labels.len()).is_some();
+            let (at, boxes) = all.find(is_found)?;
+            let mut others = outputs.iter().enumerate().filter(|(i, _)| *i != at);
+            let (output, scores) = others.find_map(|(i, t)| Some((i, of_length(t, labels.len())?)))?;
+            Some(Rows {
+                boxes: boxes.floats()?.as_chunks().0,
+                labels,
+                scores,
+                output,
+            })
+        };
+        find().ok_or_else(|| misfit(kind, expected.to_owned(), outputs))
+    }
+
+    /// Picks the lists of the TensorFlow Object Detection API by name, as classes and scores are alike in type and size; converters append
+    /// `:0`.
+    pub(super) fn of_tensorflow(outputs: &'a [Tensor]) -> Result<Rows<'a>, HeadError> {
+        let position = |name: &str| outputs.iter().position(|t| t.name.split(':').next() == Some(name));
+        let find = || {
+            let mut labels = whole(&outputs[position("detection_classes")?]);
+            let output = position("detection_scores")?;
+            let boxes = outputs[position("detection_boxes")?].floats()?;
+            let scores = outputs[output].floats()?;
+            if scores.len() != labels.len() || boxes.len() != 4 * labels.len() {
+                return None;
+            }
+            let count = position("num_detections").and_then(|i| whole(&outputs[i]).first().copied());
+            labels.truncate(count.and_then(|n| usize::try_from(n).ok()).unwrap_or(usize::MAX));
+            Some(Rows {
+                labels,
+                boxes: boxes.as_chunks().0,
+                scores,
+                output,
+            })
+        };
+        let expected = "detection_boxes 1×n×4, detection_classes 1×n, detection_scores 1×n";
+        find().ok_or_else(|| misfit("tf_od", expected.into(), outputs))
+    }
+
+    /// Every row whose label is known; those of padding have any label.
+    pub(super) fn anchors(&self, labels: usize) -> Vec<Anchor> {
+        let rows = self.labels.iter().zip(self.boxes).enumerate();
+        let known = rows.filter_map(|(i, (label, b))| {
+            let label = usize::try_from(*label).ok().filter(|label| *label < labels)?;
+            Some(Anchor {
+                label: Some(label),
+                ..Anchor::new(b.map(f64::from).into(), self.output, None, i, 1)
+            })
+        });
+        known.collect()
+    }
+
+    /// The candidates; `first_label` is the number of the list's first entry. A label outside the list is an error, since
+    /// then the others are most likely other things than they are called, too.
+    pub(super) fn candidates(
+        &self,
+        first_label: i64,
+        labels: usize,
+        to_input_px: impl Fn([f64; 4]) -> BoxPx,
+    ) -> Result<Vec<CandidateBox>, HeadError> {
+        let rows = self.labels.iter().zip(self.boxes).zip(self.scores);
+        // Rows of padding have any label, and no score.
+        let rows = rows.filter(|(_, score)| f64::from(**score) >= SCORE_FLOOR);
+        let candidates = rows.map(|((label, b), score)| {
+            let in_list = label.checked_sub(first_label).and_then(|l| usize::try_from(l).ok());
+            match in_list.filter(|l| *l < labels) {
+                Some(in_list) => Ok(from_corners(in_list, *score, to_input_px(b.map(f64::from)))),
+                None => Err(strange_label(*label, labels)),
+            }
+        });
+        candidates.filter_map(Result::transpose).collect()
+    }
+}
+
+/// Whole numbers, which TensorFlow's API writes as floats. A NaN is no label; -1 is in no list.
+fn whole(t: &Tensor) -> Vec<i64> {
+    match &t.data {
+        Data::I64(v) => v.clone(),
+        Data::F32(v) => v
+            .iter()
+            .map(|v| if v.is_finite() { v.round() as i64 } else { -1 })
+            .collect(),
+    }
+}
+
+/// The refusal of a label that the manifest does not have.
+pub(super) fn strange_label(label: impl std::fmt::Display, labels: usize) -> HeadError {
+    let label = label.to_string();
+    HeadError::StrangeLabel { label, labels }
+}

@@ -1,0 +1,80 @@
+//! Networks that choose their boxes by themselves and give them as numbers: RF-DETR's pairs, YOLOv10's rows.
+
+use super::listed::strange_label;
+use super::{Anchor, Anchors, HeadError, SCORE_FLOOR, Tensor, centred, from_corners, misfit, scaled, sigmoid};
+use crate::nms::CandidateBox;
+
+/// RF-DETR, and RT-DETR and D-FINE as Transformers exports them: boxes 1×n×4 (centre and size as shares of the input) and logits
+/// 1×n×labels, or one column more for "no object".
+///
+/// score = sigmoid(logit), and every pair of box and label is a candidate of its own, as the repository's `PostProcess` ranks
+/// them; no suppression needed.
+pub(super) fn rfdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
+    let (boxes, (_, logits), columns) = tables(outputs, labels)?;
+    let [w, h] = size.map(|side| side as f32);
+    let rows = boxes.chunks_exact(4).zip(logits.chunks_exact(columns));
+    let pairs = rows.flat_map(|(b, logits)| {
+        let b = centred([b[0] * w, b[1] * h, b[2] * w, b[3] * h]);
+        let labelled = logits[..labels].iter().enumerate();
+        labelled.filter_map(move |(label, logit)| from_corners(label, sigmoid(*logit), b))
+    });
+    Ok(pairs.collect())
+}
+
+/// RF-DETR's boxes with the logits of all labels each: the pairs of [`rfdetr`], for a gradient.
+pub(super) fn rfdetr_anchors(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+    let (boxes, (output, _), columns) = tables(outputs, labels)?;
+    let of_box = |(i, b): (usize, &[f32])| {
+        let b = scaled(centred([b[0], b[1], b[2], b[3]]), size);
+        Anchor::new(b, output, None, i * columns, 1)
+    };
+    Ok(Anchors {
+        are_logits: true,
+        ..Anchors::new(boxes.chunks_exact(4).enumerate().map(of_box).collect())
+    })
+}
+
+/// Boxes, logits with their output's number, and how many logits a box has.
+type Tables<'a> = (&'a [f32], (usize, &'a [f32]), usize);
+
+/// RF-DETR's two tables. With three or four labels both have four columns: then the boxes are the output named so, or the first.
+fn tables(outputs: &[Tensor], labels: usize) -> Result<Tables<'_>, HeadError> {
+    let find = || {
+        let of_four = |t: &Tensor| matches!(t.shape[..], [1, _, 4]);
+        let is_named = |t: &Tensor| t.name.contains("box") || t.name.contains("det");
+        let named = outputs.iter().position(is_named).filter(|i| of_four(&outputs[*i]));
+        let at = named.or_else(|| outputs.iter().position(of_four))?;
+        // Transformers' networks with a column for "no object" take a softmax over all columns.
+        let is_of_transformers = outputs.iter().any(|t| t.name == "pred_boxes");
+        let fits = |columns: usize| columns == labels || (columns == labels + 1 && !is_of_transformers);
+        let (logits, columns) = outputs.iter().enumerate().find_map(|(i, t)| match t.shape[..] {
+            [1, n, columns] if i != at && n == outputs[at].shape[1] && fits(columns) => {
+                Some(((i, t.floats()?), columns))
+            }
+            _ => None,
+        })?;
+        Some((outputs[at].floats()?, logits, columns))
+    };
+    find().ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))
+}
+
+/// YOLOv10, YOLO26 and other YOLOs that need no suppression: one table 1×n×6: x1 y1 x2 y2 in input pixels, score, label. Source: Wang et
+/// al. 2024 and the Ultralytics documentation of its exports.
+pub(super) fn yolov10(outputs: &[Tensor], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
+    let (_, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, _, 6]))
+        .ok_or_else(|| misfit("yolov10", "1×n×6".into(), outputs))?;
+    // Rows of padding have any label, and no score.
+    let rows = data
+        .as_chunks::<6>()
+        .0
+        .iter()
+        .filter(|o| f64::from(o[4]) >= SCORE_FLOOR);
+    let candidates = rows.map(|[x1, y1, x2, y2, score, label]| match label.round() {
+        label if (0.0..labels as f32).contains(&label) => {
+            let b = [*x1, *y1, *x2, *y2].map(f64::from);
+            Ok(from_corners(label as usize, *score, b.into()))
+        }
+        label => Err(strange_label(label, labels)),
+    });
+    candidates.filter_map(Result::transpose).collect()
+}

@@ -1,0 +1,31 @@
+//! The crate's own tests; what the program shows of it is tested by the program's.
+
+#[path = "detect/counting.rs"]
+mod counting;
+#[path = "detect/detection.rs"]
+mod detection;
+#[cfg(feature = "full")]
+#[path = "detect/download.rs"]
+mod download;
+#[path = "detect/heads.rs"]
+mod heads;
+#[path = "detect/input.rs"]
+mod input;
+#[path = "detect/labels.rs"]
+mod labels;
+#[path = "detect/linear.rs"]
+mod linear;
+#[path = "detect/manifest.rs"]
+mod manifest;
+#[path = "detect/metadata.rs"]
+mod metadata;
+#[path = "detect/nms.rs"]
+mod nms;
+#[path = "detect/photo_names.rs"]
+mod photo_names;
+#[path = "detect/protocol.rs"]
+mod protocol;
+#[path = "detect/spec.rs"]
+mod spec;
+#[path = "detect/weights.rs"]
+mod weights;
