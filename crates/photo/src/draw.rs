@@ -2,11 +2,8 @@
 //!
 //! Whatever lies outside the image, or is no number, is simply not drawn. Same input, same pixels.
 
-use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
+use ab_glyph::{Font, FontRef, OutlinedGlyph, ScaleFont, point};
 use image::{Rgb, RgbImage};
-
-/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `print/fonts`.
-const FONT: &[u8] = scaleproof_core::FONT;
 
 /// Space around a label's text, by the size of its letters.
 const MARGIN: f64 = 0.3;
@@ -55,11 +52,8 @@ pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
     // Walks along the longer axis, and covers a short run across it.
     let major = usize::from(along[1].abs() > along[0].abs());
     let minor = 1 - major;
-    let slope = if along[major] == 0.0 {
-        0.0
-    } else {
-        along[minor] / along[major]
-    };
+    let is_point = along[major] == 0.0;
+    let slope = if is_point { 0.0 } else { along[minor] / along[major] };
     let half = pen.width_px / 2.0;
     let reach = (half + 1.0) * (1.0 + slope * slope).sqrt();
     let (start, end) = (from[major].min(to[major]), from[major].max(to[major]));
@@ -98,8 +92,7 @@ pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str
         }
     }
     let margin = MARGIN * lettering.size_px;
-    for glyph in glyphs(text, lettering.size_px) {
-        let Some(outlined) = glyph.outlined() else { continue };
+    for outlined in glyphs(text, lettering.size_px) {
         let corner = outlined.px_bounds().min;
         outlined.draw(|x, y, covered| {
             let x = left + i64::from(x) + (f64::from(corner.x) + margin).round() as i64;
@@ -113,11 +106,8 @@ pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str
 pub fn label_size_px(text: &str, size_px: f64) -> [f64; 2] {
     let Some(font) = font() else { return [0.0; 2] };
     let scaled = font.as_scaled(size_px as f32);
-    let width = |line: &str| {
-        line.chars()
-            .map(|c| f64::from(scaled.h_advance(font.glyph_id(shown(c)))))
-            .sum::<f64>()
-    };
+    let advance = |c: char| f64::from(scaled.h_advance(font.glyph_id(shown(c))));
+    let width = |line: &str| line.chars().map(advance).sum::<f64>();
     let widest = text.lines().map(width).fold(0.0, f64::max);
     let lines = text.lines().count() as f64;
     [
@@ -142,50 +132,30 @@ fn placed(image: &RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, size_
     };
     let inside = |start: f64, length: f64, side: u32| start.min(f64::from(side) - length).max(0.0).round() as i64;
     let is_number = left.is_finite() && top.is_finite() && size_px > 0.0 && size_px < 10_000.0;
-    is_number.then(|| {
-        [
-            inside(left, width, image.width()),
-            inside(top, height, image.height()),
-            width as i64,
-            height as i64,
-        ]
-    })
+    let corner = [inside(left, width, image.width()), inside(top, height, image.height())];
+    is_number.then(|| [corner[0], corner[1], width as i64, height as i64])
 }
 
-/// A letter at its place in a label without margins.
-struct Placed {
-    font: FontRef<'static>,
-    glyph: Glyph,
-}
-
-impl Placed {
-    fn outlined(self) -> Option<ab_glyph::OutlinedGlyph> {
-        self.font.outline_glyph(self.glyph)
-    }
-}
-
-fn glyphs(text: &str, size_px: f64) -> Vec<Placed> {
+/// The letters of a label at their places, without margins; blanks have no outline.
+fn glyphs(text: &str, size_px: f64) -> Vec<OutlinedGlyph> {
     let Some(font) = font() else { return Vec::new() };
     let scaled = font.as_scaled(size_px as f32);
-    let mut placed = Vec::new();
+    let mut outlined = Vec::new();
     for (row, line) in text.lines().enumerate() {
         let (mut x, y) = (0.0, scaled.ascent() + (row as f64 * line_height(size_px)) as f32);
         for c in line.chars() {
             let id = font.glyph_id(shown(c));
-            let glyph = id.with_scale_and_position(size_px as f32, point(x, y));
-            placed.push(Placed {
-                font: font.clone(),
-                glyph,
-            });
+            outlined.extend(font.outline_glyph(id.with_scale_and_position(size_px as f32, point(x, y))));
             x += scaled.h_advance(id);
         }
     }
-    placed
+    outlined
 }
 
-/// The font is part of the program, so that it is always there; a test holds it.
+/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `print/fonts`. It is part of the program, so that it is always there;
+/// a test holds it.
 fn font() -> Option<FontRef<'static>> {
-    FontRef::try_from_slice(FONT).ok()
+    FontRef::try_from_slice(scaleproof_core::FONT).ok()
 }
 
 /// Only what the font has.
@@ -226,8 +196,9 @@ fn distance_to(from: [f64; 2], to: [f64; 2], at: [f64; 2]) -> f64 {
     let along = [to[0] - from[0], to[1] - from[1]];
     let [x, y] = [at[0] - from[0], at[1] - from[1]];
     let squared = along[0] * along[0] + along[1] * along[1];
+    let projected = x * along[0] + y * along[1];
     let t = if squared > 0.0 {
-        ((x * along[0] + y * along[1]) / squared).clamp(0.0, 1.0)
+        (projected / squared).clamp(0.0, 1.0)
     } else {
         0.0
     };
@@ -244,100 +215,5 @@ fn blend(image: &mut RgbImage, [x, y]: [i64; 2], colour: DrawColour, covered: f6
         for (channel, paint) in pixel.iter_mut().zip(colour) {
             *channel = (f64::from(*channel) * (1.0 - covered) + f64::from(paint) * covered).round() as u8;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const PEN: Pen = Pen {
-        colour: [255, 0, 0],
-        width_px: 3.0,
-    };
-    const LETTERS: Lettering = Lettering {
-        colour: [255; 3],
-        ground: [0, 0, 200],
-        size_px: 20.0,
-    };
-
-    fn painted(image: &RgbImage) -> Vec<[u32; 2]> {
-        let is_painted = |(_, _, p): &(u32, u32, &Rgb<u8>)| p.0 != [0; 3];
-        image
-            .enumerate_pixels()
-            .filter(is_painted)
-            .map(|(x, y, _)| [x, y])
-            .collect()
-    }
-
-    #[test]
-    fn a_line_covers_its_width_and_ends_where_it_should() {
-        let mut image = RgbImage::new(60, 40);
-        line(&mut image, [10.0, 20.0], [49.0, 20.0], PEN);
-        for x in 10..50 {
-            let column: Vec<u8> = (18..23).map(|y| image.get_pixel(x, y).0[0]).collect();
-            assert_eq!(column, [0, 255, 255, 255, 0], "column {x}");
-        }
-        assert!(painted(&image).iter().all(|[x, _]| (8..=51).contains(x)));
-    }
-
-    #[test]
-    fn a_slanted_line_is_as_heavy_as_its_length_and_width_say() {
-        let mut image = RgbImage::new(200, 200);
-        line(&mut image, [20.0, 30.0], [170.0, 140.0], PEN);
-        let ink: f64 = image.pixels().map(|p| f64::from(p.0[0]) / 255.0).sum();
-        let expected = 150f64.hypot(110.0) * 3.0 + std::f64::consts::PI * 1.5 * 1.5;
-        assert!((ink / expected - 1.0).abs() < 0.02, "{ink} of {expected}");
-    }
-
-    #[test]
-    fn what_is_far_outside_or_no_number_is_not_drawn_and_takes_no_time() {
-        let mut image = RgbImage::new(60, 40);
-        line(&mut image, [-1e12, -1e12], [1e12, -1e12], PEN);
-        line(&mut image, [f64::NAN, 3.0], [5.0, 5.0], PEN);
-        label(&mut image, [f64::INFINITY, 0.0], LabelAnchor::Centre, "text", LETTERS);
-        assert!(painted(&image).is_empty());
-        line(&mut image, [-1e9, 20.0], [1e9, 20.0], PEN);
-        assert_eq!(painted(&image).len(), 3 * 60, "it crosses the whole image");
-        polygon(&mut image, &[], PEN);
-    }
-
-    #[test]
-    fn a_label_stays_inside_and_has_the_size_it_says() {
-        for (at, anchor) in [
-            ([1e6, 1e6], LabelAnchor::TopLeft),
-            ([-50.0, 3.0], LabelAnchor::BottomLeft),
-            ([100.0, 50.0], LabelAnchor::Centre),
-        ] {
-            let mut image = RgbImage::new(200, 100);
-            label(&mut image, at, anchor, "azimuth 45°\n± 0.1", LETTERS);
-            let [width, height] = label_size_px("azimuth 45°\n± 0.1", 20.0).map(f64::ceil);
-            assert_eq!(painted(&image).len() as f64, width * height);
-            assert!(image.pixels().any(|p| p.0 == [255; 3]), "there are letters");
-        }
-    }
-
-    /// The label's border has the ground's colour: no letter leaves its ground.
-    #[test]
-    fn the_letters_lie_within_their_ground() {
-        let mut image = RgbImage::new(400, 100);
-        label(&mut image, [20.0, 20.0], LabelAnchor::TopLeft, "ÄgjÅ|Wy,", LETTERS);
-        let letters: Vec<_> = image.enumerate_pixels().filter(|(_, _, p)| p.0[0] > 60).collect();
-        let [width, height] = label_size_px("ÄgjÅ|Wy,", 20.0).map(|v| v.ceil() as u32);
-        assert!(letters.len() > 200);
-        assert!(
-            letters
-                .iter()
-                .all(|(x, y, _)| (20..20 + width).contains(x) && (20..20 + height).contains(y))
-        );
-    }
-
-    #[test]
-    fn every_printable_letter_has_a_glyph() {
-        let font = font().expect("the font is part of the program");
-        for c in (' '..='~').chain('\u{a1}'..='\u{ff}').chain(['…']) {
-            assert_ne!(font.glyph_id(c).0, 0, "{c:?}");
-        }
-        assert_eq!(shown('漢'), '?');
     }
 }

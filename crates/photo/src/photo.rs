@@ -3,13 +3,12 @@
 mod budget;
 mod decode;
 mod encode;
+mod exif_tags;
 mod heif;
 mod jpeg;
-mod lens;
 mod luma;
 mod problem;
 mod resize;
-mod shot;
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -19,16 +18,16 @@ use image::{GrayImage, RgbImage, imageops};
 use decode::{Header, heif_kind, orientation_of, turned_deg};
 use scaleproof_core::files;
 
-pub use budget::Budget;
+pub use budget::{Budget, DecodeCost};
 pub use decode::open_png;
 pub use encode::{as_jpeg, preview_jpeg};
+pub use exif_tags::{Lens, Shot};
 pub use heif::reads_heif;
 use jpeg::Coefficients;
-pub use lens::Lens;
 use luma::JpegLuma;
 pub use luma::Luma;
+pub use problem::DecodeProblem;
 pub use resize::{boxed, opencv_linear, shrunk};
-use shot::Shot;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -96,11 +95,8 @@ impl Photo {
     /// already.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        let converted = match heif_kind(&bytes) {
-            Some(_) => heif::as_png(path, &bytes)?,
-            None => None,
-        };
-        let Some(png) = converted else {
+        let is_heif = heif_kind(&bytes).is_some();
+        let Some(png) = (if is_heif { heif::as_png(path, &bytes)? } else { None }) else {
             return Photo::from_bytes(path, bytes, Budget::FILE);
         };
         // Its pixels are upright; how the sensor lay is for the camera.
@@ -142,12 +138,12 @@ impl Photo {
 
     /// What EXIF says about the lens.
     pub fn lens(&self) -> Lens {
-        self.exif.clone().map(Lens::from_exif).unwrap_or_default()
+        exif_tags::read(&self.exif).map(Lens::from_exif).unwrap_or_default()
     }
 
     /// When and how it was taken, as EXIF says.
     pub fn shot(&self) -> Shot {
-        self.exif.clone().map(Shot::from_exif).unwrap_or_default()
+        exif_tags::read(&self.exif).map(Shot::from_exif).unwrap_or_default()
     }
 
     /// How many bytes decoding at 1/`reduction` of the size holds.
@@ -194,10 +190,8 @@ impl Photo {
             return Ok(Some(read));
         }
         let read = self.header.coefficients(&self.bytes, &self.budget);
-        Ok(match read.map_err(|e| e.at(&self.path))? {
-            Some(read) => Some(self.coefficients.get_or_init(|| read)),
-            None => None,
-        })
+        let read = read.map_err(|e| e.at(&self.path))?;
+        Ok(read.map(|read| self.coefficients.get_or_init(|| read)))
     }
 
     /// Luma in the sensor's own frame, which EXIF's turn does not touch: one camera holds for photos held any way.
@@ -215,10 +209,7 @@ impl Photo {
     pub fn rgb(&self, reduction: u32) -> Result<RgbImage, PhotoError> {
         match self.coefficients()? {
             Some(coefficients) => Ok(coefficients.rgb(reduction, self.header.orientation)),
-            None => {
-                let decoded = self.header.png(&self.bytes, &self.budget);
-                decoded.map_err(|e| e.at(&self.path))
-            }
+            None => self.header.png(&self.bytes, &self.budget).map_err(|e| e.at(&self.path)),
         }
     }
 
@@ -226,86 +217,9 @@ impl Photo {
     ///
     /// Only what divides both sides: then a reduced pixel is exactly a square of the photo's pixels, up to the border.
     pub fn reduction(&self, least: [u32; 2]) -> u32 {
-        let serves = |r: &u32| {
-            self.width.is_multiple_of(*r)
-                && self.height.is_multiple_of(*r)
-                && self.width / r >= least[0]
-                && self.height / r >= least[1]
-        };
-        if self.header.has_luma() {
-            REDUCTIONS.into_iter().find(serves).unwrap_or(1)
-        } else {
-            1
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use image::codecs::jpeg::JpegEncoder;
-
-    /// A JPEG of 64 × 48 pixels in a file, its left half red.
-    fn half_red(folder: &Path) -> PathBuf {
-        let image = RgbImage::from_fn(64, 48, |x, _| {
-            image::Rgb(if x < 32 { [200, 30, 20] } else { [90, 100, 110] })
-        });
-        let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, 95)
-            .encode_image(&image)
-            .unwrap();
-        let path = folder.join("photo.jpg");
-        std::fs::write(&path, bytes).unwrap();
-        path
-    }
-
-    #[test]
-    fn a_reduced_picture_shows_the_same_at_each_size() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = Photo::open(&half_red(folder.path())).unwrap();
-        assert_eq!((file.width, file.height), (64, 48));
-        for reduction in [1, 2, 4, 8] {
-            let image = file.rgb(reduction).unwrap();
-            assert_eq!(image.dimensions(), (64 / reduction, 48 / reduction));
-            let [left, right] = [8, 56].map(|x| image.get_pixel(x / reduction, 24 / reduction).0);
-            let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 4);
-            assert!(
-                near(left, [200, 30, 20]) && near(right, [90, 100, 110]),
-                "{left:?} {right:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn the_strongest_reduction_that_serves_is_chosen() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = Photo::open(&half_red(folder.path())).unwrap();
-        let chosen = |least| file.reduction(least);
-        assert_eq!(
-            [
-                chosen([8, 6]),
-                chosen([9, 6]),
-                chosen([32, 24]),
-                chosen([33, 1]),
-                chosen([65, 1])
-            ],
-            [8, 4, 2, 1, 1]
-        );
-        let png = folder.path().join("photo.png");
-        file.rgb(1).unwrap().save(&png).unwrap();
-        assert_eq!(Photo::open(&png).unwrap().reduction([1, 1]), 1);
-    }
-
-    #[test]
-    fn luma_alone_is_that_of_the_colours() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = Photo::open(&half_red(folder.path())).unwrap();
-        let (luma, rgb) = (file.luma().unwrap(), file.rgb(1).unwrap());
-        for (stored, rgb) in luma.pixels().zip(rgb.pixels()) {
-            // ITU-T T.871, from rounded and clipped colours.
-            let [r, g, b] = rgb.0.map(f64::from);
-            let luma = 0.299 * r + 0.587 * g + 0.114 * b;
-            assert!((f64::from(stored.0[0]) - luma).abs() <= 2.0, "{stored:?} {rgb:?}");
-        }
+        let side_serves = |r: u32, side: u32, least: u32| side.is_multiple_of(r) && side / r >= least;
+        let serves = |r: &u32| side_serves(*r, self.width, least[0]) && side_serves(*r, self.height, least[1]);
+        let found = REDUCTIONS.into_iter().find(serves);
+        found.filter(|_| self.header.has_luma()).unwrap_or(1)
     }
 }

@@ -32,8 +32,8 @@ const LONGEST_FTYP: usize = 1024;
 
 /// What EXIF data says; data that cannot be read is no reason to refuse the image.
 pub(super) fn orientation_of(exif: Option<&[u8]>) -> Orientation {
-    let read = exif.and_then(Orientation::from_exif_chunk);
-    read.unwrap_or(Orientation::NoTransforms)
+    exif.and_then(Orientation::from_exif_chunk)
+        .unwrap_or(Orientation::NoTransforms)
 }
 
 /// True when an orientation swaps width and height.
@@ -75,11 +75,17 @@ impl Header {
     /// A cut JPEG ends here.
     fn of_jpeg(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
         budget.check_bytes(bytes.len())?;
-        let mut frame = Frame::of(bytes).map_err(|e| jpeg_problem(e, budget))?;
+        let mut frame = Frame::read(bytes).map_err(|e| jpeg_problem(e, budget))?;
         let exif = frame.exif.take();
         let header = Header {
             size: frame.size,
-            cost: DecodeCost::of_jpeg(&frame, bytes.len()),
+            cost: DecodeCost::of_jpeg(
+                frame.size,
+                frame.components.len() as u64,
+                frame.scans,
+                frame.is_progressive,
+                bytes.len(),
+            ),
             orientation: orientation_of(exif.as_deref()),
             jpeg: Some(frame),
         };
@@ -88,8 +94,7 @@ impl Header {
     }
 
     fn of_png(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
-        let (mut decoder, cost) = png_header(bytes, budget)?;
-        let exif = decoder.exif_metadata().ok().flatten();
+        let (decoder, cost, exif) = png_header(bytes, budget)?;
         let header = Header {
             size: decoder.dimensions().into(),
             cost,
@@ -104,26 +109,25 @@ impl Header {
         if self.jpeg.is_some() { "jpg" } else { "png" }
     }
 
+    fn colours(&self) -> Option<Colours> {
+        self.jpeg.as_ref().map(|frame| frame.colours)
+    }
+
     /// A JPEG that stores luma by itself, as almost all do: the others are CMYK or plain RGB.
     pub(super) fn has_luma(&self) -> bool {
-        let colours = self.jpeg.as_ref().map(|frame| frame.colours);
-        matches!(colours, Some(Colours::YCbCr | Colours::Grey))
+        matches!(self.colours(), Some(Colours::YCbCr | Colours::Grey))
     }
 
     /// A JPEG for print.
     pub(super) fn is_cmyk(&self) -> bool {
-        let colours = self.jpeg.as_ref().map(|frame| frame.colours);
-        matches!(colours, Some(Colours::Cmyk | Colours::Ycck))
+        matches!(self.colours(), Some(Colours::Cmyk | Colours::Ycck))
     }
 
     /// Width and height of the upright image.
     pub(super) fn upright_size(&self) -> [u32; 2] {
         let [width, height] = self.size;
-        if lies_across(self.orientation) {
-            [height, width]
-        } else {
-            [width, height]
-        }
+        let is_across = lies_across(self.orientation);
+        if is_across { [height, width] } else { [width, height] }
     }
 
     /// What the data of a JPEG says, of which pixels of every size follow; `None` for a PNG.
@@ -136,7 +140,7 @@ impl Header {
 
     /// The pixels of a PNG, upright.
     pub(super) fn png(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
-        let (decoder, _) = png_header(bytes, budget)?;
+        let (decoder, ..) = png_header(bytes, budget)?;
         let stored = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb8();
         let mut upright = DynamicImage::from(stored);
         upright.apply_orientation(self.orientation);
@@ -170,7 +174,7 @@ pub enum PngError {
 /// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
 pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, PngError> {
     match png_header(bytes, budget) {
-        Ok((decoder, _)) => Ok(decoder),
+        Ok((decoder, ..)) => Ok(decoder),
         Err(DecodeProblem::TooLarge(size)) => Err(PngError::TooLarge(size)),
         Err(DecodeProblem::Damaged(reason)) => Err(PngError::Damaged(reason)),
         Err(_) => Err(PngError::NotAPng),
@@ -180,20 +184,20 @@ pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecode
 /// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.
 const PNG_CHUNKS: u64 = 64 << 20;
 
-/// A decoder that has read the header, and what the image takes.
-type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, DecodeCost);
+/// A decoder that has read the header, what the image takes, and its EXIF block.
+type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, DecodeCost, Option<Vec<u8>>);
 
 fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, DecodeProblem> {
     budget.check_bytes(bytes.len())?;
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(PNG_CHUNKS);
     let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    let is_turned = lies_across(orientation_of(decoder.exif_metadata().ok().flatten().as_deref()));
+    let exif = decoder.exif_metadata().ok().flatten();
+    let is_turned = lies_across(orientation_of(exif.as_deref()));
     let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
-    let cost = DecodeCost::of_png([width, height], bytes_per_pixel, is_turned);
+    let cost = DecodeCost::of_png(decoder.dimensions().into(), bytes_per_pixel, is_turned);
     budget.check(&cost)?;
-    Ok((decoder, cost))
+    Ok((decoder, cost, exif))
 }
 
 /// The first line of what a decoder says, without the internals it prints in braces.
@@ -201,144 +205,4 @@ fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
     let text = e.to_string();
     let line = text.lines().next().unwrap_or_default();
     DecodeProblem::Damaged(line.split(" {").next().unwrap_or(line).to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
-        let (header, _) = Header::of(bytes, &Budget::FILE)?;
-        match header.coefficients(bytes, &Budget::FILE)? {
-            Some(coefficients) => Ok(coefficients.rgb(1, header.orientation)),
-            None => header.png(bytes, &Budget::FILE),
-        }
-    }
-
-    fn small_jpeg() -> Vec<u8> {
-        let image = RgbImage::from_fn(64, 48, |x, y| {
-            image::Rgb([(x * 4) as u8, (y * 5) as u8, ((x * y) % 256) as u8])
-        });
-        let mut bytes = Vec::new();
-        image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
-        bytes
-    }
-
-    #[test]
-    fn a_whole_jpeg_decodes_and_trailing_bytes_do_not_matter() {
-        let mut bytes = small_jpeg();
-        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
-        bytes.extend_from_slice(b"motion photo video");
-        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
-    }
-
-    #[test]
-    fn every_cut_is_noticed() {
-        let bytes = small_jpeg();
-        for keep in 3..bytes.len() {
-            assert!(
-                decode(&bytes[..keep]).is_err(),
-                "a JPEG cut at byte {keep} of {} was accepted",
-                bytes.len()
-            );
-        }
-    }
-
-    #[test]
-    fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
-        let mut bytes = Vec::new();
-        RgbImage::new(1, 1)
-            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-            .unwrap();
-        // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
-        bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
-        let crc = crc32(&bytes[12..29]);
-        bytes[29..33].copy_from_slice(&crc.to_be_bytes());
-        let problem = decode(&bytes).unwrap_err();
-        assert!(
-            matches!(&problem, DecodeProblem::TooLarge(size) if size.starts_with("10000 megapixels")),
-            "{problem:?}"
-        );
-    }
-
-    /// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.
-    fn crc32(bytes: &[u8]) -> u32 {
-        !bytes.iter().fold(u32::MAX, |crc, b| {
-            (0..8).fold(crc ^ u32::from(*b), |c, _| {
-                if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
-            })
-        })
-    }
-
-    /// Damage inside a JPEG decodes into some other image; what cannot be right is refused, where lenient decoders refuse none of these.
-    #[test]
-    fn damage_that_can_be_noticed_is_refused() {
-        let photo = concat!(env!("CARGO_MANIFEST_DIR"), "/../../captures/skyline/normal_000.jpg");
-        let bytes = std::fs::read(photo).unwrap();
-        let mut random = 1_u64;
-        let mut next = || {
-            random = random
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (random >> 33) as usize
-        };
-        let refused = (0..60).filter(|_| {
-            let mut copy = bytes.clone();
-            for _ in 0..20 {
-                let at = 700 + next() % (copy.len() - 702);
-                copy[at] = next() as u8;
-            }
-            decode(&copy).is_err()
-        });
-        assert!(refused.count() >= 54);
-    }
-
-    #[test]
-    fn text_is_not_an_image() {
-        assert_eq!(
-            decode(b"this is a shopping list").unwrap_err(),
-            DecodeProblem::NotAnImage
-        );
-        assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAnImage);
-    }
-
-    #[test]
-    fn photos_of_iphones_are_known_by_their_brands() {
-        let ftyp = |brands: &[u8]| {
-            [
-                &(8 + brands.len() as u32).to_be_bytes()[..],
-                b"ftyp",
-                brands,
-                b"\0\0\0\x08mdat",
-            ]
-            .concat()
-        };
-        for (brands, kind) in [
-            (&b"heic\0\0\0\0mif1heic"[..], Some("HEIC")),
-            (b"mif1\0\0\0\0mif1heix", Some("HEIC")),
-            (b"mif1\0\0\0\0mif1", Some("HEIF")),
-            (b"avif\0\0\0\0avifmif1miaf", Some("AVIF")),
-            (b"isom\0\0\x02\0isomiso2", None),
-            (b"", None),
-        ] {
-            let file = ftyp(brands);
-            let problem = kind.map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif);
-            assert_eq!(decode(&file).unwrap_err(), problem, "{}", brands.escape_ascii());
-            for cut in 0..file.len() {
-                let _ = decode(&file[..cut]);
-            }
-        }
-    }
-
-    proptest! {
-        /// User files of any content: an error or an image, never a panic.
-        #[test]
-        fn damaged_jpegs_never_panic(at in 2usize..600, value in any::<u8>()) {
-            let mut bytes = small_jpeg();
-            let at = at % bytes.len();
-            bytes[at] = value;
-            let _ = decode(&bytes);
-        }
-    }
 }

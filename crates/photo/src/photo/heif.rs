@@ -29,11 +29,7 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
         reason,
     };
     let folder = own_folder().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
-    let (from, to, complaint) = (
-        folder.path().join("in.heic"),
-        folder.path().join("out.png"),
-        folder.path().join("said"),
-    );
+    let [from, to, first, complaint] = ["in.heic", "out.png", "out-1.png", "said"].map(|name| folder.path().join(name));
     std::fs::write(&from, bytes).map_err(|e| failed(format!("no room for decoding it: {e}")))?;
     let started = Command::new(&decoder)
         .args([&from, &to])
@@ -45,25 +41,18 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
     let ended = started.and_then(within_time);
     let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
     // A file of several images becomes as many; the first is the one that is shown.
-    let image = [to, folder.path().join("out-1.png")]
-        .into_iter()
-        .find(|path| path.is_file());
-    match image.filter(|_| is_done) {
-        Some(image) => Ok(Some(pixels_only(&files::read_at_most(&image, Budget::FILE.bytes)?))),
-        None => {
-            let said = files::read_at_most(&complaint, 1 << 20).unwrap_or_default();
-            let said = String::from_utf8_lossy(&said)
-                .lines()
-                .next()
-                .unwrap_or_default()
-                .trim()
-                .to_owned();
-            let said = if said.is_empty() { said } else { format!(" ({said})") };
-            Err(failed(format!(
-                "{name} could not decode it{said}; is libheif's decoder for it installed (Debian: libheif-plugin-libde265)?"
-            )))
-        }
+    let image = [to, first].into_iter().find(|path| path.is_file());
+    if let Some(image) = image.filter(|_| is_done) {
+        return Ok(Some(pixels_only(&files::read_at_most(&image, Budget::FILE.bytes)?)));
     }
+    let said = files::read_at_most(&complaint, 1 << 20).unwrap_or_default();
+    let said = match String::from_utf8_lossy(&said).lines().next().unwrap_or_default().trim() {
+        "" => String::new(),
+        said => format!(" ({said})"),
+    };
+    Err(failed(format!(
+        "{name} could not decode it{said}; is libheif's decoder for it installed (Debian: libheif-plugin-libde265)?"
+    )))
 }
 
 fn decoder() -> Option<PathBuf> {

@@ -77,20 +77,17 @@ impl Luma for JpegLuma<'_> {
     fn reduced(&self, factor: u32) -> Cow<'_, GrayImage> {
         // A turned image leaves the rest out on the other side.
         let is_whole = self.size.iter().all(|side| side.is_multiple_of(factor));
-        match factor {
-            _ if is_whole && REDUCTIONS.contains(&factor) => {
-                Cow::Owned(self.coefficients.luma(factor, self.orientation))
-            }
-            _ => self.whole().reduced(factor),
+        if is_whole && REDUCTIONS.contains(&factor) {
+            Cow::Owned(self.coefficients.luma(factor, self.orientation))
+        } else {
+            self.whole().reduced(factor)
         }
     }
 
     fn part(&self, start: [u32; 2], size: [u32; 2]) -> GrayImage {
-        let made = match self.whole.get() {
-            Some(_) => None,
-            None => self.coefficients.luma_part(start, size, self.orientation),
-        };
-        made.unwrap_or_else(|| self.whole().part(start, size))
+        let is_made = self.whole.get().is_some();
+        let made = (!is_made).then(|| self.coefficients.luma_part(start, size, self.orientation));
+        made.flatten().unwrap_or_else(|| self.whole().part(start, size))
     }
 }
 
@@ -118,71 +115,4 @@ fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
         bytes.extend(squares.map(|sum| ((u64::from(sum + area / 2) * per_area) >> 40) as u8));
     }
     GrayImage::from_raw(width, height, bytes).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reducing_takes_means_and_leaves_the_rest_out() {
-        let image = GrayImage::from_fn(7, 5, |x, y| image::Luma([(10 * x + y) as u8]));
-        let small = reduced(&image, 2);
-        assert_eq!(small.dimensions(), (3, 2));
-        assert_eq!(small.as_raw(), &[6, 26, 46, 8, 28, 48]); // 5.5 and so on, rounded up
-    }
-
-    /// However it is turned, and wherever the part begins: the same bytes as of the whole.
-    #[test]
-    fn a_part_of_a_jpeg_is_what_the_whole_has_there() {
-        use Orientation::*;
-        let texture = GrayImage::from_fn(83, 61, |x, y| image::Luma([((x * x + 3 * x * y + 7 * y) % 251) as u8]));
-        let mut bytes = Vec::new();
-        let mut encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 90);
-        encoder.encode_image(&texture).unwrap();
-        let frame = crate::photo::jpeg::Frame::of(&bytes).unwrap();
-        let coefficients = Coefficients::read(&bytes, &frame, 1 << 20).unwrap();
-        for orientation in [
-            NoTransforms,
-            FlipHorizontal,
-            FlipVertical,
-            Rotate90,
-            Rotate180,
-            Rotate270,
-            Rotate90FlipH,
-            Rotate270FlipH,
-        ] {
-            let whole = coefficients.luma(1, orientation);
-            for (start, size) in [
-                ([0, 0], [1, 1]),
-                ([3, 8], [17, 23]),
-                ([40, 40], [20, 20]),
-                ([8, 0], [50, 60]),
-            ] {
-                let part = coefficients.luma_part(start, size, orientation);
-                assert_eq!(part, Some(whole.part(start, size)), "{orientation:?} {start:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_jpeg_is_reduced_as_its_pixels_are() {
-        let smooth = GrayImage::from_fn(96, 64, |x, y| image::Luma([(60 + x + y) as u8]));
-        let mut bytes = Vec::new();
-        let mut encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 95);
-        encoder.encode_image(&smooth).unwrap();
-        let frame = crate::photo::jpeg::Frame::of(&bytes).unwrap();
-        let coefficients = Coefficients::read(&bytes, &frame, 1 << 20).unwrap();
-        for factor in [2, 3, 4, 8] {
-            let size = [96, 64];
-            let luma = JpegLuma::new(&coefficients, Orientation::NoTransforms, size);
-            let (cheap, exact) = (
-                luma.reduced(factor).into_owned(),
-                luma.whole().reduced(factor).into_owned(),
-            );
-            assert_eq!(cheap.dimensions(), exact.dimensions());
-            let differ = cheap.as_raw().iter().zip(exact.as_raw());
-            assert!(differ.map(|(a, b)| a.abs_diff(*b)).all(|d| d <= 1), "1/{factor}");
-        }
-    }
 }

@@ -6,7 +6,7 @@ use super::PhotoError;
 
 /// What is wrong with the bytes of an image.
 #[derive(Debug, PartialEq)]
-pub(super) enum DecodeProblem {
+pub enum DecodeProblem {
     NotAnImage,
     /// Its kind.
     Heif(&'static str),

@@ -14,7 +14,7 @@ pub(super) struct Bits<'a> {
 const LOADED: u32 = 32;
 
 impl<'a> Bits<'a> {
-    pub(super) fn of(bytes: &'a [u8]) -> Bits<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Bits<'a> {
         Bits {
             bytes,
             next: 0,
@@ -26,13 +26,9 @@ impl<'a> Bits<'a> {
     /// Afterwards 32 bits at least can be read: more than a code of 16 and its value of 15.
     #[inline(always)]
     pub(super) fn load(&mut self) {
-        if self.count < LOADED {
-            self.load_more();
+        if self.count >= LOADED {
+            return;
         }
-    }
-
-    #[inline(always)]
-    fn load_more(&mut self) {
         let word = match self.bytes.get(self.next..).and_then(|rest| rest.first_chunk::<8>()) {
             Some(word) => u64::from_be_bytes(*word),
             None => last_word(self.bytes, self.next),

@@ -49,18 +49,18 @@ const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 
 impl Frame {
     /// Reads up to the end of the image, without its data.
-    pub(in crate::photo) fn of(bytes: &[u8]) -> Result<Frame, JpegError> {
+    pub(in crate::photo) fn read(bytes: &[u8]) -> Result<Frame, JpegError> {
         let (mut frame, mut scans, mut exif) = (None, 0, None);
         let (mut adobe, mut is_jfif) = (None, false);
-        for segment in Segments::of(bytes) {
-            let Segment { marker, content, .. } = segment.ok_or(JpegError::Truncated)?;
+        for segment in Segments::new(bytes) {
+            let Segment { marker, content, .. } = segment?;
             match marker {
                 START_OF_SCAN => scans += 1,
                 EXIF if exif.is_none() => exif = content.strip_prefix(b"Exif\0\0").map(<[u8]>::to_vec),
                 JFIF => is_jfif |= content.starts_with(b"JFIF\0"),
                 ADOBE if content.starts_with(b"Adobe") => adobe = content.get(11).copied().or(adobe),
                 _ if !FRAMES.contains(&marker) || NO_FRAMES.contains(&marker) => {}
-                _ if frame.is_none() => frame = Some(read(marker, content)?),
+                _ if frame.is_none() => frame = Some(header(marker, content)?),
                 _ => return Err(JpegError::Damaged("it has two headers")),
             }
         }
@@ -85,17 +85,14 @@ impl Frame {
 /// Size, whether it is progressive, and the components.
 type FrameHeader = ([u32; 2], bool, Vec<FrameComponent>);
 
-fn read(marker: u8, content: &[u8]) -> Result<FrameHeader, JpegError> {
-    match marker {
-        0xC0..=0xC2 => {}
-        0xC9..=0xCB | 0xCD..=0xCF => {
-            return Err(JpegError::Damaged("it is arithmetic-coded, which no camera writes"));
-        }
-        _ => {
-            return Err(JpegError::Damaged(
-                "it is lossless or of layers, which no camera writes",
-            ));
-        }
+fn header(marker: u8, content: &[u8]) -> Result<FrameHeader, JpegError> {
+    let other = match marker {
+        0xC0..=0xC2 => None,
+        0xC9..=0xCB | 0xCD..=0xCF => Some("it is arithmetic-coded, which no camera writes"),
+        _ => Some("it is lossless or of layers, which no camera writes"),
+    };
+    if let Some(other) = other {
+        return Err(JpegError::Damaged(other));
     }
     let [precision, h1, h0, w1, w0, count] = *content.first_chunk().ok_or(SHORT)?;
     if precision != 8 {
@@ -106,29 +103,25 @@ fn read(marker: u8, content: &[u8]) -> Result<FrameHeader, JpegError> {
         return Err(JpegError::Damaged("it has no size"));
     }
     let listed = content.get(6..6 + 3 * usize::from(count)).ok_or(SHORT)?;
-    let components: Vec<FrameComponent> = listed
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .map(|[id, sampling, table]| FrameComponent {
-            id: *id,
-            sampling: [u32::from(sampling >> 4), u32::from(sampling & 15)],
-            table: *table,
-        })
-        .collect();
+    let component = |[id, sampling, table]: &[u8; 3]| FrameComponent {
+        id: *id,
+        sampling: [u32::from(sampling >> 4), u32::from(sampling & 15)],
+        table: *table,
+    };
+    let components: Vec<FrameComponent> = listed.as_chunks().0.iter().map(component).collect();
     let is_sound = |c: &FrameComponent| c.sampling.iter().all(|s| (1..=4).contains(s)) && c.table < 4;
     if !components.iter().all(is_sound) {
         return Err(JpegError::Damaged("its header contradicts itself"));
     }
     let most = most_sampling(&components);
     let is_whole = |c: &FrameComponent| (0..2).all(|i| most[i].is_multiple_of(c.sampling[i]));
-    match components.iter().all(is_whole) {
-        true => Ok((size, marker == 0xC2, components)),
+    if !components.iter().all(is_whole) {
         // T.81 allows it, and neither libjpeg nor any camera does.
-        false => Err(JpegError::Damaged(
+        return Err(JpegError::Damaged(
             "its components are sampled at fractions of each other",
-        )),
+        ));
     }
+    Ok((size, marker == 0xC2, components))
 }
 
 /// The largest samplings across and down.

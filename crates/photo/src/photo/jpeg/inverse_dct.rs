@@ -14,6 +14,8 @@ pub(super) const ZIGZAG: [u8; 64] = [
 /// Makes `N` samples of each block of a component, its rows one after the other. Fewer than 8 × 8 are made of the lowest frequencies alone, taken at
 /// the middle of each sample: as sharp as so few samples can be.
 pub(super) struct Transform<const N: usize> {
+    /// Samples across a block.
+    pub across: usize,
     /// By places: what one unit of the coefficient adds to each sample. Empty for whole blocks, whose rows and columns are taken one after the
     /// other.
     shares: Vec<[f32; N]>,
@@ -33,6 +35,7 @@ impl<const N: usize> Transform<N> {
         let steps = component.steps.map(f32::from);
         let with_steps = || places().into_iter().zip(steps);
         Transform {
+            across,
             shares: match N {
                 64 => Vec::new(),
                 _ => with_steps()

@@ -15,8 +15,6 @@ mod scan;
 mod segments;
 mod upsample;
 
-#[cfg(test)]
-pub(super) use frame::FrameComponent;
 pub(super) use frame::{Colours, Frame};
 pub(super) use read::Coefficients;
 

@@ -15,11 +15,11 @@ use super::upsample;
 impl Coefficients {
     /// The first component upright, at 1/`reduction` of the size (1, 2, 4 or 8); a rest at the right and at the bottom is left out.
     pub(in crate::photo) fn luma(&self, reduction: u32, orientation: Orientation) -> GrayImage {
-        let mut canvas = self.canvas(reduction, orientation);
+        let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
         self.rows(&self.components[..1], reduction, |y, width, rows| {
             canvas.put(y, &rows[0][..width]);
         });
-        let [width, height] = canvas.turn.upright;
+        let [width, height] = canvas.upright;
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels).unwrap_or_default()
     }
 
@@ -34,42 +34,34 @@ impl Coefficients {
         if component.sampling != self.most_sampling {
             return None;
         }
-        let flips = Flips::of(orientation);
-        let (start, size) = flips.stored(
-            start.map(|v| v as usize),
-            size.map(|v| v as usize),
-            self.size.map(|v| v as usize),
-        );
-        let mut canvas = Canvas {
-            pixels: vec![0; size[0] * size[1]],
-            turn: Turn::new(&flips, size),
-        };
+        let (swaps, from_end) = flips(orientation);
+        // The area as it is stored: in its order of axes, and counted from the stored image's first pixel.
+        let swapped = |[a, b]: [usize; 2]| if swaps { [b, a] } else { [a, b] };
+        let [start, size, image] = [start, size, self.size].map(|pair| pair.map(|v| v as usize));
+        let upright = swapped(image);
+        let end = [0, 1].map(|i| upright[i] - start[i] - size[i]);
+        let start = swapped([0, 1].map(|i| if from_end[i] { end[i] } else { start[i] }));
+        let size = swapped(size);
+        let mut canvas = Canvas::new(orientation, size);
         let transform = Transform::<64>::new([8, 8], component);
         let [columns, rows] = [0, 1].map(|i| start[i] / 8..(start[i] + size[i]).div_ceil(8));
         let mut strip = vec![0; 64 * columns.len()];
-        let stride = 8 * columns.len();
         for row in rows {
             let first = row * component.blocks[0];
-            samples(
-                &transform,
-                component,
-                first + columns.start..first + columns.end,
-                8,
-                &mut strip,
-            );
-            for (y, line) in (8 * row..).zip(strip.chunks_exact(stride)) {
+            transform.fill(component, first + columns.start..first + columns.end, &mut strip);
+            for (y, line) in (8 * row..).zip(strip.chunks_exact(8 * columns.len())) {
                 if (start[1]..start[1] + size[1]).contains(&y) {
                     canvas.put(y - start[1], &line[start[0] - 8 * columns.start..][..size[0]]);
                 }
             }
         }
-        let [width, height] = canvas.turn.upright;
+        let [width, height] = canvas.upright;
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels)
     }
 
     /// Colours upright, at 1/`reduction` of the size; a rest is left out.
     pub(in crate::photo) fn rgb(&self, reduction: u32, orientation: Orientation) -> RgbImage {
-        let mut canvas = self.canvas(reduction, orientation);
+        let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
         let mut row = Vec::new();
         self.rows(&self.components, reduction, |y, width, rows| {
             row.resize(width, [0; 3]);
@@ -82,31 +74,21 @@ impl Coefficients {
             }
             canvas.put(y, &row);
         });
-        let [width, height] = canvas.turn.upright;
+        let [width, height] = canvas.upright;
         RgbImage::from_raw(width as u32, height as u32, canvas.pixels.into_flattened()).unwrap_or_default()
-    }
-
-    fn canvas<P: Copy + Default>(&self, reduction: u32, orientation: Orientation) -> Canvas<P> {
-        let [width, height] = self.size.map(|side| (side / reduction) as usize);
-        Canvas {
-            pixels: vec![P::default(); width * height],
-            turn: Turn::new(&Flips::of(orientation), [width, height]),
-        }
     }
 
     /// Calls with the place of each row of the image, its width, and a slice for each of the components.
     fn rows(&self, components: &[Component], reduction: u32, mut with: impl FnMut(usize, usize, &[&[u8]])) {
         let [width, height] = self.size.map(|side| (side / reduction) as usize);
-        let across = self.most_sampling.map(|most| (8 / reduction * most) as usize);
-        let mut planes: Vec<Plane> = components
-            .iter()
-            .map(|c| Plane::of(c, self.most_sampling, 8 / reduction))
-            .collect();
+        let group_height = (8 / reduction * self.most_sampling[1]) as usize;
+        let plane = |component| Plane::new(component, self.most_sampling, 8 / reduction);
+        let mut planes: Vec<Plane> = components.iter().map(plane).collect();
         let mut buffers: Vec<Buffer> = planes.iter().map(Plane::buffer).collect();
         for y in 0..height {
             // The group of rows below is there too, since rows between two are made of both.
-            if y.is_multiple_of(across[1]) {
-                let group = y / across[1];
+            if y.is_multiple_of(group_height) {
+                let group = y / group_height;
                 for plane in &mut planes {
                     if group == 0 {
                         plane.read(0);
@@ -114,11 +96,9 @@ impl Coefficients {
                     plane.read(group + 1);
                 }
             }
-            let rows = planes
-                .iter()
-                .zip(&mut buffers)
-                .map(|(plane, buffer)| plane.row(y, buffer));
-            with(y, width, &rows.collect::<Vec<&[u8]>>());
+            let rows = planes.iter().zip(&mut buffers);
+            let rows: Vec<&[u8]> = rows.map(|(plane, buffer)| plane.row(y, buffer)).collect();
+            with(y, width, &rows);
         }
     }
 }
@@ -126,105 +106,61 @@ impl Coefficients {
 /// An upright image that is filled by rows as they are stored.
 struct Canvas<P> {
     pixels: Vec<P>,
-    turn: Turn,
-}
-
-impl<P: Copy> Canvas<P> {
-    fn put(&mut self, y: usize, row: &[P]) {
-        let Turn { start, step, .. } = self.turn;
-        let first = start + y as isize * step[1];
-        if step[0] == 1 {
-            self.pixels[first as usize..][..row.len()].copy_from_slice(row);
-            return;
-        }
-        for (x, pixel) in row.iter().enumerate() {
-            self.pixels[(first + x as isize * step[0]) as usize] = *pixel;
-        }
-    }
-}
-
-/// Where stored pixels lie in the upright image.
-struct Turn {
     /// Width and height of the upright image.
     upright: [usize; 2],
     /// The place of the first stored pixel.
     start: isize,
-    /// From a pixel to the next one across and down.
+    /// From a stored pixel to the next one across and down.
     step: [isize; 2],
 }
 
-impl Turn {
-    /// Of a stored image of a width and height.
-    fn new(flips: &Flips, [width, height]: [usize; 2]) -> Turn {
-        let Flips {
-            swaps,
-            from_right,
-            from_bottom,
-        } = *flips;
+impl<P: Copy + Default> Canvas<P> {
+    /// For a stored image of a width and height.
+    fn new(orientation: Orientation, [width, height]: [usize; 2]) -> Canvas<P> {
+        let (swaps, from_end) = flips(orientation);
         let upright = if swaps { [height, width] } else { [width, height] };
-        let (across, down) = (1, upright[0] as isize);
-        let right = if from_right { upright[0] as isize - 1 } else { 0 };
-        let bottom = if from_bottom { upright[1] as isize - 1 } else { 0 };
-        let steps = [
-            if from_right { -across } else { across },
-            if from_bottom { -down } else { down },
-        ];
-        Turn {
+        let steps = [1, upright[0] as isize];
+        let ends = [0, 1].map(|i| (upright[i] as isize - 1) * steps[i]);
+        let steps = [0, 1].map(|i| if from_end[i] { -steps[i] } else { steps[i] });
+        Canvas {
+            pixels: vec![P::default(); width * height],
             upright,
-            start: right + bottom * down,
+            start: (0..2).filter(|i| from_end[*i]).map(|i| ends[i]).sum(),
             step: if swaps { [steps[1], steps[0]] } else { steps },
         }
     }
-}
 
-/// How a stored image is made upright: its sides are swapped, and then counted from the other end.
-struct Flips {
-    swaps: bool,
-    from_right: bool,
-    from_bottom: bool,
-}
-
-impl Flips {
-    /// By EXIF (2.32, 4.6.4: Orientation).
-    fn of(orientation: Orientation) -> Flips {
-        use Orientation::*;
-        let (swaps, from_right, from_bottom) = match orientation {
-            NoTransforms => (false, false, false),
-            FlipHorizontal => (false, true, false),
-            Rotate180 => (false, true, true),
-            FlipVertical => (false, false, true),
-            Rotate90FlipH => (true, false, false),
-            Rotate90 => (true, true, false),
-            Rotate270FlipH => (true, true, true),
-            Rotate270 => (true, false, true),
-        };
-        Flips {
-            swaps,
-            from_right,
-            from_bottom,
+    fn put(&mut self, y: usize, row: &[P]) {
+        let first = self.start + y as isize * self.step[1];
+        if self.step[0] == 1 {
+            self.pixels[first as usize..][..row.len()].copy_from_slice(row);
+            return;
+        }
+        for (x, pixel) in row.iter().enumerate() {
+            self.pixels[(first + x as isize * self.step[0]) as usize] = *pixel;
         }
     }
+}
 
-    /// Where an area of the upright image is stored: its first pixel and size. `image`: the size of all, as stored.
-    fn stored(&self, start: [usize; 2], size: [usize; 2], image: [usize; 2]) -> ([usize; 2], [usize; 2]) {
-        let swapped = |[a, b]: [usize; 2]| if self.swaps { [b, a] } else { [a, b] };
-        let upright = swapped(image);
-        let from_end = [self.from_right, self.from_bottom];
-        let start = [0, 1].map(|i| {
-            if from_end[i] {
-                upright[i] - start[i] - size[i]
-            } else {
-                start[i]
-            }
-        });
-        (swapped(start), swapped(size))
+/// How a stored image is made upright, by EXIF (2.32, 4.6.4: Orientation): whether its sides are swapped, and then columns and rows counted
+/// from the right and from the bottom.
+fn flips(orientation: Orientation) -> (bool, [bool; 2]) {
+    match orientation {
+        Orientation::NoTransforms => (false, [false, false]),
+        Orientation::FlipHorizontal => (false, [true, false]),
+        Orientation::Rotate180 => (false, [true, true]),
+        Orientation::FlipVertical => (false, [false, true]),
+        Orientation::Rotate90FlipH => (true, [false, false]),
+        Orientation::Rotate90 => (true, [true, false]),
+        Orientation::Rotate270FlipH => (true, [true, true]),
+        Orientation::Rotate270 => (true, [false, true]),
     }
 }
 
 /// One component's samples, of which three groups of rows are kept.
 struct Plane<'a> {
     component: &'a Component,
-    transform: Whichever,
+    transform: Box<dyn Fill>,
     /// Samples across and down of a block.
     block: [usize; 2],
     /// How many pixels of the image a sample covers across and down.
@@ -241,20 +177,9 @@ struct Buffer {
     sums: Vec<u16>,
 }
 
-/// By the number of samples of a block.
-enum Whichever {
-    S1(Transform<1>),
-    S2(Transform<2>),
-    S4(Transform<4>),
-    S8(Transform<8>),
-    S16(Transform<16>),
-    S32(Transform<32>),
-    S64(Transform<64>),
-}
-
 impl<'a> Plane<'a> {
     /// For pictures that make `n` pixels of the eight of a block. A component with fewer samples is reduced less, where that serves.
-    fn of(component: &'a Component, most_sampling: [u32; 2], n: u32) -> Plane<'a> {
+    fn new(component: &'a Component, most_sampling: [u32; 2], n: u32) -> Plane<'a> {
         let mut block = [n as usize; 2];
         let mut enlarged = [0, 1].map(|i| (most_sampling[i] / component.sampling[i]).max(1) as usize);
         for (n, enlarged) in block.iter_mut().zip(&mut enlarged) {
@@ -263,14 +188,14 @@ impl<'a> Plane<'a> {
                 *enlarged /= 2;
             }
         }
-        let transform = match block[0] * block[1] {
-            1 => Whichever::S1(Transform::new(block, component)),
-            2 => Whichever::S2(Transform::new(block, component)),
-            4 => Whichever::S4(Transform::new(block, component)),
-            8 => Whichever::S8(Transform::new(block, component)),
-            16 => Whichever::S16(Transform::new(block, component)),
-            32 => Whichever::S32(Transform::new(block, component)),
-            _ => Whichever::S64(Transform::new(block, component)),
+        let transform: Box<dyn Fill> = match block[0] * block[1] {
+            1 => Box::new(Transform::<1>::new(block, component)),
+            2 => Box::new(Transform::<2>::new(block, component)),
+            4 => Box::new(Transform::<4>::new(block, component)),
+            8 => Box::new(Transform::<8>::new(block, component)),
+            16 => Box::new(Transform::<16>::new(block, component)),
+            32 => Box::new(Transform::<32>::new(block, component)),
+            _ => Box::new(Transform::<64>::new(block, component)),
         };
         let group = component.sampling[1] as usize * block[1];
         Plane {
@@ -309,17 +234,8 @@ impl<'a> Plane<'a> {
             }
             let start = (group % 3 * down + row) * self.block[1] * stride;
             let to = &mut self.kept[start..][..self.block[1] * stride];
-            let (c, across) = (self.component, self.block[0]);
-            let blocks = block_row * c.blocks[0]..(block_row + 1) * c.blocks[0];
-            match &self.transform {
-                Whichever::S1(t) => samples(t, c, blocks, across, to),
-                Whichever::S2(t) => samples(t, c, blocks, across, to),
-                Whichever::S4(t) => samples(t, c, blocks, across, to),
-                Whichever::S8(t) => samples(t, c, blocks, across, to),
-                Whichever::S16(t) => samples(t, c, blocks, across, to),
-                Whichever::S32(t) => samples(t, c, blocks, across, to),
-                Whichever::S64(t) => samples(t, c, blocks, across, to),
-            }
+            let blocks = block_row * self.component.blocks[0]..(block_row + 1) * self.component.blocks[0];
+            self.transform.fill(self.component, blocks, to);
         }
     }
 
@@ -349,54 +265,43 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// The samples of neighbouring blocks, each with so many across.
-fn samples<const N: usize>(
-    transform: &Transform<N>,
-    component: &Component,
-    blocks: Range<usize>,
-    across: usize,
-    to: &mut [u8],
-) {
-    #[cfg(target_arch = "x86_64")]
-    if std::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the instructions.
-        return unsafe { samples_avx2(transform, component, blocks, across, to) };
-    }
-    samples_by(transform, component, blocks, across, to);
+/// Makes samples, however many a block has.
+trait Fill {
+    /// The samples of neighbouring blocks, their rows one after the other.
+    fn fill(&self, component: &Component, blocks: Range<usize>, to: &mut [u8]);
 }
 
-/// [`samples_by`] compiled for AVX2, to bit-identical results: nothing is contracted or reordered.
+impl<const N: usize> Fill for Transform<N> {
+    fn fill(&self, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
+        #[cfg(target_arch = "x86_64")]
+        if std::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the instructions.
+            return unsafe { fill_avx2(self, component, blocks, to) };
+        }
+        fill_by(self, component, blocks, to);
+    }
+}
+
+/// [`fill_by`] compiled for AVX2, to bit-identical results: nothing is contracted or reordered.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn samples_avx2<const N: usize>(
-    transform: &Transform<N>,
-    component: &Component,
-    blocks: Range<usize>,
-    across: usize,
-    to: &mut [u8],
-) {
-    samples_by(transform, component, blocks, across, to);
+fn fill_avx2<const N: usize>(transform: &Transform<N>, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
+    fill_by(transform, component, blocks, to);
 }
 
 #[inline(always)]
-fn samples_by<const N: usize>(
-    transform: &Transform<N>,
-    component: &Component,
-    blocks: Range<usize>,
-    across: usize,
-    to: &mut [u8],
-) {
-    match across {
-        8 => blocks_of::<N, 8>(transform, component, blocks, to),
-        4 => blocks_of::<N, 4>(transform, component, blocks, to),
-        2 => blocks_of::<N, 2>(transform, component, blocks, to),
-        _ => blocks_of::<N, 1>(transform, component, blocks, to),
+fn fill_by<const N: usize>(transform: &Transform<N>, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
+    match transform.across {
+        8 => fill_across::<N, 8>(transform, component, blocks, to),
+        4 => fill_across::<N, 4>(transform, component, blocks, to),
+        2 => fill_across::<N, 2>(transform, component, blocks, to),
+        _ => fill_across::<N, 1>(transform, component, blocks, to),
     }
 }
 
 /// A width known to the compiler makes copies of a row single instructions.
 #[inline(always)]
-fn blocks_of<const N: usize, const ACROSS: usize>(
+fn fill_across<const N: usize, const ACROSS: usize>(
     transform: &Transform<N>,
     component: &Component,
     blocks: Range<usize>,

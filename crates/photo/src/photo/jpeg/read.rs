@@ -54,8 +54,8 @@ impl Coefficients {
             .min(u32::MAX as usize / 2);
         let mut tables = Tables::default();
         let mut is_read = vec![false; frame.components.len()];
-        for segment in Segments::of(bytes) {
-            let Segment { marker, content, data } = segment.ok_or(JpegError::Truncated)?;
+        for segment in Segments::new(bytes) {
+            let Segment { marker, content, data } = segment?;
             match marker {
                 QUANTIZATION => tables.read_quantisation(content)?,
                 HUFFMAN => tables.read_codes(content)?,

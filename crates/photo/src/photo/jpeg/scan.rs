@@ -50,7 +50,7 @@ const NO_PICTURE: JpegError = JpegError::Damaged("its data is of no picture");
 
 /// Decodes a scan's data.
 pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> Result<(), JpegError> {
-    let mut intervals = Intervals::of(data);
+    let mut intervals = Intervals::new(data);
     let mut bytes = Vec::new();
     let [across, down] = match scan.components[..] {
         // A scan of one component has groups of one block, and none that the image does not cover.
@@ -68,7 +68,7 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
         if !intervals.read(&mut bytes) {
             return Err(OUT_OF_ORDER);
         }
-        let mut bits = Bits::of(&bytes);
+        let mut bits = Bits::new(&bytes);
         let mut state = State {
             last_dc: [0; 4],
             empty_blocks: 0,

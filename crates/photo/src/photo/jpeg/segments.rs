@@ -1,5 +1,7 @@
 //! The segments of a JPEG file (ITU-T T.81, annex B), without its pixels.
 
+use super::JpegError;
+
 /// A marker with what follows it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment<'a> {
@@ -16,29 +18,26 @@ const RESTARTS: std::ops::RangeInclusive<u8> = 0xD0..=0xD7;
 /// TEM, which has no segment either.
 const TEMPORARY: u8 = 0x01;
 
-/// The segments up to the end-of-image marker. An image that does not reach it ends with `None`.
+/// The segments up to the end-of-image marker; an error where the bytes end before it.
 ///
 /// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the end (motion
 /// photos, depth maps) do not matter.
 pub(super) struct Segments<'a> {
     bytes: &'a [u8],
     at: usize,
-    is_over: bool,
 }
 
 impl<'a> Segments<'a> {
-    pub(super) fn of(bytes: &'a [u8]) -> Segments<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Segments<'a> {
         // Behind the start-of-image marker.
-        Segments {
-            bytes,
-            at: 2,
-            is_over: false,
-        }
+        Segments { bytes, at: 2 }
     }
 
+    /// The next segment; nothing at the end of the image, and no step at the end of the bytes.
     fn step(&mut self) -> Option<Option<Segment<'a>>> {
         loop {
-            let marker_at = find_marker(self.bytes, self.at)?;
+            // 0xFF followed by neither a stuffed zero nor another fill byte.
+            let marker_at = find_pair(self.bytes, self.at, |second| !matches!(second, 0x00 | 0xFF))?;
             let marker = self.bytes[marker_at + 1];
             self.at = marker_at + 2;
             match marker {
@@ -53,7 +52,9 @@ impl<'a> Segments<'a> {
             self.at = end;
             let mut data: &[u8] = &[];
             if marker == START_OF_SCAN {
-                let data_end = find_scan_end(self.bytes, end)?;
+                // At the next marker that is no restart marker.
+                let ends = |second: u8| !matches!(second, 0x00 | 0xFF) && !RESTARTS.contains(&second);
+                let data_end = find_pair(self.bytes, end, ends)?;
                 data = &self.bytes[end..data_end];
                 self.at = data_end;
             }
@@ -63,33 +64,11 @@ impl<'a> Segments<'a> {
 }
 
 impl<'a> Iterator for Segments<'a> {
-    /// `None` is the end of bytes before the end of the image.
-    type Item = Option<Segment<'a>>;
+    type Item = Result<Segment<'a>, JpegError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.is_over {
-            return None;
-        }
-        let step = self.step();
-        self.is_over = !matches!(step, Some(Some(_)));
-        match step {
-            Some(Some(segment)) => Some(Some(segment)),
-            Some(None) => None,
-            None => Some(None),
-        }
+        self.step().ok_or(JpegError::Truncated).transpose()
     }
-}
-
-/// The next marker at or after `from`: 0xFF followed by neither a stuffed zero nor another fill byte.
-fn find_marker(bytes: &[u8], from: usize) -> Option<usize> {
-    find_pair(bytes, from, |second| !matches!(second, 0x00 | 0xFF))
-}
-
-/// Where the entropy-coded data from `from` on ends: at the next marker that is no restart marker.
-fn find_scan_end(bytes: &[u8], from: usize) -> Option<usize> {
-    find_pair(bytes, from, |second| {
-        !matches!(second, 0x00 | 0xFF) && !RESTARTS.contains(&second)
-    })
 }
 
 /// The next 0xFF whose successor is as requested.
@@ -112,7 +91,7 @@ pub(super) struct Intervals<'a> {
 }
 
 impl<'a> Intervals<'a> {
-    pub(super) fn of(data: &'a [u8]) -> Intervals<'a> {
+    pub(super) fn new(data: &'a [u8]) -> Intervals<'a> {
         Intervals { rest: data, next: 0 }
     }
 

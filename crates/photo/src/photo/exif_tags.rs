@@ -1,6 +1,11 @@
-//! What a photo's EXIF data says about the lens it was taken with.
+//! What a photo's EXIF data says about the lens it was taken with, and about when and how it was taken.
 
-use exif::{In, Reader, Tag, Value};
+use exif::{Exif, In, Reader, Tag, Value};
+
+/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` when there is none or it is damaged.
+pub(super) fn read(block: &Option<Vec<u8>>) -> Option<Exif> {
+    Reader::new().read_raw(block.clone()?).ok()
+}
 
 /// The tags a focal length in pixels can be made from; all absent when there is no EXIF data. Nothing is checked: cameras
 /// write strange numbers.
@@ -19,11 +24,8 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure). Empty when it is damaged.
-    pub(super) fn from_exif(block: Vec<u8>) -> Lens {
-        let Ok(exif) = Reader::new().read_raw(block) else {
-            return Lens::default();
-        };
+    /// The tags of an EXIF block.
+    pub(super) fn from_exif(exif: Exif) -> Lens {
         let value = |tag| exif.get_field(tag, In::PRIMARY).map(|field| &field.value);
         let number = |tag| value(tag).and_then(first).filter(|v: &f64| v.is_finite());
         let integer = |tag| value(tag).and_then(|v| v.get_uint(0));
@@ -51,5 +53,36 @@ fn first(value: &Value) -> Option<f64> {
     match value {
         Value::Rational(all) => all.first().map(|r| r.to_f64()),
         other => other.get_uint(0).map(f64::from),
+    }
+}
+
+/// What a reader of a report wants to know of a photo's taking; nothing where EXIF is silent.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Shot {
+    /// `2026-05-01 12:30:05`, by the camera's clock.
+    pub taken: Option<String>,
+    /// `1/125 s, f/1.8, ISO 64`: as many of the three as are there.
+    pub exposure: Option<String>,
+}
+
+/// Longer values are damaged ones.
+const LONGEST: usize = 40;
+
+impl Shot {
+    /// The tags of an EXIF block.
+    pub(super) fn from_exif(exif: Exif) -> Shot {
+        let shown = |tag, unit: &str| {
+            let text = exif.get_field(tag, In::PRIMARY)?.display_value().to_string();
+            let is_good = (1..=LONGEST).contains(&text.len()) && !text.chars().any(char::is_control);
+            is_good.then(|| format!("{text}{unit}"))
+        };
+        let aperture = shown(Tag::FNumber, "").map(|number| format!("f/{number}"));
+        let iso = shown(Tag::PhotographicSensitivity, "").map(|number| format!("ISO {number}"));
+        let exposure = [shown(Tag::ExposureTime, " s"), aperture, iso];
+        let exposure: Vec<String> = exposure.into_iter().flatten().collect();
+        Shot {
+            taken: shown(Tag::DateTimeOriginal, ""),
+            exposure: (!exposure.is_empty()).then(|| exposure.join(", ")),
+        }
     }
 }

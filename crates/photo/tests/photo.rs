@@ -1,0 +1,12 @@
+//! The crate's own tests; what the program makes of photos is tested by the program's.
+
+#[path = "photo/budget.rs"]
+mod budget;
+#[path = "photo/decode.rs"]
+mod decode;
+#[path = "photo/draw.rs"]
+mod draw;
+#[path = "photo/luma.rs"]
+mod luma;
+#[path = "photo/sizes.rs"]
+mod sizes;

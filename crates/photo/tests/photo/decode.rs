@@ -1,0 +1,140 @@
+//! From bytes to pixels, whole or not at all.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{ImageFormat, RgbImage};
+use proptest::prelude::*;
+use scaleproof_photo::photo::{Budget, Photo, PhotoError};
+
+fn decode(bytes: &[u8]) -> Result<RgbImage, PhotoError> {
+    Photo::from_bytes(Path::new("picture"), bytes.to_vec(), Budget::FILE)?.rgb(1)
+}
+
+fn small_jpeg() -> Vec<u8> {
+    let image = RgbImage::from_fn(64, 48, |x, y| {
+        image::Rgb([(x * 4) as u8, (y * 5) as u8, ((x * y) % 256) as u8])
+    });
+    let mut bytes = Vec::new();
+    image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
+    bytes
+}
+
+#[test]
+fn a_whole_jpeg_decodes_and_trailing_bytes_do_not_matter() {
+    let mut bytes = small_jpeg();
+    assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+    bytes.extend_from_slice(b"motion photo video");
+    assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+}
+
+#[test]
+fn every_cut_is_noticed() {
+    let bytes = small_jpeg();
+    for keep in 3..bytes.len() {
+        assert!(
+            decode(&bytes[..keep]).is_err(),
+            "a JPEG cut at byte {keep} of {} was accepted",
+            bytes.len()
+        );
+    }
+}
+
+#[test]
+fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
+    let mut bytes = Vec::new();
+    RgbImage::new(1, 1)
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .unwrap();
+    // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
+    bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
+    let crc = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+    let problem = decode(&bytes).unwrap_err();
+    assert!(
+        matches!(&problem, PhotoError::TooLarge { size, .. } if size.starts_with("10000 megapixels")),
+        "{problem:?}"
+    );
+}
+
+/// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, b| {
+        (0..8).fold(crc ^ u32::from(*b), |c, _| {
+            if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
+        })
+    })
+}
+
+/// Damage inside a JPEG decodes into some other image; what cannot be right is refused, where lenient decoders refuse none of these.
+#[test]
+fn damage_that_can_be_noticed_is_refused() {
+    let photo = concat!(env!("CARGO_MANIFEST_DIR"), "/../../captures/skyline/normal_000.jpg");
+    let bytes = std::fs::read(photo).unwrap();
+    let mut random = 1_u64;
+    let mut next = || {
+        random = random
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (random >> 33) as usize
+    };
+    let refused = (0..60).filter(|_| {
+        let mut copy = bytes.clone();
+        for _ in 0..20 {
+            let at = 700 + next() % (copy.len() - 702);
+            copy[at] = next() as u8;
+        }
+        decode(&copy).is_err()
+    });
+    assert!(refused.count() >= 54);
+}
+
+#[test]
+fn text_is_not_an_image() {
+    for text in [&b"this is a shopping list"[..], b""] {
+        assert!(matches!(decode(text), Err(PhotoError::NotAnImage { .. })));
+    }
+}
+
+#[test]
+fn photos_of_iphones_are_known_by_their_brands() {
+    let ftyp = |brands: &[u8]| {
+        [
+            &(8 + brands.len() as u32).to_be_bytes()[..],
+            b"ftyp",
+            brands,
+            b"\0\0\0\x08mdat",
+        ]
+        .concat()
+    };
+    for (brands, kind) in [
+        (&b"heic\0\0\0\0mif1heic"[..], Some("HEIC")),
+        (b"mif1\0\0\0\0mif1heix", Some("HEIC")),
+        (b"mif1\0\0\0\0mif1", Some("HEIF")),
+        (b"avif\0\0\0\0avifmif1miaf", Some("AVIF")),
+        (b"isom\0\0\x02\0isomiso2", None),
+        (b"", None),
+    ] {
+        let file = ftyp(brands);
+        let found = match decode(&file).unwrap_err() {
+            PhotoError::Heif { kind, .. } => Some(kind),
+            PhotoError::NotAnImage { .. } => None,
+            other => panic!("{other}"),
+        };
+        assert_eq!(found, kind, "{}", brands.escape_ascii());
+        for cut in 0..file.len() {
+            let _ = decode(&file[..cut]);
+        }
+    }
+}
+
+proptest! {
+    /// User files of any content: an error or an image, never a panic.
+    #[test]
+    fn damaged_jpegs_never_panic(at in 2usize..600, value in any::<u8>()) {
+        let mut bytes = small_jpeg();
+        let at = at % bytes.len();
+        bytes[at] = value;
+        let _ = decode(&bytes);
+    }
+}
