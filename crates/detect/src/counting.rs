@@ -30,11 +30,18 @@ impl Manifest {
                 .is_some_and(|name| classes.iter().any(|c| c == name))
         };
         let labels: Vec<usize> = (0..self.labels.count()).filter(counts).collect();
-        if labels.is_empty() {
-            Err(self.no_such_class(classes))
-        } else {
-            Ok(labels)
+        if !labels.is_empty() {
+            return Ok(labels);
         }
+        let quoted: Vec<String> = classes.iter().map(|class| format!("`{class}`")).collect();
+        let wanted = classes.first().map_or("", String::as_str);
+        let nearest = self.labels.nearest(wanted).into_iter().next().unwrap_or_default();
+        Err(NoSuchClass {
+            detector: self.name.clone(),
+            class: quoted.join(" or "),
+            nearest: self.labels.nearest_to(wanted),
+            example: format!("{} = {}", toml::Value::from(nearest), toml::Value::from(wanted)),
+        })
     }
 
     /// Those of `classes` that no label of this detector counts as.
@@ -42,19 +49,6 @@ impl Manifest {
         let is_known = |class: &str| (0..self.labels.count()).any(|label| self.counts_as(label) == Some(class));
         let names = classes.iter().map(String::as_str);
         names.filter(|class| !is_known(class)).collect()
-    }
-
-    fn no_such_class(&self, classes: &[String]) -> NoSuchClass {
-        let quoted: Vec<String> = classes.iter().map(|class| format!("`{class}`")).collect();
-        let wanted = classes.first().map_or("", String::as_str);
-        let nearest = self.labels.nearest(wanted);
-        let key = toml::Value::from(nearest.first().copied().unwrap_or_default());
-        NoSuchClass {
-            detector: self.name.clone(),
-            class: quoted.join(" or "),
-            nearest: self.labels.nearest_to(wanted),
-            example: format!("{key} = {}", toml::Value::from(wanted)),
-        }
     }
 
     /// What is wrong with `[class_map]`, as a sentence.

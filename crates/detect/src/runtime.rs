@@ -12,6 +12,7 @@ use ort::session::builder::GraphOptimizationLevel;
 use ort::session::{RunOptions, Session};
 use ort::value::{DynValue, Tensor as OrtTensor};
 
+use super::foreign::name_of;
 use super::heads::{self, Data, HeadError, Tensor};
 use super::input::{self, InputPlacement};
 use super::manifest::{Input, Layout, Values};
@@ -86,21 +87,17 @@ fn load() -> Result<Runtime, DetectError> {
     environment.set_log_level(LogLevel::Error);
     Ok(Runtime {
         environment,
-        library: library_name(&file),
+        library: name_of(&std::fs::canonicalize(&file).unwrap_or(file.into())),
     })
-}
-
-fn library_name(file: &str) -> String {
-    let path = std::fs::canonicalize(file).unwrap_or_else(|_| PathBuf::from(file));
-    path.file_name()
-        .map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 /// The library that lies beside a packaged program, else the system's.
 fn default_library() -> String {
-    let name = match std::env::consts::OS {
-        "macos" => "libonnxruntime.dylib",
-        _ => "libonnxruntime.so",
+    let is_apple = std::env::consts::OS == "macos";
+    let name = if is_apple {
+        "libonnxruntime.dylib"
+    } else {
+        "libonnxruntime.so"
     };
     let packaged = files::beside_the_program("lib").map(|lib| lib.join(name));
     let packaged = packaged.filter(|path| path.is_file());
@@ -144,19 +141,12 @@ impl Detector {
         };
         let (input, in_photo_px) = (&self.manifest.input, heads::wants_photo_size(&self.manifest.head));
         let placement = InputPlacement::new(input, width, height);
-        let ran = run(
-            &mut self.session,
-            input,
-            in_photo_px,
-            photo,
-            &placement,
-            self.time_limit,
-        );
-        let outputs = ran.map_err(|e| match e {
+        let (session, limit) = (&mut self.session, self.time_limit);
+        let outputs = run(session, input, in_photo_px, photo, &placement, limit).map_err(|e| match e {
             NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
             NoAnswer::TooLong => DetectError::TooLong {
                 detector: detector(),
-                seconds: self.time_limit.as_secs_f64(),
+                seconds: limit.as_secs_f64(),
             },
         })?;
         if let Some(what) = heads::with_no_number(&outputs) {
@@ -173,9 +163,10 @@ impl Detector {
                 score,
             });
         }
+        let [w, h] = placement.photo;
         let to_photo = |b: BoxPx| {
             if in_photo_px {
-                b.clipped(placement.photo[0], placement.photo[1])
+                b.clipped(w, h)
             } else {
                 placement.to_photo(b)
             }

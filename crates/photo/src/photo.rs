@@ -23,7 +23,7 @@ pub use decode::open_png;
 pub use encode::{as_jpeg, preview_jpeg};
 pub use exif_tags::{Lens, Shot};
 pub use heif::reads_heif;
-use jpeg::Coefficients;
+use jpeg::{Coefficients, Colours};
 use luma::JpegLuma;
 pub use luma::Luma;
 pub use problem::DecodeProblem;
@@ -153,12 +153,12 @@ impl Photo {
 
     /// `jpg` or `png`, by the content.
     pub fn extension(&self) -> &'static str {
-        self.header.extension()
+        if self.header.colours().is_some() { "jpg" } else { "png" }
     }
 
     /// A JPEG for print, whose colours depend on a printer.
     pub fn is_cmyk(&self) -> bool {
-        self.header.is_cmyk()
+        matches!(self.header.colours(), Some(Colours::Cmyk | Colours::Ycck))
     }
 
     /// Luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is

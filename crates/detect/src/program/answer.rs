@@ -176,7 +176,7 @@ pub fn loss(line: &str, id: u64, size: [u32; 2]) -> Result<Option<f64>, NoAnswer
 }
 
 /// Reads the derivatives by red, green and blue of each pixel of an image: numbers of 32 bits, the lowest byte first.
-pub fn derivatives(bytes: &[u8], width: u32) -> Result<Vec<[f64; 3]>, String> {
+pub fn derivatives(bytes: &[u8], width: u32) -> Result<Vec<[f64; 3]>, NoAnswer> {
     let numbers = bytes.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b)));
     let numbers: Vec<f64> = numbers.collect();
     match numbers.iter().position(|v| !v.is_finite()) {
@@ -184,7 +184,7 @@ pub fn derivatives(bytes: &[u8], width: u32) -> Result<Vec<[f64; 3]>, String> {
         Some(at) => {
             let (pixel, width) = (at / 3, width.max(1) as usize);
             let (x, y) = (pixel % width, pixel / width);
-            Err(format!("its gradient is {} at pixel x {x}, y {y}", numbers[at]))
+            Err(format!("its gradient is {} at pixel x {x}, y {y}", numbers[at]).into())
         }
     }
 }

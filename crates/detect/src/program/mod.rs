@@ -43,14 +43,15 @@ pub enum ProgramError {
     Start { command: String, reason: String },
     #[error("`{command}` cannot be used: {fault}")]
     Hello { command: String, fault: String },
-    #[error("`{command}` {how} {when}{}", last_words(words.as_deref()))]
+    #[error("`{command}` {how} {when}{words}")]
     Ended {
         command: String,
         /// As in "ended with exit code 1".
         how: String,
         /// As in "before it answered about a.jpg".
         when: String,
-        words: Option<String>,
+        /// As in "; its last words: out of memory"; empty without any.
+        words: String,
     },
     #[error("`{command}` has not said anything within {seconds} s {when} and was stopped")]
     TooLong {
@@ -73,10 +74,6 @@ pub enum ProgramError {
     /// All threads that wait for a program get the same error.
     #[error("{0}")]
     Lost(Arc<ProgramError>),
-}
-
-fn last_words(words: Option<&str>) -> String {
-    words.map_or_else(String::new, |words| format!("; its last words: {words}"))
 }
 
 /// A photo that a program is to look at.
@@ -124,24 +121,6 @@ pub struct ProgramDetector {
     freed: Condvar,
     /// Answers of this run, by the SHA-256 of the photo.
     answers: Mutex<BTreeMap<String, Vec<Detection>>>,
-}
-
-/// Why there is no answer to use.
-enum Trouble {
-    Silence(Silence),
-    Answer(NoAnswer),
-}
-
-impl From<Silence> for Trouble {
-    fn from(silence: Silence) -> Trouble {
-        Trouble::Silence(silence)
-    }
-}
-
-impl From<NoAnswer> for Trouble {
-    fn from(answer: NoAnswer) -> Trouble {
-        Trouble::Answer(answer)
-    }
 }
 
 #[derive(Debug, Default)]
@@ -200,7 +179,7 @@ impl ProgramDetector {
     pub fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
         let id = self.next_id();
         self.ask(photo.file, self.request(id, photo)?, |line, _| {
-            Ok(answer::detections(line, id, photo.size, self.hello.labels)?)
+            Ok(answer::detections(line, id, photo.size, self.hello.labels))
         })
     }
 
@@ -230,12 +209,12 @@ impl ProgramDetector {
         });
         let message = [line.to_string().as_bytes(), b"\n", &pixels].concat();
         self.ask("an image", message, |line, child| {
-            let Some(loss) = answer::loss(line, id, image.size)? else {
-                return Ok(None);
+            let loss = match answer::loss(line, id, image.size) {
+                Ok(Some(loss)) => loss,
+                nothing => return Ok(nothing.map(|_| None)),
             };
-            let bytes = child.read(Some(count), self.limit)?;
-            let gradient = answer::derivatives(&bytes, width).map_err(NoAnswer::Fault)?;
-            Ok(Some(ProgramLoss { loss, gradient }))
+            let gradient = answer::derivatives(&child.read(Some(count), self.limit)?, width);
+            Ok(gradient.map(|gradient| Some(ProgramLoss { loss, gradient })))
         })
     }
 
@@ -249,38 +228,33 @@ impl ProgramDetector {
         &self,
         about: &str,
         request: Vec<u8>,
-        read: impl FnOnce(&str, &mut Child) -> Result<T, Trouble>,
+        read: impl FnOnce(&str, &mut Child) -> Result<Result<T, NoAnswer>, Silence>,
     ) -> Result<T, ProgramError> {
         let mut child = self.lease()?;
         let line = child.send(request).and_then(|()| child.line(self.limit));
-        let answer = line.map_err(Trouble::Silence).and_then(|line| read(&line, &mut child));
+        let answer = line.and_then(|line| read(&line, &mut child));
         let detector = self.card.name.clone();
         let fault = match answer {
-            Err(Trouble::Silence(silence)) => {
+            Err(silence) => {
                 let when = format!("before it answered about {about}");
                 explained(&self.spec, child, silence, self.limit, when)
             }
-            Err(Trouble::Answer(NoAnswer::Fault(fault))) => {
+            Ok(Err(NoAnswer::Fault(fault))) => {
                 drop(child.post_mortem());
                 let file = about.to_owned();
                 ProgramError::Answer { detector, file, fault }
             }
-            Err(Trouble::Answer(NoAnswer::Declined(sentence))) => {
-                self.free(child);
-                return Err(ProgramError::Declined { detector, sentence });
-            }
-            Ok(answer) => {
-                self.free(child);
-                return Ok(answer);
+            Ok(usable) => {
+                lock(&self.pool).idle.push(child);
+                self.freed.notify_one();
+                return usable.map_err(|why| match why {
+                    NoAnswer::Declined(sentence) | NoAnswer::Fault(sentence) => {
+                        ProgramError::Declined { detector, sentence }
+                    }
+                });
             }
         };
         Err(self.lost(fault))
-    }
-
-    /// A program has nothing to do any more.
-    fn free(&self, child: Child) {
-        lock(&self.pool).idle.push(child);
-        self.freed.notify_one();
     }
 
     /// A program that has nothing to do.
@@ -321,17 +295,13 @@ impl ProgramDetector {
     fn request(&self, id: u64, photo: &ProgramPhoto) -> Result<Vec<u8>, ProgramError> {
         let [width, height] = photo.size;
         let mut line = serde_json::json!({"id": id, "task": "detect", "width": width, "height": height});
-        let pixels = match self.hello.input {
-            InputRule::Path => {
-                line["path"] = files::whole_path(photo.path)?.to_string_lossy().into();
-                &[][..]
-            }
-            InputRule::Rgb => {
-                let pixels = photo.pixels.map_or(&[][..], |pixels| pixels.as_raw());
-                line["bytes"] = pixels.len().into();
-                pixels
-            }
-        };
+        let mut pixels = &[][..];
+        if self.takes_pixels() {
+            pixels = photo.pixels.map_or(pixels, |pixels| pixels.as_raw());
+            line["bytes"] = pixels.len().into();
+        } else {
+            line["path"] = files::whole_path(photo.path)?.to_string_lossy().into();
+        }
         Ok([line.to_string().as_bytes(), b"\n", pixels].concat())
     }
 }
@@ -377,6 +347,7 @@ fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration
             None => format!("was ended ({status})"),
         },
     };
+    let words = words.map_or_else(String::new, |words| format!("; its last words: {words}"));
     ProgramError::Ended {
         command,
         how,
@@ -396,13 +367,9 @@ fn card(spec: &ProgramSpec, hello: &Hello) -> Result<ForeignCard, FileError> {
             seen.push(hashed);
         }
     }
-    let notes = if hello.deterministic {
-        Vec::new()
-    } else {
-        vec![format!(
-            "{name} does not say that it answers alike each time, so that another run may give other figures"
-        )]
-    };
+    let doubt =
+        format!("{name} does not say that it answers alike each time, so that another run may give other figures");
+    let notes = if hello.deterministic { Vec::new() } else { vec![doubt] };
     Ok(ForeignCard {
         kind: ForeignKind::Program,
         title: own(&spec.title, &hello.title).unwrap_or_else(|| name.clone()),

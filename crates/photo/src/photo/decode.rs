@@ -104,23 +104,14 @@ impl Header {
         Ok((header, exif))
     }
 
-    /// `jpg` or `png`.
-    pub(super) fn extension(&self) -> &'static str {
-        if self.jpeg.is_some() { "jpg" } else { "png" }
-    }
-
-    fn colours(&self) -> Option<Colours> {
+    /// The colours of a JPEG; `None` for a PNG.
+    pub(super) fn colours(&self) -> Option<Colours> {
         self.jpeg.as_ref().map(|frame| frame.colours)
     }
 
     /// A JPEG that stores luma by itself, as almost all do: the others are CMYK or plain RGB.
     pub(super) fn has_luma(&self) -> bool {
         matches!(self.colours(), Some(Colours::YCbCr | Colours::Grey))
-    }
-
-    /// A JPEG for print.
-    pub(super) fn is_cmyk(&self) -> bool {
-        matches!(self.colours(), Some(Colours::Cmyk | Colours::Ycck))
     }
 
     /// Width and height of the upright image.
@@ -159,26 +150,9 @@ fn jpeg_problem(e: JpegError, budget: &Budget) -> DecodeProblem {
     }
 }
 
-/// Why bytes are no PNG that can be decoded, as a clause.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PngError {
-    #[error("it has {0}")]
-    TooLarge(String),
-    #[error("{0}")]
-    Damaged(String),
-    #[error("it is no PNG")]
-    NotAPng,
-}
-
 /// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
-pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, PngError> {
-    match png_header(bytes, budget) {
-        Ok((decoder, ..)) => Ok(decoder),
-        Err(DecodeProblem::TooLarge(size)) => Err(PngError::TooLarge(size)),
-        Err(DecodeProblem::Damaged(reason)) => Err(PngError::Damaged(reason)),
-        Err(_) => Err(PngError::NotAPng),
-    }
+pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, DecodeProblem> {
+    png_header(bytes, budget).map(|(decoder, ..)| decoder)
 }
 
 /// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.

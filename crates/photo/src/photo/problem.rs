@@ -4,16 +4,21 @@ use std::path::Path;
 
 use super::PhotoError;
 
-/// What is wrong with the bytes of an image.
-#[derive(Debug, PartialEq)]
+/// What is wrong with the bytes of an image, as a clause.
+#[derive(Debug, PartialEq, thiserror::Error)]
 pub enum DecodeProblem {
+    #[error("it is no image")]
     NotAnImage,
-    /// Its kind.
+    #[error("it is an image of the kind {0}")]
     Heif(&'static str),
+    #[error("it ends in the middle of the image")]
     Truncated,
     /// How large, as a clause.
+    #[error("it has {0}")]
     TooLarge(String),
+    #[error("it has {0} scans")]
     TooManyScans(u64),
+    #[error("{0}")]
     Damaged(String),
 }
 

@@ -6,7 +6,13 @@ use scaleproof_photo::photo::{Budget, DecodeCost};
 fn photos_of_real_cameras_are_within_and_bombs_are_not() {
     let jpeg = |megapixels: u32, scans: u64| {
         // A camera's file has some 0.3 bytes a pixel.
-        DecodeCost::of_jpeg([megapixels * 1000, 1000], 3, scans, scans > 1, 300_000 * megapixels as usize)
+        DecodeCost::of_jpeg(
+            [megapixels * 1000, 1000],
+            3,
+            scans,
+            scans > 1,
+            300_000 * megapixels as usize,
+        )
     };
     for (budget, cost, is_within) in [
         (Budget::FILE, jpeg(200, 1), true),

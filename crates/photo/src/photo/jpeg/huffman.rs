@@ -71,44 +71,49 @@ impl HuffmanTable {
         for behind in 0..1_u32 << free {
             let is_whole = size > 0 && size <= free;
             let bits = (behind >> free.saturating_sub(size)) as i32;
-            let negative = if bits >> size.saturating_sub(1) == 0 {
-                (1 << size) - 1
-            } else {
-                0
-            };
+            let is_negative = bits >> size.saturating_sub(1) == 0;
+            let value = bits - if is_negative { (1 << size) - 1 } else { 0 };
             self.entries[(code << free | behind) as usize] = Entry {
                 length: (length + if is_whole { size } else { 0 }) as u8,
                 symbol,
-                value: if is_whole { (bits - negative) as i16 } else { 0 },
+                value: if is_whole { value as i16 } else { 0 },
             };
         }
         Some(())
     }
 
-    /// The next symbol; `None` for bits that are no code.
+    /// What stands behind the next bits, which are loaded.
     #[inline(always)]
-    pub(super) fn symbol(&self, bits: &mut Bits) -> Option<u8> {
+    fn entry(&self, bits: &mut Bits) -> Entry {
         bits.load();
-        let entry = self.entries[bits.peek(LOOKED_UP) as usize & ((1 << LOOKED_UP) - 1)];
+        self.entries[bits.peek(LOOKED_UP) as usize & ((1 << LOOKED_UP) - 1)]
+    }
+
+    /// The symbol of an entry; the bits of its code are skipped, and those of its value stay. `None` for bits that are no code.
+    #[inline(always)]
+    fn symbol_of(&self, entry: Entry, bits: &mut Bits) -> Option<u8> {
         if entry.length == 0 {
             let (symbol, length) = self.long_symbol(bits.peek(16))?;
             bits.skip(length);
             return Some(symbol);
         }
-        let size = if entry.value != 0 {
-            u32::from(entry.symbol & 15)
-        } else {
-            0
-        };
+        let is_whole = entry.value != 0;
+        let size = if is_whole { u32::from(entry.symbol & 15) } else { 0 };
         bits.skip(u32::from(entry.length) - size);
         Some(entry.symbol)
+    }
+
+    /// The next symbol; `None` for bits that are no code.
+    #[inline(always)]
+    pub(super) fn symbol(&self, bits: &mut Bits) -> Option<u8> {
+        let entry = self.entry(bits);
+        self.symbol_of(entry, bits)
     }
 
     /// The next coefficient of a block whose symbols are runs of zeros and sizes.
     #[inline(always)]
     pub(super) fn coefficient(&self, bits: &mut Bits) -> Coefficient {
-        bits.load();
-        let entry = self.entries[bits.peek(LOOKED_UP) as usize & ((1 << LOOKED_UP) - 1)];
+        let entry = self.entry(bits);
         if entry.value != 0 {
             bits.skip(entry.length.into());
             return Coefficient::Value {
@@ -116,18 +121,8 @@ impl HuffmanTable {
                 value: entry.value.into(),
             };
         }
-        let symbol = match entry.length {
-            0 => match self.long_symbol(bits.peek(16)) {
-                Some((symbol, length)) => {
-                    bits.skip(length);
-                    symbol
-                }
-                None => return Coefficient::Unknown,
-            },
-            length => {
-                bits.skip(length.into());
-                entry.symbol
-            }
+        let Some(symbol) = self.symbol_of(entry, bits) else {
+            return Coefficient::Unknown;
         };
         let (zeros, size) = (u32::from(symbol >> 4), u32::from(symbol & 15));
         match size {
