@@ -134,7 +134,7 @@ fn times_are_measured_and_kept_in_a_file() {
     assert!(output.status.success(), "{}", common::stderr(&output));
     let manifest = Manifest::open(&manifest).unwrap();
     let speeds = Speeds::open(&file, &[&manifest]).unwrap();
-    let time = speeds.of("mine").unwrap();
+    let time = speeds.find("mine").unwrap();
     assert_eq!(
         (speeds.photos, speeds.megapixels, speeds.machine.as_str()),
         (1, 1.23, "a test")

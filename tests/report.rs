@@ -764,7 +764,7 @@ fn times_of_other_weights_and_files_that_are_none_are_refused() {
 fn the_shipped_times_are_of_the_shipped_detectors() {
     let speeds: Speeds = serde_json::from_str(&std::fs::read_to_string(speed_file()).unwrap()).unwrap();
     for manifest in Manifest::all().unwrap() {
-        let speed = speeds.of(&manifest.name).unwrap();
+        let speed = speeds.find(&manifest.name).unwrap();
         assert_eq!(speed.weights_sha256, manifest.weights.sha256, "{}", manifest.name);
     }
 }

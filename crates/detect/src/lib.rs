@@ -39,7 +39,8 @@ pub use heads::{Anchor, Anchors, Data, HeadError, Tensor, anchors, candidates, w
 pub use input::{InputPlacement, tensor};
 pub use labels::{Labels, LabelsError};
 pub use manifest::{
-    Channels, FirstLabel, Head, Input, Kernel, Layout, Manifest, ManifestError, Resize, Scores, Values, Weights,
+    Channels, EfficientdetHead, FirstLabel, Head, Input, Kernel, Layout, Manifest, ManifestError, Resize, Scores,
+    Values, Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};

@@ -190,20 +190,25 @@ pub enum Head {
         strides: Vec<u32>,
         nms_iou: f64,
     },
-    Efficientdet {
-        scores: Scores,
-        /// Side of an anchor in strides.
-        #[serde(default = "usual_anchor_scale", skip_serializing_if = "is_usual_anchor_scale")]
-        anchor_scale: f64,
-        nms_iou: f64,
-    },
+    Efficientdet(EfficientdetHead),
     /// No outputs are read here: another program gives boxes in pixels of the photo. No manifest names it.
     #[serde(skip)]
     Foreign {},
 }
 
+/// EfficientDet before its postprocessing.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct EfficientdetHead {
+    pub scores: Scores,
+    /// Side of an anchor in strides.
+    #[serde(default = "usual_anchor_scale", skip_serializing_if = "is_usual_anchor_scale")]
+    pub anchor_scale: f64,
+    pub nms_iou: f64,
+}
+
 /// Of EfficientDet D0 to D6.
-pub(super) fn usual_anchor_scale() -> f64 {
+fn usual_anchor_scale() -> f64 {
     4.0
 }
 
@@ -381,8 +386,9 @@ impl Manifest {
             ));
         }
         match &self.head {
-            Head::Efficientdet { anchor_scale, .. } if !(*anchor_scale > 0.0 && *anchor_scale < 100.0) => Err(format!(
-                "head.anchor_scale is {anchor_scale}: give the side of an anchor in strides, 4 for most"
+            Head::Efficientdet(head) if !(head.anchor_scale > 0.0 && head.anchor_scale < 100.0) => Err(format!(
+                "head.anchor_scale is {}: give the side of an anchor in strides, 4 for most",
+                head.anchor_scale
             )),
             Head::Nanodet { strides, .. } | Head::NanodetPlus { strides, .. }
                 if strides.is_empty() || strides.contains(&0) =>
@@ -444,12 +450,12 @@ impl Head {
             Head::Yolox { nms_iou }
             | Head::Nanodet { nms_iou, .. }
             | Head::Fastestdet { nms_iou }
-            | Head::Efficientdet { nms_iou, .. }
             | Head::Yolov3 { nms_iou }
             | Head::Yolov4 { nms_iou }
             | Head::Yolov5 { nms_iou }
             | Head::Yolov8 { nms_iou }
             | Head::NanodetPlus { nms_iou, .. } => Some(*nms_iou),
+            Head::Efficientdet(head) => Some(head.nms_iou),
             _ => None,
         }
     }

@@ -105,38 +105,29 @@ impl Speeds {
             message,
         };
         let mut speeds: Speeds = serde_json::from_str(&files::read_text(path)?).map_err(|e| content(e.to_string()))?;
-        if let Some(fault) = speeds.fault() {
-            return Err(content(fault));
+        let mut names = BTreeSet::new();
+        for speed in &speeds.detectors {
+            let (name, [fastest, slowest]) = (&speed.detector, speed.ms_range);
+            if !names.insert(name) {
+                return Err(content(format!("{name} is in it twice")));
+            }
+            let are_times = fastest > 0.0 && slowest.is_finite() && (fastest..=slowest).contains(&speed.ms_per_photo);
+            if !are_times {
+                return Err(content(format!("the milliseconds of {name} are no times")));
+            }
         }
         let manifest_of = |speed: &Speed| manifests.iter().find(|m| m.name == speed.detector);
         speeds.detectors.retain(|speed| manifest_of(speed).is_some());
         let is_other = |speed: &&Speed| manifest_of(speed).is_some_and(|m| m.weights.sha256 != speed.weights_sha256);
-        match speeds.detectors.iter().find(is_other) {
-            None => Ok(speeds),
-            Some(speed) => Err(SpeedError::OtherWeights {
-                path: path.to_owned(),
-                detector: speed.detector.clone(),
-            }),
+        if let Some(speed) = speeds.detectors.iter().find(is_other) {
+            let (path, detector) = (path.to_owned(), speed.detector.clone());
+            return Err(SpeedError::OtherWeights { path, detector });
         }
+        Ok(speeds)
     }
 
-    fn fault(&self) -> Option<String> {
-        let mut names = BTreeSet::new();
-        for speed in &self.detectors {
-            if !names.insert(&speed.detector) {
-                return Some(format!("{} is in it twice", speed.detector));
-            }
-            let [fastest, slowest] = speed.ms_range;
-            let is_time = |ms: f64| ms.is_finite() && ms > 0.0;
-            if !(is_time(fastest) && is_time(slowest) && (fastest..=slowest).contains(&speed.ms_per_photo)) {
-                return Some(format!("the milliseconds of {} are no times", speed.detector));
-            }
-        }
-        None
-    }
-
-    /// The time of a detector.
-    pub fn of(&self, detector: &str) -> Option<&Speed> {
+    /// The time of a detector of this name.
+    pub fn find(&self, detector: &str) -> Option<&Speed> {
         self.detectors.iter().find(|speed| speed.detector == detector)
     }
 }

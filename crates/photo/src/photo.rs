@@ -110,7 +110,7 @@ impl Photo {
 
     /// Reads a JPEG or PNG from bytes in memory, within a budget; `path` is what messages call them.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>, budget: Budget) -> Result<Photo, PhotoError> {
-        let (header, exif) = Header::of(&bytes, &budget).map_err(|problem| problem.at(path))?;
+        let mut header = Header::read(&bytes, &budget).map_err(|problem| problem.at(path))?;
         let [width, height] = header.upright_size();
         Ok(Photo {
             path: path.to_owned(),
@@ -119,7 +119,7 @@ impl Photo {
             width,
             height,
             turned_deg: turned_deg(header.orientation),
-            exif,
+            exif: header.exif.take(),
             header,
             budget,
             coefficients: OnceLock::new(),

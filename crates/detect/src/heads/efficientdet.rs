@@ -4,7 +4,7 @@
 //! + offset · anchor's side, side = exp(offset) · anchor's side. Source: Tan et al. 2020, and `anchors.py` of google/automl's EfficientDet.
 
 use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
-use crate::manifest::Scores;
+use crate::manifest::{EfficientdetHead, Scores};
 
 const STRIDES: [u32; 5] = [8, 16, 32, 64, 128];
 
@@ -17,41 +17,38 @@ pub fn count(size: [u32; 2]) -> usize {
     9 * cells.map(|[columns, rows]| columns * rows).iter().sum::<usize>()
 }
 
-/// The 90 columns of COCO's category ids from 1 on are one fewer than the list of labels that begins with 0.
+/// Exports that add the anchors themselves call them so. COCO's 90 category ids from 1 on, and no other list, may be one fewer than the labels.
 pub(super) fn anchors(
     outputs: &[Tensor],
     size: [u32; 2],
-    (scores, anchor_scale): (Scores, f32),
+    head: EfficientdetHead,
     labels: usize,
 ) -> Result<Anchors, HeadError> {
     let rows = count(size);
-    let refused = || {
+    let find = || {
+        let is_table = |t: &Tensor| !t.name.contains("anchor") && t.floats().is_some();
+        let at = outputs.iter().position(|t| t.shape == [1, rows, 4] && is_table(t))?;
+        let has_columns = |columns: usize| columns == labels || (columns, labels) == (90, 91);
+        let fits = |t: &Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && has_columns(columns));
+        let mut others = outputs.iter().enumerate().filter(|(i, t)| *i != at && is_table(t));
+        let (output, scores) = others.find(|(_, t)| fits(t))?;
+        // With four labels both tables are alike: the offsets must then be named.
+        let is_named = ["box", "reg"].iter().any(|name| outputs[at].name.contains(name));
+        (labels != 4 || is_named).then_some((outputs[at].floats()?, output, scores.shape[2]))
+    };
+    let (offsets, output, columns) = find().ok_or_else(|| {
         let expected = format!("1×{rows}×4 and 1×{rows}×{labels}");
         misfit("efficientdet", expected, outputs)
-    };
-    // Exports that add the anchors themselves call them so.
-    let is_offsets = |t: &Tensor| t.shape == [1, rows, 4] && !t.name.contains("anchor");
-    let at = outputs.iter().position(is_offsets).ok_or_else(refused)?;
-    let offsets = outputs[at].floats().ok_or_else(refused)?;
-    // COCO's 90 category ids from 1 on, and no other list, may be one fewer than the labels.
-    let has_columns = |columns: usize| columns == labels || (columns, labels) == (90, 91);
-    let fits = |(i, t): (usize, &Tensor)| {
-        let is_table = matches!(t.shape[..], [1, n, columns] if n == rows && has_columns(columns));
-        i != at && is_table && !t.name.contains("anchor") && t.floats().is_some()
-    };
-    let output = outputs.iter().enumerate().position(fits).ok_or_else(refused)?;
-    // With four labels both tables are alike: the offsets must then be named.
-    if labels == 4 && !["box", "reg"].iter().any(|name| outputs[at].name.contains(name)) {
-        return Err(refused());
-    }
-    let columns = outputs[output].shape[2];
-    let boxes = own_boxes(size, anchor_scale).zip(offsets.chunks_exact(4)).enumerate();
+    })?;
+    let boxes = own_boxes(size, head.anchor_scale as f32)
+        .zip(offsets.chunks_exact(4))
+        .enumerate();
     let anchors = boxes.map(|(i, ([cx, cy, w, h], o))| {
         let b = centred([cx + o[1] * w, cy + o[0] * h, o[3].exp() * w, o[2].exp() * h]);
         Anchor::new(b, output, None, i * columns, 1)
     });
     Ok(Anchors {
-        are_logits: scores == Scores::Logits,
+        are_logits: head.scores == Scores::Logits,
         first_scored: labels - columns,
         ..Anchors::new(anchors.collect())
     })

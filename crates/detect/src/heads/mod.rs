@@ -135,9 +135,7 @@ pub fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Resul
         Head::NanodetPlus { strides, .. } => tables::nanodet_plus(outputs, size, strides, labels)?,
         Head::Fastestdet { .. } => grids::fastestdet(outputs, size, labels)?,
         Head::Yolov3 { .. } => grids::yolov3(outputs, size, labels)?,
-        Head::Efficientdet {
-            scores, anchor_scale, ..
-        } => efficientdet::anchors(outputs, size, (*scores, *anchor_scale as f32), labels)?,
+        Head::Efficientdet(head) => efficientdet::anchors(outputs, size, *head, labels)?,
         Head::Rfdetr {} => queries::rfdetr_anchors(outputs, size, labels)?,
         Head::Yolov4 { .. } => grids::yolov4(outputs, size, labels)?,
         Head::Yolov5 { .. } => tables::yolov5(outputs, labels)?,

@@ -128,11 +128,11 @@ impl OutsideResults {
         read.files.extend(request.categories.map(hashed).transpose()?);
         let path = request.path;
         if read.by_photo.iter().all(|p| p.boxes.is_empty()) {
-            let unknown = read
-                .unknown
-                .first()
-                .map_or(String::new(), |name| format!(" (it has {name})"));
-            let message = format!("it has no detection in any photo of this run{unknown}");
+            let has = read.unknown.first().map(|name| format!(" (it has {name})"));
+            let message = format!(
+                "it has no detection in any photo of this run{}",
+                has.unwrap_or_default()
+            );
             return Err(FileError::content(path, message).into());
         }
         for (photo, boxes) in request.photos.iter().zip(&read.by_photo) {

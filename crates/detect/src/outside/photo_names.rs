@@ -26,10 +26,6 @@ impl PhotoName {
         let file = file.to_owned();
         PhotoName { file, parts }
     }
-
-    fn last(&self) -> &str {
-        self.parts.last().map_or("", String::as_str)
-    }
 }
 
 /// A photo's path in one word, for folders that hold the photos of several.
@@ -61,7 +57,8 @@ impl PhotoNames<'_> {
     pub fn new(photos: &[PhotoName]) -> PhotoNames<'_> {
         let (mut by_name, mut by_stem) = (HashMap::new(), HashMap::new());
         for (index, photo) in photos.iter().enumerate() {
-            let mut names = vec![photo.last().to_owned(), flat_name(&photo.file)];
+            let last = photo.parts.last().cloned().unwrap_or_default();
+            let mut names = vec![last, flat_name(&photo.file)];
             names.dedup();
             for name in names {
                 add(&mut by_stem, stem(&name), index);

@@ -120,7 +120,7 @@ impl Family {
         let mut head = self.entry()?.head.clone();
         match &mut head {
             Head::Nanodet { strides: own, .. } | Head::NanodetPlus { strides: own, .. } => *own = strides.to_vec(),
-            Head::Efficientdet { scores: own, .. } => *own = scores,
+            Head::Efficientdet(own) => own.scores = scores,
             // 0 is the background, except with COCO's category ids, which need no shift.
             Head::TfOd(first) | Head::SsdResnet34(first) | Head::Rcnn(first) => {
                 first.first_label = i64::from(labels != Labels::Coco91);

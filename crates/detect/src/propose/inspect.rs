@@ -37,9 +37,8 @@ pub(super) fn inspect(
     time_limit: Duration,
 ) -> Result<Inspected, ProposeError> {
     let mut session = runtime::session(runtime, path)?;
-    let metadata = Metadata::of(&session);
-    let inputs: Vec<Port> = session.inputs().iter().map(Port::of).collect();
-    let takes = Required::by(&inputs)?;
+    let metadata = Metadata::from_session(&session);
+    let (takes, inputs) = (Required::by(session.inputs())?, listed(session.inputs()));
     let fixed = takes.size_px;
     if let (Some(fixed), Some(named)) = (fixed, size_px.filter(|named| Some(*named) != fixed)) {
         return Err(ProposeError::OtherSize { fixed, named });
@@ -76,7 +75,7 @@ pub(super) fn inspect(
         takes,
         size_px,
         metadata,
-        inputs: listed(&inputs),
+        inputs,
     })
 }
 
@@ -92,43 +91,31 @@ fn noise([width, height]: [u32; 2]) -> RgbImage {
     RgbImage::from_fn(width, height, |_, _| Rgb([value(), value(), value()]))
 }
 
-/// An input as the file declares it.
-struct Port {
-    name: String,
-    /// `None` for what is no tensor.
-    element: Option<TensorElementType>,
-    /// −1 where the file leaves it open.
-    shape: Vec<i64>,
+/// An input's sides; −1 where the file leaves one open, and none of what is no tensor.
+fn shape(input: &Outlet) -> Vec<i64> {
+    input.dtype().tensor_shape().map(|s| s.to_vec()).unwrap_or_default()
 }
 
-impl Port {
-    fn of(outlet: &Outlet) -> Port {
-        Port {
-            name: outlet.name().to_owned(),
-            element: outlet.dtype().tensor_type(),
-            shape: outlet.dtype().tensor_shape().map(|s| s.to_vec()).unwrap_or_default(),
-        }
-    }
-
-    /// The order of the axes, if this could be an image of three channels.
-    fn image(&self) -> Option<Layout> {
-        match self.shape[..] {
-            [_, 3, _, _] => Some(Layout::Nchw),
-            [_, _, _, 3] => Some(Layout::Nhwc),
-            [3, _, _] => Some(Layout::Chw),
-            _ => None,
-        }
+/// The order of the axes, the number of images, and their width and height, if an input could be images of three channels.
+fn image(input: &Outlet) -> Option<(Layout, i64, [i64; 2])> {
+    match shape(input)[..] {
+        [n, 3, h, w] => Some((Layout::Nchw, n, [w, h])),
+        [n, h, w, 3] => Some((Layout::Nhwc, n, [w, h])),
+        [3, h, w] => Some((Layout::Chw, 1, [w, h])),
+        _ => None,
     }
 }
 
-fn listed(ports: &[Port]) -> String {
-    let side = |d: &i64| if *d < 0 { "?".to_owned() } else { d.to_string() };
-    let one = |p: &Port| {
-        let element = p.element.map_or("no tensor".to_owned(), |e| e.to_string());
-        let shape = p.shape.iter().map(side).collect::<Vec<_>>().join("×");
-        format!("{} {shape} {element}", p.name)
+/// The inputs as a person writes them.
+fn listed(inputs: &[Outlet]) -> String {
+    let side = |d: i64| if d < 0 { "?".to_owned() } else { d.to_string() };
+    let one = |input: &Outlet| {
+        let element = input.dtype().tensor_type();
+        let element = element.map_or("no tensor".to_owned(), |e| e.to_string());
+        let shape = shape(input).into_iter().map(side).collect::<Vec<_>>().join("×");
+        format!("{} {shape} {element}", input.name())
     };
-    ports.iter().map(one).collect::<Vec<_>>().join(", ")
+    inputs.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// What a network requires.
@@ -142,30 +129,26 @@ pub(super) struct Required {
 }
 
 impl Required {
-    fn by(inputs: &[Port]) -> Result<Required, ProposeError> {
-        let images: Vec<&Port> = inputs.iter().filter(|p| p.image().is_some()).collect();
+    fn by(inputs: &[Outlet]) -> Result<Required, ProposeError> {
         let all = listed(inputs);
-        let (port, layout) = match images[..] {
+        let images: Vec<_> = inputs.iter().filter_map(|input| Some((input, image(input)?))).collect();
+        let (port, (layout, batch, sides)) = match images[..] {
             [] => return Err(ProposeError::NoImage { inputs: all }),
-            [port] => (port, port.image().unwrap_or_default()),
+            [only] => only,
             _ => return Err(ProposeError::SeveralImages { inputs: all }),
         };
-        let values = match port.element {
+        let values = match port.dtype().tensor_type() {
             Some(TensorElementType::Float32) => Values::F32,
             Some(TensorElementType::Uint8) => Values::U8,
             _ => return Err(ProposeError::OtherNumbers { inputs: all }),
         };
-        let is_photo_size =
-            |port: &Port| port.element == Some(TensorElementType::Int64) && matches!(port.shape[..], [1 | -1, 2]);
+        let is_photo_size = |input: &Outlet| {
+            input.dtype().tensor_type() == Some(TensorElementType::Int64) && matches!(shape(input)[..], [1 | -1, 2])
+        };
         let takes_photo_size = match inputs {
             [_] => false,
-            [first, size] if first.image().is_some() && is_photo_size(size) => true,
+            [first, size] if image(first).is_some() && is_photo_size(size) => true,
             _ => return Err(ProposeError::OtherInputs { inputs: all }),
-        };
-        let (batch, sides) = match (layout, &port.shape[..]) {
-            (Layout::Nchw, [n, _, h, w]) | (Layout::Nhwc, [n, h, w, _]) => (*n, [*w, *h]),
-            (Layout::Chw, [_, h, w]) => (1, [*w, *h]),
-            _ => return Err(ProposeError::NoImage { inputs: all }),
         };
         if !matches!(batch, -1 | 1) {
             return Err(ProposeError::Batch { inputs: all });

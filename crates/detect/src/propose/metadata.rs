@@ -16,7 +16,7 @@ pub(super) struct Metadata {
 }
 
 impl Metadata {
-    pub(super) fn of(session: &Session) -> Metadata {
+    pub(super) fn from_session(session: &Session) -> Metadata {
         let Ok(metadata) = session.metadata() else {
             return Metadata::default();
         };

@@ -58,50 +58,36 @@ pub(super) struct Header {
     size: [u32; 2],
     pub cost: DecodeCost,
     pub orientation: Orientation,
+    pub exif: Option<Vec<u8>>,
     /// `None` for a PNG.
     jpeg: Option<Frame>,
 }
 
 impl Header {
-    /// Also gives the EXIF block.
-    pub(super) fn of(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
-        match image::guess_format(bytes) {
-            Ok(ImageFormat::Jpeg) => Header::of_jpeg(bytes, budget),
-            Ok(ImageFormat::Png) => Header::of_png(bytes, budget),
-            _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif)),
-        }
-    }
-
-    /// A cut JPEG ends here.
-    fn of_jpeg(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
-        budget.check_bytes(bytes.len())?;
-        let mut frame = Frame::read(bytes).map_err(|e| jpeg_problem(e, budget))?;
-        let exif = frame.exif.take();
-        let header = Header {
-            size: frame.size,
-            cost: DecodeCost::of_jpeg(
-                frame.size,
-                frame.components.len() as u64,
-                frame.scans,
-                frame.is_progressive,
-                bytes.len(),
-            ),
-            orientation: orientation_of(exif.as_deref()),
-            jpeg: Some(frame),
+    /// Reads a header within a budget; a cut JPEG ends here.
+    pub(super) fn read(bytes: &[u8], budget: &Budget) -> Result<Header, DecodeProblem> {
+        let (size, cost, exif, jpeg) = match image::guess_format(bytes) {
+            Ok(ImageFormat::Jpeg) => {
+                budget.check_bytes(bytes.len())?;
+                let mut frame = Frame::read(bytes).map_err(|e| jpeg_problem(e, budget))?;
+                let (size, scans, components) = (frame.size, frame.scans, frame.components.len() as u64);
+                let cost = DecodeCost::of_jpeg(size, components, scans, frame.is_progressive, bytes.len());
+                budget.check(&cost)?;
+                (size, cost, frame.exif.take(), Some(frame))
+            }
+            Ok(ImageFormat::Png) => {
+                let (decoder, cost, exif) = png_header(bytes, budget)?;
+                (decoder.dimensions().into(), cost, exif, None)
+            }
+            _ => return Err(heif_kind(bytes).map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif)),
         };
-        budget.check(&header.cost)?;
-        Ok((header, exif))
-    }
-
-    fn of_png(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
-        let (decoder, cost, exif) = png_header(bytes, budget)?;
-        let header = Header {
-            size: decoder.dimensions().into(),
+        Ok(Header {
+            size,
             cost,
             orientation: orientation_of(exif.as_deref()),
-            jpeg: None,
-        };
-        Ok((header, exif))
+            exif,
+            jpeg,
+        })
     }
 
     /// The colours of a JPEG; `None` for a PNG.

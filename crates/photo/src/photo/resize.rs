@@ -53,13 +53,13 @@ pub fn opencv_linear(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
 
 fn interpolated(source: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
     let ([columns, rows], [width, height]) = (from.map(|side| side as usize), to.map(|side| side as usize));
-    let across: Vec<Tap> = (0..width).map(|i| Tap::held(i, columns, width)).collect();
+    let across: Vec<Tap> = (0..width).map(|i| Tap::new(i, columns, width, true)).collect();
     let mut out = Vec::with_capacity(3 * width * height);
     let [mut upper, mut lower] = [0; 2].map(|_| Row {
         number: None,
         sums: vec![0; 3 * width],
     });
-    for tap in (0..height).map(|i| Tap::new(i, rows, height)) {
+    for tap in (0..height).map(|i| Tap::new(i, rows, height, false)) {
         let wanted = [tap.first, tap.first + 1].map(|row| row.clamp(0, rows as isize - 1) as usize);
         // The lower row is often the next upper one.
         if lower.number == Some(wanted[0]) {
@@ -86,29 +86,17 @@ struct Tap {
 }
 
 impl Tap {
-    /// Of the pixel `i` of `to`, among `from`.
-    fn new(i: usize, from: usize, to: usize) -> Tap {
+    /// Of the pixel `i` of `to`, among `from`. Where it is held, the border pixel counts alone beyond the border: OpenCV does so across, and
+    /// holds rows at the border down.
+    fn new(i: usize, from: usize, to: usize, is_held: bool) -> Tap {
         let scale = 1.0 / (to as f64 / from as f64);
         let at = ((i as f64 + 0.5) * scale - 0.5) as f32;
-        Tap::weighted(at.floor() as isize, at - at.floor())
-    }
-
-    /// Like [`Tap::new`], but beyond the border the border pixel counts alone: OpenCV does so across, and holds rows at the border down.
-    fn held(i: usize, from: usize, to: usize) -> Tap {
-        let (tap, last) = (Tap::new(i, from, to), from as isize - 1);
-        if tap.first < 0 || tap.first >= last {
-            Tap::weighted(tap.first.clamp(0, last), 0.0)
-        } else {
-            tap
+        let (mut first, mut share, last) = (at.floor() as isize, at - at.floor(), from as isize - 1);
+        if is_held && (first < 0 || first >= last) {
+            (first, share) = (first.clamp(0, last), 0.0);
         }
-    }
-
-    fn weighted(first: isize, share: f32) -> Tap {
-        let weight = |share: f32| (share * ONE).round_ties_even() as i32;
-        Tap {
-            first,
-            weights: [weight(1.0 - share), weight(share)],
-        }
+        let weights = [1.0 - share, share].map(|share| (share * ONE).round_ties_even() as i32);
+        Tap { first, weights }
     }
 }
 

@@ -40,7 +40,7 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
 
 fn timed<'a>(scores: &Scores, speeds: &'a Speeds) -> Vec<&'a Speed> {
     let names = scores.detectors.iter().map(|c| c.manifest.name.as_str());
-    names.filter_map(|name| speeds.of(name)).collect()
+    names.filter_map(|name| speeds.find(name)).collect()
 }
 
 pub(in crate::report) fn plot(scores: &Scores, speeds: &Speeds) -> Drawing {
