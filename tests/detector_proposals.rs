@@ -416,7 +416,7 @@ fn names_and_size_that_ultralytics_writes_are_used() {
     let hints = Hints {
         size_px: Some([96, 64]),
         labels: Some(labels),
-        family: None,
+        ..Hints::default()
     };
     assert_eq!(proposed(&network, hints).unwrap().family, Family::Yolov8);
 }

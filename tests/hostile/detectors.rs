@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use image::RgbImage;
 use onnx::{Input, Output};
 use scaleproof_core::files::sha256_hex;
-use scaleproof_detect::{DetectError, Detection, Detector, Hints, Manifest, Runtime, propose_within};
+use scaleproof_detect::{DetectError, Detection, Detector, Hints, Manifest, Runtime, propose};
 
 use crate::common::{assert_refused, program, stderr};
 
@@ -369,7 +369,11 @@ fn a_network_that_never_answers_is_stopped() {
     let path = folder.path().join("endless.onnx");
     std::fs::write(&path, endless).unwrap();
     let runtime = Runtime::load().unwrap();
-    let proposed = propose_within(runtime, &path, "endless.onnx", "endless", Hints::default(), second);
+    let hints = Hints {
+        time_limit: Some(second),
+        ..Hints::default()
+    };
+    let proposed = propose(runtime, &path, "endless.onnx", "endless", hints);
     let text = proposed.unwrap_err().to_string();
     assert!(text.contains("endless.onnx has not answered within 1 s"), "{text}");
     assert!(begin.elapsed() < Duration::from_secs(60), "{:?}", begin.elapsed());

@@ -48,9 +48,7 @@ pub use program::{
     Gradients, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError,
     keep_programs_in_our_group, kill_programs, protocol,
 };
-pub use propose::{
-    Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, propose, propose_within, python_names,
-};
+pub use propose::{Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, propose, python_names};
 pub use registered::{RegisterError, register, registered, registered_names, unregister};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{Speed, SpeedError, Speeds};

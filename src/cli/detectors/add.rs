@@ -76,6 +76,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         family: args.family,
         labels: args.labels.as_deref().map(labels).transpose()?,
         size_px: args.size,
+        ..Hints::default()
     };
     // First, so that a file that cannot be read is named as such.
     files::read(&args.model)?;

@@ -26,6 +26,8 @@ pub struct Hints {
     pub labels: Option<Labels>,
     /// Width, height of the input, for files that leave it open.
     pub size_px: Option<[u32; 2]>,
+    /// Time limit for each of two runs of the network, if not 30 s.
+    pub time_limit: Option<Duration>,
 }
 
 /// A manifest that the network was run with, and what it rests on.
@@ -140,20 +142,8 @@ pub fn propose(
     name: &str,
     hints: Hints,
 ) -> Result<Proposal, ProposeError> {
-    propose_within(runtime, path, weights, name, hints, TRIAL_LIMIT)
-}
-
-/// Like [`propose()`], with a time limit for each run of the network other than its 30 s.
-pub fn propose_within(
-    runtime: &Runtime,
-    path: &Path,
-    weights: &str,
-    name: &str,
-    hints: Hints,
-    time_limit: Duration,
-) -> Result<Proposal, ProposeError> {
     let sha256 = files::sha256_hex(&files::read(path)?);
-    let network = inspect::inspect(runtime, path, hints.size_px, time_limit)?;
+    let network = inspect::inspect(runtime, path, hints.size_px, hints.time_limit.unwrap_or(TRIAL_LIMIT))?;
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
     }

@@ -84,7 +84,6 @@ impl Coefficients {
         let group_height = (8 / reduction * self.most_sampling[1]) as usize;
         let plane = |component| Plane::new(component, self.most_sampling, 8 / reduction);
         let mut planes: Vec<Plane> = components.iter().map(plane).collect();
-        let mut buffers: Vec<Buffer> = planes.iter().map(Plane::buffer).collect();
         for y in 0..height {
             // The group of rows below is there too, since rows between two are made of both.
             if y.is_multiple_of(group_height) {
@@ -96,8 +95,7 @@ impl Coefficients {
                     plane.read(group + 1);
                 }
             }
-            let rows = planes.iter().zip(&mut buffers);
-            let rows: Vec<&[u8]> = rows.map(|(plane, buffer)| plane.row(y, buffer)).collect();
+            let rows: Vec<&[u8]> = planes.iter_mut().map(|plane| plane.row(y)).collect();
             with(y, width, &rows);
         }
     }
@@ -169,11 +167,8 @@ struct Plane<'a> {
     size: [usize; 2],
     /// Three groups of rows in turn.
     kept: Vec<u8>,
-}
-
-/// Where a row is enlarged.
-struct Buffer {
-    row: Vec<u8>,
+    /// Where a row is enlarged, and on the way there.
+    enlarged_row: Vec<u8>,
     sums: Vec<u16>,
 }
 
@@ -198,9 +193,12 @@ impl<'a> Plane<'a> {
             _ => Box::new(Transform::<64>::new(block, component)),
         };
         let group = component.sampling[1] as usize * block[1];
+        let stride = component.blocks[0] * block[0];
         Plane {
             size: [0, 1].map(|i| (component.size[i] * block[i]).div_ceil(8)),
-            kept: vec![0; 3 * group * component.blocks[0] * block[0]],
+            kept: vec![0; 3 * group * stride],
+            enlarged_row: vec![0; stride * enlarged[0]],
+            sums: Vec::new(),
             component,
             transform,
             block,
@@ -210,13 +208,6 @@ impl<'a> Plane<'a> {
 
     fn stride(&self) -> usize {
         self.component.blocks[0] * self.block[0]
-    }
-
-    fn buffer(&self) -> Buffer {
-        Buffer {
-            row: vec![0; self.stride() * self.enlarged[0]],
-            sums: Vec::new(),
-        }
     }
 
     /// Rows of blocks in a group.
@@ -240,28 +231,27 @@ impl<'a> Plane<'a> {
     }
 
     /// A row of the image, of samples that are kept.
-    fn row<'b>(&'b self, y: usize, buffer: &'b mut Buffer) -> &'b [u8] {
-        let [width, height] = self.size;
-        let stride = self.stride();
-        let rows = 3 * self.blocks_down() * self.block[1];
+    fn row(&mut self, y: usize) -> &[u8] {
+        let ([width, height], [across, down]) = (self.size, self.enlarged);
+        let (stride, rows) = (self.stride(), 3 * self.blocks_down() * self.block[1]);
         let row = |y: usize| &self.kept[y % rows * stride..][..width];
-        let [across, down] = self.enlarged;
         let near = (y / down).min(height - 1);
         // The row on the other side of the middle of the near one.
-        let far = if y.is_multiple_of(down) {
+        let is_upper = y.is_multiple_of(down);
+        let far = if is_upper {
             near.saturating_sub(1)
         } else {
             (near + 1).min(height - 1)
         };
-        let to = buffer.row.as_mut_slice();
+        let to = self.enlarged_row.as_mut_slice();
         match (across, down) {
             (1, 1) => return row(near),
             (2, 1) if width > 2 => upsample::across(row(near), to),
-            (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut buffer.sums, to),
+            (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut self.sums, to),
             (1, 2) => upsample::down([row(near), row(far)], y.is_multiple_of(2), to),
             _ => upsample::repeated(row(near), across, to),
         }
-        &buffer.row
+        to
     }
 }
 

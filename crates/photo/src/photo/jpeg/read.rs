@@ -63,8 +63,7 @@ impl Coefficients {
                     tables.restart_interval = u16::from_be_bytes(*content.first_chunk().ok_or(SHORT)?).into();
                 }
                 START_OF_SCAN => {
-                    let mut scan = tables.scan(content, frame)?;
-                    scan.most_values = most_values;
+                    let scan = tables.scan(content, frame, most_values)?;
                     for (index, ..) in &scan.components {
                         let table = usize::from(frame.components[*index].table);
                         if !std::mem::replace(&mut is_read[*index], true) {
@@ -135,7 +134,7 @@ impl Tables {
     }
 
     /// SOS (B.2.3).
-    fn scan(&self, content: &[u8], frame: &Frame) -> Result<Scan<'_>, JpegError> {
+    fn scan(&self, content: &[u8], frame: &Frame, most_values: usize) -> Result<Scan<'_>, JpegError> {
         let count = usize::from(*content.first().ok_or(SHORT)?);
         let listed = content.get(1..1 + 2 * count).ok_or(SHORT)?;
         let mut components: Vec<ScanComponent> = Vec::with_capacity(count);
@@ -152,33 +151,34 @@ impl Tables {
             .get(1 + 2 * count..)
             .and_then(|rest| rest.first_chunk())
             .ok_or(SHORT)?;
-        let part = if frame.is_progressive {
-            Part::Progressive {
-                first: first.into(),
-                last: last.into(),
-                low: u32::from(bits & 15),
-                refines: bits >> 4 != 0,
-            }
+        let (first, last, low) = (usize::from(first), usize::from(last), u32::from(bits & 15));
+        let is_several = (1..=4).contains(&count);
+        let (part, is_sound) = if frame.is_progressive {
+            let is_dc = first == 0 && is_several && last == 0;
+            let is_ac = first > 0 && count == 1 && (first..64).contains(&last);
+            let refines = bits >> 4 != 0;
+            let part = Part::Progressive {
+                first,
+                last,
+                low,
+                refines,
+            };
+            (part, (is_dc || is_ac) && low <= 13)
         } else {
-            Part::Whole
+            (
+                Part::Whole,
+                is_several && (frame.scans > 1 || count == frame.components.len()),
+            )
         };
-        let is_sound = match part {
-            Part::Whole => (1..=4).contains(&count) && (frame.scans > 1 || count == frame.components.len()),
-            Part::Progressive {
-                first: 0, last, low, ..
-            } => (1..=4).contains(&count) && last == 0 && low <= 13,
-            Part::Progressive { first, last, low, .. } => count == 1 && (first..64).contains(&last) && low <= 13,
-        };
-        if is_sound {
-            Ok(Scan {
-                components,
-                restart_interval: self.restart_interval,
-                groups: groups(frame),
-                part,
-                most_values: 0,
-            })
-        } else {
-            Err(WRONG_SCAN)
+        if !is_sound {
+            return Err(WRONG_SCAN);
         }
+        Ok(Scan {
+            components,
+            restart_interval: self.restart_interval,
+            groups: groups(frame),
+            part,
+            most_values,
+        })
     }
 }

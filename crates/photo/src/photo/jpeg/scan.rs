@@ -68,19 +68,19 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
         if !intervals.read(&mut bytes) {
             return Err(OUT_OF_ORDER);
         }
-        let mut bits = Bits::new(&bytes);
         let mut state = State {
+            bits: Bits::new(&bytes),
             last_dc: [0; 4],
             empty_blocks: 0,
         };
         for group in first..(first + interval).min(groups) {
             let place = [group % across, group / across];
-            state.group(scan, place, &mut bits, components)?;
-            if bits.bytes_left() < 0 {
+            state.group(scan, place, components)?;
+            if state.bits.bytes_left() < 0 {
                 return Err(ENDS_EARLY);
             }
         }
-        if bits.bytes_left() > PADDING || (is_last && !intervals.is_over()) {
+        if state.bits.bytes_left() > PADDING || (is_last && !intervals.is_over()) {
             return Err(GOES_ON);
         }
         first += interval;
@@ -89,50 +89,37 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
 }
 
 /// What is carried from block to block within an interval.
-struct State {
+struct State<'a> {
+    bits: Bits<'a>,
     /// The last DC coefficient of each component of the scan.
     last_dc: [i32; 4],
     /// Blocks that still have nothing new.
     empty_blocks: u32,
 }
 
-impl State {
+impl State<'_> {
     /// A group: the blocks of all components that cover the same pixels.
-    fn group(
-        &mut self,
-        scan: &Scan,
-        [x, y]: [usize; 2],
-        bits: &mut Bits,
-        components: &mut [Component],
-    ) -> Result<(), JpegError> {
+    fn group(&mut self, scan: &Scan, [x, y]: [usize; 2], components: &mut [Component]) -> Result<(), JpegError> {
         let is_one = scan.components.len() == 1;
         for (nth, (index, dc_table, table)) in scan.components.iter().enumerate() {
             let component = &mut components[*index];
-            let [across, down] = if is_one {
-                [1, 1]
-            } else {
-                component.sampling.map(|s| s as usize)
-            };
+            let [across, down] = component.sampling.map(|s| if is_one { 1 } else { s as usize });
             for row in 0..down {
                 for column in 0..across {
                     let block = (y * down + row) * component.blocks[0] + x * across + column;
                     match scan.part {
-                        Part::Whole => self.whole(
-                            nth,
-                            dc_table.ok_or(NO_TABLE)?,
-                            table.ok_or(NO_TABLE)?,
-                            bits,
-                            component,
-                            (block, scan.most_values),
-                        )?,
+                        Part::Whole => {
+                            let tables = (dc_table.ok_or(NO_TABLE)?, table.ok_or(NO_TABLE)?);
+                            self.whole(nth, tables, component, block, scan.most_values)?;
+                        }
                         Part::Progressive {
                             first: 0, low, refines, ..
                         } => {
                             let value = &mut component.dense(block)[0];
                             if refines {
-                                *value |= i16::from(bits.bit()) << low
+                                *value |= i16::from(self.bits.bit()) << low
                             } else {
-                                *value = self.dc(nth, dc_table.ok_or(NO_TABLE)?, bits)? << low
+                                *value = self.dc(nth, dc_table.ok_or(NO_TABLE)?)? << low
                             }
                         }
                         Part::Progressive {
@@ -144,9 +131,9 @@ impl State {
                             let table = table.ok_or(NO_TABLE)?;
                             let values = &mut component.dense(block)[..=last];
                             if refines {
-                                self.refine(first, low, table, bits, values)?
+                                self.refine(first, low, table, values)?
                             } else {
-                                self.first(first, low, table, bits, values)?
+                                self.first(first, low, table, values)?
                             }
                         }
                     }
@@ -158,8 +145,8 @@ impl State {
 
     /// The DC coefficient of the next block, as a difference from the one before (F.2.2.1).
     #[inline(always)]
-    fn dc(&mut self, nth: usize, table: &HuffmanTable, bits: &mut Bits) -> Result<i16, JpegError> {
-        match table.coefficient(bits) {
+    fn dc(&mut self, nth: usize, table: &HuffmanTable) -> Result<i16, JpegError> {
+        match table.coefficient(&mut self.bits) {
             Coefficient::Value { zeros: 0, value } => self.last_dc[nth] += value,
             Coefficient::None(0) => {}
             _ => return Err(NO_CODE),
@@ -176,17 +163,16 @@ impl State {
     fn whole(
         &mut self,
         nth: usize,
-        dc_table: &HuffmanTable,
-        table: &HuffmanTable,
-        bits: &mut Bits,
+        (dc_table, table): (&HuffmanTable, &HuffmanTable),
         component: &mut Component,
-        (block, most): (usize, usize),
+        block: usize,
+        most: usize,
     ) -> Result<(), JpegError> {
-        let mean = self.dc(nth, dc_table, bits)?;
+        let mean = self.dc(nth, dc_table)?;
         let mut others = component.others(most)?;
         let mut place = 1;
         while place < 64 {
-            match table.coefficient(bits) {
+            match table.coefficient(&mut self.bits) {
                 Coefficient::Value { zeros, value } => {
                     place += zeros as usize;
                     if place > 63 {
@@ -206,21 +192,14 @@ impl State {
     }
 
     /// The first scan of some places of a block (G.1.2.2).
-    fn first(
-        &mut self,
-        first: usize,
-        low: u32,
-        table: &HuffmanTable,
-        bits: &mut Bits,
-        values: &mut [i16],
-    ) -> Result<(), JpegError> {
+    fn first(&mut self, first: usize, low: u32, table: &HuffmanTable, values: &mut [i16]) -> Result<(), JpegError> {
         if self.empty_blocks > 0 {
             self.empty_blocks -= 1;
             return Ok(());
         }
         let mut place = first;
         while place < values.len() {
-            match table.coefficient(bits) {
+            match table.coefficient(&mut self.bits) {
                 Coefficient::Value { zeros, value } => {
                     place += zeros as usize;
                     *values.get_mut(place).ok_or(NO_CODE)? = (value << low) as i16;
@@ -228,7 +207,7 @@ impl State {
                 }
                 Coefficient::None(15) => place += 16,
                 Coefficient::None(size) => {
-                    self.empty_blocks = end_of_blocks(size, bits) - 1;
+                    self.empty_blocks = end_of_blocks(size, &mut self.bits) - 1;
                     break;
                 }
                 Coefficient::Unknown => return Err(NO_CODE),
@@ -238,15 +217,8 @@ impl State {
     }
 
     /// One bit more of some places of a block (G.1.2.3).
-    fn refine(
-        &mut self,
-        first: usize,
-        low: u32,
-        table: &HuffmanTable,
-        bits: &mut Bits,
-        values: &mut [i16],
-    ) -> Result<(), JpegError> {
-        let mut place = first;
+    fn refine(&mut self, first: usize, low: u32, table: &HuffmanTable, values: &mut [i16]) -> Result<(), JpegError> {
+        let (bits, mut place) = (&mut self.bits, first);
         while self.empty_blocks == 0 && place < values.len() {
             let symbol = table.symbol(bits).ok_or(NO_CODE)?;
             let (mut zeros, size) = (u32::from(symbol >> 4), u32::from(symbol & 15));
