@@ -1,9 +1,10 @@
-//! Detectors as users name them: by a name, a manifest, or an ONNX file with its manifest beside it.
+//! Detectors as users name them: by a name, a manifest, or an ONNX file with its manifest beside it. Those that a user registered have their
+//! manifests in the user's data folder, so that their names are known everywhere.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::manifest::is_network;
-use super::{Manifest, ManifestError, ProgramSpec, registered, registered_names};
+use super::{Manifest, ManifestError, ProgramSpec, WeightFolders, WeightsError};
 use scaleproof_core::files::{self, FileError};
 
 /// The named detectors, each once, or all that ship with the program. Registered detectors take part when they are named.
@@ -23,7 +24,7 @@ pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
 
 /// How another run, started in another folder, chooses the same detector again: a manifest's whole path, else the name.
 pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileError> {
-    let files = names.iter().filter(|name| is_file(name));
+    let files = names.iter().filter(|name| name.ends_with(".toml") || is_network(name));
     let mut files = files.map(|name| Path::new(name).with_extension("toml"));
     match files.find(|path| Manifest::open(path).is_ok_and(|m| m == *manifest)) {
         Some(path) => Ok(files::whole_path(&path)?.display().to_string()),
@@ -31,11 +32,7 @@ pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileEr
     }
 }
 
-/// Whether a name is that of a file: a manifest or a network.
-fn is_file(name: &str) -> bool {
-    name.ends_with(".toml") || is_network(name)
-}
-
+/// The detector of a name.
 fn one(name: &str) -> Result<Manifest, ManifestError> {
     if let Ok(Some(_)) = ProgramSpec::named(name) {
         let name = name.to_owned();
@@ -79,4 +76,108 @@ fn beside(network: &Path) -> Result<Manifest, ManifestError> {
         manifest,
         described,
     })
+}
+
+/// Why a detector was not registered or taken off the list.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RegisterError {
+    #[error("no folder for detectors: set HOME or XDG_DATA_HOME")]
+    NoFolder,
+    #[error("{name} ships with scaleproof: give your detector another name in its manifest")]
+    BuiltIn { name: String },
+    #[error(
+        "a detector called {name} is registered already, and it is another one: take it off with `scaleproof detectors remove {name}`, or give \
+         yours another name in its manifest"
+    )]
+    Taken { name: String },
+    #[error("no registered detector is called {name}{registered}")]
+    NotThere { name: String, registered: String },
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Where the manifests of registered detectors lie.
+fn folder() -> Option<PathBuf> {
+    Some(dirs::data_dir()?.join("scaleproof").join("detectors"))
+}
+
+/// Where the manifest of a registered detector lies.
+fn path(name: &str) -> Option<PathBuf> {
+    Some(folder()?.join(format!("{name}.toml")))
+}
+
+/// The names of the registered detectors, in alphabetical order.
+pub fn registered_names() -> Vec<String> {
+    folder().map_or_else(Vec::new, |folder| names_in(&folder, ".toml"))
+}
+
+/// The detectors that have a file with such an ending in a folder, in alphabetical order; none when there is no such folder.
+pub(super) fn names_in(folder: &Path, ending: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| Some(entry.file_name().to_str()?.strip_suffix(ending)?.to_owned()));
+    let mut names: Vec<String> = names.filter(|name| Manifest::is_name(name)).collect();
+    names.sort();
+    names
+}
+
+/// A registered detector; `None` when no detector is registered by this name.
+///
+/// # Errors
+/// A manifest that cannot be read any more.
+pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
+    let path = path(name).filter(|path| Manifest::is_name(name) && path.is_file());
+    path.map(|path| Manifest::open(&path)).transpose()
+}
+
+/// Keeps a manifest in the user's data folder and returns where. The weights stay where they are and are named by their whole path; those that
+/// are only to be fetched keep their address.
+///
+/// # Errors
+/// A name that is taken; weights that are nowhere.
+pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf, RegisterError> {
+    let name = manifest.name.clone();
+    if Manifest::all()?.iter().any(|m| m.name == name) {
+        return Err(RegisterError::BuiltIn { name });
+    }
+    let mut kept = manifest.clone();
+    match folders.checked(manifest) {
+        Ok(weights) => {
+            let weights = weights.canonicalize().unwrap_or(weights);
+            kept.weights.file = weights.to_string_lossy().into_owned();
+            kept.weights.url.clear();
+        }
+        Err(WeightsError::Missing { .. }) if !manifest.weights.url.is_empty() => {}
+        Err(e) => return Err(e.into()),
+    }
+    let path = path(&name).ok_or(RegisterError::NoFolder)?;
+    let text = kept.to_toml()?;
+    if path.exists() && files::read_text(&path).ok().as_ref() != Some(&text) {
+        return Err(RegisterError::Taken { name });
+    }
+    files::replace_atomically(&path, text.as_bytes())?;
+    Ok(path)
+}
+
+/// Takes a detector off the list; its weights and the manifest it was registered from stay.
+///
+/// # Errors
+/// A name that is not on the list.
+pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
+    let names = registered_names();
+    if !names.iter().any(|known| known == name) {
+        let registered = match names.join(", ") {
+            none if none.is_empty() => ": none is registered".into(),
+            names => format!(": registered are {names}"),
+        };
+        let name = name.to_owned();
+        return Err(RegisterError::NotThere { name, registered });
+    }
+    let path = path(name).ok_or(RegisterError::NoFolder)?;
+    files::remove(&path)?;
+    Ok(path)
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::registered::names_in;
+use super::choose::names_in;
 use super::{Detection, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;

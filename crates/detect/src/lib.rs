@@ -22,7 +22,6 @@ mod nms;
 mod outside;
 mod program;
 mod propose;
-mod registered;
 mod runtime;
 mod speed;
 mod weights;
@@ -31,7 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use scaleproof_core::geometry::BoxPx;
 
-pub use choose::{choose, chosen_as};
+pub use choose::{RegisterError, choose, chosen_as, register, registered, registered_names, unregister};
 pub use coco_results::{CocoResult, Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;
 pub use foreign::{ForeignCard, ForeignKind};
@@ -49,7 +48,6 @@ pub use program::{
     keep_programs_in_our_group, kill_programs, protocol,
 };
 pub use propose::{Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, propose, python_names};
-pub use registered::{RegisterError, register, registered, registered_names, unregister};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{Speed, SpeedError, Speeds};
 pub use weights::{WeightFolders, WeightsError};

@@ -67,27 +67,22 @@ impl WeightFolders {
 
     /// The detector's weights, present and with the right hash.
     pub fn checked(&self, manifest: &Manifest) -> Result<PathBuf, WeightsError> {
-        let path = self.find(manifest).ok_or_else(|| WeightsError::Missing {
-            name: manifest.name.clone(),
-            file: manifest.weights.file.clone(),
-            remedy: if manifest.weights.url.is_empty() {
-                format!("put {} beside its manifest", manifest.weights.file)
-            } else {
-                format!("get them with `{}`", fetch(manifest))
-            },
-        })?;
+        let (name, file) = (manifest.name.clone(), manifest.weights.file.clone());
+        let fetch = format!("`scaleproof detectors fetch {name}`");
+        let has_url = !manifest.weights.url.is_empty();
+        let remedy = |by_hand: String, with: &str| if has_url { format!("{with} {fetch}") } else { by_hand };
+        let Some(path) = self.find(manifest) else {
+            let remedy = remedy(format!("put {file} beside its manifest"), "get them with");
+            return Err(WeightsError::Missing { name, file, remedy });
+        };
         let Some(found) = other_hash(manifest, &path)? else {
             return Ok(path);
         };
-        let remedy = if manifest.weights.url.is_empty() {
-            "put the right file there, or describe this one with `scaleproof detectors add`".to_owned()
-        } else {
-            format!("remove it and run `{}`", fetch(manifest))
-        };
+        let by_hand = "put the right file there, or describe this one with `scaleproof detectors add`";
         let twelve = |hash: &str| hash.chars().take(12).collect();
         Err(WeightsError::WrongHash {
-            name: manifest.name.clone(),
-            remedy,
+            name,
+            remedy: remedy(by_hand.to_owned(), "remove it and run"),
             path,
             found: twelve(&found),
             expected: twelve(&manifest.weights.sha256),
@@ -99,10 +94,6 @@ impl WeightFolders {
 pub(super) fn other_hash(manifest: &Manifest, path: &Path) -> Result<Option<String>, files::FileError> {
     let found = files::sha256_hex(&files::read(path)?);
     Ok((found != manifest.weights.sha256).then_some(found))
-}
-
-fn fetch(manifest: &Manifest) -> String {
-    format!("scaleproof detectors fetch {}", manifest.name)
 }
 
 fn user_cache() -> Option<PathBuf> {

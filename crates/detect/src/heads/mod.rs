@@ -203,12 +203,17 @@ pub fn candidates(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Re
     };
     // Numbers in the gaps of a list mean nothing, and no file could keep them.
     candidates.retain(|c| manifest.labels.name(c.label).is_some());
-    match candidates.iter().find(|c| !is_finite(&c.b)) {
-        Some(c) => Err(HeadError::NotFinite {
-            what: not_finite(&c.b, outputs),
-        }),
-        None => Ok(candidates),
-    }
+    let Some(c) = candidates.iter().find(|c| !is_finite(&c.b)) else {
+        return Ok(candidates);
+    };
+    // Numbers that are minus infinity or have grown beyond all bounds, such as e^1000; the output where only one can have them.
+    let floats: Vec<&Tensor> = outputs.iter().filter(|t| t.floats().is_some()).collect();
+    let place = match floats[..] {
+        [only] => format!(" in its output {}", only.name),
+        _ => String::new(),
+    };
+    let what = format!("a box that is not finite ({:?}){place}", <[f64; 4]>::from(c.b));
+    Err(HeadError::NotFinite { what })
 }
 
 /// A NaN or an infinity and the first output that holds it, as the end of the sentence "it answered with …". Minus infinity is a logit
@@ -220,16 +225,6 @@ pub(super) fn with_no_number(outputs: &[Tensor]) -> Option<String> {
         let value = if value.is_nan() { "NaN" } else { "infinity" };
         Some(format!("{value} in its output {}", tensor.name))
     })
-}
-
-/// A box whose numbers are minus infinity or have grown beyond all bounds, such as e^1000; the output where only one can have it.
-fn not_finite(b: &BoxPx, outputs: &[Tensor]) -> String {
-    let mut floats = outputs.iter().filter(|t| t.floats().is_some());
-    let place = match (floats.next(), floats.next()) {
-        (Some(only), None) => format!(" in its output {}", only.name),
-        _ => String::new(),
-    };
-    format!("a box that is not finite ({:?}){place}", <[f64; 4]>::from(*b))
 }
 
 fn is_finite(b: &BoxPx) -> bool {

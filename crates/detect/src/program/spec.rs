@@ -51,16 +51,12 @@ impl ProgramSpec {
                 Some(program) if !program.is_empty() => Ok(words),
                 _ => Err("no program is named: write exec:PROGRAM, or exec:'PROGRAM ARGUMENT …'"),
             });
-            return match command {
-                Ok(command) => Ok(Some(ProgramSpec {
-                    command,
-                    ..ProgramSpec::default()
-                })),
-                Err(fault) => Err(ProgramSpecError::CommandLine {
-                    text: name.to_owned(),
-                    fault,
-                }),
-            };
+            let text = name.to_owned();
+            let command = command.map_err(|fault| ProgramSpecError::CommandLine { text, fault })?;
+            return Ok(Some(ProgramSpec {
+                command,
+                ..ProgramSpec::default()
+            }));
         }
         let path = Path::new(name);
         if !name.ends_with(".toml") || !path.is_file() {

@@ -85,15 +85,12 @@ fn labels_of_grids(
 ) -> Option<usize> {
     let labels = |stride: &u32| {
         let grid = size.map(|side| (side / stride) as usize);
-        outputs
-            .iter()
-            .find_map(|t| room(&t.shape, grid).filter(|labels| *labels > 0))
+        let mut rooms = outputs.iter().filter_map(|t| room(&t.shape, grid));
+        rooms.find(|labels| *labels > 0)
     };
     let found = labels(strides.first()?)?;
-    strides
-        .iter()
-        .all(|stride| labels(stride) == Some(found))
-        .then_some(found)
+    let are_alike = strides.iter().all(|stride| labels(stride) == Some(found));
+    are_alike.then_some(found)
 }
 
 /// Cells of all grids of an input.
@@ -228,11 +225,9 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
             })
         }
         Family::Yolov8 => {
-            let t = outputs
-                .iter()
-                .find(|t| t.shape.get(1) == Some(&(labels.unwrap_or(0) + 4)))?;
-            let n = *t.shape.last()?;
-            no_score(floats(t).skip(4 * n))
+            let rows = labels? + 4;
+            let t = outputs.iter().find(|t| t.shape.get(1) == Some(&rows))?;
+            no_score(floats(t).skip(4 * t.shape.last()?))
         }
         Family::Yolov10 => {
             let t = table(outputs, 6)?;
@@ -260,10 +255,8 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
             if no_score(floats(logits)).is_some() {
                 return no_share(floats(table(outputs, 4)?));
             }
-            let title = family.title();
-            Some(format!(
-                "its scores are probabilities already, and {title} gives logits"
-            ))
+            let gives = format!("{} gives logits", family.title());
+            Some(format!("its scores are probabilities already, and {gives}"))
         }
         Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?)),
         Family::Yolov3 => {
@@ -280,9 +273,8 @@ fn floats(t: &Tensor) -> impl Iterator<Item = f32> {
 }
 
 fn table(outputs: &[Tensor], row: usize) -> Option<&Tensor> {
-    outputs
-        .iter()
-        .find(|t| t.shape.len() == 3 && t.shape.last() == Some(&row))
+    let is_table = |t: &&Tensor| t.shape.len() == 3 && t.shape.last() == Some(&row);
+    outputs.iter().find(is_table)
 }
 
 /// The numbers in some columns of a table.
