@@ -145,7 +145,7 @@ impl Photos {
         }
         let mut called: BTreeMap<usize, &Image> = BTreeMap::new();
         for image in &file.images {
-            let index = names.find(&image.file_name).map_err(refuse)?;
+            let index = names.find(&image.file_name, &image.file_name).map_err(refuse)?;
             if self.by_id.insert(image.id.clone(), index).is_some() {
                 return Err(refuse(format!("the id of {} appears twice", image.id)).into());
             }
@@ -188,7 +188,7 @@ impl Photos {
                 return Err(OutsideError::NumberedImages { path, id });
             }
             (None, ImageId::Name(name)) => {
-                let index = names.find(name).map_err(refuse)?;
+                let index = names.find(name, name).map_err(refuse)?;
                 self.by_id.insert(id.clone(), index);
                 let other = index.and_then(|index| self.called.insert(index, name.clone()));
                 if let Some((other, photo)) = other.zip(index.and_then(|index| request.photos.get(index))) {

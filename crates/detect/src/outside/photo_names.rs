@@ -75,8 +75,8 @@ impl PhotoNames<'_> {
     /// The index of the photo that a name means, if there is one: of photos that are called alike, the one whose folders agree furthest.
     ///
     /// # Errors
-    /// Why a name that means several photos is refused.
-    pub fn find(&self, name: &str) -> Result<Option<usize>, String> {
+    /// Why a name that means several photos is refused, which the sentence calls `called`.
+    pub fn find(&self, name: &str, called: &str) -> Result<Option<usize>, String> {
         let parts: Vec<&str> = name.split(['/', '\\']).filter(|part| !part.is_empty()).collect();
         let Some((last, folders)) = parts.split_last() else {
             return Ok(None);
@@ -96,7 +96,7 @@ impl PhotoNames<'_> {
         match (best.next(), best.next()) {
             (Some(a), Some(b)) => {
                 let [a, b] = [a, b].map(|index| self.photos.get(*index).map_or("", |photo| &photo.file));
-                Err(format!("{name} may be {a} or {b}: name it with its folder"))
+                Err(format!("{called} may be {a} or {b}: name it with its folder"))
             }
             (only, _) => Ok(only.copied()),
         }

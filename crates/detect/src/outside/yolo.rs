@@ -33,7 +33,7 @@ pub(super) fn read(
             continue;
         }
         let refuse = |message: String| FileError::content(folder, message);
-        let Some(index) = names.find(stem(name)).map_err(refuse)? else {
+        let Some(index) = names.find(stem(name), name).map_err(refuse)? else {
             unknown.push(name.clone());
             continue;
         };

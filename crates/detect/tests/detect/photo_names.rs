@@ -29,6 +29,6 @@ fn a_name_means_the_photo_whose_folders_agree_furthest() {
         ("", Ok(None)),
         ("/", Ok(None)),
     ] {
-        assert_eq!(names.find(name), found, "{name}");
+        assert_eq!(names.find(name, name), found, "{name}");
     }
 }
