@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::paired as shown;
-use crate::score::{Compared, Comparison, Difference, Scores, paired};
+use crate::score::{Compared, Difference, Scores};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, holm, wilson_95};
 
@@ -18,18 +18,8 @@ pub(super) struct Corrected<'a> {
     pub holm_p: f64,
 }
 
-/// What the pairs say of every detector and texture of a run.
-pub(super) fn all(scores: &Scores) -> Vec<&Compared> {
-    paired(scores).iter().flat_map(|c| &c.results).collect()
-}
-
-/// What the pairs of a comparison say of every detector and texture.
-pub(super) fn compared(comparison: &Comparison) -> Vec<&Compared> {
-    comparison.results.iter().collect()
-}
-
 /// Of each result, in their order; the detectors of a texture are corrected together.
-pub(super) fn over_detectors<'a>(results: &[&'a Compared]) -> Vec<Corrected<'a>> {
+pub(super) fn over_detectors(results: &[Compared]) -> Vec<Corrected<'_>> {
     let textures = results.chunk_by(|a, b| a.variant == b.variant);
     let corrected = textures.flat_map(|own| {
         let p: Vec<f64> = own.iter().map(|r| r.hit_rate.mcnemar_p).collect();
@@ -43,13 +33,13 @@ pub(super) fn over_detectors<'a>(results: &[&'a Compared]) -> Vec<Corrected<'a>>
 }
 
 /// Sentences: how many findings stand beside each other, and what of the hit rates is left when their number is corrected for.
-pub(super) fn tested(scores: &Scores, results: &[&Compared]) -> Option<String> {
+pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
     let corrected = over_detectors(results);
     let detectors = scores.detectors.len();
     if results.is_empty() {
         return None;
     }
-    let each = |(c, r): (&Corrected, &&Compared)| {
+    let each = |(c, r): (&Corrected, &Compared)| {
         let texture = if results.iter().all(|other| other.variant == c.variant) {
             String::new()
         } else {

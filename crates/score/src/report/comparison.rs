@@ -51,7 +51,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = Page {
         comparison,
-        hit_rate_over_detectors: certainty::over_detectors(&certainty::compared(comparison)),
+        hit_rate_over_detectors: certainty::over_detectors(&comparison.results),
         classes: counted::classes(scores).labels(),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
@@ -87,7 +87,7 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
             ));
         }
     }
-    lines.extend(certainty::tested(scores, &certainty::compared(comparison)));
+    lines.extend(certainty::tested(scores, &comparison.results));
     if let Some(own) = &comparison.sequential {
         lines.extend(sequential::lines(own, &comparison.base));
     }

@@ -1,104 +1,72 @@
 //! `photos.csv`: one line per photo and detector, scored or not.
 
-use serde::Serialize;
+use serde_json::json;
 
-use super::{ReportError, csv_of, other_label};
-use crate::score::{EvaluatedDetector, NotScored, Protocol, ScoredPhoto, Scores, Verdict};
-
-#[derive(Serialize, Default)]
-struct PhotoRow<'a> {
-    photo_id: Option<u64>,
-    session: String,
-    file: &'a str,
-    variant: &'a str,
-    place: &'a str,
-    conditions: String,
-    status: &'static str,
-    reason: &'a str,
-    azimuth_deg: Option<f64>,
-    pitch_deg: Option<f64>,
-    distance_mm: Option<f64>,
-    bin_azimuth_deg: Option<f64>,
-    bin_pitch_deg: Option<f64>,
-    bin_distance_mm: Option<f64>,
-    tags: Option<usize>,
-    rms_px: Option<f64>,
-    truth_source: &'static str,
-    truth_x1_px: Option<f64>,
-    truth_y1_px: Option<f64>,
-    truth_x2_px: Option<f64>,
-    truth_y2_px: Option<f64>,
-    detector: &'a str,
-    verdict: Option<Verdict>,
-    confidence: Option<f64>,
-    other_label: &'static str,
-    other_confidence: Option<f64>,
-    misclassified: Option<bool>,
-    disappeared: Option<bool>,
-    hallucinations: Option<usize>,
-    false_positives: Option<usize>,
-    protocol: &'static str,
-}
+use super::{ReportError, Row, csv_of, other_label};
+use crate::score::{EvaluatedDetector, Protocol, ScoredPhoto, Scores};
 
 pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
-    let rows = scores.photos.iter().flat_map(|photo| {
+    let scored = scores.photos.iter().flat_map(|photo| {
+        let about = [&scores.sessions[photo.session].name, &photo.file, &photo.variant, ""];
         let detectors = scores.detectors.iter().enumerate();
-        detectors.map(move |(index, detector)| scored(scores, photo, index, detector))
+        detectors.map(move |seen| line(scores, about, Some((photo, seen))))
     });
-    csv_of(rows.chain(scores.not_scored.iter().map(not_scored)))
+    let not_scored = scores.not_scored.iter();
+    let not_scored = not_scored.map(|p| line(scores, [&p.session, &p.file, &p.variant, &p.reason], None));
+    csv_of(scored.chain(not_scored))
 }
 
-fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> PhotoRow<'a> {
-    let (viewpoint, bin, outcome) = (photo.viewpoint, photo.bin, &photo.outcomes[index]);
-    let other = other_label(photo, index, detector);
-    PhotoRow {
-        photo_id: Some(photo.id),
-        session: scores.sessions[photo.session].name.clone(),
-        file: &photo.file,
-        variant: &photo.variant,
-        place: photo.place.as_deref().unwrap_or_default(),
-        conditions: conditions(photo),
-        status: "scored",
-        azimuth_deg: viewpoint.map(|v| v.azimuth_deg),
-        pitch_deg: viewpoint.map(|v| v.pitch_deg),
-        distance_mm: viewpoint.map(|v| v.distance_mm),
-        bin_azimuth_deg: bin.map(|b| b.azimuth_deg),
-        bin_pitch_deg: bin.map(|b| b.pitch_deg),
-        bin_distance_mm: bin.map(|b| b.distance_mm),
-        tags: Some(photo.tags.len()),
-        rms_px: photo.rms_px,
-        truth_source: if photo.truth_given { "session" } else { "pose" },
-        truth_x1_px: Some(photo.truth.x1),
-        truth_y1_px: Some(photo.truth.y1),
-        truth_x2_px: Some(photo.truth.x2),
-        truth_y2_px: Some(photo.truth.y2),
-        detector: &detector.manifest.name,
-        verdict: Some(outcome.verdict),
-        confidence: Some(outcome.confidence),
-        other_label: other.map_or("", |(label, _)| label),
-        other_confidence: other.map(|(_, confidence)| confidence),
-        misclassified: Some(outcome.is_misclassified()),
-        disappeared: Some(outcome.has_disappeared()),
-        hallucinations: Some(outcome.hallucinations),
-        false_positives: Some(outcome.false_positives),
-        protocol: scores.criteria.protocol.map_or("", Protocol::name),
-        ..PhotoRow::default()
-    }
+/// The line of a photo (session, file, variant, why it was left out), and of the detector that saw it; without one all else is empty.
+fn line<'a>(
+    scores: &Scores,
+    [session, file, variant, reason]: [&str; 4],
+    seen: Option<(&ScoredPhoto, (usize, &EvaluatedDetector))>,
+) -> Row<'a> {
+    let p = seen.map(|(photo, _)| photo);
+    let outcome = seen.map(|(photo, (index, _))| &photo.outcomes[index]);
+    let other = seen.and_then(|(photo, (index, detector))| other_label(photo, index, detector));
+    let (viewpoint, bin, truth) = (p.and_then(|p| p.viewpoint), p.and_then(|p| p.bin), p.map(|p| p.truth));
+    let source = |p: &ScoredPhoto| if p.truth_given { "session" } else { "pose" };
+    vec![
+        ("photo_id", json!(p.map(|p| p.id))),
+        ("session", json!(session)),
+        ("file", json!(file)),
+        ("variant", json!(variant)),
+        ("place", json!(p.and_then(|p| p.place.as_deref()))),
+        ("conditions", json!(p.map(conditions))),
+        ("status", json!(if p.is_some() { "scored" } else { "not scored" })),
+        ("reason", json!(reason)),
+        ("azimuth_deg", json!(viewpoint.map(|v| v.azimuth_deg))),
+        ("pitch_deg", json!(viewpoint.map(|v| v.pitch_deg))),
+        ("distance_mm", json!(viewpoint.map(|v| v.distance_mm))),
+        ("bin_azimuth_deg", json!(bin.map(|b| b.azimuth_deg))),
+        ("bin_pitch_deg", json!(bin.map(|b| b.pitch_deg))),
+        ("bin_distance_mm", json!(bin.map(|b| b.distance_mm))),
+        ("tags", json!(p.map(|p| p.tags.len()))),
+        ("rms_px", json!(p.and_then(|p| p.rms_px))),
+        ("truth_source", json!(p.map(source))),
+        ("truth_x1_px", json!(truth.map(|b| b.x1))),
+        ("truth_y1_px", json!(truth.map(|b| b.y1))),
+        ("truth_x2_px", json!(truth.map(|b| b.x2))),
+        ("truth_y2_px", json!(truth.map(|b| b.y2))),
+        (
+            "detector",
+            json!(seen.map(|(_, (_, detector))| &detector.manifest.name)),
+        ),
+        ("verdict", json!(outcome.map(|o| o.verdict))),
+        ("confidence", json!(outcome.map(|o| o.confidence))),
+        ("other_label", json!(other.map(|(label, _)| label))),
+        ("other_confidence", json!(other.map(|(_, confidence)| confidence))),
+        ("misclassified", json!(outcome.map(|o| o.is_misclassified()))),
+        ("disappeared", json!(outcome.map(|o| o.has_disappeared()))),
+        ("hallucinations", json!(outcome.map(|o| o.hallucinations))),
+        ("false_positives", json!(outcome.map(|o| o.false_positives))),
+        ("protocol", json!(p.and(scores.criteria.protocol).map(Protocol::name))),
+    ]
 }
 
 /// `lux=300; weather=rain`
 fn conditions(photo: &ScoredPhoto) -> String {
     let all = photo.conditions.iter().map(|(name, value)| format!("{name}={value}"));
     all.collect::<Vec<_>>().join("; ")
-}
-
-fn not_scored(photo: &NotScored) -> PhotoRow<'_> {
-    PhotoRow {
-        session: photo.session.clone(),
-        file: &photo.file,
-        variant: &photo.variant,
-        status: "not scored",
-        reason: &photo.reason,
-        ..PhotoRow::default()
-    }
 }

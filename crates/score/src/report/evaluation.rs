@@ -1,6 +1,7 @@
 //! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them.
 
-use super::counted;
+use super::table::line as aligned;
+use super::{counted, paired};
 use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
 use scaleproof_core::spelling::{self, digits};
 
@@ -31,10 +32,7 @@ impl<'a> Evaluation<'a> {
     }
 
     pub(super) fn figures(&self, pattern: &str, detector: &EvaluatedDetector) -> Option<&'a Figures> {
-        let summaries = &self.scores.summaries;
-        let own = summaries
-            .iter()
-            .find(|s| s.variant == pattern && s.detector == detector.manifest.name);
+        let own = self.scores.summary(&detector.manifest.name, pattern);
         own.map(|s| &s.overall)
     }
 
@@ -72,68 +70,45 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
     }
     lines.push(String::new());
     lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown at 5 %".to_owned());
-    let all = || targets.iter().chain(&others);
-    for pattern in evaluation.patterns.iter().filter(|p| *p != BASE_VARIANT) {
-        for c in all() {
-            lines.extend(
-                evaluation
-                    .drop(BASE_VARIANT, pattern, c)
-                    .map(|d| line(BASE_VARIANT, pattern, c, d)),
-            );
-        }
-    }
-    for comparison in evaluation.comparisons.iter().filter(|c| c.base != BASE_VARIANT) {
-        for (pattern, c) in comparison.results.iter().filter_map(|r| {
+    let patterns = evaluation.patterns.iter().filter(|p| *p != BASE_VARIANT);
+    let from_base = patterns.flat_map(|p| targets.iter().chain(&others).map(move |c| (BASE_VARIANT, p, c)));
+    let others = evaluation.comparisons.iter().filter(|c| c.base != BASE_VARIANT);
+    let from_others = others.flat_map(|comparison| {
+        comparison.results.iter().filter_map(|r| {
             let c = targets.iter().find(|c| c.manifest.name == r.detector)?;
-            Some((&r.variant, c))
-        }) {
-            lines.extend(
-                evaluation
-                    .drop(&comparison.base, pattern, c)
-                    .map(|d| line(&comparison.base, pattern, c, d)),
-            );
-        }
-    }
+            Some((comparison.base.as_str(), &r.variant, c))
+        })
+    });
+    let differences = from_base.chain(from_others);
+    lines.extend(differences.filter_map(|(base, p, c)| Some(line(base, p, c, evaluation.drop(base, p, c)?))));
     lines.push(format!("({SCOPE})"));
     lines.push(format!("counts as the model: {}", counted(evaluation.scores)));
     lines.join("\n")
 }
 
 fn table(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: fn(&Figures) -> String) -> Vec<String> {
-    let (head, width) = WIDTHS;
-    let row = |first: &str, cells: Vec<String>| {
-        let cells: String = cells.iter().map(|c| format!("  {c:<width$}")).collect();
-        format!("{first:<head$}{cells}").trim_end().to_owned()
-    };
-    let names = detectors.iter().map(|c| c.manifest.name.clone()).collect();
-    let mut lines = vec![row("pattern", names)];
-    for pattern in &evaluation.patterns {
-        let cells = detectors
-            .iter()
-            .map(|c| evaluation.figures(pattern, c).map_or("–".to_owned(), cell));
-        lines.push(row(pattern, cells.collect()));
-    }
+    let names = detectors.iter().map(|c| c.manifest.name.clone());
+    let mut lines = vec![aligned("pattern", names, WIDTHS)];
+    lines.extend(evaluation.patterns.iter().map(|pattern| {
+        let own = detectors.iter().map(|c| evaluation.figures(pattern, c));
+        aligned(pattern, own.map(|f| f.map_or("–".to_owned(), cell)), WIDTHS)
+    }));
     lines
 }
 
 fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, d: &Difference) -> String {
-    let mark = if is_shown(d) { " *" } else { "" };
+    let mark = if paired::is_shown(d) { " *" } else { "" };
     let pair = format!("{base} − {pattern}");
     format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
 }
 
 /// The difference with its interval, and whether the photos suffice to show one.
 pub(super) fn interval(d: &Difference) -> String {
-    let range = d.interval_95.map_or(String::new(), |i| {
-        format!(" [{}, {}]", digits(i.low, 2), digits(i.high, 2))
-    });
+    let range = paired::interval(d, |v| digits(v, 2)).map(|ends| format!(" {ends}"));
+    let range = range.unwrap_or_default();
     let doubt = match d.finding {
         Finding::TooFewPhotosToTell => " (too few photos to tell)",
         _ => "",
     };
     format!("{}{range}{doubt}", digits(d.drop, 2))
-}
-
-pub(super) fn is_shown(d: &Difference) -> bool {
-    matches!(d.finding, Finding::Drop | Finding::Rise)
 }

@@ -18,75 +18,59 @@ pub(super) type File = (String, Vec<u8>);
 
 /// The charts of a report.
 pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<File>, ReportError> {
-    let textures = html::legend(scores);
+    let textures = || html::legend(scores);
     let (found, precision_recall): (Vec<_>, Vec<_>) = html::curves::charts(scores)
         .into_iter()
         .map(|(title, [found, precision_recall])| ((title, found), (title, precision_recall)))
         .unzip();
-    let mut all = vec![
-        (
-            "polar",
-            "Mean confidence by azimuth",
-            textures.clone(),
-            html::polar::charts(scores),
-        ),
-        (
-            "found_by_confidence",
-            "Share of photos found by confidence",
-            textures.clone(),
-            found,
-        ),
-        (
-            "precision_recall",
-            "Precision over recall",
-            textures.clone(),
-            precision_recall,
-        ),
-        (
-            "reliability",
-            "Share correct by confidence",
-            Vec::new(),
-            html::reliability::charts(scores),
-        ),
-        (
-            "heat_maps",
-            "Mean confidence by viewing direction",
-            html::heat::legend(),
-            html::heat::charts(scores),
-        ),
-    ];
+    let mut all = Vec::new();
+    let mut add = |[name, title]: [&str; 2], legend, note: Option<&str>, across, drawings: Vec<(&str, Drawing)>| {
+        let notes = note.into_iter().map(str::to_owned).collect();
+        if !drawings.is_empty() {
+            all.extend(files_of(name, title, &Explained { legend, notes }, across, &drawings)?);
+        }
+        Ok::<(), ReportError>(())
+    };
+    let polar = ["polar", "Mean confidence by azimuth"];
+    add(
+        polar,
+        textures(),
+        Some(html::polar::MARKS),
+        3,
+        html::polar::charts(scores),
+    )?;
+    let by_confidence = ["found_by_confidence", "Share of photos found by confidence"];
+    add(by_confidence, textures(), None, 3, found)?;
+    let over_recall = ["precision_recall", "Precision over recall"];
+    add(over_recall, textures(), None, 3, precision_recall)?;
+    let correct = ["reliability", "Share correct by confidence"];
+    add(correct, Vec::new(), None, 3, html::reliability::charts(scores))?;
+    let heat = ["heat_maps", "Mean confidence by viewing direction"];
+    add(
+        heat,
+        html::heat::legend(),
+        Some(html::heat::CELLS),
+        2,
+        html::heat::charts(scores),
+    )?;
     if let Some(speeds) = speeds {
-        all.push((
-            AGAINST_TIME,
-            "AP against time",
-            textures,
-            vec![("", html::speed::plot(scores, speeds))],
-        ));
+        let plot = vec![("", html::speed::plot(scores, speeds))];
+        add([AGAINST_TIME, "AP against time"], textures(), None, 3, plot)?;
     }
-    let robustness = scores.robustness.as_ref().map(|r| html::robustness::charts(scores, r));
-    let (titles, drawings): (Vec<String>, Vec<_>) = robustness.into_iter().flatten().unzip();
-    all.push((
-        ROBUSTNESS,
-        "AP on photos made worse",
-        html::legend(scores),
-        titles.iter().map(String::as_str).zip(drawings).collect(),
-    ));
-    let files = all.into_iter().filter(|(.., drawings)| !drawings.is_empty());
-    let files = files.map(|(name, title, legend, drawings)| {
-        let notes = match name {
-            "polar" => vec![html::polar::MARKS.to_owned()],
-            "heat_maps" => vec![html::heat::CELLS.to_owned()],
-            ROBUSTNESS => vec![html::robustness::MARKS.to_owned()],
-            _ => Vec::new(),
-        };
-        let across = match name {
-            "heat_maps" => 2,
-            ROBUSTNESS => scores.robustness.as_ref().map_or(3, |r| r.corruptions().len()),
-            _ => 3,
-        };
-        files_of(name, title, &Explained { legend, notes }, across, &drawings)
-    });
-    Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
+    if let Some(robustness) = &scores.robustness {
+        let charts = html::robustness::charts(scores, robustness);
+        let (titles, drawings): (Vec<String>, Vec<_>) = charts.into_iter().unzip();
+        let charts = titles.iter().map(String::as_str).zip(drawings).collect();
+        let (note, across) = (Some(html::robustness::MARKS), robustness.corruptions().len());
+        add(
+            [ROBUSTNESS, "AP on photos made worse"],
+            textures(),
+            note,
+            across,
+            charts,
+        )?;
+    }
+    Ok(all)
 }
 
 /// The drops of a comparison, one chart for each figure.

@@ -3,18 +3,14 @@
 use super::evaluation::Evaluation;
 use super::{certainty, p_value, paired};
 use crate::score::{
-    Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, Scores, Summary, disagreements,
+    Compared, Comparison, Difference, Drop, EvaluatedDetector, Figures, Finding, Scores, Summary, disagreements,
+    paired as all_paired,
 };
 use scaleproof_core::spelling::digits;
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
 pub(super) fn table(scores: &Scores) -> String {
-    let mut lines = vec![
-        comment(scores),
-        "\\begin{tabular}{llrrlrllrl}".into(),
-        "\\toprule".into(),
-    ];
-    lines.push(row([
+    let head = [
         "Detector",
         "Texture",
         "Photos",
@@ -25,17 +21,16 @@ pub(super) fn table(scores: &Scores) -> String {
         "Drop, 95\\,\\%",
         "Confidence",
         "Drop, 95\\,\\%",
-    ]
-    .map(String::from)));
-    for own in scores.summaries.chunk_by(|a, b| a.detector == b.detector) {
-        lines.push("\\midrule".into());
-        lines.extend(own.iter().enumerate().map(|(i, s)| {
-            let title = if i == 0 { scores.title(&s.detector) } else { "" };
-            row(cells(scores, title, s))
-        }));
-    }
-    lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
-    lines.join("\n")
+    ];
+    let by_detector = scores.summaries.chunk_by(|a, b| a.detector == b.detector);
+    let blocks = by_detector.map(|own| {
+        let title = |i: usize, s| if i == 0 { scores.title(s) } else { "" };
+        let rows = own.iter().enumerate();
+        rows.map(|(i, s)| row(cells(scores, title(i, &s.detector), s)))
+            .collect()
+    });
+    let blocks = std::iter::once(vec![row(head)]).chain(blocks);
+    format!("{}\n{}", comment(scores), tabular("llrrlrllrl", blocks))
 }
 
 fn comment(scores: &Scores) -> String {
@@ -59,12 +54,12 @@ fn comment(scores: &Scores) -> String {
         criteria.match_iou(),
         scores.base.replace(char::is_control, " "),
         commented(scores),
-        below(scores, &certainty::all(scores)),
+        below(scores, all_paired(scores)),
     )
 }
 
 /// What stands below the notes of a table: how many findings were tested, rates without an interval, and every caution; a line each.
-fn below(scores: &Scores, results: &[&Compared]) -> String {
+fn below(scores: &Scores, results: &[Compared]) -> String {
     let open = results.iter().flat_map(|r| {
         let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
         let open = figures
@@ -127,33 +122,29 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         "Confidence",
         "Drop, 95\\,\\%",
     ];
-    let mut lines = vec![
-        format!(
-            "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
-             % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
-             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
-            env!("CARGO_PKG_VERSION"),
-            comparison.ap_definition,
-            comparison.base,
-            comparison.bootstrap_draws,
-            comparison.bootstrap_seed,
-            comparison.base,
-            scores.criteria.hit().replace('≥', ">="),
-            scores
-                .criteria
-                .protocol
-                .map_or(String::new(), |p| format!(", protocol {}", p.name())),
-            commented(scores),
-            below(scores, &certainty::compared(comparison))
-        ),
-        "\\begin{tabular}{llrrllrlrlrl}".into(),
-        "\\toprule".into(),
-        row(heads.map(String::from)),
-        "\\midrule".into(),
-    ];
-    lines.extend(comparison.results.iter().map(|r| row(compared_cells(scores, r))));
-    lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
-    lines.join("\n")
+    let comment = format!(
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
+         % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
+         % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
+        env!("CARGO_PKG_VERSION"),
+        comparison.ap_definition,
+        comparison.base,
+        comparison.bootstrap_draws,
+        comparison.bootstrap_seed,
+        comparison.base,
+        scores.criteria.hit().replace('≥', ">="),
+        scores
+            .criteria
+            .protocol
+            .map_or(String::new(), |p| format!(", protocol {}", p.name())),
+        commented(scores),
+        below(scores, &comparison.results)
+    );
+    let rows = comparison.results.iter().map(|r| row(compared_cells(scores, r)));
+    format!(
+        "{comment}\n{}",
+        tabular("llrrllrlrlrl", [vec![row(heads)], rows.collect()])
+    )
 }
 
 fn compared_cells(scores: &Scores, r: &Compared) -> [String; 12] {
@@ -181,79 +172,60 @@ fn drop_cell(d: &Difference) -> String {
         Finding::NoDifferenceShown => number(d.drop, 2),
         Finding::TooFewPhotosToTell => format!("{}$^\\dagger$", number(d.drop, 2)),
     };
-    let interval = d
-        .interval_95
-        .map(|i| format!(" [{}, {}]", number(i.low, 2), number(i.high, 2)));
+    let interval = paired::interval(d, |v| number(v, 2)).map(|i| format!(" {i}"));
     drop + &interval.unwrap_or_default()
 }
 
 /// The paper's two tables: pattern × detector.
 pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let (targets, others) = (evaluation.targets(), evaluation.others());
-    let mut lines = vec![format!(
+    let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Confidence: mean, misses count 0.\n\
          % Counts as the model: {}.\n\
          % Table 1: the detectors that the patterns were made against.",
         env!("CARGO_PKG_VERSION"),
         evaluation.scores.criteria.ap.name(),
         commented(evaluation.scores)
-    )];
+    );
     let cell = |value: Option<f64>| value.map_or("--".to_owned(), |v| number(v, 2));
-    let heads = |of: &dyn Fn(&str) -> String, detectors: &[&EvaluatedDetector]| -> Vec<String> {
-        detectors.iter().map(|c| of(&escaped(&c.manifest.title))).collect()
+    let line = |first: &str, detectors: &[&EvaluatedDetector], of: &dyn Fn(&EvaluatedDetector) -> String| {
+        row([first.to_owned()].into_iter().chain(detectors.iter().map(|c| of(c))))
     };
-    let mut rows = vec![joined(
-        "",
-        heads(&|title| format!("\\multicolumn{{2}}{{c}}{{{title}}}"), &targets),
-    )];
-    rows.push(joined(
-        "Pattern",
-        heads(&|_| "AP@0.5 & Confidence".to_owned(), &targets),
-    ));
-    for pattern in &evaluation.patterns {
-        let both = targets.iter().map(|c| {
-            let f = evaluation.figures(pattern, c);
-            format!("{} & {}", cell(f.map(|f| f.ap50)), cell(f.map(|f| f.mean_confidence)))
-        });
-        rows.push(joined(&escaped(pattern), both.collect()));
-    }
-    lines.extend(tabular(2 * targets.len(), rows, 2));
-    if !others.is_empty() {
-        lines.push("% Table 2: transfer to other detectors, AP@0.5.".to_owned());
-        let mut rows = vec![joined("Pattern", heads(&str::to_owned, &others))];
-        for pattern in &evaluation.patterns {
-            let cells = others
-                .iter()
-                .map(|c| cell(evaluation.figures(pattern, c).map(|f| f.ap50)));
-            rows.push(joined(&escaped(pattern), cells.collect()));
-        }
-        lines.extend(tabular(others.len(), rows, 1));
-    }
-    lines.join("\n") + "\n"
-}
-
-fn joined(first: &str, cells: Vec<String>) -> String {
-    format!("{first} & {} \\\\", cells.join(" & "))
-}
-
-/// A `tabular` of a first column and so many numbers, with a line below its heading rows.
-fn tabular(numbers: usize, rows: Vec<String>, heading_rows: usize) -> Vec<String> {
-    let mut lines = vec![
-        format!("\\begin{{tabular}}{{l{}}}", "r".repeat(numbers)),
-        "\\toprule".into(),
+    let lines = |detectors: &[&EvaluatedDetector], of: &dyn Fn(Option<&Figures>) -> String| -> Vec<String> {
+        let patterns = evaluation.patterns.iter();
+        patterns
+            .map(|p| line(&escaped(p), detectors, &|c| of(evaluation.figures(p, c))))
+            .collect()
+    };
+    let head = vec![
+        line("", &targets, &|c| {
+            format!("\\multicolumn{{2}}{{c}}{{{}}}", escaped(&c.manifest.title))
+        }),
+        line("Pattern", &targets, &|_| "AP@0.5 & Confidence".to_owned()),
     ];
-    for (i, row) in rows.into_iter().enumerate() {
-        if i == heading_rows {
-            lines.push("\\midrule".into());
-        }
-        lines.push(row);
-    }
-    lines.extend(["\\bottomrule".into(), "\\end{tabular}".into()]);
-    lines
+    let both = |f: Option<&Figures>| format!("{} & {}", cell(f.map(|f| f.ap50)), cell(f.map(|f| f.mean_confidence)));
+    let columns = format!("l{}", "r".repeat(2 * targets.len()));
+    let first = tabular(&columns, [head, lines(&targets, &both)]);
+    let second = (!others.is_empty()).then(|| {
+        let head = vec![line("Pattern", &others, &|c| escaped(&c.manifest.title))];
+        let columns = format!("l{}", "r".repeat(others.len()));
+        let table = tabular(&columns, [head, lines(&others, &|f| cell(f.map(|f| f.ap50)))]);
+        format!("% Table 2: transfer to other detectors, AP@0.5.\n{table}")
+    });
+    format!("{comment}\n{first}{}", second.unwrap_or_default())
 }
 
-fn row<const N: usize>(cells: [String; N]) -> String {
-    format!("{} \\\\", cells.join(" & "))
+/// A `tabular` of blocks of rows with a line between two of them; the first is the head.
+pub(super) fn tabular(columns: &str, blocks: impl IntoIterator<Item = Vec<String>>) -> String {
+    let blocks: Vec<String> = blocks.into_iter().map(|rows| rows.concat()).collect();
+    let rows = blocks.join("\\midrule\n");
+    format!("\\begin{{tabular}}{{{columns}}}\n\\toprule\n{rows}\\bottomrule\n\\end{{tabular}}\n")
+}
+
+/// A line of a `tabular`.
+pub(super) fn row<T: Into<String>>(cells: impl IntoIterator<Item = T>) -> String {
+    let cells: Vec<String> = cells.into_iter().map(Into::into).collect();
+    format!("{} \\\\\n", cells.join(" & "))
 }
 
 /// A number with a true minus sign.

@@ -24,7 +24,8 @@ mod truth;
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::Value;
 
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_core::files;
@@ -58,13 +59,20 @@ pub enum ReportError {
     Figure(#[from] PdfError),
 }
 
-/// A table with a header, for spreadsheets.
-fn csv_of<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<String, ReportError> {
-    let mut text = Vec::new();
-    let mut writer = ::csv::Writer::from_writer(&mut text);
-    rows.into_iter().try_for_each(|row| writer.serialize(row))?;
-    writer.flush().map_err(::csv::Error::from)?;
-    drop(writer);
+/// A line of a table for spreadsheets: each column's name and value.
+type Row<'a> = Vec<(&'a str, Value)>;
+
+/// A table with a header, for spreadsheets; a value that is null is left empty.
+fn csv_of<'a>(rows: impl IntoIterator<Item = Row<'a>>) -> Result<String, ReportError> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    for (i, row) in rows.into_iter().enumerate() {
+        let (names, values): (Vec<&str>, Vec<Value>) = row.into_iter().unzip();
+        if i == 0 {
+            writer.write_record(names)?;
+        }
+        writer.serialize(values)?;
+    }
+    let text = writer.into_inner().map_err(|e| ::csv::Error::from(e.into_error()))?;
     // Texts in, texts out: nothing is lost.
     Ok(String::from_utf8_lossy(&text).into_owned())
 }

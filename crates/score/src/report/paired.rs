@@ -2,10 +2,11 @@
 
 use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed};
 use scaleproof_core::spelling::{self, digits};
+use scaleproof_core::statistics::Interval;
 
 /// What the pairs of a variant and the base say of one detector; none where no photos pair.
 pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Compared> {
-    let mut results = paired(scores).iter().flat_map(|c| &c.results);
+    let mut results = paired(scores).iter();
     results.find(|r| r.detector == detector && r.variant == variant)
 }
 
@@ -29,19 +30,21 @@ pub(super) fn is_shown(d: &Difference) -> bool {
     matches!(d.finding, Finding::Drop | Finding::Rise)
 }
 
+/// `[0.38, 1.00]`, by what writes its numbers.
+pub(super) fn ends(interval: Interval, number: impl Fn(f64) -> String) -> String {
+    format!("[{}, {}]", number(interval.low), number(interval.high))
+}
+
 /// `[0.38, 1.00]` of the drop, by what writes its numbers.
 pub(super) fn interval(d: &Difference, number: impl Fn(f64) -> String) -> Option<String> {
-    d.interval_95
-        .map(|i| format!("[{}, {}]", number(i.low), number(i.high)))
+    d.interval_95.map(|i| ends(i, number))
 }
 
 /// `0.33 [−0.10, 0.60]`: the attack success rate; `–` where the base's figure is 0.
 pub(super) fn asr(d: &Difference, number: impl Fn(f64) -> String) -> String {
-    let interval = d
-        .asr_interval_95
-        .map(|i| format!(" [{}, {}]", number(i.low), number(i.high)));
-    d.asr
-        .map_or("–".to_owned(), |asr| number(asr) + &interval.unwrap_or_default())
+    let interval = d.asr_interval_95.map(|i| format!(" {}", ends(i, &number)));
+    let rate = d.asr.map(|asr| number(asr) + &interval.unwrap_or_default());
+    rate.unwrap_or_else(|| "–".to_owned())
 }
 
 /// `8 pairs from 1 place × 8 bins`, and how many clusters they are where that is not the product.

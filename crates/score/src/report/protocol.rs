@@ -1,7 +1,9 @@
 //! The table of a run's protocol as files and as text: `protocol.csv` and `protocol.tex`.
 
-use super::ReportError;
-use super::latex::escaped;
+use serde_json::json;
+
+use super::latex::{escaped, row, tabular};
+use super::{ReportError, csv_of};
 use crate::score::{ProtocolTable, Scores, protocol_table};
 
 /// Names and contents of the files; none when the run follows no protocol.
@@ -19,12 +21,13 @@ pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportErro
 pub(super) const NAMES: [&str; 2] = ["protocol.csv", "protocol.tex"];
 
 fn csv(table: &ProtocolTable) -> Result<String, ReportError> {
-    let mut writer = ::csv::Writer::from_writer(Vec::new());
-    for row in [&table.columns].into_iter().chain(&table.rows) {
-        writer.write_record(row)?;
-    }
-    let text = writer.into_inner().map_err(|e| ::csv::Error::from(e.into_error()))?;
-    Ok(String::from_utf8_lossy(&text).into_owned())
+    let names = || table.columns.iter().map(String::as_str);
+    csv_of(
+        table
+            .rows
+            .iter()
+            .map(|row| names().zip(row.iter().map(|cell| json!(cell))).collect()),
+    )
 }
 
 /// `photos: 8 normal, 8 random`: what the figures rest on, which not every paper's table has a column for.
@@ -36,29 +39,19 @@ pub(super) fn photos(scores: &Scores) -> String {
 }
 
 fn tex(table: &ProtocolTable, photos: &str) -> String {
-    let row = |cells: &Vec<String>| {
-        let cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
-        format!("{} \\\\", cells.join(" & "))
-    };
-    let mut lines = vec![
-        format!(
-            "% scaleproof {}, protocol {}. Needs \\usepackage{{booktabs}}.\n% {}.\n% {}.",
-            env!("CARGO_PKG_VERSION"),
-            table.name,
-            table.source,
-            photos.replace(char::is_control, " ")
-        ),
-        format!(
-            "\\begin{{tabular}}{{l{}}}",
-            "r".repeat(table.columns.len().saturating_sub(1))
-        ),
-        "\\toprule".to_owned(),
-        row(&table.columns),
-        "\\midrule".to_owned(),
-    ];
-    lines.extend(table.rows.iter().map(row));
-    lines.extend(["\\bottomrule".to_owned(), "\\end{tabular}\n".to_owned()]);
-    lines.join("\n")
+    let line = |cells: &Vec<String>| row(cells.iter().map(|cell| escaped(cell)));
+    let columns = format!("l{}", "r".repeat(table.columns.len().saturating_sub(1)));
+    format!(
+        "% scaleproof {}, protocol {}. Needs \\usepackage{{booktabs}}.\n% {}.\n% {}.\n{}",
+        env!("CARGO_PKG_VERSION"),
+        table.name,
+        table.source,
+        photos.replace(char::is_control, " "),
+        tabular(
+            &columns,
+            [vec![line(&table.columns)], table.rows.iter().map(line).collect()]
+        )
+    )
 }
 
 /// The table for the terminal, with its source above it.

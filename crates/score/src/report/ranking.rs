@@ -1,5 +1,6 @@
 //! The order of the textures against that in other sessions, in words.
 
+use super::paired::ends;
 use crate::score::{Ranking, RankingFinding, RankingRow, Scores};
 use scaleproof_core::spelling::digits;
 
@@ -26,9 +27,7 @@ pub(super) fn lines(scores: &Scores) -> Vec<String> {
 
 /// `0.67 [0.33, 1.00]`
 pub(super) fn tau(row: &RankingRow) -> String {
-    let interval = row
-        .interval_95
-        .map(|i| format!(" [{}, {}]", digits(i.low, 2), digits(i.high, 2)));
+    let interval = row.interval_95.map(|i| format!(" {}", ends(i, |v| digits(v, 2))));
     match row.tau {
         Some(tau) => digits(tau, 2) + &interval.unwrap_or_default(),
         None => "– (all tied)".to_owned(),

@@ -1,9 +1,9 @@
 //! What is left of the differences when photos get worse, as a table for the terminal and for spreadsheets.
 
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::{ReportError, csv_of, protocol};
-use crate::score::{BASE_LOST, CorruptedRow, Difference, Finding, Robustness, SEVERITIES, Scores, Survival};
+use crate::score::{BASE_LOST, Difference, Robustness, SEVERITIES, Scores, Survival};
 use scaleproof_plot::distinct;
 
 /// The file of every comparison at every severity.
@@ -17,60 +17,53 @@ pub(super) fn heading() -> String {
     )
 }
 
-#[derive(Serialize)]
-struct CsvRow<'a> {
-    corruption: &'a str,
-    severity: u8,
-    amount: &'a str,
-    base: &'a str,
-    variant: &'a str,
-    detector: &'a str,
-    pairs: usize,
-    base_ap50: f64,
-    ap50: f64,
-    drop_ap50: f64,
-    drop_ap50_low: Option<f64>,
-    drop_ap50_high: Option<f64>,
-    finding_ap50: Finding,
-    base_hit_rate: f64,
-    hit_rate: f64,
-    drop_hit_rate: f64,
-    drop_hit_rate_low: Option<f64>,
-    drop_hit_rate_high: Option<f64>,
-    finding_hit_rate: Finding,
-    base_mean_confidence: f64,
-    mean_confidence: f64,
+pub(super) fn csv(robustness: &Robustness) -> Result<String, ReportError> {
+    csv_of(robustness.rows.iter().map(|row| {
+        let mut line = vec![
+            ("corruption", json!(row.corruption)),
+            ("severity", json!(row.severity)),
+            ("amount", json!(row.amount)),
+            ("base", json!(row.base)),
+            ("variant", json!(row.variant)),
+            ("detector", json!(row.detector)),
+            ("pairs", json!(row.pairs)),
+        ];
+        line.extend(AP50.into_iter().zip(values(&row.ap50)));
+        line.extend(HIT_RATE.into_iter().zip(values(&row.hit_rate)));
+        line.push(("base_mean_confidence", json!(row.mean_confidence.base)));
+        line.push(("mean_confidence", json!(row.mean_confidence.other)));
+        line
+    }))
 }
 
-pub(super) fn csv(robustness: &Robustness) -> Result<String, ReportError> {
-    let ends = |d: &Difference| (d.interval_95.map(|i| i.low), d.interval_95.map(|i| i.high));
-    csv_of(robustness.rows.iter().map(|row: &CorruptedRow| {
-        let (drop_ap50_low, drop_ap50_high) = ends(&row.ap50);
-        let (drop_hit_rate_low, drop_hit_rate_high) = ends(&row.hit_rate);
-        CsvRow {
-            corruption: row.corruption,
-            severity: row.severity,
-            amount: &row.amount,
-            base: &row.base,
-            variant: &row.variant,
-            detector: &row.detector,
-            pairs: row.pairs,
-            base_ap50: row.ap50.base,
-            ap50: row.ap50.other,
-            drop_ap50: row.ap50.drop,
-            drop_ap50_low,
-            drop_ap50_high,
-            finding_ap50: row.ap50.finding,
-            base_hit_rate: row.hit_rate.base,
-            hit_rate: row.hit_rate.other,
-            drop_hit_rate: row.hit_rate.drop,
-            drop_hit_rate_low,
-            drop_hit_rate_high,
-            finding_hit_rate: row.hit_rate.finding,
-            base_mean_confidence: row.mean_confidence.base,
-            mean_confidence: row.mean_confidence.other,
-        }
-    }))
+/// Columns of a difference, as [`values`] has them.
+const AP50: [&str; 6] = [
+    "base_ap50",
+    "ap50",
+    "drop_ap50",
+    "drop_ap50_low",
+    "drop_ap50_high",
+    "finding_ap50",
+];
+const HIT_RATE: [&str; 6] = [
+    "base_hit_rate",
+    "hit_rate",
+    "drop_hit_rate",
+    "drop_hit_rate_low",
+    "drop_hit_rate_high",
+    "finding_hit_rate",
+];
+
+fn values(d: &Difference) -> [Value; 6] {
+    let (low, high) = (d.interval_95.map(|i| i.low), d.interval_95.map(|i| i.high));
+    [
+        json!(d.base),
+        json!(d.other),
+        json!(d.drop),
+        json!(low),
+        json!(high),
+        json!(d.finding),
+    ]
 }
 
 /// A head, then a line for each detector and comparison with a column for each corruption.

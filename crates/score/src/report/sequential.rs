@@ -1,6 +1,7 @@
 //! A comparison look by look, in words.
 
 use super::p_value;
+use super::paired::ends;
 use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
 use scaleproof_core::spelling::{self, digits};
 
@@ -91,11 +92,7 @@ pub(super) fn found(decision: &Decision, sequential: &Sequential, looks: usize) 
 pub(super) fn interval(decision: &Decision, unit: &str) -> String {
     let rounds = rounds(decision, unit);
     match decision.interval_95 {
-        Some(i) => format!(
-            "mean drop in [{}, {}] from {rounds}",
-            digits(i.low, 2),
-            digits(i.high, 2)
-        ),
+        Some(i) => format!("mean drop in {} from {rounds}", ends(i, |v| digits(v, 2))),
         None if decision.rounds == 0 => "no interval, as no round of the bins is whole".into(),
         None => format!("no interval, as {rounds} contradict each other"),
     }

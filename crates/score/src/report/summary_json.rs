@@ -26,7 +26,7 @@ struct Page<'a> {
     protocol: Option<ProtocolTable>,
     results: &'a [Summary],
     /// Each variant against the base on paired photos, as in `comparison.json`.
-    paired: Vec<&'a Compared>,
+    paired: &'a [Compared],
     /// Where AP and hit rate disagree, and why.
     explanations: Vec<String>,
     /// What is left of the differences when photos get worse, where it was asked for.
@@ -53,7 +53,7 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Re
         base: &scores.base,
         protocol: protocol_table(scores),
         results: &scores.summaries,
-        paired: paired(scores).iter().flat_map(|c| &c.results).collect(),
+        paired: paired(scores),
         explanations: disagreements(scores),
         robustness: scores.robustness.as_ref(),
         ranking: scores.ranking.as_ref(),

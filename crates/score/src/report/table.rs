@@ -1,8 +1,11 @@
 //! The headline figures as plain text for the terminal.
 
 use super::{certainty, counted, paired, protocol, ranking, robustness};
-use crate::score::{Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, protocol_table};
+use crate::score::{
+    Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, paired as all_paired, protocol_table,
+};
 use scaleproof_core::spelling::digits;
+use scaleproof_plot::distinct;
 
 /// A line per detector: AP@0.5, hit rate and mean confidence of every variant. Below it what became of the misses, the figures that papers
 /// compare, the drops from the base with what the pairs say of them, the groups and the protocol that were asked for, and which labels
@@ -10,25 +13,19 @@ use scaleproof_core::spelling::digits;
 pub fn summary_table(scores: &Scores) -> String {
     let headline = format!("AP@0.5 ({}) / hits / mean confidence", scores.criteria.ap.name());
     let mut lines = by_detector(scores, &headline, headline_cell);
-    lines.extend(
-        disagreements(scores)
-            .into_iter()
-            .map(|sentence| format!("  {sentence}")),
-    );
-    lines.push(String::new());
-    lines.extend(by_detector(
-        scores,
-        "misclassified / disappeared / hallucinations per image",
-        misses_cell,
-    ));
-    lines.push(String::new());
-    lines.extend(by_detector(
-        scores,
-        "AP@[.5:.95] / mAR / mAR 50 / false positives per image",
-        comparable_cell,
-    ));
+    let explained = disagreements(scores).into_iter();
+    lines.extend(explained.map(|sentence| format!("  {sentence}")));
+    let misses = "misclassified / disappeared / hallucinations per image";
+    let comparable = "AP@[.5:.95] / mAR / mAR 50 / false positives per image";
+    for (what, cell) in [
+        (misses, misses_cell as fn(&Summary) -> String),
+        (comparable, comparable_cell),
+    ] {
+        lines.push(String::new());
+        lines.extend(by_detector(scores, what, cell));
+    }
     lines.extend(drops(scores));
-    lines.extend(certainty::tested(scores, &certainty::all(scores)));
+    lines.extend(certainty::tested(scores, all_paired(scores)));
     lines.extend(groups(scores));
     if let Some(table) = protocol_table(scores) {
         lines.push(String::new());
@@ -57,7 +54,8 @@ fn by_detector(scores: &Scores, what: &str, cell: fn(&Summary) -> String) -> Vec
     lines
 }
 
-fn line(first: &str, cells: impl Iterator<Item = String>, (head, width): (usize, usize)) -> String {
+/// Cells of these widths, the first and the others.
+pub(super) fn line(first: &str, cells: impl Iterator<Item = String>, (head, width): (usize, usize)) -> String {
     let cells: String = cells.map(|cell| format!("  {cell:<width$}")).collect();
     format!("{first:<head$}{cells}").trim_end().to_owned()
 }
@@ -90,7 +88,7 @@ fn drops(scores: &Scores) -> Vec<String> {
             .iter()
             .any(|s| s.variant == *variant && s.drop.is_some())
     };
-    for variant in variants(scores).into_iter().filter(dropped) {
+    for variant in scores.variants().into_iter().filter(dropped) {
         let own = || scores.summaries.iter().filter(|s| s.variant == variant);
         let paired = |s: &Summary| paired::compared(scores, &s.detector, variant);
         let basis = own()
@@ -132,18 +130,13 @@ fn groups(scores: &Scores) -> Vec<String> {
     let names = scores.detectors.iter().map(|d| d.manifest.name.clone());
     let heads = ["condition", "value", "texture"].map(str::to_owned);
     let mut rows: Vec<Vec<String>> = vec![heads.into_iter().chain(names).collect()];
-    for first in scores.summaries.iter().flat_map(|s| &s.conditions) {
-        let is_own = |c: &&ConditionFigures| c.condition == first.condition && c.value == first.value;
-        if rows
-            .iter()
-            .any(|row| row[0] == first.condition && row[1] == first.value)
-        {
-            continue;
-        }
-        for variant in variants(scores) {
+    let all = scores.summaries.iter().flat_map(|s| &s.conditions);
+    for (condition, value) in distinct(all.map(|c| (&c.condition, &c.value))) {
+        let is_own = |c: &&ConditionFigures| c.condition == *condition && c.value == *value;
+        for variant in scores.variants() {
             let own = scores.summaries.iter().filter(|s| s.variant == variant);
             let cells = own.map(|s| s.conditions.iter().find(is_own).map_or("–".to_owned(), group_cell));
-            let head = [first.condition.clone(), first.value.clone(), variant.to_owned()];
+            let head = [condition.clone(), value.clone(), variant.to_owned()];
             rows.push(head.into_iter().chain(cells).collect());
         }
     }
@@ -160,15 +153,4 @@ fn groups(scores: &Scores) -> Vec<String> {
 fn group_cell(c: &ConditionFigures) -> String {
     let f = &c.figures;
     format!("{} / {}/{}", digits(f.ap50, 3), f.hit_rate.count, f.photos)
-}
-
-/// The variants in the order of the summaries.
-fn variants(scores: &Scores) -> Vec<&str> {
-    let mut variants: Vec<&str> = Vec::new();
-    for s in &scores.summaries {
-        if !variants.contains(&s.variant.as_str()) {
-            variants.push(&s.variant);
-        }
-    }
-    variants
 }

@@ -6,9 +6,10 @@ use super::error::ScoreError;
 use super::grouping::{GroupBy, GroupByError};
 use super::settings::AppliedSettings;
 use super::{
-    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
+    BASE_VARIANT, Compared, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
     Summary, WornPattern, caution, summary,
 };
+use scaleproof_plot::distinct;
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::session::Session;
 
@@ -56,7 +57,7 @@ pub struct Scores {
     /// What the summaries group photos by, besides directions and places.
     groups: Vec<GroupBy>,
     /// Each variant against the base, once it is asked for.
-    pub(super) paired: OnceLock<Vec<Comparison>>,
+    pub(super) paired: OnceLock<Vec<Compared>>,
 }
 
 impl Scores {
@@ -183,6 +184,17 @@ impl Scores {
     /// What photos are grouped by.
     pub(super) fn groups(&self) -> &[GroupBy] {
         &self.groups
+    }
+
+    /// The variants in the order of the summaries: the base first.
+    pub fn variants(&self) -> Vec<&str> {
+        distinct(self.summaries.iter().map(|s| s.variant.as_str()))
+    }
+
+    /// The figures of a detector on a variant.
+    pub fn summary(&self, detector: &str, variant: &str) -> Option<&Summary> {
+        let mut summaries = self.summaries.iter();
+        summaries.find(|s| s.detector == detector && s.variant == variant)
     }
 
     /// What people call a detector of this name.

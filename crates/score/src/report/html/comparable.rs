@@ -2,33 +2,20 @@
 
 use maud::{Markup, html};
 
-use super::{number, summary, variants};
+use super::{heads, number, rows_by_detector, table, title_of};
 use crate::report::protocol::photos;
 use crate::report::{certainty, paired};
 use crate::score::{ConditionFigures, Scores, Summary, protocol_table};
+use scaleproof_plot::distinct;
 
 /// A row for each detector and texture.
 pub(super) fn figures(scores: &Scores) -> Markup {
+    let head = html! {
+        (heads("detector", &["texture"])) th { "AP@[.5:.95]" } th { "mAR" } th { "mAR 50" } th { "FPPI" }
+        th { "ASR of AP@0.5" br; small { "95 % interval" } } th { "ASR of the hit rate" br; small { "95 % interval" } }
+    };
     html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "detector" } th.text { "texture" } th { "AP@[.5:.95]" } th { "mAR" } th { "mAR 50" } th { "FPPI" }
-                        th { "ASR of AP@0.5" br; small { "95 % interval" } } th { "ASR of the hit rate" br; small { "95 % interval" } }
-                    }
-                }
-                tbody {
-                    @for c in &scores.detectors {
-                        @for (i, variant) in variants(scores).iter().enumerate() {
-                            @if let Some(s) = summary(scores, &c.manifest.name, variant) {
-                                tr.first[i == 0] { td { @if i == 0 { (c.manifest.title) } } td.text { (variant) } (cells(scores, s)) }
-                            }
-                        }
-                    }
-                }
-            }
-        }
+        (table(None, &head, &rows_by_detector(scores, title_of, |s| cells(scores, s))))
         p.note {
             "ASR: attack success rate, 1 − this texture ÷ " (scores.base) ", on paired photos where there are pairs; its interval is of the same bootstrap "
             "as the drop's. A rate without an interval is not certain: where no photo was hit, Wilson's interval says up to which hit rate these photos leave open."
@@ -62,12 +49,8 @@ fn cells(scores: &Scores, s: &Summary) -> Markup {
 
 /// A table for each condition that photos were grouped by; nothing when none was asked for.
 pub(super) fn groups(scores: &Scores) -> Option<Markup> {
-    let mut conditions: Vec<&str> = Vec::new();
-    for c in scores.summaries.iter().flat_map(|s| &s.conditions) {
-        if !conditions.contains(&c.condition.as_str()) {
-            conditions.push(&c.condition);
-        }
-    }
+    let all = scores.summaries.iter().flat_map(|s| &s.conditions);
+    let conditions = distinct(all.map(|c| c.condition.as_str()));
     (!conditions.is_empty()).then(|| {
         html! {
             @for condition in conditions { h3 { (condition) } (group(scores, condition)) }
@@ -78,40 +61,18 @@ pub(super) fn groups(scores: &Scores) -> Option<Markup> {
 
 /// Values across, detectors and textures down.
 fn group(scores: &Scores, condition: &str) -> Markup {
-    let mut values: Vec<&str> = Vec::new();
-    let own = |s: &Summary| {
-        s.conditions
-            .iter()
-            .filter(|c| c.condition == condition)
-            .cloned()
-            .collect::<Vec<_>>()
-    };
-    for c in scores
-        .summaries
-        .iter()
-        .flat_map(|s| &s.conditions)
-        .filter(|c| c.condition == condition)
-    {
-        if !values.contains(&c.value.as_str()) {
-            values.push(&c.value);
-        }
-    }
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "detector" } th.text { "texture" } @for value in &values { th { (value) } } } }
-                tbody {
-                    @for s in &scores.summaries {
-                        @let first = s.variant == scores.base;
-                        tr.first[first] {
-                            td { (scores.title(&s.detector)) } td.text { (s.variant) }
-                            @for value in &values { (group_cell(own(s).iter().find(|c| c.value == *value))) }
-                        }
-                    }
-                }
+    let own = |s: &'_ Summary| s.conditions.clone().into_iter().filter(|c| c.condition == condition);
+    let values = distinct(scores.summaries.iter().flat_map(own).map(|c| c.value));
+    let rows = html! {
+        @for s in &scores.summaries {
+            tr.first[s.variant == scores.base] {
+                td { (scores.title(&s.detector)) } td.text { (s.variant) }
+                @for value in &values { (group_cell(own(s).find(|c| c.value == *value).as_ref())) }
             }
         }
-    }
+    };
+    let head = html! { (heads("detector", &["texture"])) @for value in &values { th { (value) } } };
+    table(None, &head, &rows)
 }
 
 fn group_cell(found: Option<&ConditionFigures>) -> Markup {
@@ -133,14 +94,11 @@ fn group_cell(found: Option<&ConditionFigures>) -> Markup {
 
 /// The table of the protocol that is followed; nothing when none is.
 pub(super) fn protocol(scores: &Scores) -> Option<Markup> {
-    let table = protocol_table(scores)?;
+    let own = protocol_table(scores)?;
+    let head = html! { @for column in &own.columns { th { (column) } } };
+    let rows = html! { @for row in &own.rows { tr { @for cell in row { td { (cell) } } } } };
     Some(html! {
-        p.note { b { (table.name) } ": " (table.source) "; " (photos(scores)) "." }
-        div.scroll {
-            table {
-                thead { tr { @for column in &table.columns { th { (column) } } } }
-                tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
-            }
-        }
+        p.note { b { (own.name) } ": " (own.source) "; " (photos(scores)) "." }
+        (table(None, &head, &rows))
     })
 }

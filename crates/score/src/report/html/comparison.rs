@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{notes, number, round, sequential, shell};
+use super::{heads, notes, number, round, sequential, shell, table};
 use crate::report::{certainty, counted, p_value, paired};
 use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
 use scaleproof_plot::Drawing;
@@ -80,7 +80,7 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
             "5 %. Numbers: base → texture, drop [interval], attack success rate [interval]; of the hit rate also McNemar's exact p, and that corrected over the detectors (Holm). “No difference shown”: one of 0.2 is "
             "excluded."
         }
-        @if let Some(sentence) = certainty::tested(scores, &certainty::compared(comparison)) { p.note { (sentence) "." } }
+        @if let Some(sentence) = certainty::tested(scores, &comparison.results) { p.note { (sentence) "." } }
     }
 }
 
@@ -94,7 +94,7 @@ pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec
 /// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
 fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -> Drawing {
     let height = ROW * comparison.results.len() as f64;
-    let corrected = certainty::over_detectors(&certainty::compared(comparison));
+    let corrected = certainty::over_detectors(&comparison.results);
     let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
     let marks = html! {
         @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
@@ -138,30 +138,28 @@ fn numbers(d: &Difference) -> String {
 
 fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "detector" } th.text { "texture" } th { "pairs" } @for azimuth in &azimuths { th { (azimuth) "°" } } } }
-                tbody {
-                    @for r in &comparison.results {
-                        tr {
-                            td { (scores.title(&r.detector)) } td.text { (r.variant) } td { (r.pairs) }
-                            @for azimuth in &azimuths {
-                                td {
-                                    @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
-                                        Some(bin) => {
-                                            (number(bin.hits.rate.drop, 2)) br;
-                                            small { @match bin.holm_p { Some(p) => { "p " (p_value(p)) } None => { "too few" } } }
-                                        }
-                                        None => { "–" }
-                                    }
-                                }
+    let head =
+        html! { (heads("detector", &["texture"])) th { "pairs" } @for azimuth in &azimuths { th { (azimuth) "°" } } };
+    let rows = html! {
+        @for r in &comparison.results {
+            tr {
+                td { (scores.title(&r.detector)) } td.text { (r.variant) } td { (r.pairs) }
+                @for azimuth in &azimuths {
+                    td {
+                        @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
+                            Some(bin) => {
+                                (number(bin.hits.rate.drop, 2)) br;
+                                small { @match bin.holm_p { Some(p) => { "p " (p_value(p)) } None => { "too few" } } }
                             }
+                            None => { "–" }
                         }
                     }
                 }
             }
         }
+    };
+    html! {
+        (table(None, &head, &rows))
         p.note { "Drop of the hit rate, and McNemar's p corrected by Holm where a bin has six clusters or more. “–”: no pair." }
     }
 }
@@ -169,16 +167,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
 fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
         @if comparison.unpaired.is_empty() { p { "Every scored photo has its partner." } } @else {
-            div.scroll {
-                table {
-                    thead { tr { th { "photo" } @for name in ["session", "texture", "reason"] { th.text { (name) } } } }
-                    tbody {
-                        @for u in &comparison.unpaired {
-                            tr { td { (u.file) } td.text { (u.session) } td.text { (u.variant) } td.wrap { (u.reason) } }
-                        }
-                    }
-                }
-            }
+            (notes::photos_with_reasons(comparison.unpaired.iter().map(|u| [&u.file, &u.session, &u.variant, &u.reason])))
         }
         (notes::not_scored(scores))
     }

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::{filters, number, side, variants};
+use super::{filters, number, side};
 use crate::report::other_label;
 use crate::score::{EvaluatedDetector, PhotoOutcome, ScoredPhoto, Scores, Verdict};
 use scaleproof_detect::Detection;
@@ -105,7 +105,7 @@ fn rank(outcome: &PhotoOutcome) -> usize {
 fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let detector = &scores.detectors[index];
     let outcome = &p.outcomes[index];
-    let texture = variants(scores).iter().position(|v| *v == p.variant);
+    let texture = scores.variants().iter().position(|v| *v == p.variant);
     let texture = texture.unwrap_or_default();
     let class = filters::outcome_key(outcome);
     let word = if outcome.is_hit() { "found" } else { class };

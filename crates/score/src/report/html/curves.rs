@@ -2,24 +2,26 @@
 
 use maud::{Markup, html};
 
-use super::{colour, round, variants};
+use super::{Plane, colour, colour_names, points, small_charts};
 use crate::score::{Curves, HitRateFrom, Scores, curves};
 use scaleproof_plot::Drawing;
 
 const SIDE: f64 = 180.0;
+const PLANE: Plane = Plane {
+    width: SIDE,
+    height: SIDE,
+};
 
 /// The charts of every detector.
 pub(super) fn section(scores: &Scores) -> Markup {
+    let both = charts(scores).into_iter().flat_map(|(title, charts)| {
+        let captions = ["found from a confidence", "precision over recall"];
+        let captions = captions.map(|what| html! { (title) br; small { (what) } });
+        captions.into_iter().zip(charts)
+    });
     html! {
-        ul.legend {
-            @for (i, variant) in variants(scores).iter().enumerate() { li { i style=(format!("background:{}", colour(i))) {} (variant) } }
-        }
-        div.small-charts {
-            @for (title, [found, precision_recall]) in charts(scores) {
-                figure { (found.inline(None)) figcaption { (title) br; small { "found from a confidence" } } }
-                figure { (precision_recall.inline(None)) figcaption { (title) br; small { "precision over recall" } } }
-            }
-        }
+        ul.legend { (colour_names(&scores.variants())) }
+        (small_charts(both))
         p.note {
             "Found: share of photos that show the model at this confidence or more, with its 95 % Wilson interval; upright line: the confidence of a hit. "
             "Precision and recall of the detections of the class at IoU 0.5, from the most confident down to 0.001."
@@ -29,7 +31,7 @@ pub(super) fn section(scores: &Scores) -> Markup {
 
 /// By the title of each detector: found from a confidence, and precision over recall.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, [Drawing; 2])> {
-    let (all, variants) = (curves(scores), variants(scores));
+    let (all, variants) = (curves(scores), scores.variants());
     let of = scores.detectors.iter().map(|c| {
         let own = variants.iter().enumerate().filter_map(|(i, variant)| {
             let is_own = |curve: &&Curves| curve.detector == c.manifest.name && curve.variant == *variant;
@@ -50,7 +52,7 @@ fn found(title: &str, own: &Own, hit_confidence: f64) -> Drawing {
             polygon points=(band(&curve.hit_rate)) fill=(colour) fill-opacity="0.15" {}
             polyline points=(line(curve.hit_rate.iter().map(|p| (p.confidence, p.rate.rate)))) fill="none" stroke=(colour) stroke-width="2" {}
         }
-        line x1=(x(hit_confidence)) x2=(x(hit_confidence)) y1=(y(0.0)) y2=(y(1.0)) stroke="#1b1f24" stroke-dasharray="4 3" {}
+        line x1=(PLANE.x(hit_confidence)) x2=(PLANE.x(hit_confidence)) y1=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
     };
     chart(
         format!("Share of photos found by confidence, {title}"),
@@ -74,33 +76,17 @@ fn precision_recall(title: &str, own: &Own) -> Drawing {
 
 fn chart(label: String, axes: [&str; 2], content: Markup) -> Drawing {
     let marks = html! {
-        @for tick in [0.0, 0.5, 1.0] {
-            line x1=(x(tick)) x2=(x(tick)) y1=(y(1.0)) y2=(y(0.0)) stroke="#d7dce2" {}
-            line x1=(x(0.0)) x2=(x(1.0)) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
-            text x=(x(tick)) y=(y(0.0) + 13.0) font-size="9" text-anchor="middle" fill="#5b6573" { (tick) }
-            text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
-        }
+        (PLANE.grid(-5.0, Some(13.0)))
         (content)
         text x=(SIDE / 2.0) y=(SIDE + 28.0) font-size="10" text-anchor="middle" { (axes[0]) }
-        text transform=(format!("translate(-21 {}) rotate(-90)", SIDE / 2.0)) font-size="10" text-anchor="middle" { (axes[1]) }
+        (PLANE.upright_title(-21.0, axes[1]))
     };
     let area = [-30.0, -8.0, 222.0, 226.0];
     Drawing { area, label, marks }
 }
 
-fn x(v: f64) -> f64 {
-    round(v * SIDE)
-}
-
-fn y(v: f64) -> f64 {
-    round((1.0 - v) * SIDE)
-}
-
-fn line(points: impl Iterator<Item = (f64, f64)>) -> String {
-    points
-        .map(|(h, v)| format!("{},{}", x(h), y(v)))
-        .collect::<Vec<_>>()
-        .join(" ")
+fn line(shares: impl Iterator<Item = (f64, f64)>) -> String {
+    points(shares.map(|(h, v)| (PLANE.x(h), PLANE.y(v))))
 }
 
 /// Along the upper ends of the intervals, and back along the lower ones.

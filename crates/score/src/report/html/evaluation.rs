@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{ACROSS, notes, number, patterns, shell};
+use super::{ACROSS, notes, number, patterns, shell, table};
 use crate::report::evaluation::{Evaluation, SCOPE};
 use crate::report::{counted, paired};
 use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures, Finding};
@@ -62,24 +62,21 @@ fn table_2(evaluation: &Evaluation, others: &[&EvaluatedDetector]) -> Markup {
 fn by_detector(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: fn(&Figures) -> String) -> Markup {
     html! {
         @for some in detectors.chunks(ACROSS) {
-            div.scroll {
-                table.cells {
-                    thead { tr { th { "pattern" } @for c in some { th { (c.manifest.title) } } } }
-                    tbody {
-                        @for pattern in &evaluation.patterns {
-                            tr {
-                                td { (pattern) }
-                                @for c in some {
-                                    td {
-                                        (evaluation.figures(pattern, c).map_or("–".to_owned(), cell))
-                                        @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, c) { br; small { "drop " } (difference(d)) }
-                                    }
-                                }
+            @let head = html! { th { "pattern" } @for c in some { th { (c.manifest.title) } } };
+            @let rows = html! {
+                @for pattern in &evaluation.patterns {
+                    tr {
+                        td { (pattern) }
+                        @for c in some {
+                            td {
+                                (evaluation.figures(pattern, c).map_or("–".to_owned(), cell))
+                                @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, c) { br; small { "drop " } (difference(d)) }
                             }
                         }
                     }
                 }
-            }
+            };
+            (table(Some("cells"), &head, &rows))
         }
     }
 }
@@ -99,19 +96,16 @@ fn differences(evaluation: &Evaluation) -> Markup {
         @for c in evaluation.targets().iter().chain(&evaluation.others()) {
             h3 { (c.manifest.title) }
             @for some in columns.chunks(ACROSS) {
-                div.scroll {
-                    table.cells {
-                        thead { tr { th { "AP@0.5 of … minus that of" } @for p in some { th { (p) } } } }
-                        tbody {
-                            @for base in rows.iter().take(columns.len()) {
-                                tr {
-                                    td { (base) }
-                                    @for other in some { td { @if let Some(d) = evaluation.drop(base, other, c) { (difference(d)) } } }
-                                }
-                            }
+                @let head = html! { th { "AP@0.5 of … minus that of" } @for p in some { th { (p) } } };
+                @let rows = html! {
+                    @for base in rows.iter().take(columns.len()) {
+                        tr {
+                            td { (base) }
+                            @for other in some { td { @if let Some(d) = evaluation.drop(base, other, c) { (difference(d)) } } }
                         }
                     }
-                }
+                };
+                (table(Some("cells"), &head, &rows))
             }
         }
         p.note { "Above 0, the detector does worse with the column's pattern; red when that is shown at 5 %. " (SCOPE) "." }

@@ -2,72 +2,60 @@
 
 use maud::{Markup, html};
 
-use super::{number, summary, variants};
+use super::{heads, number, rows_by_detector, table};
 use crate::report::{certainty, paired};
-use crate::score::{Compared, Difference, Drop, Figures, Finding, Scores, Summary, disagreements};
+use crate::score::{
+    Compared, Difference, Drop, EvaluatedDetector, Figures, Finding, Scores, Summary, disagreements,
+    paired as all_paired,
+};
+use scaleproof_plot::distinct;
 
 /// Each number beside how many photos it rests on, and its drop from the base variant.
 pub(super) fn headline(scores: &Scores) -> Markup {
-    let variants = variants(scores);
-    html! {
-        div.scroll {
-            table.headline {
-                thead {
-                    tr {
-                        th { "detector" } th.text { "texture" } th.photos { "photos" }
-                        th { "AP@0.5" } th.of { "drop" br; small { "95 %" } }
-                        th { "hit rate" br; small { "95 % interval" } } th.of { "drop" br; small { "95 %" } }
-                        th { "confidence" br; small { "mean" } } th.of { "drop" br; small { "95 %" } }
-                        th { br; small { "median" } }
-                    }
-                }
-                tbody {
-                    @for c in &scores.detectors {
-                        @for (i, variant) in variants.iter().enumerate() {
-                            @if let Some(s) = summary(scores, &c.manifest.name, variant) {
-                                tr.first[i == 0] {
-                                    td { @if i == 0 { (c.manifest.title) @if !c.is_live() { " " small.recorded { (c.source_name()) } } } }
-                                    td.text { (variant) }
-                                    td.photos { (s.overall.photos) }
-                                    td { (number(s.overall.ap50, 3)) } td.of { (drop(scores, s, |d| d.ap50, |r| &r.ap50)) }
-                                    td { (rate(&s.overall)) } td.of { (drop(scores, s, |d| d.hit_rate, |r| &r.hit_rate.rate)) }
-                                    td { (number(s.overall.mean_confidence, 2)) }
-                                    td.of { (drop(scores, s, |d| d.mean_confidence, |r| &r.mean_confidence)) }
-                                    td { (number(s.overall.median_confidence, 2)) }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
+    let head = html! {
+        (heads("detector", &["texture"])) th.photos { "photos" }
+        th { "AP@0.5" } th.of { "drop" br; small { "95 %" } }
+        th { "hit rate" br; small { "95 % interval" } } th.of { "drop" br; small { "95 %" } }
+        th { "confidence" br; small { "mean" } } th.of { "drop" br; small { "95 %" } }
+        th { br; small { "median" } }
+    };
+    let name = |c: &EvaluatedDetector| html! { (c.manifest.title) @if !c.is_live() { " " small.recorded { (c.source_name()) } } };
+    let cells = |s: &Summary| {
+        html! {
+            td.photos { (s.overall.photos) }
+            td { (number(s.overall.ap50, 3)) } td.of { (drop(scores, s, |d| d.ap50, |r| &r.ap50)) }
+            td { (rate(&s.overall)) } td.of { (drop(scores, s, |d| d.hit_rate, |r| &r.hit_rate.rate)) }
+            td { (number(s.overall.mean_confidence, 2)) }
+            td.of { (drop(scores, s, |d| d.mean_confidence, |r| &r.mean_confidence)) }
+            td { (number(s.overall.median_confidence, 2)) }
         }
+    };
+    html! {
+        (table(Some("headline"), &head, &rows_by_detector(scores, name, cells)))
         @for sentence in disagreements(scores) { p.explained { (sentence) "." } }
         p.note {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }
             "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
             ". Confidence: misses count 0. Drop: " (scores.base) " minus this texture; above 0, the detector does worse"
-            @if variants.contains(&scores.base.as_str()) {
+            @if scores.variants().contains(&scores.base.as_str()) {
                 " " (bases(scores)) ". Red: a drop is shown at 5 %; grey: none is shown, or too few photos can tell. "
             } @else {
                 ". This run lacks " (scores.base) ", so no drop is given. "
             }
         }
-        @if let Some(sentence) = certainty::tested(scores, &certainty::all(scores)) { p.note { (sentence) "." } }
+        @if let Some(sentence) = certainty::tested(scores, all_paired(scores)) { p.note { (sentence) "." } }
     }
 }
 
 /// What the drops rest on: pairs of photos, or all where none pair.
 fn bases(scores: &Scores) -> String {
-    let mut bases: Vec<String> = Vec::new();
-    for s in scores.summaries.iter().filter(|s| s.drop.is_some()) {
-        let basis = match paired::compared(scores, &s.detector, &s.variant) {
+    let dropped = scores.summaries.iter().filter(|s| s.drop.is_some());
+    let bases = distinct(
+        dropped.map(|s| match paired::compared(scores, &s.detector, &s.variant) {
             Some(r) => format!("{}: {}", s.variant, paired::basis(r)),
             None => format!("{}: no photos pair, over all photos", s.variant),
-        };
-        if !bases.contains(&basis) {
-            bases.push(basis);
-        }
-    }
+        }),
+    );
     if bases.is_empty() {
         String::new()
     } else {

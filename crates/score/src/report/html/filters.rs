@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::{side, variants};
+use super::side;
 use crate::score::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
 use scaleproof_pose::scene::Bin;
 
@@ -14,7 +14,7 @@ type Choice = (&'static str, &'static str, Vec<(String, String)>);
 /// The controls. A choice between less than two things is left out.
 pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto]) -> Markup {
     let detectors = scores.detectors.iter().map(|c| &c.manifest);
-    let textures = variants(scores).into_iter().map(|v| (v.to_owned(), v.to_owned()));
+    let textures = scores.variants().into_iter().map(|v| (v.to_owned(), v.to_owned()));
     let outcomes = OUTCOMES.map(|(value, name)| (value.to_owned(), name.to_owned()));
     let bins: BTreeSet<Bin> = photos.iter().filter_map(|p| p.bin).collect();
     let choices: [Choice; 6] = [

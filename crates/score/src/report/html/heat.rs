@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 
 use super::shade::{ink, shade};
-use super::{number, side, summary, variants};
+use super::{number, side};
 use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
 use scaleproof_plot::Drawing;
 use scaleproof_pose::scene::Bin;
@@ -83,10 +83,8 @@ fn rows(scores: &Scores) -> Vec<Bin> {
 }
 
 fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[Bin]) -> Drawing {
-    let own = variants(scores).into_iter();
-    let own: Vec<&Summary> = own
-        .filter_map(|v| summary(scores, &detector.manifest.name, v))
-        .collect();
+    let own = scores.summaries.iter().filter(|s| s.detector == detector.manifest.name);
+    let own: Vec<&Summary> = own.collect();
     let block = NAME + GAP + CELL.1 * rows.len() as f64;
     let (width, height) = (
         LEFT + CELL.0 * azimuths.len() as f64 + 2.0,

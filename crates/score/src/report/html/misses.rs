@@ -3,13 +3,17 @@
 use maud::{Markup, html};
 
 use super::shade::{ink, shade};
-use super::{ACROSS, number, summary, variants};
+use super::{ACROSS, heads, number, rows_by_detector, table, title_of};
 use crate::report::paired;
-use crate::score::{Compared, Difference, Figures, Scores, TransferDrop, TransferRow, transfer};
+use crate::score::{Compared, Difference, Figures, Scores, Summary, TransferDrop, TransferRow, transfer};
 
 /// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {
-    let variants = variants(scores);
+    let head = html! {
+        (heads("detector", &["texture", "photos"])) th { "halluci\u{ad}nations" br; small { "a photo" } }
+    };
+    let cells =
+        |s: &Summary| html! { td.bar { (bar(&s.overall)) } td { (number(s.overall.hallucinations_per_image, 2)) } };
     let criteria = &scores.criteria;
     let confidence = format!("confidence {} {}", criteria.sign(), criteria.hit_confidence);
     html! {
@@ -18,25 +22,7 @@ pub(super) fn outcomes(scores: &Scores) -> Markup {
             li { i.misclassified {} "misclassified: only another class on the model at " (confidence) }
             li { i.disappeared {} "disappeared: no detection of any class on the model at " (confidence) "; a weaker one does not count" }
         }
-        div.scroll {
-            table.outcomes {
-                thead { tr { th { "detector" } th.text { "texture" } th.text { "photos" } th { "halluci\u{ad}nations" br; small { "a photo" } } } }
-                tbody {
-                    @for c in &scores.detectors {
-                        @for (i, variant) in variants.iter().enumerate() {
-                            @if let Some(s) = summary(scores, &c.manifest.name, variant) {
-                                tr.first[i == 0] {
-                                    td { @if i == 0 { (c.manifest.title) } }
-                                    td.text { (variant) }
-                                    td.bar { (bar(&s.overall)) }
-                                    td { (number(s.overall.hallucinations_per_image, 2)) }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
+        (table(Some("outcomes"), &head, &rows_by_detector(scores, title_of, cells)))
     }
 }
 
@@ -66,20 +52,13 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
     html! {
         @if !rows.is_empty() {
             h3 { "Transfer: drop from " (scores.base) ", pattern × detector" }
-            @for (start, some) in scores.detectors.chunks(ACROSS).enumerate().map(|(i, some)| (i * ACROSS, some)) {
-                div.scroll {
-                    table.matrix {
-                        thead { tr { th { "pattern" } @for c in some { th { (c.manifest.title) } } } }
-                        tbody {
-                            @for row in &rows {
-                                tr {
-                                    td { (row.variant) }
-                                    @for cell in row.detectors.iter().skip(start).take(ACROSS) { (transfer_cell(scores, row, cell)) }
-                                }
-                            }
-                        }
-                    }
-                }
+            @for (i, some) in scores.detectors.chunks(ACROSS).enumerate() {
+                @let head = html! { th { "pattern" } @for c in some { th { (c.manifest.title) } } };
+                @let cells = |row: &TransferRow| html! {
+                    @for cell in row.detectors.iter().skip(i * ACROSS).take(ACROSS) { (transfer_cell(scores, row, cell)) }
+                };
+                @let rows = html! { @for row in &rows { tr { td { (row.variant) } (cells(row)) } } };
+                (table(Some("matrix"), &head, &rows))
             }
             p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5; bold: shown at 5 % on paired photos." }
         }

@@ -25,7 +25,7 @@ use crate::report::counted;
 use crate::score::{EvaluatedDetector, Scores, Summary};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_detect::{ForeignKind, Speeds};
-use scaleproof_plot::html_page;
+use scaleproof_plot::{Drawing, html_page};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -109,7 +109,7 @@ fn title(scores: &Scores) -> String {
 
 fn lead(scores: &Scores) -> String {
     let model = &scores.sessions[0].scene.model;
-    let variants = variants(scores).join(", ");
+    let variants = scores.variants().join(", ");
     let left_out = match scores.not_scored.len() {
         0 => String::new(),
         n => format!(", {n} not scored"),
@@ -146,27 +146,99 @@ fn recorded_banner(scores: &Scores) -> Markup {
     }
 }
 
-/// Variants in the order of the summaries: the base variant first.
-fn variants(scores: &Scores) -> Vec<&str> {
-    let mut variants: Vec<&str> = Vec::new();
-    for s in &scores.summaries {
-        if !variants.contains(&s.variant.as_str()) {
-            variants.push(&s.variant);
-        }
-    }
-    variants
+/// A table that scrolls sideways where it is wider than the page.
+fn table(class: Option<&str>, head: &Markup, rows: &Markup) -> Markup {
+    html! { div.scroll { table class=[class] { thead { tr { (head) } } tbody { (rows) } } } }
 }
 
-fn summary<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Summary> {
-    scores
-        .summaries
-        .iter()
-        .find(|s| s.detector == detector && s.variant == variant)
+/// The heads of a table whose first column may be a number and whose others are text.
+fn heads(first: &str, others: &[&str]) -> Markup {
+    html! { th { (first) } @for name in others { th.text { (name) } } }
+}
+
+/// The rows of a table of detectors and textures; a detector's name stands in the first of its rows alone.
+fn rows_by_detector(
+    scores: &Scores,
+    name: impl Fn(&EvaluatedDetector) -> Markup,
+    cells: impl Fn(&Summary) -> Markup,
+) -> Markup {
+    html! {
+        @for c in &scores.detectors {
+            @for (i, variant) in scores.variants().into_iter().enumerate() {
+                @if let Some(s) = scores.summary(&c.manifest.name, variant) {
+                    tr.first[i == 0] { td { @if i == 0 { (name(c)) } } td.text { (variant) } (cells(s)) }
+                }
+            }
+        }
+    }
+}
+
+/// What people call a detector.
+fn title_of(detector: &EvaluatedDetector) -> Markup {
+    html! { (detector.manifest.title) }
+}
+
+/// The entries of a legend: names by the colours of the variants, in their order.
+fn colour_names(names: &[&str]) -> Markup {
+    html! { @for (i, name) in names.iter().enumerate() { li { i style=(format!("background:{}", colour(i))) {} (name) } } }
+}
+
+/// Charts side by side, each above its caption.
+fn small_charts(charts: impl IntoIterator<Item = (Markup, Drawing)>) -> Markup {
+    html! {
+        div.small-charts {
+            @for (caption, chart) in charts { figure { (chart.inline(None)) figcaption { (caption) } } }
+        }
+    }
+}
+
+/// Where shares from 0 to 1 are drawn: `x` to the right, `y` up, in px.
+struct Plane {
+    width: f64,
+    height: f64,
+}
+
+impl Plane {
+    fn x(&self, share: f64) -> f64 {
+        round(share * self.width)
+    }
+
+    fn y(&self, share: f64) -> f64 {
+        round((1.0 - share) * self.height)
+    }
+
+    /// Lines at 0, 0.5 and 1 with their numbers, `left` of the plane; upright ones too where their numbers stand `below` it.
+    fn grid(&self, left: f64, below: Option<f64>) -> Markup {
+        html! {
+            @for tick in [0.0, 0.5, 1.0] {
+                @let (x, y) = (self.x(tick), self.y(tick));
+                @if below.is_some() { line x1=(x) x2=(x) y1="0" y2=(self.height) stroke="#d7dce2" {} }
+                line x1="0" x2=(self.width) y1=(y) y2=(y) stroke="#d7dce2" {}
+                @if let Some(below) = below {
+                    text x=(x) y=(self.height + below) font-size="9" text-anchor="middle" fill="#5b6573" { (tick) }
+                }
+                text x=(left) y=(y + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
+            }
+        }
+    }
+
+    /// What is drawn upwards, along the axis.
+    fn upright_title(&self, left: f64, title: &str) -> Markup {
+        html! {
+            text transform=(format!("translate({left} {}) rotate(-90)", self.height / 2.0)) font-size="10" text-anchor="middle" { (title) }
+        }
+    }
+}
+
+/// Places as SVG lists them: `0,1 2,3`.
+fn points(places: impl IntoIterator<Item = (f64, f64)>) -> String {
+    let places = places.into_iter().map(|(x, y)| format!("{x},{y}"));
+    places.collect::<Vec<_>>().join(" ")
 }
 
 /// What the colours of the variants mean.
 pub(super) fn legend(scores: &Scores) -> Vec<(String, String)> {
-    let all = variants(scores).into_iter().enumerate();
+    let all = scores.variants().into_iter().enumerate();
     all.map(|(i, variant)| (colour(i).to_owned(), variant.to_owned()))
         .collect()
 }

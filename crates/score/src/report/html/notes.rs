@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::{heads, table};
 use crate::report::{counted, provenance, truth_boxes};
 use crate::score::Scores;
 use scaleproof_core::spelling;
@@ -16,18 +17,19 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     html! {
         @if !scores.not_scored.is_empty() {
             h3 { "Photos not scored" }
-            div.scroll {
-                table {
-                    thead { tr { th { "photo" } @for name in ["session", "texture", "reason"] { th.text { (name) } } } }
-                        tbody {
-                            @for n in &scores.not_scored {
-                                tr { td { (n.file) } td.text { (n.session) } td.text { (n.variant) } td.wrap { (n.reason) } }
-                            }
-                        }
-                    }
-                }
+            (photos_with_reasons(scores.not_scored.iter().map(|n| [&n.file, &n.session, &n.variant, &n.reason])))
         }
     }
+}
+
+/// A table of photos (file, session, texture, reason).
+pub(super) fn photos_with_reasons<'a>(photos: impl Iterator<Item = [&'a String; 4]>) -> Markup {
+    let rows = html! {
+        @for [file, session, variant, reason] in photos {
+            tr { td { (file) } td.text { (session) } td.text { (variant) } td.wrap { (reason) } }
+        }
+    };
+    table(None, &heads("photo", &["session", "texture", "reason"]), &rows)
 }
 
 pub(super) fn definitions(scores: &Scores) -> Markup {
@@ -64,6 +66,18 @@ fn taken(times: Option<&[String; 2]>) -> String {
 /// `chance` says which random numbers the figures rest on.
 pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
     let p = provenance::of(scores);
+    let sources = html! {
+        @for d in &p.detectors {
+            tr {
+                td { (d.title) } td.hash {
+                    @if let Some(weights) = &d.weights_sha256 { (weights) }
+                    @if let Some(version) = &d.version { (version) br; }
+                    @for (file, hash) in &d.files { (file) ": " (hash) br; }
+                } td.text { (d.origin) } td.text { (d.licence) }
+                td.text { (d.source) @if let Some(by) = &d.recorded_by { " by " (by) } }
+            }
+        }
+    };
     html! {
         dl.settings {
             dt { "program" } dd {
@@ -82,23 +96,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
             } }
             dt { "chance" } dd { (chance) "; the same input gives the same files, byte for byte" }
         }
-        div.scroll {
-            table.sources {
-                thead { tr { th { "detector" } @for name in ["weights (SHA-256)", "origin", "licence", "detections"] { th.text { (name) } } } }
-                tbody {
-                    @for d in &p.detectors {
-                        tr {
-                            td { (d.title) } td.hash {
-                                @if let Some(weights) = &d.weights_sha256 { (weights) }
-                                @if let Some(version) = &d.version { (version) br; }
-                                @for (file, hash) in &d.files { (file) ": " (hash) br; }
-                            } td.text { (d.origin) } td.text { (d.licence) }
-                            td.text { (d.source) @if let Some(by) = &d.recorded_by { " by " (by) } }
-                        }
-                    }
-                }
-            }
-        }
+        (table(Some("sources"), &heads("detector", &["weights (SHA-256)", "origin", "licence", "detections"]), &sources))
         @for s in &p.sessions {
             details {
                 summary { "Session " (s.folder) ": " (spelling::count(s.files.len(), "file")) }

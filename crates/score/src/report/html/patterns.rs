@@ -4,7 +4,6 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-use super::variants;
 use crate::score::{ScoredPhoto, Scores, WornPattern};
 
 /// So many of a texture's photos show what it looks like on the model.
@@ -12,7 +11,7 @@ const STRIP: usize = 8;
 
 /// Each pattern that is known, and which textures it is not known of; nothing for a run of the plain model alone.
 pub(super) fn cards(scores: &Scores) -> Option<Markup> {
-    let variants = variants(scores);
+    let variants = scores.variants();
     let textures = || variants.iter().filter(|v| **v != scores.base);
     let unknown: Vec<&str> = textures().filter(|v| of(scores, v).is_none()).copied().collect();
     textures().next()?;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{colour, round, summary, variants};
+use super::{colour, colour_names, round};
 use crate::score::{BinFigures, Scores};
 use scaleproof_plot::Drawing;
 
@@ -19,9 +19,7 @@ const SEVERAL: usize = 2;
 pub(super) fn row(scores: &Scores) -> Markup {
     html! {
         ul.legend {
-            @for (i, variant) in variants(scores).iter().enumerate() {
-                li { i style=(format!("background:{}", colour(i))) {} (variant) }
-            }
+            (colour_names(&scores.variants()))
             li.note { (MARKS) }
         }
         div.small-charts.polars {
@@ -32,10 +30,10 @@ pub(super) fn row(scores: &Scores) -> Markup {
 
 /// The chart of each detector, by its title.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
-    let variants = variants(scores);
+    let variants = scores.variants();
     let all = scores.detectors.iter().map(|c| {
         let series = variants.iter().enumerate().filter_map(|(i, variant)| {
-            let own = summary(scores, &c.manifest.name, variant)?;
+            let own = scores.summary(&c.manifest.name, variant)?;
             Some((colour(i), own.azimuth_bins.as_slice()))
         });
         let title = c.manifest.title.as_str();

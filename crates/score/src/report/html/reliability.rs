@@ -2,24 +2,25 @@
 
 use maud::{Markup, html};
 
-use super::{number, round};
+use super::{Plane, number, small_charts};
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use scaleproof_core::spelling;
 use scaleproof_plot::Drawing;
 
 const SIDE: f64 = 180.0;
+const PLANE: Plane = Plane {
+    width: SIDE,
+    height: SIDE,
+};
 /// With fewer detections the error says little.
 const FEW: usize = 100;
 
 /// One diagram per detector.
 pub(super) fn diagrams(scores: &Scores) -> Markup {
     let all = reliability(&scores.photos, &scores.detectors);
+    let captioned = charts(scores).into_iter().zip(&all);
     html! {
-        div.small-charts {
-            @for ((title, diagram), r) in charts(scores).iter().zip(&all) {
-                figure { (diagram.inline(None)) figcaption { (title) br; small { (verdict(r)) } } }
-            }
-        }
+        (small_charts(captioned.map(|((title, chart), r)| (html! { (title) br; small { (verdict(r)) } }, chart))))
         p.note {
             "Bars: share of the detections of the class that are correct (the most confident one at IoU ≥ 0.5 in its photo), with its 95 % Wilson "
             "interval; dots at the mean confidence, on the dashed line when confidence is what it says. Below: how many detections. All textures "
@@ -54,18 +55,12 @@ fn verdict(r: &Reliability) -> String {
 }
 
 fn diagram(title: &str, r: &Reliability) -> Drawing {
-    let (x, y) = (|v: f64| round(v * SIDE), |v: f64| round((1.0 - v) * SIDE));
     let marks = html! {
-        @for tick in [0.0, 0.5, 1.0] {
-            line x1=(x(tick)) x2=(x(tick)) y1=(y(1.0)) y2=(y(0.0)) stroke="#d7dce2" {}
-            line x1=(x(0.0)) x2=(x(1.0)) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
-            text x=(x(tick)) y=(y(0.0) + 24.0) font-size="9" text-anchor="middle" fill="#5b6573" { (tick) }
-            text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
-        }
+        (PLANE.grid(-5.0, Some(24.0)))
         @for bin in &r.bins { (bar(bin)) }
-        line x1=(x(0.0)) y1=(y(0.0)) x2=(x(1.0)) y2=(y(1.0)) stroke="#1b1f24" stroke-dasharray="4 3" {}
+        line x1="0" y1=(SIDE) x2=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
         text x=(SIDE / 2.0) y=(SIDE + 38.0) font-size="10" text-anchor="middle" { "confidence" }
-        text transform=(format!("translate(-21 {}) rotate(-90)", SIDE / 2.0)) font-size="10" text-anchor="middle" { "share correct" }
+        (PLANE.upright_title(-21.0, "share correct"))
     };
     Drawing {
         area: [-30.0, -8.0, 222.0, 232.0],
@@ -75,7 +70,7 @@ fn diagram(title: &str, r: &Reliability) -> Drawing {
 }
 
 fn bar(bin: &ConfidenceBin) -> Markup {
-    let (x, y) = (|v: f64| round(v * SIDE), |v: f64| round((1.0 - v) * SIDE));
+    let (x, y) = (|v: f64| PLANE.x(v), |v: f64| PLANE.y(v));
     let middle = x((bin.low + bin.high) / 2.0);
     html! {
         @if let (Some(confidence), Some(rate)) = (bin.mean_confidence, bin.correct) {

@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{colour, number, round};
+use super::{colour, colour_names, heads, number, points, round, small_charts, table};
 use crate::report::p_value;
+use crate::report::paired::ends;
 use crate::report::sequential::{SHOWN_FROM, figures, found, note, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};
 use scaleproof_plot::Drawing;
@@ -15,41 +16,33 @@ const EVIDENCE: [f64; 2] = [-2.0, 4.0];
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
     let sequential = comparison.sequential.as_ref()?;
+    let rows = html! {
+        @for course in &sequential.results {
+            @for (name, decision) in figures(course) {
+                tr {
+                    td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (name) }
+                    td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_value(decision.p_always_valid).trim_start_matches("= ")) }
+                    td.text { (cell(decision, unit(sequential))) }
+                }
+            }
+        }
+    };
+    let captioned = |course: &Course| {
+        let caption = html! { (scores.title(&course.detector)) ", " (course.variant) };
+        (caption, chart(scores, sequential, course))
+    };
     Some(html! {
-        div.scroll {
-            table {
-                thead { tr { th { "detector" } @for name in ["texture", "figure", "finding", "p", "mean drop, 95 %"] { th.text { (name) } } } }
-                tbody {
-                    @for course in &sequential.results {
-                        @for (name, decision) in figures(course) {
-                            tr {
-                                td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (name) }
-                                td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_value(decision.p_always_valid).trim_start_matches("= ")) }
-                                td.text { (cell(decision, unit(sequential))) }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        ul.legend { @for (i, name) in ["hit rate", "mean confidence"].iter().enumerate() { li { i style=(format!("background:{}", colour(i))) {} (name) } } }
-        div.small-charts {
-            @for course in &sequential.results {
-                figure {
-                    (chart(scores, sequential, course).inline(None))
-                    figcaption { (scores.title(&course.detector)) ", " (course.variant) }
-                }
-            }
-        }
+        (table(None, &heads("detector", &["texture", "figure", "finding", "p", "mean drop, 95 %"]), &rows))
+        ul.legend { (colour_names(&["hit rate", "mean confidence"])) }
+        (small_charts(sequential.results.iter().map(captioned)))
         p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on it is shown." }
     })
 }
 
 /// `[0.31, 0.87], 3 whole rounds`
 fn cell(decision: &Decision, unit: &str) -> String {
-    let ends = decision.interval_95.map_or("none".to_owned(), |i| {
-        format!("[{}, {}]", number(i.low, 2), number(i.high, 2))
-    });
+    let ends = decision.interval_95.map(|i| ends(i, |v| number(v, 2)));
+    let ends = ends.unwrap_or_else(|| "none".to_owned());
     format!("{ends}, {}", rounds(decision, unit))
 }
 
@@ -61,9 +54,8 @@ fn chart(scores: &Scores, sequential: &Sequential, course: &Course) -> Drawing {
         round((1.0 - share) * SIDE[1])
     };
     let path = |evidence: &[f64]| {
-        let points = evidence.iter().enumerate();
-        let points = points.map(|(i, evidence)| format!("{},{}", x(1.0 + i as f64), y(*evidence)));
-        points.collect::<Vec<_>>().join(" ")
+        let places = evidence.iter().enumerate();
+        points(places.map(|(i, evidence)| (x(1.0 + i as f64), y(*evidence))))
     };
     let marks = html! {
         @for (tick, name) in [(-2.0, "0.01"), (0.0, "1"), (2.0, "100"), (4.0, "10⁴")] {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{colour, round, summary, variants};
+use super::{colour, points, round};
 use crate::score::Scores;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
@@ -25,7 +25,7 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
     let untimed = scores.detectors.len() - timed(scores, speeds).len();
     html! {
         ul.legend {
-            @for (i, variant) in variants(scores).iter().enumerate() {
+            @for (i, variant) in scores.variants().iter().enumerate() {
                 li { svg.mark viewBox="-7 -7 14 14" { (mark(0.0, 0.0, i)) } (variant) }
             }
         }
@@ -75,8 +75,8 @@ fn y(ap: f64) -> f64 {
 
 /// The AP of a detector on each texture, by the index of the texture.
 fn aps(scores: &Scores, detector: &str) -> Vec<(usize, f64)> {
-    let all = variants(scores).into_iter().enumerate();
-    all.filter_map(|(i, variant)| Some((i, summary(scores, detector, variant)?.overall.ap50)))
+    let all = scores.variants().into_iter().enumerate();
+    all.filter_map(|(i, variant)| Some((i, scores.summary(detector, variant)?.overall.ap50)))
         .collect()
 }
 
@@ -90,7 +90,7 @@ fn detector(scores: &Scores, speed: &Speed, x: f64) -> Markup {
         @for (i, ap) in aps {
             g.speed-mark {
                 title {
-                    (speed.detector) ", " (variants(scores)[i]) (format!(": AP@0.5 {ap:.3}, {} ms ({} to {})",
+                    (speed.detector) ", " (scores.variants()[i]) (format!(": AP@0.5 {ap:.3}, {} ms ({} to {})",
                         speed.ms_per_photo, speed.ms_range[0], speed.ms_range[1]))
                 }
                 (mark(x, y(ap), i))
@@ -108,11 +108,8 @@ fn mark(x: f64, y: f64, variant: usize) -> Markup {
         2 => &[(0.9, 0.9), (0.9, -0.9), (-0.9, -0.9), (-0.9, 0.9)],
         _ => &[(0.0, 1.3), (1.3, 0.0), (0.0, -1.3), (-1.3, 0.0)],
     };
-    let points: Vec<String> = corners
-        .iter()
-        .map(|(dx, dy)| format!("{},{}", round(x + r * dx), round(y + r * dy)))
-        .collect();
-    html! { polygon points=(points.join(" ")) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} }
+    let corners = points(corners.iter().map(|(dx, dy)| (round(x + r * dx), round(y + r * dy))));
+    html! { polygon points=(corners) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} }
 }
 
 /// The detectors' names, beside the middles of their lines: where they cover neither another name nor another's line, if there is

@@ -66,14 +66,12 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
 }
 
 /// What a run says of its variants against its base, for as many as can be paired; computed once.
-pub fn paired(scores: &Scores) -> &[Comparison] {
+pub fn paired(scores: &Scores) -> &[Compared] {
     scores.paired.get_or_init(|| {
-        let others = variants(&scores.photos, &scores.base);
-        let others = others.iter().filter(|v| **v != scores.base);
-        let ap = scores.criteria.ap;
-        others
-            .filter_map(|other| compared_by(scores.set(), &scores.base, &[other], ap, clustered_by).ok())
-            .collect()
+        let (base, ap) = (&scores.base, scores.criteria.ap);
+        let others = scores.variants().into_iter().filter(|v| v != base);
+        let compared = others.filter_map(|other| compare_set(scores.set(), base, &[other], ap).ok());
+        compared.flat_map(|comparison| comparison.results).collect()
     })
 }
 
