@@ -2,10 +2,9 @@
 
 use serde::Serialize;
 
-use super::summary::boxes;
+use super::side::Side;
 use super::{MATCH_IOU, Rate, Scores, Summary};
 use scaleproof_core::ap::Ranked;
-use scaleproof_core::statistics::wilson_95;
 
 /// The curves of one detector on one variant, over all its photos.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,37 +36,27 @@ const STEPS: u32 = 20;
 
 /// The curves of every detector on every variant, in the order of the summaries.
 pub fn curves(scores: &Scores) -> Vec<Curves> {
-    let of = |s: &Summary| {
-        let detector = scores.detectors.iter().position(|d| d.manifest.name == s.detector)?;
-        Some(curves_of(scores, detector, &s.variant))
-    };
-    scores.summaries.iter().filter_map(of).collect()
+    scores.summaries.iter().filter_map(|s| curves_of(scores, s)).collect()
 }
 
-fn curves_of(scores: &Scores, detector: usize, variant: &str) -> Curves {
-    let evaluated = &scores.detectors[detector];
-    let photos = || scores.photos.iter().filter(|p| p.variant == variant);
-    let images: Vec<_> = photos().map(|p| boxes(p, detector, &evaluated.counted)).collect();
+fn curves_of(scores: &Scores, s: &Summary) -> Option<Curves> {
+    let side = Side::named(scores, &s.detector)?;
+    let photos = || scores.photos.iter().filter(|p| p.variant == s.variant);
+    let images = side.images(photos());
     let curve = Ranked::new(&images, MATCH_IOU).curve(|_| 1).unwrap_or_default();
     let found_from = |confidence: f64| {
         // A photo without any find has confidence 0, and is none from 0 up either.
-        let finds = photos().filter(|p| p.outcomes[detector].confidence >= confidence.max(f64::MIN_POSITIVE));
-        let count = finds.count();
-        let (low, high) = wilson_95(count, images.len())?;
-        let rate = count as f64 / images.len() as f64;
-        Some(HitRateFrom {
-            confidence,
-            rate: Rate { count, rate, low, high },
-        })
+        let finds = photos().filter(|p| side.outcome(p).confidence >= confidence.max(f64::MIN_POSITIVE));
+        let rate = Rate::new(finds.count(), images.len())?;
+        Some(HitRateFrom { confidence, rate })
     };
-    Curves {
-        detector: evaluated.manifest.name.clone(),
-        variant: variant.to_owned(),
+    let steps = (0..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
+    Some(Curves {
+        detector: s.detector.clone(),
+        variant: s.variant.clone(),
         precision_recall: corners(&curve),
-        hit_rate: (0..=STEPS)
-            .filter_map(|step| found_from(f64::from(step) / f64::from(STEPS)))
-            .collect(),
-    }
+        hit_rate: steps.filter_map(found_from).collect(),
+    })
 }
 
 /// The points at which recall begins or ends to rise: between two of them precision only falls.

@@ -1,8 +1,9 @@
 //! AP and hit rate that tell different stories, explained where they stand: AP ranks weak finds too, a hit must be confident.
 
-use super::summary::boxes;
-use super::{ApDefinition, ImageBoxes, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
+use super::side::Side;
+use super::{ApDefinition, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
 use scaleproof_core::spelling::digits;
+use scaleproof_detect::Detection;
 
 /// From this difference on a reader wonders.
 const TELLING: f64 = 0.3;
@@ -13,7 +14,7 @@ pub fn disagreements(scores: &Scores) -> Vec<String> {
 }
 
 fn explained(scores: &Scores, s: &Summary) -> Option<String> {
-    let index = scores.detectors.iter().position(|d| d.manifest.name == s.detector)?;
+    let side = Side::named(scores, &s.detector)?;
     let f = &s.overall;
     let difference = f.ap50 - f.hit_rate.rate;
     if difference.abs() < TELLING {
@@ -21,7 +22,7 @@ fn explained(scores: &Scores, s: &Summary) -> Option<String> {
     }
     let own = Own {
         scores,
-        index,
+        side,
         photos: scores.photos.iter().filter(|p| p.variant == s.variant).collect(),
     };
     let causes = if difference > 0.0 {
@@ -48,7 +49,7 @@ fn explained(scores: &Scores, s: &Summary) -> Option<String> {
 /// The photos of one variant, as one detector saw them.
 struct Own<'a> {
     scores: &'a Scores,
-    index: usize,
+    side: Side<'a>,
     photos: Vec<&'a ScoredPhoto>,
 }
 
@@ -56,9 +57,7 @@ impl Own<'_> {
     /// YOLOv5's definition joins the last recall reached to recall 1 by a ramp, whose area counts.
     fn by_ramp(&self, ap50: f64) -> Option<String> {
         let is_ramp = self.scores.criteria.ap == ApDefinition::Yolov5Ramp;
-        let counted = &self.scores.detectors[self.index].counted;
-        let of = |p: &&ScoredPhoto| boxes(p, self.index, counted);
-        let images: Vec<ImageBoxes> = is_ramp.then(|| self.photos.iter().map(of).collect())?;
+        let images = is_ramp.then(|| self.side.images(self.photos.iter().copied()))?;
         let without = average_precision_as(ApDefinition::Coco101, &images, MATCH_IOU)?.ap;
         (ap50 - without >= TELLING / 2.0).then(|| {
             format!(
@@ -70,7 +69,7 @@ impl Own<'_> {
 
     /// Finds too weak for a hit.
     fn weak(&self) -> Option<String> {
-        let outcomes = self.photos.iter().map(|p| &p.outcomes[self.index]);
+        let outcomes = self.photos.iter().map(|p| self.side.outcome(p));
         let count = outcomes.filter(|o| o.confidence > 0.0 && !o.is_hit()).count();
         let least = self.scores.criteria.hit_confidence;
         (count > 0).then(|| {
@@ -82,13 +81,12 @@ impl Own<'_> {
 
     /// Hits of a protocol that asks for less overlap than AP.
     fn by_overlap(&self) -> Option<String> {
-        let (criteria, counted) = (&self.scores.criteria, &self.scores.detectors[self.index].counted);
-        let least = criteria.thresholds();
+        let (side, least) = (self.side, self.scores.criteria.thresholds());
         let is_loose = |p: &&&ScoredPhoto| {
-            let is_close = |d: &scaleproof_detect::Detection| {
-                counted.contains(&d.label) && d.score >= least.confidence && d.box_px.iou(&p.truth) >= MATCH_IOU
+            let is_close = |d: &Detection| {
+                side.counted.contains(&d.label) && d.score >= least.confidence && d.box_px.iou(&p.truth) >= MATCH_IOU
             };
-            p.outcomes[self.index].is_hit() && !p.detections[self.index].iter().any(is_close)
+            self.side.outcome(p).is_hit() && !p.detections[side.detector].iter().any(is_close)
         };
         let count = self.photos.iter().filter(is_loose).count();
         (count > 0).then(|| {
@@ -99,7 +97,7 @@ impl Own<'_> {
     }
 
     fn false_positives(&self) -> Option<String> {
-        let wrong: usize = self.photos.iter().map(|p| p.outcomes[self.index].false_positives).sum();
+        let wrong: usize = self.photos.iter().map(|p| self.side.outcome(p).false_positives).sum();
         let loose = self.scores.criteria.match_iou() < MATCH_IOU;
         (wrong > 0 || !loose).then(|| {
             format!(

@@ -27,6 +27,7 @@ mod scores;
 mod sealed;
 mod settings;
 pub mod shard;
+mod side;
 mod summary;
 mod transfer;
 mod worn;

@@ -3,9 +3,8 @@
 use serde::Serialize;
 use statrs::distribution::{Binomial, Discrete};
 
-use super::summary::boxes;
+use super::side::Side;
 use super::{EvaluatedDetector, MATCH_IOU, Rate, ScoredPhoto};
-use scaleproof_core::statistics::wilson_95;
 
 /// Detections below this are left out: there are up to a hundred a photo, nearly all wrong and known to be.
 pub const RELIABILITY_FLOOR: f64 = 0.1;
@@ -41,17 +40,17 @@ pub struct ConfidenceBin {
 
 /// The reliability of every detector, in their order.
 pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
-    let of = |(index, detector): (usize, &EvaluatedDetector)| {
-        let detections = photos.iter().flat_map(|p| judged(p, index, &detector.counted));
+    let of = |(side, detector): (Side, &EvaluatedDetector)| {
+        let detections = photos.iter().flat_map(|p| judged(p, side));
         Reliability::of(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())
     };
-    detectors.iter().enumerate().map(of).collect()
+    Side::each(detectors).map(of).collect()
 }
 
 /// (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that
 /// overlaps the truth enough; every further one is a double, and wrong, as for AP.
-fn judged(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> Vec<(f64, bool)> {
-    let mut detections = boxes(photo, detector, counted).detections;
+fn judged(photo: &ScoredPhoto, side: Side) -> Vec<(f64, bool)> {
+    let mut detections = side.boxes(photo).detections;
     detections.sort_by(|a, b| b.0.total_cmp(&a.0));
     let first = detections.iter().position(|(_, b)| b.iou(&photo.truth) >= MATCH_IOU);
     let numbered = detections.iter().enumerate();
@@ -90,12 +89,7 @@ fn bin(step: usize, detections: &[(f64, bool)]) -> ConfidenceBin {
         high: (step + 1) as f64 / STEPS as f64,
         detections: own.len(),
         mean_confidence: (!own.is_empty()).then(|| own.iter().map(|(c, _)| c).sum::<f64>() / count),
-        correct: wilson_95(correct, own.len()).map(|(low, high)| Rate {
-            count: correct,
-            rate: correct as f64 / count,
-            low,
-            high,
-        }),
+        correct: Rate::new(correct, own.len()),
     }
 }
 

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::grouping::{GroupBy, in_order};
-use super::{ApDefinition, EvaluatedDetector, ImageBoxes, MATCH_IOU, PhotoOutcome, ScoredPhoto, average_precision_as};
+use super::side::Side;
+use super::{ApDefinition, EvaluatedDetector, MATCH_IOU, PhotoOutcome, ScoredPhoto, average_precision_as};
 use scaleproof_core::ap::over_ious;
 use scaleproof_core::statistics::{median, wilson_95};
 use scaleproof_pose::scene::{Bin, Bins};
@@ -19,6 +20,15 @@ pub struct Rate {
     pub rate: f64,
     pub low: f64,
     pub high: f64,
+}
+
+impl Rate {
+    /// So many of all; `None` of nothing.
+    pub(super) fn new(count: usize, all: usize) -> Option<Rate> {
+        let (low, high) = wilson_95(count, all)?;
+        let rate = count as f64 / all as f64;
+        Some(Rate { count, rate, low, high })
+    }
 }
 
 /// The numbers of a group of photos, and how many photos they rest on. [`super::Criteria::definitions`] says what each one is.
@@ -141,16 +151,10 @@ pub(super) struct Basis<'a> {
 /// Figures of every detector on every variant, the base variant first, the others by name.
 pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
     let mut summaries = Vec::new();
-    for (index, detector) in detectors.iter().enumerate() {
-        let side = Side {
-            detector: index,
-            counted: &detector.counted,
-            ap: basis.ap,
-        };
-        let groups: Vec<Group> = variants(photos, basis.base)
-            .into_iter()
-            .filter_map(|v| Group::new(v, photos, side, basis.groups))
-            .collect();
+    for (side, detector) in Side::each(detectors) {
+        let variants = variants(photos, basis.base).into_iter();
+        let groups = variants.filter_map(|v| Group::new(v, photos, (side, basis.ap), basis.groups));
+        let groups: Vec<Group> = groups.collect();
         let base = groups.iter().find(|g| g.variant == basis.base);
         summaries.extend(groups.iter().map(|group| {
             let base = base.filter(|base| base.variant != group.variant);
@@ -161,12 +165,7 @@ pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector],
 }
 
 /// Whose figures, and by which AP.
-#[derive(Clone, Copy)]
-struct Side<'a> {
-    detector: usize,
-    counted: &'a [usize],
-    ap: ApDefinition,
-}
+type By<'a> = (Side<'a>, ApDefinition);
 
 /// The figures of one detector on one variant.
 struct Group {
@@ -182,7 +181,7 @@ struct Group {
 
 impl Group {
     /// `None` without a photo of the variant.
-    fn new(variant: String, photos: &[ScoredPhoto], side: Side, groups: &[GroupBy]) -> Option<Group> {
+    fn new(variant: String, photos: &[ScoredPhoto], side: By, groups: &[GroupBy]) -> Option<Group> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
         Some(Group {
             by_condition: groups.iter().flat_map(|g| by_condition(&photos, side, g)).collect(),
@@ -254,7 +253,7 @@ fn thousandths(azimuth_deg: f64) -> i64 {
 }
 
 /// The figures of each group of photos; a photo without a key is in none.
-fn by<K: Ord>(photos: &[&ScoredPhoto], side: Side, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
+fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
     let mut groups: BTreeMap<K, Vec<&ScoredPhoto>> = BTreeMap::new();
     for photo in photos {
         if let Some(key) = key(photo) {
@@ -268,7 +267,7 @@ fn by<K: Ord>(photos: &[&ScoredPhoto], side: Side, key: impl Fn(&ScoredPhoto) ->
 }
 
 /// The figures of each value of a condition.
-fn by_condition(photos: &[&ScoredPhoto], side: Side, group: &GroupBy) -> Vec<(String, String, Figures)> {
+fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<(String, String, Figures)> {
     let mut figures = by(photos, side, |p| group.of(p));
     let values = in_order(figures.keys().cloned().collect());
     values
@@ -286,20 +285,13 @@ pub(super) fn variants(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
 }
 
 /// Figures of one detector on a group of photos; `None` for an empty group.
-fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
-    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.detector, side.counted)).collect();
-    let outcomes = || photos.iter().map(|p| &p.outcomes[side.detector]);
+fn figures(photos: &[&ScoredPhoto], (side, ap): By) -> Option<Figures> {
+    let images = side.images(photos.iter().copied());
+    let outcomes = || photos.iter().map(|p| side.outcome(p));
     let mean = |of: fn(&PhotoOutcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
-    let rate = |counts: fn(&PhotoOutcome) -> bool| {
-        let count = outcomes().filter(|o| counts(o)).count();
-        let (low, high) = wilson_95(count, photos.len())?;
-        let rate = count as f64 / photos.len() as f64;
-        Some(Rate { count, rate, low, high })
-    };
-    let (at_half, over) = (
-        average_precision_as(side.ap, &images, MATCH_IOU)?,
-        over_ious(side.ap, &images)?,
-    );
+    let rate = |counts: fn(&PhotoOutcome) -> bool| Rate::new(outcomes().filter(|o| counts(o)).count(), photos.len());
+    let at_half = average_precision_as(ap, &images, MATCH_IOU)?;
+    let over = over_ious(ap, &images)?;
     Some(Figures {
         photos: photos.len(),
         ap50: at_half.ap,
@@ -314,16 +306,6 @@ fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
         mean_confidence: mean(|o| o.confidence),
         median_confidence: median(&outcomes().map(|o| o.confidence).collect::<Vec<_>>())?,
     })
-}
-
-/// The boxes of the model's class in one photo, as AP takes them.
-pub(super) fn boxes(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> ImageBoxes {
-    let detections = photo.detections[detector].iter().filter(|d| counted.contains(&d.label));
-    ImageBoxes {
-        truths: vec![photo.truth],
-        detections: detections.map(|d| (d.score, d.box_px)).collect(),
-        ..ImageBoxes::default()
-    }
 }
 
 fn asr(base: &Figures, figures: &Figures) -> Asr {

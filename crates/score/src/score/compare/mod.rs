@@ -8,24 +8,23 @@ mod result;
 mod sequential;
 mod sequential_plan;
 
-pub use by_place::power_by_place;
-pub use by_place::{places_needed, smallest_drop_by_place};
+pub use by_place::{places_needed, power_by_place, smallest_drop_by_place};
 pub use moved::moved_drops;
-pub use plan::pairs_needed;
-pub use plan::power;
-pub use result::Comparison;
+pub use plan::{pairs_needed, power};
 pub use result::{
-    BinHits, ClusteredBy, Compared, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
+    BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
     SequentialFinding,
 };
 pub use sequential::{most_telling, sequential};
 pub use sequential_plan::{Expected, SEQUENTIAL_ROWS, SequentialPlan, sequential_plan};
+
 use std::collections::BTreeSet;
 
-use super::summary::{boxes, variants};
-use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, ScoredSet, Scores};
+use super::side::{ClusteredAp, Side};
+use super::summary::variants;
+use super::{ScoredPhoto, ScoredSet, Scores};
 use pairs::{Cell, Cluster, clustered_by, clusters, pair};
-use scaleproof_core::ap::{ApDefinition, Ranked};
+use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
 
 /// A difference of this size must be excluded before "no difference shown" may be said.
@@ -118,11 +117,7 @@ fn compared_by(
         }
         unpaired.extend(left_over);
         let by = clustered_by(&cells);
-        for (index, detector) in set.detectors.iter().enumerate() {
-            let side = Side {
-                detector: index,
-                counted: &detector.counted,
-            };
+        for (side, detector) in Side::each(set.detectors) {
             let name = detector.manifest.name.clone();
             results.push(compared(name, variant, (&cells, by), side, definition));
         }
@@ -137,23 +132,6 @@ fn compared_by(
         plan: None,
         sequential: None,
     })
-}
-
-/// Whose detections are compared: index of the detector, and its labels that count as the model.
-#[derive(Clone, Copy)]
-struct Side<'a> {
-    detector: usize,
-    counted: &'a [usize],
-}
-
-impl Side<'_> {
-    fn outcome(self, photo: &ScoredPhoto) -> &PhotoOutcome {
-        &photo.outcomes[self.detector]
-    }
-
-    fn hit(self, photo: &ScoredPhoto) -> f64 {
-        f64::from(u8::from(self.outcome(photo).is_hit()))
-    }
 }
 
 fn compared(
@@ -229,14 +207,12 @@ fn hits(clusters: &[Cluster], side: Side) -> Hits {
 
 /// The difference of a figure that is a mean over photos.
 fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Difference {
-    let sums: Vec<(f64, f64, f64)> = clusters
-        .iter()
-        .map(|c| {
-            let base = c.pairs.iter().map(|(photo, _)| figure(photo)).sum();
-            let other = c.pairs.iter().map(|(_, photo)| figure(photo)).sum();
-            (base, other, c.pairs.len() as f64)
-        })
-        .collect();
+    let sum = |c: &Cluster| {
+        let base = c.pairs.iter().map(|(photo, _)| figure(photo)).sum();
+        let other = c.pairs.iter().map(|(_, photo)| figure(photo)).sum();
+        (base, other, c.pairs.len() as f64)
+    };
+    let sums: Vec<(f64, f64, f64)> = clusters.iter().map(sum).collect();
     difference(clusters.len(), |drawn| {
         let total = |of: fn(&(f64, f64, f64)) -> f64| -> f64 {
             sums.iter().zip(drawn).map(|(s, times)| f64::from(*times) * of(s)).sum()
@@ -247,69 +223,42 @@ fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Diffe
 }
 
 fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Difference {
-    let ap = PairedAp::of(clusters, side);
-    difference(clusters.len(), |drawn| ap.of_both(drawn, definition))
+    let ap = paired_ap(clusters, side);
+    difference(clusters.len(), |drawn| {
+        ap.each_ref().map(|ap| ap.of_draw(drawn, definition)).into()
+    })
 }
 
 /// The rankings behind the AP of both variants, whichever clusters are drawn.
-struct PairedAp {
-    base: Ranked,
-    other: Ranked,
-    /// The cluster of each pair.
-    cluster_of: Vec<usize>,
-}
-
-impl PairedAp {
-    fn of(clusters: &[Cluster], side: Side) -> PairedAp {
-        let pairs = || clusters.iter().flat_map(|c| &c.pairs);
-        let ranked = |photos: Vec<&ScoredPhoto>| {
-            let images: Vec<_> = photos
-                .into_iter()
-                .map(|p| boxes(p, side.detector, side.counted))
-                .collect();
-            Ranked::new(&images, MATCH_IOU)
-        };
-        PairedAp {
-            base: ranked(pairs().map(|(base, _)| *base).collect()),
-            other: ranked(pairs().map(|(_, other)| *other).collect()),
-            cluster_of: clusters
-                .iter()
-                .enumerate()
-                .flat_map(|(i, c)| std::iter::repeat_n(i, c.pairs.len()))
-                .collect(),
-        }
-    }
-
-    /// (base, other) when each cluster counts so many times. Every photo has its truth, so that every draw has a curve.
-    fn of_both(&self, drawn: &[u32], definition: ApDefinition) -> (f64, f64) {
-        let ap = |side: &Ranked| {
-            side.curve(|image| drawn[self.cluster_of[image]])
-                .map_or(0.0, |c| definition.of_curve(&c))
-        };
-        (ap(&self.base), ap(&self.other))
-    }
+fn paired_ap(clusters: &[Cluster], side: Side) -> [ClusteredAp; 2] {
+    let pairs = || {
+        clusters
+            .iter()
+            .enumerate()
+            .flat_map(|(i, c)| c.pairs.iter().map(move |pair| (pair, i)))
+    };
+    [
+        side.clustered(pairs().map(|((base, _), i)| (*base, i))),
+        side.clustered(pairs().map(|((_, other), i)| (*other, i))),
+    ]
 }
 
 /// The difference of a figure, given as (base, other) when each cluster counts so many times.
 fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
     let (base, other) = figures(&vec![1; clusters]);
-    let [interval, asr_interval_95] = intervals_95(clusters, |drawn| {
+    let [interval_95, asr_interval_95] = intervals_95(clusters, |drawn| {
         let (base, other) = figures(drawn);
         [base - other, 1.0 - other / base]
     });
     let drop = base - other;
+    // Without an interval all resamples agree, or there are too few clusters for any finding.
+    let shown = interval_95.map_or(drop.abs() > ALIKE, |i| i.low > 0.0 || i.high < 0.0);
     Difference {
         base,
         other,
         drop,
-        interval_95: interval,
-        finding: finding(
-            clusters,
-            drop,
-            interval,
-            // Without an interval all resamples agree, or there are too few clusters for any finding.
-            interval.map_or(drop.abs() > ALIKE, |i| i.low > 0.0 || i.high < 0.0),
-        ),
+        interval_95,
+        finding: finding(clusters, drop, interval_95, shown),
         asr: (base > 0.0).then(|| 1.0 - other / base),
         asr_interval_95,
     }
@@ -329,14 +278,13 @@ fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) 
         Some(i) => i.low > -TELLING_DIFFERENCE && i.high < TELLING_DIFFERENCE,
         None => drop.abs() < ALIKE && clusters >= CLUSTERS_ALL_ALIKE,
     };
-    match (
-        clusters >= FEWEST_CLUSTERS && shown,
-        clusters >= FEWEST_CLUSTERS && excluded,
-    ) {
-        (true, _) if drop > 0.0 => Finding::Drop,
-        (true, _) => Finding::Rise,
-        (false, true) => Finding::NoDifferenceShown,
-        (false, false) => Finding::TooFewPhotosToTell,
+    let enough = clusters >= FEWEST_CLUSTERS;
+    if enough && shown {
+        if drop > 0.0 { Finding::Drop } else { Finding::Rise }
+    } else if enough && excluded {
+        Finding::NoDifferenceShown
+    } else {
+        Finding::TooFewPhotosToTell
     }
 }
 

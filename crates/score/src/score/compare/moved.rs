@@ -1,10 +1,11 @@
 //! How far a drop of AP moves when it is measured in another way on the same photos.
 
+use super::paired_ap;
 use super::pairs::{clustered_by, clusters, pair};
-use super::{PairedAp, Side};
-use crate::score::{EvaluatedDetector, Scores};
+use crate::score::Scores;
+use crate::score::side::{ClusteredAp, Side};
 use scaleproof_core::ap::ApDefinition;
-use scaleproof_core::statistics::{Interval, intervals_95};
+use scaleproof_core::statistics::{Interval, interval_95};
 
 /// The drop of AP of one detector and variant measured in another way, minus that in the usual way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,19 +27,16 @@ pub fn moved_drops(
     let own = clusters(&own.iter().collect::<Vec<_>>(), by);
     let others = clusters(&others.iter().collect::<Vec<_>>(), by);
     let count = own.len();
-    let of = |(detector, evaluated): (usize, &EvaluatedDetector)| {
-        let counted = &evaluated.counted;
-        let side = Side { detector, counted };
-        let (own, others) = (PairedAp::of(&own, side), PairedAp::of(&others, side));
-        let moved = |drawn: &[u32]| {
-            let drop = |(base, other): (f64, f64)| base - other;
-            drop(others.of_both(drawn, other_definition)) - drop(own.of_both(drawn, definition))
+    let of = |(side, _)| {
+        let (own, others) = (paired_ap(&own, side), paired_ap(&others, side));
+        let drop = |[base, other]: &[ClusteredAp; 2], drawn: &[u32], definition| {
+            base.of_draw(drawn, definition) - other.of_draw(drawn, definition)
         };
-        let [interval_95] = intervals_95(count, |drawn| [moved(drawn)]);
+        let moved = |drawn: &[u32]| drop(&others, drawn, other_definition) - drop(&own, drawn, definition);
         MovedDrop {
             by: moved(&vec![1; count]),
-            interval_95,
+            interval_95: interval_95(count, moved),
         }
     };
-    usual.detectors.iter().enumerate().map(of).collect()
+    Side::each(&usual.detectors).map(of).collect()
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::pairs::{Cell, Pair, pair};
 use super::result::{ClusteredBy, Course, Decision, Sequential, SequentialFinding};
 use super::{CompareError, Scores, Side, variants};
+use crate::score::ScoredPhoto;
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_core::statistics::{Sequence, Shown};
 use scaleproof_pose::scene::Bin;
@@ -41,11 +42,7 @@ pub fn sequential(
             });
         }
         let looks = looks(&cells, by);
-        for (index, detector) in scores.detectors.iter().enumerate() {
-            let side = Side {
-                detector: index,
-                counted: &detector.counted,
-            };
+        for (side, detector) in Side::each(&scores.detectors) {
             results.push(Course {
                 detector: detector.manifest.name.clone(),
                 variant: variant.clone(),
@@ -114,7 +111,7 @@ pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, op
 
 /// Of the hits of all detectors.
 fn mean_difference(scores: &Scores, (base, other): Pair) -> f64 {
-    let hits = |photo: &super::ScoredPhoto| photo.outcomes.iter().filter(|outcome| outcome.is_hit()).count() as f64;
+    let hits = |photo: &ScoredPhoto| photo.outcomes.iter().filter(|outcome| outcome.is_hit()).count() as f64;
     (hits(base) - hits(other)) / scores.detectors.len().max(1) as f64
 }
 

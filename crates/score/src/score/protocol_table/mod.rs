@@ -8,8 +8,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::protocol::Protocol;
-use super::summary::{boxes, variants};
-use super::{EvaluatedDetector, ImageBoxes, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
+use super::side::Side;
+use super::summary::variants;
+use super::{EvaluatedDetector, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
 use apricot::targeted_ap;
 pub use apricot::targeted_ap as apricot_ap;
 pub use armory::armory_rates as rates_as_armory;
@@ -86,8 +87,7 @@ fn by_texture(
     let columns = own.flat_map(|title| names.map(|name| format!("{title} {name}")));
     let row = |variant: &String| {
         let of = |d: &EvaluatedDetector| {
-            let is_own = |s: &&Summary| s.variant == *variant && s.detector == d.manifest.name;
-            let summary = scores.summaries.iter().find(is_own);
+            let summary = scores.summary(&d.manifest.name, variant);
             summary.map_or_else(|| names.map(|_| String::new()), &cells)
         };
         let cells = scores.detectors.iter().flat_map(of);
@@ -101,17 +101,12 @@ fn by_texture(
 
 /// A detector's photos of one texture.
 struct Shown<'a> {
-    index: usize,
+    side: Side<'a>,
     detector: &'a EvaluatedDetector,
     photos: Vec<&'a ScoredPhoto>,
 }
 
 impl Shown<'_> {
-    fn images(&self) -> Vec<ImageBoxes> {
-        let of = |p: &&ScoredPhoto| boxes(p, self.index, &self.detector.counted);
-        self.photos.iter().map(of).collect()
-    }
-
     fn mean(&self, of: impl Fn(&ScoredPhoto) -> f64) -> f64 {
         self.photos.iter().map(|p| of(p)).sum::<f64>() / self.photos.len() as f64
     }
@@ -120,13 +115,10 @@ impl Shown<'_> {
 /// A row for each detector and texture: their names, how many photos, and `cells`.
 fn rows(scores: &Scores, cells: fn(&Scores, &Shown) -> Vec<String>) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
-    for (index, detector) in scores.detectors.iter().enumerate() {
+    for (side, detector) in Side::each(&scores.detectors) {
         for variant in variants(&scores.photos, &scores.base) {
-            let shown = Shown {
-                index,
-                detector,
-                photos: scores.photos.iter().filter(|p| p.variant == variant).collect(),
-            };
+            let photos = scores.photos.iter().filter(|p| p.variant == variant).collect();
+            let shown = Shown { side, detector, photos };
             let head = [detector.manifest.title.clone(), variant, shown.photos.len().to_string()];
             rows.push(head.into_iter().chain(cells(scores, &shown)).collect());
         }
@@ -135,10 +127,11 @@ fn rows(scores: &Scores, cells: fn(&Scores, &Shown) -> Vec<String>) -> Vec<Vec<S
 }
 
 fn armory(scores: &Scores, shown: &Shown) -> Vec<String> {
-    let least = (scores.criteria.match_iou(), scores.criteria.hit_confidence);
-    let of = |p: &ScoredPhoto| armory_rates(&[(&shown.detector.counted, p.truth)], &p.detections[shown.index], least);
+    let (criteria, side) = (&scores.criteria, shown.side);
+    let least = (criteria.match_iou(), criteria.hit_confidence);
+    let of = |p: &ScoredPhoto| armory_rates(&[(side.counted, p.truth)], &p.detections[side.detector], least);
     vec![
-        armory_digits(armory_ap(&shown.images(), least.0)),
+        armory_digits(armory_ap(&side.images(shown.photos.iter().copied()), least.0)),
         digits(shown.mean(|p| of(p).disappearance), 2),
         digits(shown.mean(|p| of(p).hallucinations as f64), 2),
         digits(shown.mean(|p| of(p).misclassification), 2),
@@ -151,9 +144,9 @@ fn apricot(scores: &Scores, shown: &Shown) -> Vec<String> {
     let images: Vec<(BoxPx, &[Detection])> = shown
         .photos
         .iter()
-        .map(|p| (p.truth, p.detections[shown.index].as_slice()))
+        .map(|p| (p.truth, p.detections[shown.side.detector].as_slice()))
         .collect();
-    let strongest = shown.photos.iter().filter_map(|p| p.outcomes[shown.index].other);
+    let strongest = shown.photos.iter().filter_map(|p| shown.side.outcome(p).other);
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     for (label, _) in strongest {
         *counts.entry(label).or_default() += 1;
@@ -164,7 +157,7 @@ fn apricot(scores: &Scores, shown: &Shown) -> Vec<String> {
         .reduce(|most, next| if next.1 > most.1 { next } else { most });
     let target = target.map(|(label, _)| label);
     let name = target.and_then(|label| shown.detector.labels().name(label));
-    let fooled = shown.photos.iter().filter(|p| p.outcomes[shown.index].other.is_some());
+    let fooled = shown.photos.iter().filter(|p| shown.side.outcome(p).other.is_some());
     vec![
         name.unwrap_or("–").to_owned(),
         target.map_or("–".to_owned(), |label| {
@@ -181,7 +174,7 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
     let parts: BTreeSet<&String> = own.filter(|part| *part != ENTIRE).collect();
     let mut rows = Vec::new();
     for s in &scores.summaries {
-        let Some(index) = scores.detectors.iter().position(|d| d.manifest.name == s.detector) else {
+        let Some(side) = Side::named(scores, &s.detector) else {
             continue;
         };
         let row = |benchmark: &str, ap: f64, mar: f64, asr: Option<f64>| {
@@ -200,7 +193,7 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
             s.asr.and_then(|a| a.mar50),
         ));
         for part in &parts {
-            let figures = |variant: &str| part_figures(scores, index, variant, part);
+            let figures = |variant: &str| part_figures(scores, side, variant, part);
             if let Some((ap, mar)) = figures(&s.variant) {
                 let clean = figures(&scores.base).filter(|(_, clean)| *clean > 0.0 && s.variant != scores.base);
                 rows.push(row(part, ap, mar, clean.map(|(_, clean)| 1.0 - mar / clean)));
@@ -215,15 +208,9 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
 }
 
 /// AP and recall at IoU 0.5 of the photos of one part of the benchmark.
-fn part_figures(scores: &Scores, index: usize, variant: &str, part: &str) -> Option<(f64, f64)> {
+fn part_figures(scores: &Scores, side: Side, variant: &str, part: &str) -> Option<(f64, f64)> {
     let own = |p: &&ScoredPhoto| p.variant == variant && p.conditions.get(BENCHMARK).is_some_and(|b| b == part);
-    let counted = &scores.detectors.get(index)?.counted;
-    let images: Vec<ImageBoxes> = scores
-        .photos
-        .iter()
-        .filter(own)
-        .map(|p| boxes(p, index, counted))
-        .collect();
+    let images = side.images(scores.photos.iter().filter(own));
     let found = average_precision_as(scores.criteria.ap, &images, MATCH_IOU)?;
     Some((found.ap, found.recall))
 }

@@ -6,9 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use result::{RankedVariant, Ranking, RankingFinding, RankingRow};
 
-use super::summary::{boxes, variants};
-use super::{EvaluatedDetector, GroupBy, MATCH_IOU, ScoredPhoto, Scores};
-use scaleproof_core::ap::{ApDefinition, Ranked};
+use super::side::{ClusteredAp, Side};
+use super::summary::variants;
+use super::{GroupBy, ScoredPhoto, Scores};
+use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::spelling::{choose, count};
 use scaleproof_core::statistics::{ALIKE, FEWEST_CLUSTERS, Interval, interval_95_of_two, kendall_tau_b};
 use scaleproof_pose::scene::Bin;
@@ -29,15 +30,15 @@ pub fn ranking(scores: &Scores, other: &Scores) -> Ranking {
             choose(shared, "is", "are")
         ));
     }
-    for (index, detector) in scores.detectors.iter().enumerate() {
+    for (side, detector) in Side::each(&scores.detectors) {
         let name = &detector.manifest.name;
-        let Some(other_index) = other.detectors.iter().position(|d| d.manifest.name == *name) else {
+        let Some(other_side) = Side::named(other, name) else {
             cautions.push(format!("{name} did not look at the other photos"));
             continue;
         };
         for group in groups(scores) {
-            let here = CellPhotos::new(scores, index, group.as_ref());
-            let there = CellPhotos::new(other, other_index, group.as_ref());
+            let here = CellPhotos::new(scores, side, group.as_ref());
+            let there = CellPhotos::new(other, other_side, group.as_ref());
             let title = group.map_or("all".to_owned(), |(by, value)| format!("{} {value}", by.condition));
             match row((name, &title), &here, &there, scores.criteria.ap) {
                 Ok(row) => rows.push(row),
@@ -63,13 +64,13 @@ fn groups(scores: &Scores) -> Vec<Option<(&GroupBy, String)>> {
 
 /// The photos of one detector in a group, by place and bin and then by variant.
 struct CellPhotos<'a> {
-    detector: (usize, &'a EvaluatedDetector),
+    side: Side<'a>,
     cells: BTreeMap<(&'a str, Bin), BTreeMap<&'a str, Vec<&'a ScoredPhoto>>>,
     variants: Vec<String>,
 }
 
 impl<'a> CellPhotos<'a> {
-    fn new(scores: &'a Scores, detector: usize, group: Option<&(&GroupBy, String)>) -> CellPhotos<'a> {
+    fn new(scores: &'a Scores, side: Side<'a>, group: Option<&(&GroupBy, String)>) -> CellPhotos<'a> {
         let is_own = |photo: &&ScoredPhoto| group.is_none_or(|(by, value)| by.of(photo).as_ref() == Some(value));
         let mut cells: BTreeMap<_, BTreeMap<_, Vec<_>>> = BTreeMap::new();
         for photo in scores.photos.iter().filter(is_own) {
@@ -80,7 +81,7 @@ impl<'a> CellPhotos<'a> {
             }
         }
         CellPhotos {
-            detector: (detector, &scores.detectors[detector]),
+            side,
             cells,
             variants: variants(&scores.photos, &scores.base),
         }
@@ -102,16 +103,13 @@ impl<'a> CellPhotos<'a> {
                 cell
             }
         };
-        let (index, detector) = self.detector;
         let variants = all.iter().map(|variant| {
-            let (mut images, mut cluster_of) = (Vec::new(), Vec::new());
-            for (cell, ((place, _), own)) in whole.iter().enumerate() {
-                for photo in own.get(variant).into_iter().flatten() {
-                    images.push(boxes(photo, index, &detector.counted));
-                    cluster_of.push(cluster(cell, place));
-                }
-            }
-            (Ranked::new(&images, MATCH_IOU), cluster_of)
+            let cells = whole.iter().enumerate();
+            self.side.clustered(cells.flat_map(|(cell, ((place, _), own))| {
+                let photos = own.get(variant).into_iter().flatten();
+                let cluster = cluster(cell, place);
+                photos.map(move |photo| (*photo, cluster))
+            }))
         });
         VariantAps {
             variants: variants.collect(),
@@ -124,8 +122,7 @@ impl<'a> CellPhotos<'a> {
 
 /// Variants whose APs can be drawn.
 struct VariantAps {
-    /// Ranked detections, and the cluster of each image.
-    variants: Vec<(Ranked, Vec<usize>)>,
+    variants: Vec<ClusteredAp>,
     cells: usize,
     clusters: usize,
     definition: ApDefinition,
@@ -134,11 +131,8 @@ struct VariantAps {
 impl VariantAps {
     /// AP of each variant, when each cluster counts so many times.
     fn aps(&self, drawn: &[u32]) -> Vec<f64> {
-        let ap = |(ranked, cluster_of): &(Ranked, Vec<usize>)| {
-            let curve = ranked.curve(|image| drawn[cluster_of[image]]);
-            curve.map_or(0.0, |curve| self.definition.of_curve(&curve))
-        };
-        self.variants.iter().map(ap).collect()
+        let aps = self.variants.iter();
+        aps.map(|ap| ap.of_draw(drawn, self.definition)).collect()
     }
 }
 

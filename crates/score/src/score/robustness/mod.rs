@@ -13,6 +13,7 @@ use super::evaluated::{DetectionSource, EvaluatedDetector, runtime};
 use super::observe::{Observer, Options};
 use super::{NotScoredReason, ScoredPhoto, ScoredSet, Scores};
 use scaleproof_core::workers;
+use scaleproof_plot::distinct;
 use scaleproof_session::session::Session;
 
 /// A corruption at a severity; without one the photo no worse than reduced.
@@ -36,7 +37,7 @@ pub fn under_corruption(
     if compared.is_empty() {
         return Ok(None);
     }
-    let kinds = distinct(corruptions);
+    let kinds = distinct(corruptions.iter().copied());
     let worse = kinds
         .iter()
         .flat_map(|kind| (1..=SEVERITIES).map(|severity| Some((*kind, severity))));
@@ -63,15 +64,6 @@ pub fn under_corruption(
     )?;
     let cautions = left_out(scores, &photos, &conditions);
     Ok(Some(together(&kinds, of_each, cautions)))
-}
-
-fn distinct(corruptions: &[Corruption]) -> Vec<Corruption> {
-    corruptions.iter().fold(Vec::new(), |mut kinds, kind| {
-        if !kinds.contains(kind) {
-            kinds.push(*kind);
-        }
-        kinds
-    })
 }
 
 /// Finds out before a run whether its drops can be followed on photos that are made worse.
@@ -116,37 +108,32 @@ fn rows(
         None => ("", 0, String::new()),
         Some((kind, severity)) => (kind.name(), severity, kind.amount(severity)),
     };
-    let compared = compared.iter().filter_map(|(base, other)| {
-        // Without pairs, because detectors said nothing of so many photos, the severity has no row.
-        let comparison = compare_set(set, base, &[other], scores.criteria.ap).ok()?;
-        Some((comparison.base, comparison.results))
-    });
-    let row = |(base, results): (String, Vec<super::Compared>)| {
-        let amount = amount.clone();
-        results.into_iter().map(move |compared| CorruptedRow {
-            corruption,
-            severity,
-            amount: amount.clone(),
-            base: base.clone(),
-            variant: compared.variant,
-            detector: compared.detector,
-            pairs: compared.pairs,
-            ap50: compared.ap50,
-            hit_rate: compared.hit_rate.rate,
-            mean_confidence: compared.mean_confidence,
-        })
+    let row = |base: &str, compared: super::Compared| CorruptedRow {
+        corruption,
+        severity,
+        amount: amount.clone(),
+        base: base.to_owned(),
+        variant: compared.variant,
+        detector: compared.detector,
+        pairs: compared.pairs,
+        ap50: compared.ap50,
+        hit_rate: compared.hit_rate.rate,
+        mean_confidence: compared.mean_confidence,
     };
-    compared.flat_map(row).collect()
+    let mut rows = Vec::new();
+    for (base, other) in compared {
+        // Without pairs, because detectors said nothing of so many photos, the severity has no row.
+        if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap) {
+            rows.extend(comparison.results.into_iter().map(|compared| row(base, compared)));
+        }
+    }
+    rows
 }
 
 /// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
 fn comparisons(scores: &Scores) -> Vec<(String, String)> {
-    let mut variants: Vec<&str> = Vec::new();
-    for photo in &scores.photos {
-        if photo.variant != scores.base && !variants.contains(&photo.variant.as_str()) {
-            variants.push(&photo.variant);
-        }
-    }
+    let all = scores.photos.iter().map(|photo| photo.variant.as_str());
+    let variants = distinct(all.filter(|variant| *variant != scores.base));
     let (controls, others): (Vec<&str>, Vec<&str>) = variants.iter().partition(|variant| is_control(variant));
     let against_base = variants.iter().map(|variant| (scores.base.as_str(), *variant));
     let against_controls = controls

@@ -6,6 +6,7 @@ use super::plan::SealedPlan;
 use crate::score::caution::byte_for_byte;
 use crate::score::{Comparison, Course, Scores};
 use scaleproof_core::spelling::count;
+use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Bin;
 
 /// Views that are named in one deviation.
@@ -111,13 +112,7 @@ fn ends_decided(comparison: &Comparison, texture: &str) -> bool {
 /// Where photos of a texture were taken, in the order of their list.
 fn places_in_order<'a>(scores: &'a Scores, texture: &str) -> Vec<&'a str> {
     let own = scores.photos.iter().filter(|photo| photo.variant == texture);
-    own.map(|photo| photo.place.as_deref().unwrap_or_default())
-        .fold(Vec::new(), |mut places, place| {
-            if !places.contains(&place) {
-                places.push(place);
-            }
-            places
-        })
+    distinct(own.map(|photo| photo.place.as_deref().unwrap_or_default()))
 }
 
 fn bin([azimuth_deg, pitch_deg, distance_mm]: [f64; 3]) -> Bin {
