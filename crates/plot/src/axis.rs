@@ -53,13 +53,9 @@ impl PlotAxis {
 
     /// Values that get a line and a label.
     pub fn ticks(&self) -> Vec<f64> {
-        match self.scale {
-            Scale::Linear => self.linear_ticks(),
-            Scale::Log => self.log_ticks(),
+        if self.scale == Scale::Log {
+            return self.log_ticks();
         }
-    }
-
-    fn linear_ticks(&self) -> Vec<f64> {
         let step = step_above((self.high - self.low) / 5.0);
         let first = (self.low / step).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
@@ -78,11 +74,13 @@ impl PlotAxis {
 
 /// A tick's value as people write it.
 pub fn tick_label(value: f64) -> String {
+    // Of 0 the logarithm is below all numbers, and the digits are none.
     let digits = if value == 0.0 {
         0
     } else {
-        (1 - value.abs().log10().floor() as i32).max(0) as usize
+        1 - value.abs().log10().floor() as i32
     };
+    let digits = digits.max(0) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()

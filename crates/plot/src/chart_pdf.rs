@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-use lopdf::{Dictionary, Document, Object, Stream};
+use lopdf::{Dictionary, Document, Object, Stream, dictionary};
 use roxmltree::Node;
 
 use crate::lettering;
-use crate::pdf::{self, PdfError, name};
+use crate::pdf::{self, PdfError};
 
 /// CSS pixels to points.
 const POINTS: f64 = 0.75;
@@ -154,45 +154,35 @@ impl Page {
         let mut document = Document::with_version("1.7");
         let font = pdf::font(&mut document);
         let font = document.add_object(font);
-        let states = self.opacities.iter().map(|hundredths| {
-            let share = Object::Real(*hundredths as f32 / 100.0);
-            let state = Dictionary::from_iter([("Type", name("ExtGState")), ("ca", share)]);
-            (format!("O{hundredths}"), Object::Dictionary(state))
-        });
-        let resources = Dictionary::from_iter([
-            (
-                "Font",
-                Object::Dictionary(Dictionary::from_iter([("F", Object::Reference(font))])),
-            ),
-            ("ExtGState", Object::Dictionary(Dictionary::from_iter(states))),
-        ]);
+        let mut states = Dictionary::new();
+        for hundredths in self.opacities {
+            let share = hundredths as f32 / 100.0;
+            states.set(
+                format!("O{hundredths}"),
+                dictionary! { "Type" => "ExtGState", "ca" => share },
+            );
+        }
+        let resources = dictionary! { "Font" => dictionary! { "F" => font }, "ExtGState" => states };
         let content = document.add_object(Stream::new(Dictionary::new(), self.content.into_bytes()));
         let pages = document.new_object_id();
         let whole = [0.0, 0.0, points(self.size[0]), points(self.size[1])].map(|v| Object::Real(v as f32));
-        let page = document.add_object(Dictionary::from_iter([
-            ("Type", name("Page")),
-            ("Parent", Object::Reference(pages)),
-            ("MediaBox", whole.to_vec().into()),
-            ("Resources", Object::Dictionary(resources)),
-            ("Contents", Object::Reference(content)),
-        ]));
-        let all = Dictionary::from_iter([
-            ("Type", name("Pages")),
-            ("Kids", vec![Object::Reference(page)].into()),
-            ("Count", Object::Integer(1)),
-        ]);
-        document.set_object(pages, all);
-        let catalogue = Dictionary::from_iter([("Type", name("Catalog")), ("Pages", Object::Reference(pages))]);
-        let catalogue = document.add_object(catalogue);
-        let info = document.add_object(Dictionary::from_iter([
-            ("Title", lopdf::text_string(title)),
-            (
-                "Creator",
-                lopdf::text_string(concat!("scaleproof ", env!("CARGO_PKG_VERSION"))),
-            ),
-        ]));
-        document.trailer.set("Root", Object::Reference(catalogue));
-        document.trailer.set("Info", Object::Reference(info));
+        let page = document.add_object(dictionary! {
+            "Type" => "Page",
+            "Parent" => pages,
+            "MediaBox" => whole.to_vec(),
+            "Resources" => resources,
+            "Contents" => content,
+        });
+        let kids = vec![Object::Reference(page)];
+        document.set_object(pages, dictionary! { "Type" => "Pages", "Kids" => kids, "Count" => 1 });
+        let catalogue = document.add_object(dictionary! { "Type" => "Catalog", "Pages" => pages });
+        let creator = concat!("scaleproof ", env!("CARGO_PKG_VERSION"));
+        let info = document.add_object(dictionary! {
+            "Title" => lopdf::text_string(title),
+            "Creator" => lopdf::text_string(creator),
+        });
+        document.trailer.set("Root", catalogue);
+        document.trailer.set("Info", info);
         document
     }
 }

@@ -1,6 +1,6 @@
 //! What every PDF of this program has: the one font, embedded, and an identifier that is made from the content.
 
-use lopdf::{Dictionary, Document, Object, Stream, StringFormat};
+use lopdf::{Dictionary, Document, Object, Stream, StringFormat, dictionary};
 
 use crate::lettering;
 use scaleproof_core::files;
@@ -40,35 +40,33 @@ pub fn name(text: &str) -> Object {
 
 /// A simple TrueType font (ISO 32000-1, 9.6.3) and its descriptor (9.8).
 pub fn font(document: &mut Document) -> Dictionary {
-    let length = Dictionary::from_iter([("Length1", Object::Integer(FILE.len() as i64))]);
+    let length = dictionary! { "Length1" => FILE.len() as i64 };
     let file = document.add_object(Stream::new(length, FILE.to_vec()));
     // From the font's head, hhea and glyf tables, in thousandths of the em.
-    let descriptor = document.add_object(Dictionary::from_iter([
-        ("Type", name("FontDescriptor")),
-        ("FontName", name(NAME)),
-        ("Flags", Object::Integer(NONSYMBOLIC)),
-        (
-            "FontBBox",
-            [-1021, -463, 1793, 1232].map(Object::Integer).to_vec().into(),
-        ),
-        ("ItalicAngle", Object::Integer(0)),
-        ("Ascent", Object::Integer(928)),
-        ("Descent", Object::Integer(-236)),
-        ("CapHeight", Object::Integer(729)),
-        ("StemV", Object::Integer(87)),
-        ("FontFile2", Object::Reference(file)),
-    ]));
+    let bounds = [-1021, -463, 1793, 1232].map(Object::Integer);
+    let descriptor = document.add_object(dictionary! {
+        "Type" => "FontDescriptor",
+        "FontName" => NAME,
+        "Flags" => NONSYMBOLIC,
+        "FontBBox" => bounds.to_vec(),
+        "ItalicAngle" => 0,
+        "Ascent" => 928,
+        "Descent" => -236,
+        "CapHeight" => 729,
+        "StemV" => 87,
+        "FontFile2" => file,
+    });
     let widths = (FIRST..=LAST).map(|code| Object::Integer(width(code)));
-    Dictionary::from_iter([
-        ("Type", name("Font")),
-        ("Subtype", name("TrueType")),
-        ("BaseFont", name(NAME)),
-        ("Encoding", name("WinAnsiEncoding")),
-        ("FirstChar", Object::Integer(FIRST.into())),
-        ("LastChar", Object::Integer(LAST.into())),
-        ("Widths", widths.collect::<Vec<_>>().into()),
-        ("FontDescriptor", Object::Reference(descriptor)),
-    ])
+    dictionary! {
+        "Type" => "Font",
+        "Subtype" => "TrueType",
+        "BaseFont" => NAME,
+        "Encoding" => "WinAnsiEncoding",
+        "FirstChar" => FIRST,
+        "LastChar" => LAST,
+        "Widths" => widths.collect::<Vec<_>>(),
+        "FontDescriptor" => descriptor,
+    }
 }
 
 const FIRST: u8 = 0x20;

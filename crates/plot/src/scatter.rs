@@ -7,22 +7,14 @@ use maud::{Markup, html};
 use super::axis::tick_label;
 use super::{FAINT, INK, NOTE, PlotAxis, colour, document, round};
 
-/// What a mark looks like besides its colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum DotShape {
-    Circle,
-    Square,
-    Diamond,
-    Triangle,
-    Wedge,
-}
-
-impl DotShape {
-    /// The n-th shape; a sixth starts over.
-    fn nth(n: usize) -> Self {
-        [Self::Circle, Self::Square, Self::Diamond, Self::Triangle, Self::Wedge][n % 5]
-    }
-}
+/// Outlines of the marks, the n-th for the n-th shape; the first is a circle, and a sixth shape starts over.
+const OUTLINES: [Option<&str>; 5] = [
+    None,
+    Some("-5.5,-5.5 5.5,-5.5 5.5,5.5 -5.5,5.5"),
+    Some("0,-7.5 7.5,0 0,7.5 -7.5,0"),
+    Some("0,-7.5 7,5.5 -7,5.5"),
+    Some("0,7.5 7,-5.5 -7,-5.5"),
+];
 
 /// One measured method.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,13 +132,7 @@ fn mark(cloud: &Cloud, dot: &Dot) -> Markup {
 fn symbol(series: usize, shape: usize, share: f64) -> Markup {
     let paint = colour(series);
     let share = share.clamp(0.0, 1.0);
-    let points = match DotShape::nth(shape) {
-        DotShape::Circle => None,
-        DotShape::Square => Some("-5.5,-5.5 5.5,-5.5 5.5,5.5 -5.5,5.5"),
-        DotShape::Diamond => Some("0,-7.5 7.5,0 0,7.5 -7.5,0"),
-        DotShape::Triangle => Some("0,-7.5 7,5.5 -7,5.5"),
-        DotShape::Wedge => Some("0,7.5 7,-5.5 -7,-5.5"),
-    };
+    let points = OUTLINES[shape % OUTLINES.len()];
     let outline = |fill: &str, opacity: &str| match points {
         None => html! { circle r=(RADIUS) fill=(fill) fill-opacity=(opacity) stroke=(paint) stroke-width="1.5" {} },
         Some(points) => {
@@ -191,24 +177,19 @@ fn names(cloud: &Cloud, dots: &[Dot]) -> Markup {
 }
 
 fn legend(cloud: &Cloud) -> Markup {
-    let row = |i: usize| i as f64 * LEGEND_ROW;
+    let entry = |x: f64, row: usize, mark: Markup, name: &str| {
+        html! {
+            g transform=(format!("translate({x} {})", row as f64 * LEGEND_ROW)) {
+                (mark)
+                text x="14" y="4" font-size="11" fill=(INK) { (name) }
+            }
+        }
+    };
+    let ring = html! { circle r=(RADIUS + 3.0) fill="none" stroke=(INK) stroke-width="1.5" {} };
     html! {
-        @for (i, name) in cloud.colours.iter().enumerate() {
-            g transform=(format!("translate(6 {})", row(i))) {
-                (symbol(i, 0, 1.0))
-                text x="14" y="4" font-size="11" fill=(INK) { (name) }
-            }
-        }
-        @for (i, name) in cloud.shapes.iter().enumerate() {
-            g transform=(format!("translate(230 {})", row(i))) {
-                (symbol(6, i, 0.0))
-                text x="14" y="4" font-size="11" fill=(INK) { (name) }
-            }
-        }
-        g transform=(format!("translate(230 {})", row(cloud.shapes.len()))) {
-            circle r=(RADIUS + 3.0) fill="none" stroke=(INK) stroke-width="1.5" {}
-            text x="14" y="4" font-size="11" fill=(INK) { (cloud.ringed) }
-        }
+        @for (i, name) in cloud.colours.iter().enumerate() { (entry(6.0, i, symbol(i, 0, 1.0), name)) }
+        @for (i, name) in cloud.shapes.iter().enumerate() { (entry(230.0, i, symbol(6, i, 0.0), name)) }
+        (entry(230.0, cloud.shapes.len(), ring, &cloud.ringed))
     }
 }
 

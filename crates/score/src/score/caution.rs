@@ -30,12 +30,8 @@ pub(super) fn cautions(
     cautions.extend(loose_boxes(photos, sessions));
     cautions.extend(left_out(not_scored));
     cautions.extend(unknown_classes(sessions, detectors));
-    cautions.extend(
-        detectors
-            .iter()
-            .filter_map(EvaluatedDetector::foreign)
-            .flat_map(|card| card.notes.clone()),
-    );
+    let cards = detectors.iter().filter_map(EvaluatedDetector::foreign);
+    cautions.extend(cards.flat_map(|card| card.notes.clone()));
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
     cautions.extend(guessed_cameras(photos, sessions));
@@ -101,31 +97,23 @@ fn few_places(photos: &[ScoredPhoto]) -> Option<String> {
 /// A model that is missed as it is leaves little to drop.
 fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
     let own = summaries.iter().filter(|s| s.variant == base);
-    let rate = |s: &&Summary| s.overall.hit_rate.rate < HARDLY_FOUND;
-    own.filter(rate)
-        .map(|s| {
-            let f = &s.overall;
-            format!(
-                "{} finds “{base}” itself in {} of {} only: a drop can hardly show (floor effect)",
-                s.detector,
-                f.hit_rate.count,
-                spelling::count(f.photos, "photo")
-            )
-        })
-        .collect()
+    let few = own.filter(|s| s.overall.hit_rate.rate < HARDLY_FOUND);
+    let sentence = |s: &Summary| {
+        let (hits, photos) = (s.overall.hit_rate.count, spelling::count(s.overall.photos, "photo"));
+        let detector = &s.detector;
+        format!("{detector} finds “{base}” itself in {hits} of {photos} only: a drop can hardly show (floor effect)")
+    };
+    few.map(sentence).collect()
 }
 
 /// A plain model found in fewer photos than this leaves hardly anything to lose.
 const HARDLY_FOUND: f64 = 0.5;
 
 /// Boxes of another scale and labels of another numbering look like a model that is never found.
-fn never_the_model(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<String> {
+fn never_the_model<'a>(photos: &'a [ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<String> {
     let of = |(index, detector): (usize, &EvaluatedDetector)| {
-        let found = || {
-            photos
-                .iter()
-                .flat_map(move |p| p.detections[index].iter().map(move |d| (d, &p.truth)))
-        };
+        let of_photo = move |p: &'a ScoredPhoto| p.detections[index].iter().map(|d| (d, &p.truth));
+        let found = || photos.iter().flat_map(of_photo);
         let counts = |d: &Detection| detector.counted.contains(&d.label);
         let name = &detector.manifest.name;
         if !found().any(|(d, _)| counts(d)) {
@@ -150,11 +138,8 @@ fn never_the_model(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> V
 
 /// Any print of a pattern changes what detectors see; only a random one tells what the optimised one adds.
 fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
-    let others: BTreeSet<&str> = photos
-        .iter()
-        .map(|p| p.variant.as_str())
-        .filter(|v| *v != base)
-        .collect();
+    let variants = photos.iter().map(|p| p.variant.as_str());
+    let others: BTreeSet<&str> = variants.filter(|v| *v != base).collect();
     let is_control = |variant: &&str| is_control(variant);
     let lacks = !others.is_empty() && !is_control(&base) && !others.iter().any(is_control);
     lacks.then(|| {
@@ -243,13 +228,11 @@ fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> 
 
 fn left_out(not_scored: &[NotScored]) -> Option<String> {
     let count = not_scored.len();
-    match count {
-        0 => None,
-        1 => Some("1 photo could not be scored and is in no figure; it is listed with its reason".to_owned()),
-        _ => Some(format!(
-            "{count} photos could not be scored and are in no figure; they are listed with their reasons"
-        )),
-    }
+    let sentence = match count {
+        1 => "1 photo could not be scored and is in no figure; it is listed with its reason".to_owned(),
+        _ => format!("{count} photos could not be scored and are in no figure; they are listed with their reasons"),
+    };
+    (count > 0).then_some(sentence)
 }
 
 /// A detector that knows some of the labels that count has fewer ways to find the model.
@@ -272,14 +255,9 @@ fn unknown_classes(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Vec
 }
 
 fn several_models(sessions: &[Session]) -> Option<String> {
-    let models: BTreeSet<String> = sessions
-        .iter()
-        .map(|s| {
-            format!(
-                "{} (1:{}, {:?} mm)",
-                s.scene.model.name, s.scene.model.scale, s.scene.model.size_mm
-            )
-        })
+    let models = sessions.iter().map(|s| &s.scene.model);
+    let models: BTreeSet<String> = models
+        .map(|m| format!("{} (1:{}, {:?} mm)", m.name, m.scale, m.size_mm))
         .collect();
     let list = models.iter().cloned().collect::<Vec<_>>().join(", ");
     (models.len() > 1).then(|| format!("the sessions show different models, pooled in every figure: {list}"))

@@ -29,7 +29,7 @@ impl Criteria {
     pub fn of(protocol: Protocol) -> Criteria {
         Criteria {
             ap: protocol.ap(),
-            hit_confidence: protocol.hit_confidence(),
+            hit_confidence: HIT_CONFIDENCE,
             protocol: Some(protocol),
         }
     }
@@ -55,13 +55,8 @@ impl Criteria {
     }
 
     pub(super) fn thresholds(&self) -> Thresholds {
-        let least = |threshold: f64| {
-            if self.protocol.is_some_and(Protocol::is_strict) {
-                threshold.next_up()
-            } else {
-                threshold
-            }
-        };
+        let is_strict = self.protocol.is_some_and(Protocol::is_strict);
+        let least = |threshold: f64| if is_strict { threshold.next_up() } else { threshold };
         Thresholds {
             confidence: least(self.hit_confidence),
             iou: least(self.match_iou()),
@@ -78,17 +73,16 @@ impl Criteria {
             ("{confidence}", &confidence),
             ("{overlap}", &overlap),
         ];
+        let words = words.iter();
         let filled = |text: &str| {
             words
-                .iter()
+                .clone()
                 .fold(text.to_owned(), |text, (word, said)| text.replace(word, said))
         };
-        let all = include_str!("definitions.txt")
-            .lines()
-            .filter_map(|line| line.split_once(" | "));
-        let protocol = self
-            .protocol
-            .map(|protocol| ("protocol", format!("{}: {}", protocol.name(), protocol.source())));
+        let all = include_str!("definitions.txt").lines();
+        let all = all.filter_map(|line| line.split_once(" | "));
+        let said = |protocol: Protocol| format!("{}: {}", protocol.name(), protocol.source());
+        let protocol = self.protocol.map(|protocol| ("protocol", said(protocol)));
         all.map(|(name, text)| (name, filled(text))).chain(protocol).collect()
     }
 }

@@ -59,54 +59,43 @@ const RECORDED: &str = "recorded";
 
 impl EvaluatedDetector {
     /// A detector that will run.
-    pub fn live(
-        manifest: Manifest,
-        folders: &WeightFolders,
-        class: &Classes,
-    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+    pub fn live(manifest: Manifest, folders: &WeightFolders, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Live(folders.checked(&manifest)?);
         EvaluatedDetector::new(manifest, source, class)
     }
 
     /// A detector played back from the recordings of some session folders.
-    pub fn recorded(
-        manifest: Manifest,
-        sessions: &[&Path],
-        class: &Classes,
-    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
-        let recordings = sessions
-            .iter()
-            .map(|folder| Recorded::open(&folder.join(RECORDED), &manifest));
+    pub fn recorded(manifest: Manifest, sessions: &[&Path], class: &Classes) -> Result<Self, EvaluatedDetectorError> {
+        let sessions = sessions.iter();
+        let recordings = sessions.map(|folder| Recorded::open(&Self::recordings_of(folder), &manifest));
         let source = DetectionSource::Recorded(recordings.collect::<Result<_, _>>()?);
         EvaluatedDetector::new(manifest, source, class)
     }
 
     /// A detector that ran elsewhere, for shards: it needs no weights here.
-    pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+    pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Live(PathBuf::from(&manifest.weights.file));
         EvaluatedDetector::new(manifest, source, class)
     }
 
     /// A detector whose detections another program wrote into files.
-    pub fn outside(results: OutsideResults, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+    pub fn outside(results: OutsideResults, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(results.card());
         EvaluatedDetector::new(manifest, DetectionSource::Outside(Arc::new(results)), class)
     }
 
     /// A detector that is a program.
-    pub fn program(program: ProgramDetector, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+    pub fn program(program: ProgramDetector, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(program.card());
         if let Some(fault) = manifest.class_map_fault() {
-            return Err(EvaluatedDetectorError::ClassMap {
-                detector: manifest.name,
-                fault,
-            });
+            let detector = manifest.name;
+            return Err(EvaluatedDetectorError::ClassMap { detector, fault });
         }
         EvaluatedDetector::new(manifest, DetectionSource::Program(Arc::new(program)), class)
     }
 
     /// A detector of another program that looked at the photos elsewhere, for shards.
-    pub fn foreign_elsewhere(card: &ForeignCard, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+    pub fn foreign_elsewhere(card: &ForeignCard, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Elsewhere(Box::new(card.clone()));
         EvaluatedDetector::new(Manifest::of_foreign(card), source, class)
     }
@@ -140,11 +129,7 @@ impl EvaluatedDetector {
         session.join(RECORDED)
     }
 
-    fn new(
-        manifest: Manifest,
-        source: DetectionSource,
-        class: &Classes,
-    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+    fn new(manifest: Manifest, source: DetectionSource, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         Ok(EvaluatedDetector {
             counted: manifest.counted(class.labels())?,
             manifest,
@@ -173,10 +158,10 @@ impl EvaluatedDetector {
             folder: None,
             ..self.manifest.clone()
         };
-        let recordings: Vec<_> = match &self.source {
-            DetectionSource::Recorded(recordings) => recordings.iter().map(|r| &r.recording).collect(),
-            _ => Vec::new(),
-        };
+        let mut recordings = Vec::new();
+        if let DetectionSource::Recorded(all) = &self.source {
+            recordings.extend(all.iter().map(|r| &r.recording));
+        }
         files::sha256_hex(format!("{anywhere:?} {recordings:?}").as_bytes())
     }
 }

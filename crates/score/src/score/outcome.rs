@@ -5,7 +5,7 @@ use serde::Serialize;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
 
-/// The colours of the borders that the paper draws around photos.
+/// The colours of the borders that the paper draws around photos, the worst first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {

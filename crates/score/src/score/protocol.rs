@@ -1,6 +1,6 @@
 //! Protocols of papers and benchmarks: the thresholds, the definition and the source of each, by name.
 
-use super::{ApDefinition, HIT_CONFIDENCE, MATCH_IOU};
+use super::{ApDefinition, MATCH_IOU};
 
 /// Whose figures a run is to be held against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,13 +34,7 @@ impl Protocol {
 
     /// The name that stands in every output.
     pub fn name(self) -> &'static str {
-        match self {
-            Protocol::Dta => "dta",
-            Protocol::Active => "active",
-            Protocol::PaDetBench => "padetbench",
-            Protocol::Armory => "armory",
-            Protocol::Apricot => "apricot",
-        }
+        ["dta", "active", "padetbench", "armory", "apricot"][self as usize]
     }
 
     /// The protocol of that name; the error lists the names.
@@ -83,23 +77,16 @@ impl Protocol {
 
     /// The definition of AP.
     pub fn ap(self) -> ApDefinition {
-        match self {
-            Protocol::Dta | Protocol::Active | Protocol::PaDetBench => ApDefinition::Coco101,
-            Protocol::Armory | Protocol::Apricot => ApDefinition::Voc11,
+        if self.is_strict() {
+            ApDefinition::Voc11
+        } else {
+            ApDefinition::Coco101
         }
-    }
-
-    /// From which confidence a detection counts, unless another is asked for.
-    pub fn hit_confidence(self) -> f64 {
-        HIT_CONFIDENCE
     }
 
     /// From which overlap with the truth a detection is on the model.
     pub fn match_iou(self) -> f64 {
-        match self {
-            Protocol::Apricot => 0.1,
-            _ => MATCH_IOU,
-        }
+        if self == Protocol::Apricot { 0.1 } else { MATCH_IOU }
     }
 
     /// Whether a value must be above its threshold, and not only reach it.

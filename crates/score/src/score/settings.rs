@@ -44,18 +44,18 @@ pub struct AppliedSettings {
 impl AppliedSettings {
     /// What a reader must know of them: none where poses and truth boxes are by the files of the session.
     pub(super) fn cautions(&self) -> Vec<String> {
-        let camera = self.settings.lens_terms.map(|terms| {
+        let Settings {
+            lens_terms, envelope, ..
+        } = &self.settings;
+        let camera = lens_terms.map(|terms| {
             let kept = match terms {
                 0 => "without its lens model".to_owned(),
                 terms => format!("with {} of its lens model", spelling::count(terms, "term")),
             };
             format!("poses and truth boxes are by the camera {kept}, as {} says", self.file)
         });
-        let envelope = self
-            .settings
-            .envelope
-            .as_ref()
-            .map(|_| format!("truth boxes are by the model's size, as {} says", self.file));
+        let by_size = |_| format!("truth boxes are by the model's size, as {} says", self.file);
+        let envelope = envelope.as_ref().map(by_size);
         camera.into_iter().chain(envelope).collect()
     }
 }
@@ -67,11 +67,7 @@ pub enum SettingsError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("{path}: {reason}")]
-    Syntax { path: String, reason: String },
-    #[error("{path}: {fault}")]
-    Detector { path: String, fault: StartError },
-    #[error("{path}: {fault}")]
-    Ap { path: String, fault: String },
+    Content { path: String, reason: String },
 }
 
 /// The largest file that is read.
@@ -80,27 +76,22 @@ const MOST_BYTES: u64 = 1 << 20;
 impl Settings {
     /// Reads a file, and finds out that its names are known.
     pub fn open(path: &Path) -> Result<AppliedSettings, SettingsError> {
-        let shown = || path.display().to_string();
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let sha256 = files::sha256_hex(&bytes);
-        let syntax = |reason: String| SettingsError::Syntax { path: shown(), reason };
-        let text = String::from_utf8(bytes).map_err(|_| syntax("it is not UTF-8 text".into()))?;
-        let settings: Settings = toml::from_str(&text).map_err(|e| syntax(e.message().to_owned()))?;
-        settings
-            .tags()
-            .map_err(|fault| SettingsError::Detector { path: shown(), fault })?;
-        settings
-            .ap()
-            .map_err(|fault| SettingsError::Ap { path: shown(), fault })?;
+        let refused = |reason: String| {
+            let path = path.display().to_string();
+            SettingsError::Content { path, reason }
+        };
+        let text = String::from_utf8(bytes).map_err(|_| refused("it is not UTF-8 text".into()))?;
+        let settings: Settings = toml::from_str(&text).map_err(|e| refused(e.message().to_owned()))?;
+        settings.tags().map_err(|fault| refused(fault.to_string()))?;
+        settings.ap().map_err(refused)?;
         if let Some(terms) = settings.lens_terms.filter(|terms| *terms > 8) {
-            return Err(syntax(format!("`lens_terms` is {terms}: a lens model has 0 to 8")));
+            return Err(refused(format!("`lens_terms` is {terms}: a lens model has 0 to 8")));
         }
-        if let Some(other) = settings
-            .envelope
-            .as_deref()
-            .filter(|name| *name != Envelope::Box.name())
-        {
-            return Err(syntax(format!(
+        let envelope = settings.envelope.as_deref();
+        if let Some(other) = envelope.filter(|name| *name != Envelope::Box.name()) {
+            return Err(refused(format!(
                 "`envelope` is {other:?}: leave it out to take the scene's, or write \"box\""
             )));
         }

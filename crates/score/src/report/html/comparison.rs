@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{heads, notes, number, round, sequential, shell, table};
 use crate::report::{certainty, counted, p_value, paired};
-use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
+use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Drawing;
 
 const PLOT: f64 = 300.0;
@@ -25,32 +25,40 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
             .map_or(String::new(), |p| format!("; protocol {}", p.name())),
         counted(scores)
     );
-    let mut sections = vec![
-        ("plan", "Plan", plan(comparison)),
-        ("drops", "Drops", drops(scores, comparison)),
+    let plan = comparison.plan.as_ref().map(plan);
+    let sections = [
+        ("plan", "Plan", plan),
+        ("drops", "Drops", Some(drops(scores, comparison))),
+        (
+            "looks",
+            "However often one looks",
+            sequential::section(scores, comparison),
+        ),
         (
             "azimuth",
             "Drop of the hit rate by azimuth",
-            by_azimuth(scores, comparison),
+            Some(by_azimuth(scores, comparison)),
         ),
-        ("left-out", "Photos in no difference", left_out(scores, comparison)),
-        ("definitions", "Definitions", definitions()),
-        ("provenance", "Provenance", provenance(scores, comparison)),
+        (
+            "left-out",
+            "Photos in no difference",
+            Some(left_out(scores, comparison)),
+        ),
+        ("definitions", "Definitions", Some(definitions())),
+        ("provenance", "Provenance", Some(provenance(scores, comparison))),
     ];
-    if let Some(section) = sequential::section(scores, comparison) {
-        sections.insert(2, ("looks", "However often one looks", section));
-    }
-    sections.retain(|(id, ..)| *id != "plan" || comparison.plan.is_some());
+    let sections = sections.into_iter();
+    let sections: Vec<_> = sections
+        .filter_map(|(id, title, content)| Some((id, title, content?)))
+        .collect();
     shell(scores, &lead, &sections, html! {})
 }
 
 /// Every deviation from the plan that was fixed before the photos.
-fn plan(comparison: &Comparison) -> Markup {
+fn plan(plan: &PlanCheck) -> Markup {
     html! {
-        @if let Some(plan) = &comparison.plan {
-            p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
-            @for deviation in &plan.deviations { p.banner { "Deviation: " (deviation) "." } }
-        }
+        p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
+        @for deviation in &plan.deviations { p.banner { "Deviation: " (deviation) "." } }
     }
 }
 

@@ -6,7 +6,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::{filters, number, side};
 use crate::report::other_label;
-use crate::score::{EvaluatedDetector, PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_detect::Detection;
 
 /// More photos are not shown: the page would be too large to open.
@@ -59,14 +59,12 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
     let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.detectors.len())
         .flat_map(|index| photos.iter().map(move |p| (index, *p)))
         .collect();
-    cards.sort_by(|a, b| {
-        let key = |(index, p): &(usize, &ScoredPhoto)| {
-            (rank(&p.outcomes[*index]), p.outcomes[*index].confidence, *index, p.id)
-        };
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0)
-            .then(a.1.total_cmp(&b.1))
-            .then((a.2, a.3).cmp(&(b.2, b.3)))
+    cards.sort_by(|(i, p), (j, q)| {
+        let (a, b) = (&p.outcomes[*i], &q.outcomes[*j]);
+        let by_rank = (a.verdict as usize).cmp(&(b.verdict as usize));
+        by_rank
+            .then(a.confidence.total_cmp(&b.confidence))
+            .then((i, p.id).cmp(&(j, q.id)))
     });
     html! {
         ul.legend {
@@ -90,15 +88,6 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
         div #sheet {
             @for (index, p) in cards { (card(scores, p, index)) }
         }
-    }
-}
-
-/// Worst first: missed, found with another label, found.
-fn rank(outcome: &PhotoOutcome) -> usize {
-    match outcome.verdict {
-        Verdict::Missed => 0,
-        Verdict::FoundWithOther => 1,
-        Verdict::Found => 2,
     }
 }
 
@@ -133,10 +122,9 @@ fn facts(p: &ScoredPhoto) -> Vec<String> {
         let [azimuth, pitch, distance] = [sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm].map(two_digits);
         format!("pose: σ azimuth {azimuth}°, pitch {pitch}°, distance {distance} mm; rms {rms_px:.2} px")
     });
-    quality
+    [quality, p.taken.clone(), p.exposure.clone()]
         .into_iter()
-        .chain(p.taken.clone())
-        .chain(p.exposure.clone())
+        .flatten()
         .collect()
 }
 
@@ -193,12 +181,8 @@ fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup 
     } else {
         above
     };
-    text(
-        p,
-        [d.box_px.x1, y],
-        paint(d, detector),
-        &format!("{label} {}", number(d.score, 2)),
-    )
+    let content = format!("{label} {}", number(d.score, 2));
+    text(p, [d.box_px.x1, y], paint(d, detector), &content)
 }
 
 fn rectangle([x, y, width, height]: &[f64; 4], colour: &str, dashes: Option<&str>) -> Markup {

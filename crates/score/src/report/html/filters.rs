@@ -17,25 +17,17 @@ pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto]) -> Markup {
     let textures = scores.variants().into_iter().map(|v| (v.to_owned(), v.to_owned()));
     let outcomes = OUTCOMES.map(|(value, name)| (value.to_owned(), name.to_owned()));
     let bins: BTreeSet<Bin> = photos.iter().filter_map(|p| p.bin).collect();
+    let azimuths = values(&bins, |b| b.azimuth_deg, |v| format!("{v}° {}", side(v)));
+    let pitches = values(&bins, |b| b.pitch_deg, |v| format!("{v}°"));
+    let distances = values(&bins, |b| b.distance_mm, |v| format!("{v} mm"));
+    let titles = detectors.map(|m| (m.name.clone(), m.title.clone()));
     let choices: [Choice; 6] = [
-        (
-            "detector",
-            "detector",
-            detectors.map(|m| (m.name.clone(), m.title.clone())).collect(),
-        ),
+        ("detector", "detector", titles.collect()),
         ("variant", "texture", textures.collect()),
         ("outcome", "outcome", outcomes.to_vec()),
-        (
-            "azimuth",
-            "azimuth",
-            values(&bins, |b| b.azimuth_deg, |v| format!("{v}° {}", side(v))),
-        ),
-        ("pitch", "pitch", values(&bins, |b| b.pitch_deg, |v| format!("{v}°"))),
-        (
-            "distance",
-            "distance",
-            values(&bins, |b| b.distance_mm, |v| format!("{v} mm")),
-        ),
+        ("azimuth", "azimuth", azimuths),
+        ("pitch", "pitch", pitches),
+        ("distance", "distance", distances),
     ];
     html! {
         form #filters hidden {

@@ -86,10 +86,8 @@ fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[
     let own = scores.summaries.iter().filter(|s| s.detector == detector.manifest.name);
     let own: Vec<&Summary> = own.collect();
     let block = NAME + GAP + CELL.1 * rows.len() as f64;
-    let (width, height) = (
-        LEFT + CELL.0 * azimuths.len() as f64 + 2.0,
-        TOP + block * own.len() as f64,
-    );
+    let width = LEFT + CELL.0 * azimuths.len() as f64 + 2.0;
+    let height = TOP + block * own.len() as f64;
     let x = |column: usize| LEFT + CELL.0 * (column as f64 + 0.5);
     let marks = html! {
         @for (column, azimuth) in azimuths.iter().enumerate() {
@@ -147,10 +145,13 @@ fn cell(s: &Summary, bin: &Bin, x: f64, y: f64) -> Markup {
 
 /// Everything about a cell, for the pointer and for screen readers.
 fn title(s: &Summary, bin: &Bin, found: Option<&CellFigures>) -> String {
-    let place = format!(
-        "{}, {}, {}° × {}° × {} mm",
-        s.detector, s.variant, bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
-    );
+    let (detector, variant) = (&s.detector, &s.variant);
+    let Bin {
+        azimuth_deg,
+        pitch_deg,
+        distance_mm,
+    } = bin;
+    let place = format!("{detector}, {variant}, {azimuth_deg}° × {pitch_deg}° × {distance_mm} mm");
     let Some(CellFigures { figures: f, .. }) = found else {
         return format!("{place}: no photo");
     };

@@ -62,43 +62,31 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
     let outcomes = html! { (misses::outcomes(scores)) (misses::transfer_matrix(scores)) };
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
-    let asked_for = [
+    let chance = "the bootstrap behind the intervals of drops has its own seed";
+    let comparable = comparable::figures(scores);
+    let reliability = reliability::diagrams(scores);
+    let ranking = ranking::section(scores);
+    // Those that are `None` were not asked for.
+    let all = [
+        ("result", "Result", Some(result)),
+        ("comparable", "For comparison with papers", Some(comparable)),
         ("patterns", "Patterns", patterns::cards(scores)),
         ("protocol", "Protocol", comparable::protocol(scores)),
         ("conditions", "By condition", comparable::groups(scores)),
         ("robustness", "On photos made worse", robustness::section(scores)),
-        (
-            "ranking",
-            "Order of the textures in other sessions",
-            ranking::section(scores),
-        ),
+        ("ranking", "Order of the textures in other sessions", ranking),
+        ("outcomes", "Hits and misses", Some(outcomes)),
+        ("directions", "By viewing direction", Some(directions)),
+        ("curves", "Curves", Some(curves::section(scores))),
+        ("photos", "Photos", Some(photos)),
+        ("reliability", "Reliability of the confidences", Some(reliability)),
+        ("speed", "AP against time", Some(speed::chart(scores, speeds))),
+        ("definitions", "Definitions", Some(notes::definitions(scores))),
+        ("provenance", "Provenance", Some(notes::provenance(scores, chance))),
     ];
-    let asked_for = asked_for
-        .into_iter()
-        .filter_map(|(id, title, content)| Some((id, title, content?)));
-    let before = [
-        ("result", "Result", result),
-        ("comparable", "For comparison with papers", comparable::figures(scores)),
-    ];
-    let after = [
-        ("outcomes", "Hits and misses", outcomes),
-        ("directions", "By viewing direction", directions),
-        ("curves", "Curves", curves::section(scores)),
-        ("photos", "Photos", photos),
-        (
-            "reliability",
-            "Reliability of the confidences",
-            reliability::diagrams(scores),
-        ),
-        ("speed", "AP against time", speed::chart(scores, speeds)),
-        ("definitions", "Definitions", notes::definitions(scores)),
-        (
-            "provenance",
-            "Provenance",
-            notes::provenance(scores, "the bootstrap behind the intervals of drops has its own seed"),
-        ),
-    ];
-    before.into_iter().chain(asked_for).chain(after).collect()
+    let all = all.into_iter();
+    all.filter_map(|(id, title, content)| Some((id, title, content?)))
+        .collect()
 }
 
 fn title(scores: &Scores) -> String {
@@ -259,17 +247,9 @@ fn round(v: f64) -> f64 {
 
 /// What a viewer standing in a bin sees.
 fn side(azimuth_deg: f64) -> &'static str {
-    const SIDES: [&str; 8] = [
-        "front",
-        "front left",
-        "left",
-        "rear left",
-        "rear",
-        "rear right",
-        "right",
-        "front right",
-    ];
-    SIDES[((azimuth_deg / 45.0).round() as usize) % 8]
+    const SIDES: &str = "front, front left, left, rear left, rear, rear right, right, front right";
+    let eighth = ((azimuth_deg / 45.0).round() as usize) % 8;
+    SIDES.split(", ").nth(eighth).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -80,14 +80,18 @@ fn aps(scores: &Scores, detector: &str) -> Vec<(usize, f64)> {
         .collect()
 }
 
+/// Where a detector's best and worst texture stand.
+fn ends(scores: &Scores, speed: &Speed) -> (f64, f64) {
+    let all = aps(scores, &speed.detector).into_iter().map(|(_, ap)| y(ap));
+    all.fold((f64::INFINITY, 0.0_f64), |(top, bottom), v| (top.min(v), bottom.max(v)))
+}
+
 /// A mark for each texture, on one upright line.
 fn detector(scores: &Scores, speed: &Speed, x: f64) -> Markup {
-    let aps = aps(scores, &speed.detector);
-    let ends = aps.iter().map(|(_, ap)| y(*ap));
-    let (top, bottom) = ends.fold((f64::INFINITY, 0.0_f64), |(top, bottom), v| (top.min(v), bottom.max(v)));
+    let (top, bottom) = ends(scores, speed);
     html! {
         line x1=(x) x2=(x) y1=(top.min(bottom)) y2=(bottom) stroke="#5b6573" stroke-width="1.2" {}
-        @for (i, ap) in aps {
+        @for (i, ap) in aps(scores, &speed.detector) {
             g.speed-mark {
                 title {
                     (speed.detector) ", " (scores.variants()[i]) (format!(": AP@0.5 {ap:.3}, {} ms ({} to {})",
@@ -114,19 +118,17 @@ fn mark(x: f64, y: f64, variant: usize) -> Markup {
 
 /// The detectors' names, beside the middles of their lines: where they cover neither another name nor another's line, if there is
 /// such a place.
-fn names(scores: &Scores, timed: &[&Speed], x: impl Fn(f64) -> f64) -> Markup {
-    let lines: Vec<Line> = timed
-        .iter()
-        .map(|speed| {
-            let ys: Vec<f64> = aps(scores, &speed.detector).iter().map(|(_, ap)| y(*ap)).collect();
-            Line {
-                x: x(speed.ms_per_photo),
-                top: ys.iter().copied().fold(f64::INFINITY, f64::min),
-                bottom: ys.iter().copied().fold(0.0, f64::max),
-                title: scores.title(&speed.detector),
-            }
-        })
-        .collect();
+fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) -> Markup {
+    let line = |speed: &&'a Speed| {
+        let (top, bottom) = ends(scores, speed);
+        Line {
+            x: x(speed.ms_per_photo),
+            top,
+            bottom,
+            title: scores.title(&speed.detector),
+        }
+    };
+    let lines: Vec<Line> = timed.iter().map(line).collect();
     let mut taken: Vec<BoxPx> = Vec::new();
     html! {
         @for line in &lines {
@@ -158,11 +160,8 @@ fn free_place(line: &Line, lines: &[Line], taken: &[BoxPx]) -> Name {
     let middle = 0.5 * (line.top + line.bottom);
     let moves = [0.0, 13.0, -13.0, 26.0, -26.0].into_iter();
     let mut places = moves.flat_map(|dy| [true, false].map(|is_right| place(line, middle + dy, is_right)));
-    let others: Vec<BoxPx> = lines
-        .iter()
-        .map(|l| BoxPx::new(l.x - RADIUS, l.top - RADIUS, l.x + RADIUS, l.bottom + RADIUS))
-        .chain(taken.iter().copied())
-        .collect();
+    let around = |l: &Line| BoxPx::new(l.x - RADIUS, l.top - RADIUS, l.x + RADIUS, l.bottom + RADIUS);
+    let others: Vec<BoxPx> = lines.iter().map(around).chain(taken.iter().copied()).collect();
     let covers = |a: &BoxPx, b: &BoxPx| a.x1 < b.x2 && b.x1 < a.x2 && a.y1 < b.y2 && b.y1 < a.y2;
     let is_free = |name: &Name| name.area.x1 > 0.0 && !others.iter().any(|other| covers(&name.area, other));
     places.find(is_free).unwrap_or_else(|| place(line, middle, true))
@@ -171,11 +170,8 @@ fn free_place(line: &Line, lines: &[Line], taken: &[BoxPx]) -> Name {
 fn place(line: &Line, middle: f64, is_right: bool) -> Name {
     // About what a letter of 11 px takes.
     let width = 6.2 * line.title.chars().count() as f64;
-    let (x, anchor, left) = if is_right {
-        (line.x + 8.0, "start", line.x + 8.0)
-    } else {
-        (line.x - 8.0, "end", line.x - 8.0 - width)
-    };
+    let x = line.x + if is_right { 8.0 } else { -8.0 };
+    let (anchor, left) = if is_right { ("start", x) } else { ("end", x - width) };
     Name {
         x,
         y: middle + 4.0,

@@ -51,15 +51,7 @@ impl Corruption {
     ];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Blur => "blur",
-            Self::Noise => "noise",
-            Self::Jpeg => "jpeg",
-            Self::Exposure => "exposure",
-            Self::Haze => "haze",
-            Self::Scale => "scale",
-            Self::Crop => "crop",
-        }
+        ["blur", "noise", "jpeg", "exposure", "haze", "scale", "crop"][self as usize]
     }
 
     /// What a severity means; empty for 0.
