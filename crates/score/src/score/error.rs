@@ -1,5 +1,6 @@
 //! Why a run could not finish.
 
+use super::NotScored;
 use scaleproof_detect::{DetectError, OutsideError, ProgramError};
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::tags::StartError;
@@ -17,7 +18,7 @@ pub enum ScoreError {
     SessionTwice { folder: String },
     #[error("{file} has no recorded detections of {detector}")]
     NotRecorded { file: String, detector: String },
-    #[error("{}", nothing_scored(*photos, file, reason))]
+    #[error("{}", none_of(*photos, file, reason))]
     NothingScored {
         photos: usize,
         file: String,
@@ -47,7 +48,15 @@ pub enum ScoreError {
     Tags(#[from] StartError),
 }
 
-fn nothing_scored(photos: usize, file: &str, reason: &str) -> String {
+/// The error of a run whose photos were all left out; none without any photo.
+pub(super) fn nothing_scored(photos: usize, first: Option<&NotScored>) -> Result<(), ScoreError> {
+    let Some(NotScored { file, reason, .. }) = first.cloned() else {
+        return Ok(());
+    };
+    Err(ScoreError::NothingScored { photos, file, reason })
+}
+
+fn none_of(photos: usize, file: &str, reason: &str) -> String {
     match photos {
         1 => format!("the only photo, {file}, could not be scored: {reason}"),
         _ => format!("none of the {photos} photos could be scored; {file}, for one: {reason}"),

@@ -56,13 +56,9 @@ impl FromStr for GroupBy {
             None => (text, None),
             Some((condition, step)) => (condition, Some(step.parse::<f64>().map_err(|_| syntax())?)),
         };
-        let is_good = !condition.trim().is_empty() && step.is_none_or(|step| step.is_finite() && step > 0.0);
-        is_good
-            .then(|| GroupBy {
-                condition: condition.trim().to_owned(),
-                step,
-            })
-            .ok_or_else(syntax)
+        let condition = condition.trim().to_owned();
+        let is_good = !condition.is_empty() && step.is_none_or(|step| step.is_finite() && step > 0.0);
+        is_good.then_some(GroupBy { condition, step }).ok_or_else(syntax)
     }
 }
 
@@ -102,14 +98,11 @@ impl GroupBy {
         let with: Vec<_> = with.collect();
         self.check_values(&with, photos.iter().flat_map(|p| p.conditions.keys()))?;
         let groups: BTreeSet<String> = photos.iter().filter_map(|p| self.of(p)).collect();
-        if groups.len() > MOST_GROUPS {
-            Err(GroupByError::TooMany {
-                condition: self.condition.clone(),
-                groups: groups.len(),
-            })
-        } else {
-            Ok(())
+        if groups.len() <= MOST_GROUPS {
+            return Ok(());
         }
+        let (condition, groups) = (self.condition.clone(), groups.len());
+        Err(GroupByError::TooMany { condition, groups })
     }
 
     /// `with` has the file and value of each photo that has the condition, `names` the conditions of all.

@@ -90,19 +90,15 @@ pub(super) struct ScoringJob<'a> {
 
 impl ScoringJob<'_> {
     pub(super) fn all(sessions: &[Session]) -> Vec<ScoringJob<'_>> {
-        let entries = sessions
-            .iter()
-            .enumerate()
-            .flat_map(|(i, s)| s.photos.iter().map(move |entry| (i, s, entry)));
-        (1..)
-            .zip(entries)
-            .map(|(id, (session_index, session, entry))| ScoringJob {
-                id,
-                session_index,
-                session,
-                entry,
-            })
-            .collect()
+        let sessions = sessions.iter().enumerate();
+        let entries = sessions.flat_map(|(i, s)| s.photos.iter().map(move |entry| (i, s, entry)));
+        let job = |(id, (session_index, session, entry))| ScoringJob {
+            id,
+            session_index,
+            session,
+            entry,
+        };
+        (1..).zip(entries).map(job).collect()
     }
 
     pub(super) fn left_out(&self, reason: NotScoredReason) -> NotScored {
@@ -133,10 +129,8 @@ pub(super) struct PlacedModel {
 /// The session's own truth and viewpoint where it has them, else from the tags; or why there is none.
 pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel, NotScoredReason> {
     let scene = &job.session.scene;
-    let given = job
-        .entry
-        .box_xyxy_px
-        .map(|b| b.clipped(seen.width.into(), seen.height.into()));
+    let given = job.entry.box_xyxy_px;
+    let given = given.map(|b| b.clipped(seen.width.into(), seen.height.into()));
     if given.is_some_and(|b| !b.is_solid()) {
         return Err(NotScoredReason::of(
             "box_xyxy_px lies outside the photo: is it another photo's?",
@@ -146,13 +140,8 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
         return Ok(PlacedModel { located: None, truth });
     }
     let camera = job.session.known_camera().map_err(NotScoredReason::of)?;
-    let photo = locate_tags(
-        seen.tags.clone(),
-        (seen.width, seen.height),
-        seen.turned_deg,
-        scene,
-        camera,
-    );
+    let size = (seen.width, seen.height);
+    let photo = locate_tags(seen.tags.clone(), size, seen.turned_deg, scene, camera);
     if let Some(truth) = given {
         let located = photo.result.ok();
         return Ok(PlacedModel { located, truth });
@@ -197,11 +186,12 @@ impl PhotoPart<'_> {
         let (across, down) = ((x2 - x1) / f64::from(width), (y2 - y1) / f64::from(height));
         let moved = found.into_iter().filter_map(|d| {
             let b = d.box_px;
+            let [from, to] = [(b.x1, b.y1), (b.x2, b.y2)].map(|(x, y)| (x1 + across * x, y1 + down * y));
             let in_photo = BoxPx {
-                x1: x1 + across * b.x1,
-                y1: y1 + down * b.y1,
-                x2: x1 + across * b.x2,
-                y2: y1 + down * b.y2,
+                x1: from.0,
+                y1: from.1,
+                x2: to.0,
+                y2: to.1,
             };
             Detection::new(d.label, d.score, in_photo)
         });
@@ -217,17 +207,31 @@ enum Stop {
     Run(ScoreError),
 }
 
-impl Stop {
-    fn of_network(error: DetectError) -> Stop {
+impl From<ScoreError> for Stop {
+    fn from(error: ScoreError) -> Stop {
+        Stop::Run(error)
+    }
+}
+
+impl From<NotScoredReason> for Stop {
+    fn from(reason: NotScoredReason) -> Stop {
+        Stop::Photo(reason)
+    }
+}
+
+impl From<DetectError> for Stop {
+    fn from(error: DetectError) -> Stop {
         match error {
-            DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(error)),
+            DetectError::NotANumber { .. } => NotScoredReason::of(error).into(),
             error => Stop::Run(error.into()),
         }
     }
+}
 
-    fn of_program(error: ProgramError) -> Stop {
+impl From<ProgramError> for Stop {
+    fn from(error: ProgramError) -> Stop {
         match error {
-            ProgramError::Declined { .. } => Stop::Photo(NotScoredReason::of(error)),
+            ProgramError::Declined { .. } => NotScoredReason::of(error).into(),
             error => Stop::Run(error.into()),
         }
     }
@@ -235,7 +239,16 @@ impl Stop {
 
 impl From<PhotoError> for Stop {
     fn from(e: PhotoError) -> Stop {
-        Stop::Photo(NotScoredReason::of(e))
+        NotScoredReason::of(e).into()
+    }
+}
+
+/// What a stop leaves: the outer error ends the run, the inner one only leaves the photo out.
+fn unless_run_ends<T>(seen: Result<T, Stop>) -> Result<Result<T, NotScoredReason>, ScoreError> {
+    match seen {
+        Ok(seen) => Ok(Ok(seen)),
+        Err(Stop::Photo(reason)) => Ok(Err(reason)),
+        Err(Stop::Run(e)) => Err(e),
     }
 }
 
@@ -263,11 +276,7 @@ impl<'a> Observer<'a> {
         &mut self,
         job: &ScoringJob,
     ) -> Result<Result<(Observation, PlacedModel), NotScored>, ScoreError> {
-        match self.observe(job) {
-            Ok(seen) => Ok(Ok(seen)),
-            Err(Stop::Photo(reason)) => Ok(Err(job.left_out(reason))),
-            Err(Stop::Run(e)) => Err(e),
-        }
+        Ok(unless_run_ends(self.observe(job))?.map_err(|reason| job.left_out(reason)))
     }
 
     /// Tags first: no detector looks at a photo that cannot be placed.
@@ -281,15 +290,14 @@ impl<'a> Observer<'a> {
             turned_deg: photo.turned_deg,
             taken: shot.taken,
             exposure: shot.exposure,
-            tags: if job.needs_tags() {
-                self.tags(job.session, &photo)?
-            } else {
-                Vec::new()
-            },
+            tags: Vec::new(),
             detections: Vec::new(),
             preview_jpeg: Vec::new(),
         };
-        let place = timed(Stage::Pose, || place(job, &seen)).map_err(Stop::Photo)?;
+        if job.needs_tags() {
+            seen.tags = self.tags(job.session, &photo)?;
+        }
+        let place = timed(Stage::Pose, || place(job, &seen))?;
         let mut decoded = DecodedPhoto::of(&photo);
         for index in 0..self.detectors.len() {
             seen.detections.push(self.detections(index, job, &mut decoded)?);
@@ -305,9 +313,7 @@ impl<'a> Observer<'a> {
     /// The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
     fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
         let scene = &session.scene;
-        let camera = session
-            .known_camera()
-            .map_err(|e| Stop::Photo(NotScoredReason::of(e)))?;
+        let camera = session.known_camera().map_err(NotScoredReason::of)?;
         let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
         let key = self.key(&["tags", &photo.sha256, &searched]);
         self.kept(key, |own| {
@@ -324,37 +330,32 @@ impl<'a> Observer<'a> {
         decoded: &mut DecodedPhoto,
     ) -> Result<Vec<Detection>, Stop> {
         let detector = &self.detectors[index];
-        let weights = match &detector.source {
-            DetectionSource::Live(weights) => weights,
+        let (photo, file) = (decoded.file, &job.entry.file);
+        let not_recorded = || ScoreError::NotRecorded {
+            file: file.clone(),
+            detector: detector.manifest.name.clone(),
+        };
+        match &detector.source {
+            DetectionSource::Live(weights) => {
+                let key = self.network_key(index, &["detections", &photo.sha256]);
+                self.kept(key, |own| {
+                    let (width, height) = (photo.width, photo.height);
+                    let image = decoded.at_least(detector.manifest.least_px(width, height))?;
+                    let loaded = own.loaded(index, weights)?;
+                    Ok(timed(Stage::Network, || loaded.detect_reduced(image, width, height))?)
+                })
+            }
             DetectionSource::Recorded(recordings) => {
-                let found = recordings.iter().find_map(|r| r.of_photo(&decoded.file.sha256));
-                let not_recorded = || ScoreError::NotRecorded {
-                    file: job.entry.file.clone(),
-                    detector: detector.manifest.name.clone(),
-                };
-                return Ok(found.ok_or_else(not_recorded).map_err(Stop::Run)?.to_vec());
+                let found = recordings.iter().find_map(|r| r.of_photo(&photo.sha256));
+                Ok(found.ok_or_else(not_recorded)?.to_vec())
             }
             DetectionSource::Outside(results) => {
-                let size = [decoded.file.width, decoded.file.height];
-                let found = results.of_photo(job.index(), &job.entry.file, size);
-                return found.map_err(|e| Stop::Run(e.into()));
+                let found = results.of_photo(job.index(), file, [photo.width, photo.height]);
+                Ok(found.map_err(ScoreError::from)?)
             }
-            DetectionSource::Program(program) => return self.by_program(program, job, decoded),
-            DetectionSource::Elsewhere(card) => {
-                let (detector, file) = (card.name.clone(), job.entry.file.clone());
-                return Err(Stop::Run(ScoreError::NotRecorded { file, detector }));
-            }
-        };
-        let manifest = &detector.manifest;
-        let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
-        let key = self.key(&["detections", &decoded.file.sha256, &manifest.weights.sha256, &read]);
-        self.kept(key, |own| {
-            let (width, height) = (decoded.file.width, decoded.file.height);
-            let image = decoded.at_least(manifest.least_px(width, height))?;
-            let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
-            let found = timed(Stage::Network, || loaded.detect_reduced(image, width, height));
-            found.map_err(Stop::of_network)
-        })
+            DetectionSource::Program(program) => self.by_program(program, job, decoded),
+            DetectionSource::Elsewhere(_) => Err(not_recorded().into()),
+        }
     }
 
     /// What a program answers is kept for later runs only when it says that it always answers alike.
@@ -372,13 +373,12 @@ impl<'a> Observer<'a> {
         let found = self.kept(key.filter(|_| program.is_deterministic()), |_| {
             let size = [decoded.file.width, decoded.file.height];
             let pixels = program.takes_pixels().then(|| decoded.at_least(size)).transpose()?;
-            let found = program.detect(&ProgramPhoto {
+            Ok(program.detect(&ProgramPhoto {
                 path: &job.session.photo_path(job.entry),
                 file: &job.entry.file,
                 size,
                 pixels,
-            });
-            found.map_err(Stop::of_program)
+            })?)
         })?;
         program.remember(&sha256, &found);
         Ok(found)
@@ -393,51 +393,47 @@ impl<'a> Observer<'a> {
         image: &mut dyn FnMut() -> Result<Arc<RgbImage>, ScoreError>,
     ) -> Result<Result<Vec<Detection>, NotScoredReason>, ScoreError> {
         let detector = &self.detectors[index];
-        let found = match &detector.source {
+        unless_run_ends(match &detector.source {
             DetectionSource::Live(weights) => {
-                let manifest = &detector.manifest;
-                let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
-                let key = self.key(&["part", part.name, part.sha256, &manifest.weights.sha256, &read]);
+                let key = self.network_key(index, &["part", part.name, part.sha256]);
                 self.kept(key, |own| {
-                    let image = image().map_err(Stop::Run)?;
-                    let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
-                    let found = loaded.detect(&image).map_err(Stop::of_network)?;
+                    let image = image()?;
+                    let found = own.loaded(index, weights)?.detect(&image)?;
                     Ok(part.in_photo(found, image.dimensions()))
                 })
             }
             DetectionSource::Program(program) => {
                 let key = self.key(&["part", part.name, part.sha256, &program.card().sha256()]);
                 self.kept(key.filter(|_| program.is_deterministic()), |_| {
-                    let image = image().map_err(Stop::Run)?;
+                    let image = image()?;
                     let found = program.detect(&ProgramPhoto {
                         path: part.path,
                         file: part.file,
                         size: image.dimensions().into(),
                         pixels: Some(&image),
-                    });
-                    Ok(part.in_photo(found.map_err(Stop::of_program)?, image.dimensions()))
+                    })?;
+                    Ok(part.in_photo(found, image.dimensions()))
                 })
             }
             _ => {
                 let detector = detector.manifest.name.clone();
-                return Err(ScoreError::NotCorruptible { detector });
+                Err(ScoreError::NotCorruptible { detector }.into())
             }
-        };
-        match found {
-            Ok(found) => Ok(Ok(found)),
-            Err(Stop::Photo(reason)) => Ok(Err(reason)),
-            Err(Stop::Run(e)) => Err(e),
-        }
+        })
     }
 
-    fn loaded(&mut self, index: usize, weights: &std::path::Path) -> Result<&mut Detector, DetectError> {
+    /// The key of what a network finds: also of its weights, and of how it is fed and read.
+    fn network_key(&self, index: usize, parts: &[&str]) -> Option<Key> {
+        let manifest = &self.detectors[index].manifest;
+        let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
+        self.key(&[parts, &[&manifest.weights.sha256, &read]].concat())
+    }
+
+    fn loaded(&mut self, index: usize, weights: &Path) -> Result<&mut Detector, DetectError> {
         let opened = match self.loaded[index].take() {
             Some(detector) => detector,
             None => {
-                let runtime = match self.runtime {
-                    Some(runtime) => runtime,
-                    None => Runtime::load()?,
-                };
+                let runtime = self.runtime.map_or_else(Runtime::load, Ok)?;
                 Detector::open(runtime, &self.detectors[index].manifest, weights)?
             }
         };

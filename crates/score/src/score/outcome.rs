@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::EvaluatedDetector;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
 
@@ -53,23 +54,33 @@ impl PhotoOutcome {
             .filter(|d| !counted.contains(&d.label) && d.score >= hit_confidence)
             .max_by(|a, b| a.score.total_cmp(&b.score))
             .map(|d| (d.label, d.score));
-        let verdict = match (confidence >= hit_confidence, other.is_some()) {
-            (false, _) => Verdict::Missed,
-            (true, true) => Verdict::FoundWithOther,
-            (true, false) => Verdict::Found,
+        let is_hit = confidence >= hit_confidence;
+        let verdict = match other {
+            _ if !is_hit => Verdict::Missed,
+            Some(_) => Verdict::FoundWithOther,
+            None => Verdict::Found,
         };
-        let strong = || {
-            detections
-                .iter()
-                .filter(|d| counted.contains(&d.label) && d.score >= hit_confidence)
-        };
+        let counts = |d: &&Detection| counted.contains(&d.label) && d.score >= hit_confidence;
+        let strong = || detections.iter().filter(counts);
         PhotoOutcome {
             confidence,
             other,
             verdict,
             hallucinations: strong().filter(|d| d.box_px.iou(truth) < least.iou).count(),
-            false_positives: strong().count() - usize::from(confidence >= hit_confidence),
+            false_positives: strong().count() - usize::from(is_hit),
         }
+    }
+
+    /// What each detector made of a photo.
+    pub(super) fn of_each(
+        detectors: &[EvaluatedDetector],
+        found: &[Vec<Detection>],
+        truth: &BoxPx,
+        least: Thresholds,
+    ) -> Vec<PhotoOutcome> {
+        let both = detectors.iter().zip(found);
+        both.map(|(detector, found)| PhotoOutcome::of(found, truth, &detector.counted, least))
+            .collect()
     }
 
     /// True when the model was found as its class, whatever else lies on it.

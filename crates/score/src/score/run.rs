@@ -1,8 +1,8 @@
 //! A scoring run: every photo of some sessions through pose, truth and detectors, in parallel.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::error::ScoreError;
+use super::error::{ScoreError, nothing_scored};
 use super::evaluated::{EvaluatedDetector, runtime};
 use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
 use super::scores::Scores;
@@ -64,13 +64,8 @@ pub fn timed_photos(
     let sessions = std::slice::from_ref(session);
     let jobs = ScoringJob::all(sessions);
     let families = session.scene.families().into_iter().collect::<Vec<_>>();
-    let mut observer = Observer::new(
-        (&families, TagDetectorChoice::default()),
-        detectors,
-        runtime(detectors)?,
-        None,
-        jobs.len(),
-    )?;
+    let (tags, runtime) = (TagDetectorChoice::default(), runtime(detectors)?);
+    let mut observer = Observer::new((&families, tags), detectors, runtime, None, jobs.len())?;
     let mut timed = Vec::new();
     for round in 0..=rounds {
         let (mut photos, mut left_out) = (Vec::new(), None);
@@ -86,12 +81,8 @@ pub fn timed_photos(
             }
             on_photo();
         }
-        if let (true, Some(first)) = (photos.is_empty(), left_out) {
-            return Err(ScoreError::NothingScored {
-                photos: jobs.len(),
-                file: first.file,
-                reason: first.reason,
-            });
+        if photos.is_empty() {
+            nothing_scored(jobs.len(), left_out.as_ref())?;
         }
         if round > 0 {
             timed.push(photos);
@@ -145,25 +136,15 @@ fn over_photos<R: Send>(
     check_alike(sessions)?;
     let runtime = runtime(detectors)?;
     let families = sessions.iter().flat_map(|s| s.scene.families());
-    let families: Vec<_> = families
-        .collect::<std::collections::BTreeSet<_>>()
-        .into_iter()
-        .collect();
+    let families: Vec<_> = families.collect::<BTreeSet<_>>().into_iter().collect();
     let mut jobs = ScoringJob::all(sessions);
     let photos = jobs.len();
     jobs.retain(|job| shard.is_none_or(|shard| shard.holds(job.id)));
+    let (tags, cache) = ((families.as_slice(), options.tags), options.cache.as_ref());
     workers::map_over(
         options.threads,
         &jobs,
-        || {
-            Observer::new(
-                (&families, options.tags),
-                detectors,
-                runtime,
-                options.cache.as_ref(),
-                photos,
-            )
-        },
+        || Observer::new(tags, detectors, runtime, cache, photos),
         |observer, job| judge(job, observer.photo(job)?),
         on_photo,
     )
@@ -171,26 +152,19 @@ fn over_photos<R: Send>(
 
 fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
     let first = sessions.first().ok_or(ScoreError::NoSession)?;
-    let places: Vec<_> = sessions
-        .iter()
-        .map(|s| s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone()))
-        .collect();
+    let real = |s: &Session| s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone());
+    let places: Vec<_> = sessions.iter().map(real).collect();
+    let name = |s: &Session| s.folder.display().to_string();
     if let Some(i) = (1..places.len()).find(|i| places[..*i].contains(&places[*i])) {
-        return Err(ScoreError::SessionTwice {
-            folder: sessions[i].folder.display().to_string(),
-        });
+        let folder = name(&sessions[i]);
+        return Err(ScoreError::SessionTwice { folder });
     }
     let alike = |s: &&Session| s.scene.bins == first.scene.bins && s.scene.model.class == first.scene.model.class;
-    match sessions.iter().find(|s| !alike(s)) {
-        None => Ok(()),
-        Some(other) => {
-            let name = |s: &Session| s.folder.display().to_string();
-            Err(ScoreError::DifferentScenes {
-                a: name(first),
-                b: name(other),
-            })
-        }
-    }
+    let Some(other) = sessions.iter().find(|s| !alike(s)) else {
+        return Ok(());
+    };
+    let (a, b) = (name(first), name(other));
+    Err(ScoreError::DifferentScenes { a, b })
 }
 
 /// The per-photo values of a photo whose model was placed.
@@ -200,33 +174,30 @@ fn scored(
     observation: Observation,
     place: PlacedModel,
 ) -> ScoredPhoto {
+    let (entry, located) = (job.entry, place.located.as_ref());
     let least = Criteria::default().thresholds();
-    let outcomes = detectors
-        .iter()
-        .zip(&observation.detections)
-        .map(|(c, found)| PhotoOutcome::of(found, &place.truth, &c.counted, least))
-        .collect();
-    let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
+    let outcomes = PhotoOutcome::of_each(detectors, &observation.detections, &place.truth, least);
+    let viewpoint = entry.viewpoint.or(located.map(|l| l.viewpoint));
     ScoredPhoto {
         id: job.id,
         session: job.session_index,
-        file: job.entry.file.clone(),
+        file: entry.file.clone(),
         sha256: observation.sha256,
-        variant: job.entry.variant.clone(),
-        place: job.entry.place.clone(),
-        conditions: job.entry.conditions.clone(),
+        variant: entry.variant.clone(),
+        place: entry.place.clone(),
+        conditions: entry.conditions.clone(),
         width: observation.width,
         height: observation.height,
         viewpoint,
         bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
-        tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
-        tag_marks: marks(&observation.tags, place.located.as_ref()),
-        rms_px: place.located.as_ref().map(|l| l.rms_px),
-        sigma: place.located.as_ref().map(|l| l.sigma),
-        taken: job.entry.taken.clone().or(observation.taken),
+        tags: located.map(|l| l.tags.clone()).unwrap_or_default(),
+        tag_marks: marks(&observation.tags, located),
+        rms_px: located.map(|l| l.rms_px),
+        sigma: located.map(|l| l.sigma),
+        taken: entry.taken.clone().or(observation.taken),
         exposure: observation.exposure,
         truth: place.truth,
-        truth_given: job.entry.box_xyxy_px.is_some(),
+        truth_given: entry.box_xyxy_px.is_some(),
         detections: observation.detections,
         outcomes,
         preview_jpeg: observation.preview_jpeg,
@@ -235,14 +206,12 @@ fn scored(
 
 /// Where the tags were seen, by id, and which of them the pose rests on.
 fn marks(seen: &[SeenTag], located: Option<&Located>) -> Vec<TagMark> {
-    let mut marks: Vec<TagMark> = seen
-        .iter()
-        .map(|tag| TagMark {
-            id: tag.id,
-            corners_px: tag.corners_px,
-            is_used: located.is_some_and(|l| l.tags.contains(&tag.id)),
-        })
-        .collect();
+    let mark = |tag: &SeenTag| TagMark {
+        id: tag.id,
+        corners_px: tag.corners_px,
+        is_used: located.is_some_and(|l| l.tags.contains(&tag.id)),
+    };
+    let mut marks: Vec<TagMark> = seen.iter().map(mark).collect();
     marks.sort_by_key(|mark| mark.id);
     marks
 }

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::error::ScoreError;
+use super::error::{ScoreError, nothing_scored};
 use super::grouping::{GroupBy, GroupByError};
 use super::settings::AppliedSettings;
 use super::{
@@ -75,13 +75,8 @@ impl Scores {
                 Err(reason) => not_scored.push(reason),
             }
         }
-        if let (true, Some(first)) = (photos.is_empty(), not_scored.first()) {
-            let (file, reason) = (first.file.clone(), first.reason.clone());
-            return Err(ScoreError::NothingScored {
-                photos: not_scored.len(),
-                file,
-                reason,
-            });
+        if photos.is_empty() {
+            nothing_scored(not_scored.len(), not_scored.first())?;
         }
         let mut scores = Scores {
             cautions: Vec::new(),
@@ -153,10 +148,7 @@ impl Scores {
     pub fn judged_by(mut self, criteria: Criteria) -> Scores {
         let least = criteria.thresholds();
         for photo in &mut self.photos {
-            let judged = self.detectors.iter().zip(&photo.detections);
-            photo.outcomes = judged
-                .map(|(c, found)| PhotoOutcome::of(found, &photo.truth, &c.counted, least))
-                .collect();
+            photo.outcomes = PhotoOutcome::of_each(&self.detectors, &photo.detections, &photo.truth, least);
         }
         self.criteria = criteria;
         self.sum_up();

@@ -45,27 +45,21 @@ impl ShardId {
             None if text == "slurm" => {
                 let (first, last) = (number("SLURM_ARRAY_TASK_MIN")?, number("SLURM_ARRAY_TASK_MAX")?);
                 let (id, count) = (number("SLURM_ARRAY_TASK_ID")?, number("SLURM_ARRAY_TASK_COUNT")?);
-                if last
-                    .checked_sub(first)
-                    .is_none_or(|steps| steps.checked_add(1) != Some(count))
-                {
+                let steps = last.checked_sub(first).and_then(|steps| steps.checked_add(1));
+                if steps != Some(count) {
                     return Err(ShardIdError::Gaps { first, last, count });
                 }
                 let index = id.checked_sub(first).and_then(|steps| steps.checked_add(1));
-                index.map(|index| ShardId { index, count })
+                index.map(|index| (index, count))
             }
             Some(("k8s", count)) => {
                 let index = number("JOB_COMPLETION_INDEX")?.checked_add(1);
-                index
-                    .zip(count.parse().ok())
-                    .map(|(index, count)| ShardId { index, count })
+                index.zip(count.parse().ok())
             }
-            Some((index, count)) => {
-                let both = index.parse().ok().zip(count.parse().ok());
-                both.map(|(index, count)| ShardId { index, count })
-            }
+            Some((index, count)) => index.parse().ok().zip(count.parse().ok()),
             None => None,
         };
+        let id = id.map(|(index, count)| ShardId { index, count });
         id.filter(ShardId::is_there)
             .ok_or_else(|| ShardIdError::NoShard { text: text.to_owned() })
     }
@@ -129,16 +123,14 @@ impl Run {
         chosen_as: Vec<String>,
         runtime: Option<String>,
     ) -> Result<Run, FileError> {
-        let used = chosen_as.into_iter().zip(detectors);
+        let used = |(chosen_as, detector): (String, &EvaluatedDetector)| DetectorUsed {
+            chosen_as,
+            fingerprint: detector.fingerprint(),
+            foreign: detector.foreign().cloned(),
+        };
         Ok(Run {
             sessions: sessions.iter().map(SessionSeen::of).collect::<Result<_, _>>()?,
-            detectors: used
-                .map(|(chosen_as, detector)| DetectorUsed {
-                    chosen_as,
-                    fingerprint: detector.fingerprint(),
-                    foreign: detector.foreign().cloned(),
-                })
-                .collect(),
+            detectors: chosen_as.into_iter().zip(detectors).map(used).collect(),
             is_recorded: detectors.iter().all(|d| d.is_recorded() || d.foreign().is_some()),
             runtime,
             libraries: libraries(TagDetectorChoice::default()),
@@ -169,11 +161,11 @@ impl Run {
         let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
             return Ok(Vec::new());
         };
-        let networks: Vec<EvaluatedDetector> = match self.is_recorded {
-            true => evaluated_detectors(sessions, manifests, None)?,
-            false => (manifests.into_iter())
-                .map(|manifest| EvaluatedDetector::ran_elsewhere(manifest, class))
-                .collect::<Result<_, _>>()?,
+        let elsewhere = |manifest| EvaluatedDetector::ran_elsewhere(manifest, class);
+        let networks: Vec<EvaluatedDetector> = if self.is_recorded {
+            evaluated_detectors(sessions, manifests, None)?
+        } else {
+            manifests.into_iter().map(elsewhere).collect::<Result<_, _>>()?
         };
         let mut networks = networks.into_iter();
         let mut detectors = Vec::new();
@@ -311,14 +303,11 @@ impl Shard {
         let bytes = files::read(path)?;
         let path = || path.to_owned();
         let after_magic = bytes.strip_prefix(MAGIC.as_bytes());
-        let (version, rest) = after_magic
-            .and_then(line)
-            .ok_or_else(|| ShardError::NotAShard { path: path() })?;
+        let head = after_magic.and_then(line);
+        let (version, rest) = head.ok_or_else(|| ShardError::NotAShard { path: path() })?;
         if version != VERSION {
-            return Err(ShardError::OtherVersion {
-                path: path(),
-                found: version.to_owned(),
-            });
+            let (path, found) = (path(), version.to_owned());
+            return Err(ShardError::OtherVersion { path, found });
         }
         let whole = line(rest).filter(|(sum, content)| *sum == files::sha256_hex(content));
         whole
@@ -364,24 +353,18 @@ pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
     let missing = (1..=count).filter(|index| !seen.contains_key(index));
     let missing: Vec<u64> = missing.take(MISSING_NAMED + 1).collect();
     if missing.is_empty() {
-        Ok((run, observed))
-    } else {
-        Err(ShardError::Missing {
-            found: seen.len(),
-            count,
-            missing,
-        })
+        return Ok((run, observed));
     }
+    let found = seen.len();
+    Err(ShardError::Missing { found, count, missing })
 }
 
 fn difference(a: &Run, b: &Run, a_count: u64, b_count: u64) -> Option<&'static str> {
+    let same_detectors = a.detectors == b.detectors && a.is_recorded == b.is_recorded;
     let checks = [
         (a_count == b_count, "their numbers of shards"),
         (a.sessions == b.sessions, "their sessions, scenes or cameras"),
-        (
-            a.detectors == b.detectors && a.is_recorded == b.is_recorded,
-            "their detectors",
-        ),
+        (same_detectors, "their detectors"),
         (a.runtime == b.runtime, "their ONNX Runtimes"),
         (a.libraries == b.libraries, "their libraries"),
     ];

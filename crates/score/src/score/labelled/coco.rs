@@ -62,10 +62,8 @@ pub(super) fn read(path: &Path, folder: &Path, labels: Labels) -> Result<Labelle
     let mut photos: BTreeMap<u64, LabelledPhoto> = BTreeMap::new();
     for image in &file.images {
         let name = Path::new(&image.file_name);
-        if !name
-            .components()
-            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
-        {
+        let is_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+        if !name.components().all(is_inside) {
             return Err(refused(format!(
                 "image {}: the file name {:?} leaves the folder of photos",
                 image.id, image.file_name
@@ -81,16 +79,13 @@ pub(super) fn read(path: &Path, folder: &Path, labels: Labels) -> Result<Labelle
     }
     for annotation in &file.annotations {
         let [x, y, width, height] = annotation.bbox;
-        let photo = photos.get_mut(&annotation.image_id).ok_or_else(|| {
-            refused(format!(
-                "an annotation names image {}, which is not in `images`",
-                annotation.image_id
-            ))
-        })?;
+        let id = annotation.image_id;
+        let unlisted = || refused(format!("an annotation names image {id}, which is not in `images`"));
+        let photo = photos.get_mut(&id).ok_or_else(unlisted)?;
         if !annotation.bbox.iter().all(|v| v.is_finite()) || width < 0.0 || height < 0.0 {
             return Err(refused(format!(
-                "image {}: bbox is {:?}: give x, y, width and height in px",
-                annotation.image_id, annotation.bbox
+                "image {id}: bbox is {:?}: give x, y, width and height in px",
+                annotation.bbox
             )));
         }
         if let Some(label) = known.get(&annotation.category_id) {
@@ -101,12 +96,9 @@ pub(super) fn read(path: &Path, folder: &Path, labels: Labels) -> Result<Labelle
             });
         }
     }
-    if photos.values().any(|photo| !photo.objects.is_empty()) {
-        Ok(LabelledPhotos {
-            photos: photos.into_values().collect(),
-            unknown,
-        })
-    } else {
-        Err(refused("it has no object with a label of the detector".to_owned()))
+    if photos.values().all(|photo| photo.objects.is_empty()) {
+        return Err(refused("it has no object with a label of the detector".to_owned()));
     }
+    let photos = photos.into_values().collect();
+    Ok(LabelledPhotos { photos, unknown })
 }

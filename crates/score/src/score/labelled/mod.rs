@@ -112,16 +112,10 @@ impl LabelledPhotos {
 
     /// The averages of what was found; with `shift`, of labels that many entries further down the list. `None` without any object.
     pub fn averages(&self, found: &Found, shift: i64) -> Option<Averages> {
-        let highest = self
-            .photos
-            .iter()
-            .flat_map(|photo| &photo.objects)
-            .map(|object| object.label)
-            .max()?;
+        let objects = self.photos.iter().flat_map(|photo| &photo.objects);
+        let highest = objects.map(|object| object.label).max()?;
         let of_label = (0..=highest).filter_map(|label| {
-            let images: Vec<ImageBoxes> = (self.photos.iter().zip(found))
-                .map(|(photo, found)| boxes(photo, found, label, shift))
-                .collect();
+            let images = self.images(found, label, shift);
             let ap_50 = average_precision_as(ApDefinition::Coco101, &images, 0.5)?.ap;
             let ap_50_95 = over_ious(ApDefinition::Coco101, &images)?.ap;
             Some([ap_50_95, ap_50])
@@ -134,18 +128,19 @@ impl LabelledPhotos {
         })
     }
 
+    /// The boxes of a label in each photo.
+    fn images(&self, found: &Found, label: usize, shift: i64) -> Vec<ImageBoxes> {
+        let both = self.photos.iter().zip(found);
+        both.map(|(photo, found)| boxes(photo, found, label, shift)).collect()
+    }
+
     /// What a change gains in AP@[.5:.95] at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
     /// interval over photos. `None` with too few of them.
     pub fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> Option<f64> {
-        let labels: BTreeSet<usize> = self
-            .photos
-            .iter()
-            .flat_map(|photo| &photo.objects)
-            .map(|o| o.label)
-            .collect();
+        let objects = self.photos.iter().flat_map(|photo| &photo.objects);
+        let labels: BTreeSet<usize> = objects.map(|o| o.label).collect();
         let ranked = |found: &Found, label: usize, shift: i64| {
-            let images = self.photos.iter().zip(found);
-            let images: Vec<ImageBoxes> = images.map(|(photo, found)| boxes(photo, found, label, shift)).collect();
+            let images = self.images(found, label, shift);
             ious().map(move |iou| Ranked::new(&images, iou))
         };
         let of_label = |label: &usize| ranked(before, *label, 0).zip(ranked(after, *label, shift));

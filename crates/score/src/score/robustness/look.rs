@@ -25,14 +25,12 @@ pub(super) fn at(
     let path = scores.sessions[photo.session].folder.join(&photo.file);
     let file = Photo::open(&path)?;
     if file.sha256 != photo.sha256 {
-        return Err(ScoreError::PhotoChanged {
-            file: photo.file.clone(),
-        });
+        let file = photo.file.clone();
+        return Err(ScoreError::PhotoChanged { file });
     }
-    let mut reduced = Reduced {
-        decoded: DecodedPhoto::of(&file),
-        image: None,
-    };
+    let mut decoded = DecodedPhoto::of(&file);
+    let size = reduced_size([file.width, file.height]);
+    let mut reduced: Option<RgbImage> = None;
     let seen = conditions.iter().map(|condition| {
         let view = View::of(photo, *condition);
         let mut image = None;
@@ -46,12 +44,14 @@ pub(super) fn at(
                 name: &view.name,
             };
             let found = observer.in_part(index, &part, &mut || {
-                let made = match image.take() {
-                    Some(made) => made,
-                    None => Arc::new(view.image(&photo.file, reduced.image()?)?),
-                };
-                image = Some(Arc::clone(&made));
-                Ok(made)
+                if image.is_none() {
+                    if reduced.is_none() {
+                        reduced = Some(shrunk(decoded.at_least(size)?, size));
+                    }
+                    let reduced = reduced.as_ref().map(|reduced| view.image(&photo.file, reduced));
+                    image = reduced.transpose()?.map(Arc::new);
+                }
+                Ok(image.clone().unwrap_or_default())
             })?;
             match found {
                 Ok(found) => detections.push(found),
@@ -67,22 +67,6 @@ pub(super) fn at(
 fn reduced_size(size: [u32; 2]) -> [u32; 2] {
     let share = (f64::from(LONGEST_PX) / f64::from(size[0].max(size[1]))).min(1.0);
     size.map(|side| (f64::from(side) * share).round().max(1.0) as u32)
-}
-
-/// A photo at the size at which it is corrupted, once it is asked for.
-struct Reduced<'a> {
-    decoded: DecodedPhoto<'a>,
-    image: Option<RgbImage>,
-}
-
-impl Reduced<'_> {
-    fn image(&mut self) -> Result<&RgbImage, ScoreError> {
-        if self.image.is_none() {
-            let size = reduced_size([self.decoded.file.width, self.decoded.file.height]);
-            self.image = Some(shrunk(self.decoded.at_least(size)?, size));
-        }
-        Ok(self.image.get_or_insert_default())
-    }
 }
 
 /// What a condition makes of a photo.
@@ -155,10 +139,7 @@ fn judged(scores: &Scores, photo: &ScoredPhoto, view: &View, mut detections: Vec
         photo.truth.y2.min(window.y2),
     );
     let least = scores.criteria.thresholds();
-    let judged = scores.detectors.iter().zip(&detections);
-    let outcomes = judged
-        .map(|(detector, found)| PhotoOutcome::of(found, &truth, &detector.counted, least))
-        .collect();
+    let outcomes = PhotoOutcome::of_each(&scores.detectors, &detections, &truth, least);
     for (found, detector) in detections.iter_mut().zip(&scores.detectors) {
         found.retain(|detection| detector.counts(detection));
     }
