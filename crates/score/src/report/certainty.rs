@@ -40,7 +40,8 @@ pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
         return None;
     }
     let each = |(c, r): (&Corrected, &Compared)| {
-        let texture = if results.iter().all(|other| other.variant == c.variant) {
+        let is_only = results.iter().all(|other| other.variant == c.variant);
+        let texture = if is_only {
             String::new()
         } else {
             format!(" on {}", c.variant)
@@ -87,13 +88,13 @@ pub(super) fn without_interval(r: &Compared, d: &Difference) -> String {
     let is_never_hit = d.other == 0.0 && r.hit_rate.rate.other == 0.0;
     // The photos of one cluster are no evidence of their own.
     let bound = wilson_95(0, r.clusters).filter(|_| is_never_hit);
-    let bound = bound.map_or(String::new(), |(_, high)| {
-        let clusters = if r.clusters == r.pairs {
-            String::new()
-        } else {
-            format!(" in {} clusters", r.clusters)
-        };
-        format!("; 0 of {}{clusters} hit, Wilson up to {}", r.pairs, digits(high, 2))
-    });
+    let is_each = r.clusters == r.pairs;
+    let clusters = if is_each {
+        String::new()
+    } else {
+        format!(" in {} clusters", r.clusters)
+    };
+    let said = |(_, high)| format!("; 0 of {}{clusters} hit, Wilson up to {}", r.pairs, digits(high, 2));
+    let bound = bound.map(said).unwrap_or_default();
     format!("no interval: all resamples agree{bound}")
 }

@@ -29,22 +29,18 @@ struct Page<'a> {
 
 /// Writes every file of a comparison into a folder, or none, and returns the path of the page to open.
 pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison) -> Result<PathBuf, ReportError> {
-    let page = folder.join("comparison.html");
-    let mut all = vec![
-        (page.clone(), page::render(scores, comparison).into_bytes()),
-        (
-            folder.join("comparison.tex"),
-            latex::comparison(scores, comparison).into_bytes(),
-        ),
-        (
-            folder.join("comparison.json"),
-            comparison_json(scores, comparison)?.into_bytes(),
-        ),
+    let texts = [
+        ("comparison.html", page::render(scores, comparison)),
+        ("comparison.tex", latex::comparison(scores, comparison)),
+        ("comparison.json", comparison_json(scores, comparison)?),
     ];
+    let mut all = texts
+        .map(|(name, text)| (folder.join(name), text.into_bytes()))
+        .to_vec();
     let figures = figures::of_comparison(scores, comparison)?;
     all.extend(figures.into_iter().map(|(name, content)| (folder.join(name), content)));
     files::replace_all_atomically(&all)?;
-    Ok(page)
+    Ok(folder.join("comparison.html"))
 }
 
 /// The whole of `comparison.json`.
@@ -78,12 +74,14 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
         lines.push(line("hit rate", r, &r.hit_rate.rate, &p));
         lines.push(line("mean confidence", r, &r.mean_confidence, ""));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50, ""));
-        for bin in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
-            let name = format!("hit rate at {}°", bin.0.azimuth_deg);
-            lines.push(bin_line(
+        for (bin, p) in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
+            let (name, d) = (format!("hit rate at {}°", bin.azimuth_deg), &bin.hits.rate);
+            // The photos of a bin have clusters of their own.
+            lines.push(with_asr(
                 &name,
-                &bin.0.hits.rate,
-                &format!("Holm p {}: ", p_value(bin.1)),
+                d,
+                &paired::asr(d, two),
+                &format!("Holm p {}: ", p_value(p)),
             ));
         }
     }
@@ -96,11 +94,6 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
 
 fn line(name: &str, r: &Compared, d: &Difference, test: &str) -> String {
     with_asr(name, d, &certainty::asr_text(r, d, two), test)
-}
-
-/// Of the photos of one bin, which have clusters of their own.
-fn bin_line(name: &str, d: &Difference, test: &str) -> String {
-    with_asr(name, d, &paired::asr(d, two), test)
 }
 
 fn with_asr(name: &str, d: &Difference, asr: &str, test: &str) -> String {

@@ -45,12 +45,10 @@ pub struct ExportRequest<'a> {
 /// Finds out, before photos are searched, that a folder is new or empty.
 pub fn check_export(folder: &Path) -> Result<(), ExportError> {
     if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
-        Err(ExportError::NotEmpty {
-            folder: folder.to_owned(),
-        })
-    } else {
-        Ok(files::check_writable(folder)?)
+        let folder = folder.to_owned();
+        return Err(ExportError::NotEmpty { folder });
     }
+    Ok(files::check_writable(folder)?)
 }
 
 /// Writes the export, whole or not at all, and returns the file that names everything.
@@ -63,13 +61,11 @@ pub fn export(request: &ExportRequest) -> Result<PathBuf, ExportError> {
     let texts = match request.format {
         ExportFormat::Coco => vec![(
             "annotations.json".to_owned(),
-            coco::annotations(scores, name_of, classes.categories(), classes.model_category())?,
+            coco::annotations(scores, name_of, classes.labels.clone(), classes.model_category())?,
         )],
         ExportFormat::Yolo => yolo(scores, &name_of, &classes),
     };
-    let main = texts
-        .first()
-        .map_or_else(|| folder.to_owned(), |(name, _)| folder.join(name));
+    let main = texts.first().map_or(folder.to_owned(), |(name, _)| folder.join(name));
     let photos = scores
         .photos
         .iter()
@@ -93,10 +89,9 @@ pub fn export(request: &ExportRequest) -> Result<PathBuf, ExportError> {
 
 fn path_of(scores: &Scores, photo: &ScoredPhoto) -> PathBuf {
     let session = scores.sessions.get(photo.session);
-    session.map_or_else(
-        || PathBuf::from(&photo.file),
-        |session| session.folder.join(&photo.file),
-    )
+    session
+        .map_or(PathBuf::new(), |session| session.folder.clone())
+        .join(&photo.file)
 }
 
 /// A name for each photo, by its id: its own, or its path in one word where two photos are called alike but for the ending.
@@ -145,10 +140,6 @@ impl Classes {
         }
     }
 
-    fn categories(&self) -> Vec<(u32, String)> {
-        self.labels.clone()
-    }
-
     fn model_category(&self) -> u32 {
         self.labels.get(self.model).map_or(1, |(id, _)| *id)
     }
@@ -156,10 +147,8 @@ impl Classes {
 
 /// The list of images, a text for each, and what Ultralytics reads.
 fn yolo(scores: &Scores, name_of: &dyn Fn(&ScoredPhoto) -> String, classes: &Classes) -> Vec<(String, String)> {
-    let list = scores
-        .photos
-        .iter()
-        .map(|photo| format!("./images/{}\n", name_of(photo)));
+    let photos = scores.photos.iter();
+    let list = photos.map(|photo| format!("./images/{}\n", name_of(photo)));
     let names = classes.labels.iter().enumerate();
     // A text of JSON is one of YAML.
     let names = names.map(|(index, (_, name))| format!("  {index}: {}\n", serde_json::Value::from(name.as_str())));
@@ -178,10 +167,8 @@ fn yolo(scores: &Scores, name_of: &dyn Fn(&ScoredPhoto) -> String, classes: &Cla
         ];
         let shares = shares.map(|share| format!(" {share:.8}")).concat();
         let name = Path::new(&name_of(photo)).with_extension("txt");
-        texts.push((
-            format!("labels/{}", name.display()),
-            format!("{}{shares}\n", classes.model),
-        ));
+        let name = format!("labels/{}", name.display());
+        texts.push((name, format!("{}{shares}\n", classes.model)));
     }
     texts
 }

@@ -101,11 +101,11 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         contents.push((results_name(&detector.manifest.name), results));
     }
     let figures = figures::of_report(scores, speeds)?;
-    let contents = contents.into_iter().map(|(name, text)| (name, text.into_bytes()));
-    let files: Vec<_> = contents
-        .chain(figures)
-        .map(|(name, content)| (folder.join(name), content))
-        .collect();
+    let contents = contents
+        .into_iter()
+        .map(|(name, text)| (name, text.into_bytes()))
+        .chain(figures);
+    let files: Vec<_> = contents.map(|(name, content)| (folder.join(name), content)).collect();
     let before = Before::of(folder);
     files::replace_all_atomically(&files)?;
     remove_stale(folder, &before, scores, speeds)?;
@@ -146,16 +146,12 @@ impl Before {
 /// and charts that were asked for then: of a protocol, of times, of photos made worse.
 fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
     let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
+    let mut stale = figures::stale(speeds, no_longer_robustness);
     if no_longer_robustness {
-        files::remove(&folder.join(robustness::NAME))?;
+        stale.push(robustness::NAME.to_owned());
     }
-    figures::stale(speeds, no_longer_robustness)
-        .iter()
-        .try_for_each(|name| files::remove(&folder.join(name)))?;
     if before.protocol.is_some() && scores.criteria.protocol.is_none() {
-        protocol::NAMES
-            .iter()
-            .try_for_each(|name| files::remove(&folder.join(name)))?;
+        stale.extend(protocol::NAMES.map(str::to_owned));
     }
     let built_in = Manifest::all()
         .unwrap_or_default()
@@ -163,13 +159,10 @@ fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<
         .map(|manifest| manifest.name);
     // The summary may be somebody else's: only what can be a detector's name becomes part of a path.
     let names = before.results.iter().map(|result| result.detector.clone());
-    let names = names.filter(|name| Manifest::is_name(name));
-    for name in built_in.chain(names) {
-        if scores.detectors.iter().all(|c| c.manifest.name != name) {
-            files::remove(&folder.join(results_name(&name)))?;
-        }
-    }
-    Ok(())
+    let names = built_in.chain(names.filter(|name| Manifest::is_name(name)));
+    let others = names.filter(|name| scores.detectors.iter().all(|c| c.manifest.name != *name));
+    stale.extend(others.map(|name| results_name(&name)));
+    Ok(stale.iter().try_for_each(|name| files::remove(&folder.join(name)))?)
 }
 
 fn results_name(detector: &str) -> String {

@@ -69,21 +69,15 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
         return None;
     }
     let needed = places_needed(r.bins, d.base, d.drop.min(d.base), POWER).ok();
-    let bins = spelling::count(r.bins, "bin");
-    Some(match needed.map(|needed| (needed, needed.saturating_sub(r.places))) {
-        None => format!(
-            "a drop as small as {} is beyond what photos can show",
-            digits(d.drop, 2)
-        ),
-        Some((needed, 0)) => format!(
-            "{} of {bins} show a drop of {} with a chance of {POWER}: these happened not to",
-            spelling::count(needed, "place"),
-            digits(d.drop, 2)
-        ),
-        Some((needed, more)) => format!(
-            "if the true drop is the {} seen, {} of these {bins} show it with a chance of {POWER}, and these photos are of {}: {}, {} photos",
-            digits(d.drop, 2),
-            spelling::count(needed, "place"),
+    let (bins, drop) = (spelling::count(r.bins, "bin"), digits(d.drop, 2));
+    let Some(needed) = needed else {
+        return Some(format!("a drop as small as {drop} is beyond what photos can show"));
+    };
+    let places = spelling::count(needed, "place");
+    Some(match needed.saturating_sub(r.places) {
+        0 => format!("{places} of {bins} show a drop of {drop} with a chance of {POWER}: these happened not to"),
+        more => format!(
+            "if the true drop is the {drop} seen, {places} of these {bins} show it with a chance of {POWER}, and these photos are of {}: {}, {} photos",
             r.places,
             spelling::choose(more, "1 place more", &format!("{more} places more")),
             2 * more * r.bins

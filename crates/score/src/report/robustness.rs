@@ -73,17 +73,17 @@ pub(super) fn survival_table(robustness: &Robustness) -> Vec<Vec<String>> {
         .into_iter()
         .chain(corruptions.iter().copied());
     let mut rows = vec![head.map(str::to_owned).collect::<Vec<_>>()];
-    let key = |s: &Survival| (s.detector.clone(), s.variant.clone(), s.base.clone());
-    for (detector, variant, base) in distinct(robustness.survival.iter().map(key)) {
+    let key = |s: &Survival| [s.detector.clone(), s.variant.clone(), s.base.clone()];
+    for names in distinct(robustness.survival.iter().map(key)) {
         let own = |corruption: &&str| {
             let mut all = robustness.survival.iter();
-            all.find(|s| s.corruption == *corruption && key(s) == (detector.clone(), variant.clone(), base.clone()))
+            all.find(|s| s.corruption == *corruption && key(s) == names)
         };
         let cells = corruptions
             .iter()
             .map(|corruption| own(corruption).map_or_else(String::new, cell));
         let cells: Vec<String> = cells.collect();
-        rows.push([vec![detector.clone(), variant.clone(), base.clone()], cells].concat());
+        rows.push([names.to_vec(), cells].concat());
     }
     rows
 }

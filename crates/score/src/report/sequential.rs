@@ -23,12 +23,8 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
         "looked at after each {unit}, in the order of the photos (the findings above hold for a single look):"
     )];
     for course in &sequential.results {
-        lines.push(format!(
-            "{}: {base} → {}{}",
-            course.detector,
-            course.variant,
-            repeats(course)
-        ));
+        let Course { detector, variant, .. } = course;
+        lines.push(format!("{detector}: {base} → {variant}{}", repeats(course)));
         for (name, decision) in figures(course) {
             lines.push(format!(
                 "  {name:<24} {}; p {} however often one looks; {}",
@@ -44,13 +40,9 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
 /// What the hit rates say so far, in one line.
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
-        let (decision, looks) = (&course.hit_rate, course.looks);
-        format!(
-            "{}: {}, p {}",
-            course.detector,
-            found(decision, sequential, looks),
-            p_value(decision.p_always_valid)
-        )
+        let found = found(&course.hit_rate, sequential, course.looks);
+        let p = p_value(course.hit_rate.p_always_valid);
+        format!("{}: {found}, p {p}", course.detector)
     });
     each.collect::<Vec<_>>().join("; ")
 }
@@ -65,10 +57,12 @@ pub(super) fn repeats(course: &Course) -> String {
 
 /// The figures that have decisions.
 pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
-    [
-        ("hit rate", &course.hit_rate),
-        ("mean confidence", &course.mean_confidence),
-    ]
+    let Course {
+        hit_rate,
+        mean_confidence,
+        ..
+    } = course;
+    [("hit rate", hit_rate), ("mean confidence", mean_confidence)]
 }
 
 /// `a drop, shown after 7 of 24 pairs`

@@ -10,20 +10,13 @@ use scaleproof_pose::scene::Envelope;
 pub fn truth_boxes(scores: &Scores) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for photo in &scores.photos {
-        let source = if photo.truth_given {
-            "given by the session".to_owned()
-        } else {
-            format!(
-                "through the pose, {}",
-                envelope(&scores.sessions[photo.session].scene.model.envelope)
-            )
-        };
-        *counts.entry(source).or_default() += 1;
+        let own = &scores.sessions[photo.session].scene.model.envelope;
+        let drawn = || format!("through the pose, {}", envelope(own));
+        let given = photo.truth_given.then(|| "given by the session".to_owned());
+        *counts.entry(given.unwrap_or_else(drawn)).or_default() += 1;
     }
-    let parts: Vec<_> = counts
-        .iter()
-        .map(|(source, count)| format!("{count} {source}"))
-        .collect();
+    let counts = counts.iter();
+    let parts: Vec<_> = counts.map(|(source, count)| format!("{count} {source}")).collect();
     parts.join("; ")
 }
 

@@ -86,13 +86,17 @@ impl<'a> VisibleBox<'a> {
 
     /// A point on the surface; one out of the photo only says that the surface is cut.
     fn add(&mut self, [x, y]: [f64; 2]) {
-        let p = &self.photo;
-        if x < p.x1 || x > p.x2 || y < p.y1 || y > p.y2 {
+        if self.is_outside([x, y]) {
             self.is_cut = true;
             return;
         }
         let b = self.found.unwrap_or(BoxPx::new(x, y, x, y));
         self.found = Some(BoxPx::new(b.x1.min(x), b.y1.min(y), b.x2.max(x), b.y2.max(y)));
+    }
+
+    fn is_outside(&self, [x, y]: [f64; 2]) -> bool {
+        let p = &self.photo;
+        x < p.x1 || x > p.x2 || y < p.y1 || y > p.y2
     }
 
     /// An edge of which an end cannot be projected.
@@ -185,8 +189,7 @@ impl<'a> VisibleBox<'a> {
         (0..DIRECTIONS).all(|i| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(DIRECTIONS)).sin_cos();
             let edge = self.lensed([self.radius * cos, self.radius * sin]);
-            let p = &self.photo;
-            edge.is_some_and(|[x, y]| x < p.x1 || x > p.x2 || y < p.y1 || y > p.y2)
+            edge.is_some_and(|edge| self.is_outside(edge))
         })
     }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::Session;
 use scaleproof_photo::photo::PhotoError;
-use scaleproof_pose::scene::{Bins, Classes, TagFamily};
+use scaleproof_pose::scene::{Classes, Scene, TagFamily};
 
 /// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read.
 pub type Look = Result<String, PhotoError>;
@@ -98,9 +98,26 @@ impl Contents {
             let file = photo.file.clone();
             Some(UnreadablePhoto { file, reason })
         });
+        let Scene { model, bins, .. } = &session.scene;
+        let seen = session.scene.families();
+        let families = TagFamily::ALL.iter().filter(|(family, _)| seen.contains(family));
         Contents {
             session: session.name.clone(),
-            scene: scene(session),
+            scene: SceneInShort {
+                model: model.name.clone(),
+                class: model.class.clone(),
+                scale: model.scale,
+                size_mm: model.size_mm,
+                truth_envelope: model.envelope.name(),
+                bins: BinsInShort {
+                    count: bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len(),
+                    azimuth_deg: bins.azimuth_deg,
+                    pitch_deg: bins.pitch_deg.clone(),
+                    distance_mm: bins.distance_mm.clone(),
+                },
+                tags: session.scene.tags.len(),
+                tag_families: families.map(|(_, name)| *name).collect(),
+            },
             camera: session.camera.as_ref().map(|camera| CameraInShort {
                 width_px: camera.width,
                 height_px: camera.height,
@@ -113,33 +130,5 @@ impl Contents {
             with_truth: session.photos.iter().filter(|p| p.box_xyxy_px.is_some()).count(),
             unreadable: unreadable.collect(),
         }
-    }
-}
-
-fn scene(session: &Session) -> SceneInShort {
-    let scene = &session.scene;
-    SceneInShort {
-        model: scene.model.name.clone(),
-        class: scene.model.class.clone(),
-        scale: scene.model.scale,
-        size_mm: scene.model.size_mm,
-        truth_envelope: scene.model.envelope.name(),
-        bins: bins(&scene.bins),
-        tags: scene.tags.len(),
-        tag_families: scene.families().into_iter().filter_map(name).collect(),
-    }
-}
-
-fn name(family: TagFamily) -> Option<&'static str> {
-    let (_, name) = TagFamily::ALL.iter().find(|(known, _)| *known == family)?;
-    Some(name)
-}
-
-fn bins(bins: &Bins) -> BinsInShort {
-    BinsInShort {
-        count: bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len(),
-        azimuth_deg: bins.azimuth_deg,
-        pitch_deg: bins.pitch_deg.clone(),
-        distance_mm: bins.distance_mm.clone(),
     }
 }

@@ -91,9 +91,8 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
     for folder in folders {
         let found = list(folder)?;
         if listed.iter().any(|other| other.real == found.real) {
-            return Err(FoldersError::Twice {
-                folder: folder.folder.clone(),
-            });
+            let folder = folder.folder.clone();
+            return Err(FoldersError::Twice { folder });
         }
         listed.push(found);
     }
@@ -110,10 +109,8 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
     if session.name.is_empty() {
         "photos".clone_into(&mut session.name);
     }
-    Ok(Gathered {
-        session,
-        folders: listed,
-    })
+    let folders = listed;
+    Ok(Gathered { session, folders })
 }
 
 /// A photo of a texture and a place, not yet named.
@@ -203,14 +200,17 @@ impl Listing {
 
     /// A HEIC file beside a JPEG or PNG of its name is the same photo: it counts once.
     fn drop_twins(&mut self) {
-        let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_lowercase();
-        let ending = |name: &str| name.rsplit_once('.').map_or("", |(_, ending)| ending).to_lowercase();
-        let plain = self
-            .photos
-            .iter()
-            .filter(|name| READABLE.contains(&ending(name).as_str()));
-        let plain: BTreeSet<String> = plain.map(|name| stem(name)).collect();
-        let is_twin = |name: &mut String| HEIF.contains(&ending(name).as_str()) && plain.contains(&stem(name));
+        let parts = |name: &str| {
+            let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+            (stem.to_lowercase(), ending.to_lowercase())
+        };
+        let all = self.photos.iter().map(|name| parts(name));
+        let plain = all.filter(|(_, ending)| READABLE.contains(&ending.as_str()));
+        let plain: BTreeSet<String> = plain.map(|(stem, _)| stem).collect();
+        let is_twin = |name: &mut String| {
+            let (stem, ending) = parts(name);
+            HEIF.contains(&ending.as_str()) && plain.contains(&stem)
+        };
         let twins: Vec<String> = self.photos.extract_if(.., is_twin).collect();
         self.other_images.extend(twins);
     }

@@ -106,11 +106,8 @@ impl SessionFile {
 impl Session {
     /// Opens the session in a folder (or its `session.json`) and checks all but the photos.
     pub fn open(place: &Path) -> Result<Session, SessionError> {
-        let path = if place.is_dir() {
-            place.join("session.json")
-        } else {
-            place.to_owned()
-        };
+        let json = place.is_dir().then(|| place.join("session.json"));
+        let path = json.unwrap_or_else(|| place.to_owned());
         Session::parse(&files::read_text(&path)?, &path)
     }
 
@@ -137,10 +134,8 @@ impl Session {
         let scene_folder = scene_path.parent().unwrap_or(Path::new("")).to_owned();
         let outline = EnvelopeShape::open(&scene.model, &scene_folder)?;
         let mesh_path = scene.model.envelope.mesh().map(|mesh| scene_folder.join(mesh));
-        for read in [Some(scene_path), mesh_path.as_deref(), camera_path]
-            .into_iter()
-            .flatten()
-        {
+        let read = [Some(scene_path), mesh_path.as_deref(), camera_path];
+        for read in read.into_iter().flatten() {
             hashes.push((file_name(read), files::sha256_hex(&files::read(read)?)));
         }
         let real = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
@@ -207,18 +202,6 @@ fn words(e: &serde_json::Error, what: &str) -> String {
 
 /// Checks the photos, and that each can be placed.
 fn check(photos: &[PhotoEntry], has_camera: bool) -> Result<(), String> {
-    check_photos(photos)?;
-    let needs_camera = |p: &&PhotoEntry| p.box_xyxy_px.is_none() || p.viewpoint.is_none();
-    match (has_camera, photos.iter().find(needs_camera)) {
-        (false, Some(photo)) => Err(format!(
-            "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file, or give both for every photo",
-            photo.file
-        )),
-        _ => Ok(()),
-    }
-}
-
-fn check_photos(photos: &[PhotoEntry]) -> Result<(), String> {
     if photos.is_empty() {
         return Err("it lists no photos".into());
     }
@@ -229,7 +212,14 @@ fn check_photos(photos: &[PhotoEntry]) -> Result<(), String> {
         }
         check_photo(photo)?;
     }
-    Ok(())
+    let needs_camera = |p: &&PhotoEntry| p.box_xyxy_px.is_none() || p.viewpoint.is_none();
+    match photos.iter().find(needs_camera).filter(|_| !has_camera) {
+        Some(photo) => Err(format!(
+            "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file, or give both for every photo",
+            photo.file
+        )),
+        None => Ok(()),
+    }
 }
 
 fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
@@ -245,8 +235,8 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
         ));
     }
     for (what, name) in [("variant", Some(variant)), ("place", photo.place.as_ref())] {
-        if name.is_some_and(|name| name.trim() != name || name.chars().any(char::is_control)) {
-            let name = name.map_or("", String::as_str);
+        let is_wrong = |name: &&String| name.trim() != *name || name.chars().any(char::is_control);
+        if let Some(name) = name.filter(is_wrong) {
             return Err(format!(
                 "the {what} {name:?} of {file} has blanks around it or control characters: remove them"
             ));
@@ -273,17 +263,13 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
 /// First up, if at all, then down to a file. Photos are only read, so that they may lie anywhere; what is written goes into the session's
 /// folder under names of its own.
 fn leads_from_folder(file: &str) -> bool {
-    let mut down = Path::new(file)
-        .components()
-        .skip_while(|part| *part == Component::ParentDir)
-        .peekable();
+    let parts = Path::new(file).components();
+    let mut down = parts.skip_while(|part| *part == Component::ParentDir).peekable();
     down.peek().is_some() && down.all(|part| matches!(part, Component::Normal(_)))
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default()
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 #[cfg(test)]

@@ -63,42 +63,29 @@ impl NewSession<'_> {
     /// A session that is there already, files in the way, a file that cannot be read or written.
     pub fn write(&self) -> Result<MadeSession, NewSessionError> {
         let path = self.folder.join("session.json");
+        let folder = || self.folder.to_owned();
         if path.exists() {
-            let folder = self.folder.to_owned();
-            return Err(NewSessionError::SessionThere { folder });
+            return Err(NewSessionError::SessionThere { folder: folder() });
         }
         let is_new = is_free(self.folder)?;
         if self.copy && !is_new {
-            let folder = self.folder.to_owned();
-            return Err(NewSessionError::NotEmpty { folder });
+            return Err(NewSessionError::NotEmpty { folder: folder() });
         }
         let home = real_place(self.folder)?;
         let mut files = Files::new();
         let (scene, camera) = (self.scene(&home, &mut files)?, self.camera(&home, &mut files)?);
-        let photos = if self.copy {
-            self.copied(&mut files)?
-        } else {
-            self.named(&home)?
-        };
-        let list = SessionFile {
-            scene,
-            camera: Some(camera),
-            photos,
-        };
+        let photos = self.photos(&home, &mut files)?;
+        let camera = Some(camera);
+        let list = SessionFile { scene, camera, photos };
         files.push(("session.json".into(), Content::Bytes(list.to_json(&path)?.into_bytes())));
         if is_new {
-            files::make_folder(&home, |folder| {
-                files
-                    .iter()
-                    .try_for_each(|(name, content)| write(&folder.join(name), content))
-            })?
+            let write = |(name, content): &(PathBuf, Content), folder: &Path| write(&folder.join(name), content);
+            files::make_folder(&home, |folder| files.iter().try_for_each(|file| write(file, folder)))?
         } else {
             self.write_beside(files)?
         }
-        Ok(MadeSession {
-            path,
-            photos: list.photos,
-        })
+        let photos = list.photos;
+        Ok(MadeSession { path, photos })
     }
 
     /// Into a folder that has files already.
@@ -107,10 +94,10 @@ impl NewSession<'_> {
         for (name, content) in files {
             let path = self.folder.join(name);
             let Content::Bytes(bytes) = content else { continue };
-            match path.exists() {
-                true if files::read(&path)? != bytes => return Err(NewSessionError::Other { path }),
-                true => {}
-                false => contents.push((path, bytes)),
+            if !path.exists() {
+                contents.push((path, bytes));
+            } else if files::read(&path)? != bytes {
+                return Err(NewSessionError::Other { path });
             }
         }
         Ok(files::replace_all_atomically(&contents)?)
@@ -139,26 +126,23 @@ impl NewSession<'_> {
         Ok(name)
     }
 
-    /// The photos where they are, by their way from the session.
-    fn named(&self, home: &Path) -> Result<Vec<PhotoEntry>, NewSessionError> {
-        let mut photos = Vec::new();
-        for found in &self.photos.folders {
-            let way = text_path(&way(home, &found.real))?;
-            photos.extend(self.entries(&found.listing.photos, &found.given.variant, &way));
-        }
-        Ok(photos)
-    }
-
-    /// The photos in a folder each, called as the one they come from.
-    fn copied(&self, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
+    /// The photos where they are, by their way from the session; or copies in a folder each, called as the one they come from.
+    fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
         let (mut photos, mut taken) = (Vec::new(), BTreeSet::new());
         for found in &self.photos.folders {
-            let name = text_path(Path::new(found.real.file_name().unwrap_or("photos".as_ref())))?;
-            let name = free_name(&name, &mut taken);
-            for photo in &found.listing.photos {
-                files.push((Path::new(&name).join(photo), Content::CopyOf(found.real.join(photo))));
-            }
-            photos.extend(self.entries(&found.listing.photos, &found.given.variant, &name));
+            let names = &found.listing.photos;
+            let folder = if self.copy {
+                let name = text_path(Path::new(found.real.file_name().unwrap_or("photos".as_ref())))?;
+                let name = free_name(&name, &mut taken);
+                let copies = names
+                    .iter()
+                    .map(|photo| (Path::new(&name).join(photo), found.real.join(photo)));
+                files.extend(copies.map(|(to, from)| (to, Content::CopyOf(from))));
+                name
+            } else {
+                text_path(&way(home, &found.real))?
+            };
+            photos.extend(self.entries(names, &found.given.variant, &folder));
         }
         Ok(photos)
     }
@@ -226,11 +210,8 @@ fn inside(file: &Path, home: &Path) -> Option<PathBuf> {
 
 /// The way from one folder to another: up, then down. Both are whole and without links.
 fn way(from: &Path, to: &Path) -> PathBuf {
-    let same = from
-        .components()
-        .zip(to.components())
-        .take_while(|(a, b)| a == b)
-        .count();
+    let both = from.components().zip(to.components());
+    let same = both.take_while(|(a, b)| a == b).count();
     let up = from.components().skip(same).map(|_| Component::ParentDir);
     up.chain(to.components().skip(same)).collect()
 }

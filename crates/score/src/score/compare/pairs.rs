@@ -45,16 +45,12 @@ pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Ce
     let mut cells = Vec::new();
     for ((bin, place), [bases, others]) in sides {
         let pairs: Vec<_> = bases.iter().copied().zip(others.iter().copied()).collect();
-        for (photo, missing) in bases[pairs.len()..]
-            .iter()
-            .map(|p| (p, variant))
-            .chain(others[pairs.len()..].iter().map(|p| (p, base)))
-        {
+        let bases = bases[pairs.len()..].iter().map(|p| (p, variant));
+        let others = others[pairs.len()..].iter().map(|p| (p, base));
+        for (photo, missing) in bases.chain(others) {
             let place = if place.is_empty() { "no named place" } else { place };
-            let reason = format!(
-                "no photo of “{missing}” is left for it from {}, {place}",
-                direction(photo)
-            );
+            let from = direction(&bin);
+            let reason = format!("no photo of “{missing}” is left for it from {from}, {place}");
             unpaired.push(left_over(set, photo, reason));
         }
         if !pairs.is_empty() {
@@ -81,25 +77,22 @@ pub(super) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<
         let same = |(place, _): &&mut (&str, Cluster)| by == ClusteredBy::Place && *place == cell.place;
         match clusters.iter_mut().find(same) {
             Some((_, cluster)) => cluster.pairs.extend(&cell.pairs),
-            None => clusters.push((
-                cell.place,
-                Cluster {
-                    pairs: cell.pairs.clone(),
-                },
-            )),
+            None => {
+                let pairs = cell.pairs.clone();
+                clusters.push((cell.place, Cluster { pairs }));
+            }
         }
     }
     clusters.into_iter().map(|(_, cluster)| cluster).collect()
 }
 
-fn direction(photo: &ScoredPhoto) -> String {
-    let named = |b: Bin| {
-        format!(
-            "azimuth {}°, pitch {}°, {} mm",
-            b.azimuth_deg, b.pitch_deg, b.distance_mm
-        )
-    };
-    photo.bin.map_or_else(String::new, named)
+fn direction(bin: &Bin) -> String {
+    let Bin {
+        azimuth_deg,
+        pitch_deg,
+        distance_mm,
+    } = bin;
+    format!("azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm")
 }
 
 fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> Unpaired {

@@ -107,19 +107,12 @@ pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<ImportedPhoto>, 
 
 /// The annotations of a class by image.
 fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, ImportFault> {
-    let wanted: Vec<u64> = file
-        .categories
-        .iter()
-        .filter(|c| c.name == class.joined() || class.labels().contains(&c.name))
-        .map(|c| c.id)
-        .collect();
+    let is_own = |c: &&Category| c.name == class.joined() || class.labels().contains(&c.name);
+    let own = file.categories.iter().filter(is_own);
+    let wanted: Vec<u64> = own.map(|c| c.id).collect();
     if wanted.is_empty() {
-        let known: Vec<_> = file
-            .categories
-            .iter()
-            .take(8)
-            .map(|c| format!("`{}`", c.name))
-            .collect();
+        let known = file.categories.iter().take(8);
+        let known: Vec<_> = known.map(|c| format!("`{}`", c.name)).collect();
         let more = if file.categories.len() > 8 { ", …" } else { "" };
         return Err(ImportFault::of_file(format!(
             "it has no category {}, the class of the scene's model; it has {}{more}",

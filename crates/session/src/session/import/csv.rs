@@ -30,11 +30,8 @@ pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| fault(e, text))?.clone();
     let columns = columns(&header)?;
-    let conditions: Vec<(usize, &str)> = header
-        .iter()
-        .enumerate()
-        .filter(|(_, name)| !COLUMNS.contains(name))
-        .collect();
+    let conditions = header.iter().enumerate().filter(|(_, name)| !COLUMNS.contains(name));
+    let conditions: Vec<(usize, &str)> = conditions.collect();
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| fault(e, text))?;

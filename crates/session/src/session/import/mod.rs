@@ -140,9 +140,8 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
         Some("json") => AnnotationFormat::Coco,
         Some("csv") => AnnotationFormat::Csv,
         _ => {
-            return Err(SessionImportError::UnknownFormat {
-                path: request.file.to_owned(),
-            });
+            let path = request.file.to_owned();
+            return Err(SessionImportError::UnknownFormat { path });
         }
     };
     let class = Scene::open(request.scene)?.model.class;
@@ -153,14 +152,12 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
         return Err(error(request.file, fault));
     }
     let photos = checked(rows, request)?;
-    let file = SessionFile {
-        scene: seen_from(request.folder, request.scene)?,
-        camera: request
-            .camera
-            .map(|camera| seen_from(request.folder, camera))
-            .transpose()?,
-        photos,
-    };
+    let scene = seen_from(request.folder, request.scene)?;
+    let camera = request
+        .camera
+        .map(|camera| seen_from(request.folder, camera))
+        .transpose()?;
+    let file = SessionFile { scene, camera, photos };
     let text = file.to_json(&path)?;
     // The reader's checks are the checks.
     let session = Session::parse(&text, &path)?;
@@ -173,14 +170,10 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
 }
 
 fn error(path: &Path, fault: ImportFault) -> SessionImportError {
-    let message = fault.message;
+    let (message, path) = (fault.message, path.to_owned());
     match fault.place {
-        Some(place) => SessionImportError::Entry {
-            path: path.to_owned(),
-            place,
-            message,
-        },
-        None => FileError::content(path, message).into(),
+        Some(place) => SessionImportError::Entry { path, place, message },
+        None => FileError::content(&path, message).into(),
     }
 }
 
@@ -199,17 +192,14 @@ fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<Phot
             entry.variant = request.variant.ok_or_else(missing)?.to_owned();
         }
         check_photo(&entry).map_err(refuse)?;
-        if Path::new(&entry.file).starts_with("..") {
-            let file = &entry.file;
+        let file = &entry.file;
+        if Path::new(file).starts_with("..") {
             return Err(refuse(format!(
                 "{file} is not a path below the folder with the photos: copy the photo there"
             )));
         }
-        if !seen.insert(entry.file.clone()) {
-            return Err(refuse(format!(
-                "{} is listed twice: each photo counts once",
-                entry.file
-            )));
+        if !seen.insert(file.clone()) {
+            return Err(refuse(format!("{file} is listed twice: each photo counts once")));
         }
         check_against_photo(&entry, size, request.folder).map_err(refuse)?;
         photos.push(entry);
@@ -219,24 +209,23 @@ fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<Phot
 
 /// The photo is there, as large as the file says, and the box is in it.
 fn check_against_photo(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
-    let photo::Photo { width, height, .. } =
-        photo::Photo::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
+    let file = &entry.file;
+    let photo = photo::Photo::open(&folder.join(file)).map_err(|e| e.to_string())?;
+    let (width, height) = (photo.width, photo.height);
     if let Some([w, h]) = size.filter(|size| *size != [width, height]) {
         return Err(format!(
-            "{} is {width}×{height} px upright and not {w}×{h}: the boxes are another photo's",
-            entry.file
+            "{file} is {width}×{height} px upright and not {w}×{h}: the boxes are another photo's"
         ));
     }
-    match entry.box_xyxy_px {
-        Some(b) if !b.clipped(width.into(), height.into()).is_solid() => Err(format!(
-            "the box of {} lies outside its {width}×{height} px",
-            entry.file
-        )),
-        Some(b) if reaches_out(b, width, height) => Err(format!(
-            "the box of {} reaches out of its {width}×{height} px: is it another photo's? If not, cut it at the border",
-            entry.file
-        )),
-        _ => Ok(()),
+    let Some(b) = entry.box_xyxy_px else { return Ok(()) };
+    if !b.clipped(width.into(), height.into()).is_solid() {
+        Err(format!("the box of {file} lies outside its {width}×{height} px"))
+    } else if reaches_out(b, width, height) {
+        Err(format!(
+            "the box of {file} reaches out of its {width}×{height} px: is it another photo's? If not, cut it at the border"
+        ))
+    } else {
+        Ok(())
     }
 }
 
