@@ -38,12 +38,8 @@ pub fn size((width, height): (f64, f64)) -> String {
 
 /// Width of one line of text.
 pub fn width_mm(text: &str, size_mm: f64) -> f64 {
-    text.chars().map(advance).sum::<f64>() * size_mm
-}
-
-/// Advance in em.
-fn advance(c: char) -> f64 {
-    f64::from(thousandths(c)) / 1000.0
+    let advance_em = |c| f64::from(thousandths(c)) / 1000.0;
+    text.chars().map(advance_em).sum::<f64>() * size_mm
 }
 
 /// Advance in thousandths of the em. What the font lacks counts as the widest, so that what is measured to fit does fit.
@@ -57,15 +53,8 @@ pub fn thousandths(c: char) -> u16 {
 
 /// Only what the font can show: anything outside Latin-1 (and the ellipsis) becomes a question mark.
 pub fn printable(text: &str) -> String {
-    text.chars()
-        .map(|c| {
-            if matches!(c, ' '..='~' | '\u{a1}'..='\u{ff}' | '…') {
-                c
-            } else {
-                '?'
-            }
-        })
-        .collect()
+    let is_known = |c: &char| matches!(c, ' '..='~' | '\u{a1}'..='\u{ff}' | '…');
+    text.chars().map(|c| Some(c).filter(is_known).unwrap_or('?')).collect()
 }
 
 /// The text, with as much of its middle replaced by an ellipsis as is needed to stay within `most_mm`.

@@ -84,10 +84,8 @@ fn draw(panel: &PlotPanel) -> Markup {
 
 /// The stretches of a line between its gaps.
 fn runs(values: &[Option<f64>]) -> Vec<Vec<(usize, f64)>> {
-    let numbered: Vec<Option<(usize, f64)>> = values.iter().enumerate().map(|(i, v)| Some((i, (*v)?))).collect();
-    numbered
-        .split(Option::is_none)
-        .map(|run| run.iter().flatten().copied().collect::<Vec<_>>())
-        .filter(|run| !run.is_empty())
-        .collect()
+    let numbered = values.iter().enumerate().map(|(i, v)| Some((i, (*v)?)));
+    let numbered: Vec<Option<(usize, f64)>> = numbered.collect();
+    let runs = numbered.split(Option::is_none).filter(|run| !run.is_empty());
+    runs.map(|run| run.iter().flatten().copied().collect()).collect()
 }

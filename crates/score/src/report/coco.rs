@@ -82,20 +82,15 @@ pub(super) struct Categories {
 
 impl Categories {
     pub(super) fn of(scores: &Scores) -> Categories {
-        let mut categories = Categories {
-            names: BTreeMap::new(),
-            model: 1,
-        };
         let first = scores.detectors.first();
         let model = first.and_then(|c| c.labels().category_id(*c.counted.first()?));
-        categories.model = model.unwrap_or(1);
-        categories
-            .names
-            .insert(categories.model, counted::classes(scores).joined());
+        let model = model.unwrap_or(1);
+        let names = BTreeMap::from([(model, counted::classes(scores).joined())]);
+        let mut categories = Categories { names, model };
         for detector in &scores.detectors {
-            for label in others(detector) {
-                categories.add(detector, label);
-            }
+            // The labels that do not count as the model.
+            let others = (0..detector.labels().count()).filter(|label| !detector.counted.contains(label));
+            others.for_each(|label| categories.add(detector, label));
         }
         categories
     }
@@ -120,17 +115,11 @@ impl Categories {
 
     /// The category of a detector's label.
     pub(super) fn id(&self, detector: &EvaluatedDetector, label: usize) -> Option<u32> {
-        if detector.counted.contains(&label) {
-            Some(self.model)
-        } else {
-            self.other(detector.labels().name(label)?)
-        }
+        let is_model = detector.counted.contains(&label);
+        is_model
+            .then_some(self.model)
+            .or_else(|| self.other(detector.labels().name(label)?))
     }
-}
-
-/// A detector's labels that do not count as the model.
-fn others(detector: &EvaluatedDetector) -> impl Iterator<Item = usize> {
-    (0..detector.labels().count()).filter(|label| !detector.counted.contains(label))
 }
 
 pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {

@@ -68,10 +68,8 @@ pub(super) fn aligned(rows: &[&Vec<String>]) -> Vec<String> {
         cells.map(|cell| cell.chars().count()).max().unwrap_or_default()
     };
     let line = |row: &&Vec<String>| {
-        let cells = row
-            .iter()
-            .enumerate()
-            .map(|(i, cell)| format!("{cell:<width$}", width = wide(i)));
+        let cells = row.iter().enumerate();
+        let cells = cells.map(|(i, cell)| format!("{cell:<width$}", width = wide(i)));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     rows.iter().map(line).collect()

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::counted;
 use crate::score::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
-use scaleproof_detect::SCORE_FLOOR;
+use scaleproof_detect::{Recorded, SCORE_FLOOR};
 
 #[derive(Serialize)]
 pub(super) struct Provenance {
@@ -89,10 +89,9 @@ pub(super) fn of(scores: &Scores) -> Provenance {
 }
 
 fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
+    let by = |r: &Recorded| format!("scaleproof {}, {}", r.recording.scaleproof, r.recording.runtime);
     let recorded_by = match &c.source {
-        DetectionSource::Recorded(recordings) => recordings
-            .first()
-            .map(|r| format!("scaleproof {}, {}", r.recording.scaleproof, r.recording.runtime)),
+        DetectionSource::Recorded(recordings) => recordings.first().map(by),
         _ => None,
     };
     let foreign = c.foreign();
@@ -115,9 +114,8 @@ fn by_name(files: &[(String, String)]) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for (name, hash) in files {
         let numbered = (2..).map(|n| format!("{name} ({n})"));
-        let free = std::iter::once(name.clone())
-            .chain(numbered)
-            .find(|name| !all.contains_key(name));
+        let mut names = std::iter::once(name.clone()).chain(numbered);
+        let free = names.find(|name| !all.contains_key(name));
         all.extend(free.map(|name| (name, hash.clone())));
     }
     all

@@ -175,8 +175,8 @@ struct Group {
     by_azimuth: BTreeMap<i64, Figures>,
     by_cell: BTreeMap<Bin, Figures>,
     by_place: BTreeMap<Option<String>, Figures>,
-    /// (condition, value, figures), in the order of the conditions and then of their values.
-    by_condition: Vec<(String, String, Figures)>,
+    /// By condition and value, in the order of the conditions and then of their values.
+    by_condition: Vec<([String; 2], Figures)>,
 }
 
 impl Group {
@@ -197,40 +197,32 @@ impl Group {
     fn summary(&self, detector: String, base: Option<&Group>, bins: &Bins) -> Summary {
         let azimuth_bin = |azimuth_deg: f64| {
             let of = |group: &Group| group.by_azimuth.get(&thousandths(azimuth_deg)).copied();
-            let (figures, base) = (of(self), base.and_then(of));
+            let figures = of(self);
             BinFigures {
                 azimuth_deg,
                 figures,
-                drop: base.zip(figures).map(|(base, own)| drop(&base, &own)),
+                drop: figures.and_then(|own| Some(drop(&base.and_then(of)?, &own))),
             }
         };
-        let cell = |(bin, figures): (&Bin, &Figures)| {
-            let base = base.and_then(|b| b.by_cell.get(bin));
-            CellFigures {
-                bin: *bin,
-                figures: *figures,
-                drop: base.map(|base| drop(base, figures)),
-            }
+        let cell = |(bin, figures): (&Bin, &Figures)| CellFigures {
+            bin: *bin,
+            figures: *figures,
+            drop: base.and_then(|b| Some(drop(b.by_cell.get(bin)?, figures))),
         };
-        let place = |(place, figures): (&Option<String>, &Figures)| {
-            let base = base.and_then(|b| b.by_place.get(place));
-            PlaceFigures {
-                place: place.clone(),
-                figures: *figures,
-                drop: base.map(|base| drop(base, figures)),
-            }
+        let place = |(place, figures): (&Option<String>, &Figures)| PlaceFigures {
+            place: place.clone(),
+            figures: *figures,
+            drop: base.and_then(|b| Some(drop(b.by_place.get(place)?, figures))),
         };
-        let condition = |(condition, value, figures): &(String, String, Figures)| {
-            let own = |other: &&(String, String, Figures)| other.0 == *condition && other.1 == *value;
-            let base = base
-                .and_then(|b| b.by_condition.iter().find(own))
-                .map(|(.., figures)| figures);
+        let condition = |([condition, value], figures): &([String; 2], Figures)| {
+            let is_own = |other: &&([String; 2], Figures)| other.0 == [condition.as_str(), value];
+            let base = base.and_then(|b| b.by_condition.iter().find(is_own));
             ConditionFigures {
                 condition: condition.clone(),
                 value: value.clone(),
                 figures: *figures,
-                drop: base.map(|base| drop(base, figures)),
-                asr: base.map(|base| asr(base, figures)),
+                drop: base.map(|(_, base)| drop(base, figures)),
+                asr: base.map(|(_, base)| asr(base, figures)),
             }
         };
         Summary {
@@ -255,24 +247,23 @@ fn thousandths(azimuth_deg: f64) -> i64 {
 /// The figures of each group of photos; a photo without a key is in none.
 fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
     let mut groups: BTreeMap<K, Vec<&ScoredPhoto>> = BTreeMap::new();
-    for photo in photos {
-        if let Some(key) = key(photo) {
-            groups.entry(key).or_default().push(photo);
-        }
+    for (photo, key) in photos.iter().filter_map(|p| Some((p, key(p)?))) {
+        groups.entry(key).or_default().push(photo);
     }
-    let groups = groups.into_iter();
-    groups
-        .filter_map(|(key, group)| Some((key, figures(&group, side)?)))
-        .collect()
+    let figures = |(key, group): (K, Vec<_>)| Some((key, figures(&group, side)?));
+    groups.into_iter().filter_map(figures).collect()
 }
 
 /// The figures of each value of a condition.
-fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<(String, String, Figures)> {
+fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<([String; 2], Figures)> {
     let mut figures = by(photos, side, |p| group.of(p));
-    let values = in_order(figures.keys().cloned().collect());
+    let values = in_order(figures.keys().cloned().collect()).into_iter();
     values
-        .into_iter()
-        .filter_map(|value| Some((group.condition.clone(), value.clone(), figures.remove(&value)?)))
+        .filter_map(|value| {
+            figures
+                .remove(&value)
+                .map(|own| ([group.condition.clone(), value], own))
+        })
         .collect()
 }
 

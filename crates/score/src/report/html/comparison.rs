@@ -14,15 +14,13 @@ const WIDTH: f64 = 1060.0;
 
 /// The whole page.
 pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
+    let protocol = scores.criteria.protocol;
     let lead = format!(
         "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",
         comparison.base,
         comparison.ap_definition,
         scores.criteria.hit(),
-        scores
-            .criteria
-            .protocol
-            .map_or(String::new(), |p| format!("; protocol {}", p.name())),
+        protocol.map_or(String::new(), |p| format!("; protocol {}", p.name())),
         counted(scores)
     );
     let plan = comparison.plan.as_ref().map(plan);
@@ -138,8 +136,9 @@ fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -
 }
 
 fn numbers(d: &Difference) -> String {
-    let interval = paired::interval(d, |v| number(v, 2)).map_or(String::new(), |i| format!(" {i}"));
-    let asr = paired::asr(d, |v| number(v, 2));
+    let two = |v: f64| number(v, 2);
+    let interval = paired::interval(d, two).map_or(String::new(), |i| format!(" {i}"));
+    let asr = paired::asr(d, two);
     let [base, other, drop] = [d.base, d.other, d.drop].map(|v| number(v, 2));
     format!("{base} → {other}, {drop}{interval}, ASR {asr}")
 }
@@ -186,9 +185,6 @@ fn definitions() -> Markup {
 }
 
 fn provenance(scores: &Scores, comparison: &Comparison) -> Markup {
-    let chance = format!(
-        "{} bootstrap draws, seed {}",
-        comparison.bootstrap_draws, comparison.bootstrap_seed
-    );
-    notes::provenance(scores, &chance)
+    let (draws, seed) = (comparison.bootstrap_draws, comparison.bootstrap_seed);
+    notes::provenance(scores, &format!("{draws} bootstrap draws, seed {seed}"))
 }

@@ -54,12 +54,9 @@ fn stated(text: String) -> String {
 
 /// From the first to the last, or the one time there is.
 fn taken(times: Option<&[String; 2]>) -> String {
-    times.map_or(String::new(), |[first, last]| {
-        if first == last {
-            first.clone()
-        } else {
-            format!("{first} to {last}")
-        }
+    times.map_or(String::new(), |times| match times {
+        [first, last] if first == last => first.clone(),
+        [first, last] => format!("{first} to {last}"),
     })
 }
 

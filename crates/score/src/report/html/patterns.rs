@@ -50,15 +50,10 @@ fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a WornPattern> {
 
 /// Photos of a texture, evenly spread over those that have a preview.
 fn spread<'a>(scores: &'a Scores, variant: &str) -> Vec<&'a ScoredPhoto> {
-    let own = scores
-        .photos
-        .iter()
-        .filter(|p| p.variant == variant && !p.preview_jpeg.is_empty());
-    let own: Vec<&ScoredPhoto> = own.collect();
+    let is_own = |p: &&ScoredPhoto| p.variant == variant && !p.preview_jpeg.is_empty();
+    let own: Vec<&ScoredPhoto> = scores.photos.iter().filter(is_own).collect();
     let count = own.len().min(STRIP);
-    (0..count)
-        .filter_map(|i| own.get(i * own.len() / count).copied())
-        .collect()
+    (0..count).map(|i| own[i * own.len() / count]).collect()
 }
 
 fn image(pattern: &WornPattern) -> Markup {

@@ -79,29 +79,21 @@ fn side_names() -> Markup {
 /// The points of one variant, joined to a line only where each bin rests on several photos: a line between single photos would show a course that
 /// nothing tells. A bin without photos breaks it.
 fn line(colour: &str, bins: &[BinFigures]) -> Markup {
-    let points: Vec<Option<[f64; 2]>> = bins
-        .iter()
-        .map(|b| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence)))
-        .collect();
+    let point = |b: &BinFigures| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence));
+    let points: Vec<Option<[f64; 2]>> = bins.iter().map(point).collect();
     let counts = || bins.iter().filter_map(|b| Some(b.figures.as_ref()?.photos));
     let is_joined = counts().all(|photos| photos >= SEVERAL);
     let whole = points.iter().all(Option::is_some);
-    let list = |points: &[[f64; 2]]| {
-        points
-            .iter()
-            .map(|[x, y]| format!("{x:.1},{y:.1}"))
-            .collect::<Vec<_>>()
-            .join(" ")
+    let list = |points: &[Option<[f64; 2]>]| {
+        let points = points.iter().flatten().map(|[x, y]| format!("{x:.1},{y:.1}"));
+        points.collect::<Vec<_>>().join(" ")
     };
-    let known: Vec<[f64; 2]> = points.iter().flatten().copied().collect();
-    let runs = points
-        .split(Option::is_none)
-        .map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
+    let runs = points.split(Option::is_none);
     html! {
         @if !is_joined {} @else if whole {
-            polygon points=(list(&known)) fill=(colour) fill-opacity="0.12" stroke=(colour) stroke-width="2" {}
+            polygon points=(list(&points)) fill=(colour) fill-opacity="0.12" stroke=(colour) stroke-width="2" {}
         } @else {
-            @for run in runs { polyline points=(list(&run)) fill="none" stroke=(colour) stroke-width="2" {} }
+            @for run in runs { polyline points=(list(run)) fill="none" stroke=(colour) stroke-width="2" {} }
         }
         @for (bin, point) in bins.iter().zip(&points) {
             @if let (Some(f), Some([x, y])) = (&bin.figures, point) {

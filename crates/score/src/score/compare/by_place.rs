@@ -3,7 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::plan::{MOST_PAIRS, PlanError, binomial, pairs_needed, power, smallest_drop};
+use super::plan::{MOST_PAIRS, PlanError, binomial, first_of_run, pairs_needed, power, smallest_drop};
 use scaleproof_core::statistics::{DRAWS, FEWEST_CLUSTERS, SEED, mcnemar_p};
 
 /// The level at which a drop is shown.
@@ -25,9 +25,8 @@ pub fn power_by_place(places: usize, bins: usize, base_rate: f64, drop: f64) -> 
 
 /// The smallest drop, in steps of 0.01, that so many places show with the chance asked for; `None` when not even the largest is.
 pub fn smallest_drop_by_place(places: usize, bins: usize, base_rate: f64, target: f64) -> Option<f64> {
-    smallest_drop(base_rate, |drop| {
-        power_by_place(places, bins, base_rate, drop) >= target
-    })
+    let is_shown = |drop| power_by_place(places, bins, base_rate, drop) >= target;
+    smallest_drop(base_rate, is_shown)
 }
 
 /// The fewest places from which on the power is reached: also at six, where the pairs of a place begin to count as one.
@@ -37,16 +36,10 @@ pub fn places_needed(bins: usize, base_rate: f64, drop: f64, target: f64) -> Res
     let bins = bins.max(1);
     // Clusters never show more than the pairs that they are made of.
     let least = pairs_needed(base_rate, drop, target, LEVEL)?.div_ceil(bins);
-    let mut run = 0;
-    for places in least.max(FEWEST_CLUSTERS)..=(MOST_PAIRS / bins).max(MANY_PLACES) + AHEAD {
-        let is_shown = power_by_place(places, bins, base_rate, drop) >= target;
-        run = if is_shown { run + 1 } else { 0 };
-        if run > AHEAD {
-            let first = places - AHEAD;
-            return Ok(if first == FEWEST_CLUSTERS { least } else { first });
-        }
-    }
-    Err(PlanError::TooMany)
+    let most = (MOST_PAIRS / bins).max(MANY_PLACES) + AHEAD;
+    let is_shown = |places| power_by_place(places, bins, base_rate, drop) >= target;
+    let first = first_of_run(least.max(FEWEST_CLUSTERS)..=most, AHEAD, is_shown)?;
+    Ok(if first == FEWEST_CLUSTERS { least } else { first })
 }
 
 /// The pairs of one place: the chances that so many more of them are hit on the base side.
@@ -67,14 +60,12 @@ impl Place {
             }
         }
         let mut sum = 0.0;
-        let mut cumulated = |chance: &f64| {
+        let cumulated = chances.iter().map(|chance| {
             sum += chance;
             sum
-        };
-        Place {
-            cumulated: chances.iter().map(&mut cumulated).collect(),
-            bins,
-        }
+        });
+        let cumulated = cumulated.collect();
+        Place { cumulated, bins }
     }
 
     /// The difference of the hits that stands at a share of all chances.

@@ -1,5 +1,7 @@
 //! How many pairs of photos show a drop of the hit rate.
 
+use std::ops::RangeInclusive;
+
 use statrs::distribution::{Binomial, Discrete};
 
 /// Why no number can be given.
@@ -52,11 +54,20 @@ pub fn pairs_needed(base_rate: f64, drop: f64, target: f64, alpha: f64) -> Resul
     // A saw tooth spans far fewer pairs than this.
     const AHEAD: usize = 20;
     let tails = Tails::new(MOST_PAIRS + AHEAD, base_rate, drop, alpha);
+    first_of_run(1..=MOST_PAIRS + AHEAD, AHEAD, |pairs| tails.power(pairs) >= target)
+}
+
+/// The first number from which on this holds: for it, and for so many `ahead` of it.
+pub(super) fn first_of_run(
+    numbers: RangeInclusive<usize>,
+    ahead: usize,
+    holds: impl Fn(usize) -> bool,
+) -> Result<usize, PlanError> {
     let mut run = 0;
-    for pairs in 1..=MOST_PAIRS + AHEAD {
-        run = if tails.power(pairs) >= target { run + 1 } else { 0 };
-        if run > AHEAD {
-            return Ok(pairs - AHEAD);
+    for number in numbers {
+        run = if holds(number) { run + 1 } else { 0 };
+        if run > ahead {
+            return Ok(number - ahead);
         }
     }
     Err(PlanError::TooMany)
@@ -90,18 +101,16 @@ impl Tails {
             }
             chance
         });
+        let significant = significant.collect();
         Tails {
             discordant,
-            significant: significant.collect(),
+            significant,
         }
     }
 
     fn power(&self, pairs: usize) -> f64 {
-        binomial(pairs, self.discordant)
-            .iter()
-            .zip(&self.significant)
-            .map(|(p, s)| p * s)
-            .sum()
+        let chances = binomial(pairs, self.discordant);
+        chances.iter().zip(&self.significant).map(|(p, s)| p * s).sum()
     }
 }
 

@@ -70,18 +70,15 @@ pub fn sequential(
 /// none (`tests/sequential.rs`).
 pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, open: &[Bin]) -> Option<usize> {
     let (cells, _) = pair(scores.set(), base, variant);
-    let has_base = |bin: &Bin| {
-        let mut own = scores
-            .photos
-            .iter()
-            .filter(|photo| photo.variant == base && photo.bin == Some(*bin));
-        own.any(|photo| photo.place.as_deref().unwrap_or_default() == place)
-    };
+    let at = |photo: &ScoredPhoto| photo.place.as_deref().unwrap_or_default() == place;
+    let is_base = |photo: &ScoredPhoto, bin| photo.variant == base && photo.bin == Some(bin) && at(photo);
+    let has_base = |bin: &Bin| scores.photos.iter().any(|photo| is_base(photo, *bin));
     let step_deg = scores.sessions[0].scene.bins.azimuth_deg;
-    let seen: Vec<(Bin, f64)> = looks(&cells, ClusteredBy::PlaceAndBin)
+    let looks = looks(&cells, ClusteredBy::PlaceAndBin);
+    let seen = looks
         .iter()
-        .map(|look| (look.bin, mean_difference(scores, look.pairs[0])))
-        .collect();
+        .map(|look| (look.bin, mean_difference(scores, look.pairs[0])));
+    let seen: Vec<(Bin, f64)> = seen.collect();
     let away_deg = |a: &Bin, b: &Bin| turn(a.azimuth_deg, b.azimuth_deg).abs();
     let expected = |bin: &Bin| {
         let near = seen.iter().filter(|(other, _)| away_deg(other, bin) <= step_deg + 1e-6);
@@ -94,18 +91,15 @@ pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, op
     let at_place = cells.iter().filter(|cell| cell.place == place);
     let taken: Vec<Bin> = at_place.map(|cell| cell.bin).collect();
     let farthest = |bin: &Bin| {
-        taken
-            .iter()
-            .map(|other| away_deg(other, bin))
-            .fold(f64::INFINITY, f64::min)
+        let away = taken.iter().map(|other| away_deg(other, bin));
+        away.fold(f64::INFINITY, f64::min)
     };
     let telling = (0..open.len()).filter(|i| has_base(&open[*i]));
     // Of equals `max_by` takes the last, which is the first of the walk here.
     telling.rev().max_by(|a, b| {
         let [a, b] = [&open[*a], &open[*b]];
-        expected(a)
-            .total_cmp(&expected(b))
-            .then(farthest(a).total_cmp(&farthest(b)))
+        let by_difference = expected(a).total_cmp(&expected(b));
+        by_difference.then(farthest(a).total_cmp(&farthest(b)))
     })
 }
 

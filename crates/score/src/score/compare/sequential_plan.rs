@@ -62,10 +62,14 @@ pub fn sequential_plan(
     let fixed_pairs = pairs_needed(base_rate, drop, power, 0.05)?;
     let planned = ends(base_rate, drop, least, MOST_PAIRS);
     on_row();
-    let mut shown_after: Vec<usize> = planned
-        .iter()
-        .map(|end| if end.0 == Some(Shown::Above) { end.1 } else { usize::MAX })
-        .collect();
+    let shown_after = |(shown, after): &_| {
+        if *shown == Some(Shown::Above) {
+            *after
+        } else {
+            usize::MAX
+        }
+    };
+    let mut shown_after: Vec<usize> = planned.iter().map(shown_after).collect();
     shown_after.sort_unstable();
     let budget_pairs = shown_after[(power * EXPERIMENTS as f64).ceil() as usize - 1];
     if budget_pairs > MOST_PAIRS {

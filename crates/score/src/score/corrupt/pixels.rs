@@ -50,9 +50,8 @@ pub(super) fn defocused(image: &RgbImage, (radius, soft_px): (i32, f32)) -> RgbI
 
 /// Weights of a Gaussian at −reach to reach.
 fn gaussian(reach: i32, sigma: f32) -> Vec<f32> {
-    let weights: Vec<f32> = (-reach..=reach)
-        .map(|x| (-0.5 * (x as f32 / sigma).powi(2)).exp())
-        .collect();
+    let weights = (-reach..=reach).map(|x| (-0.5 * (x as f32 / sigma).powi(2)).exp());
+    let weights: Vec<f32> = weights.collect();
     let sum: f32 = weights.iter().sum();
     weights.into_iter().map(|w| w / sum).collect()
 }
@@ -75,9 +74,8 @@ fn down(plane: &[f32], width: usize, height: usize, weights: &[f32]) -> Vec<f32>
 fn smoothed(line: &[f32], weights: &[f32]) -> Vec<f32> {
     let reach = (weights.len() / 2) as i64;
     let at = |i: usize, k: usize| line[mirrored(i as i64 + k as i64 - reach, line.len())];
-    (0..line.len())
-        .map(|i| weights.iter().enumerate().map(|(k, w)| w * at(i, k)).sum())
-        .collect()
+    let sum = |i| weights.iter().enumerate().map(|(k, w)| w * at(i, k)).sum();
+    (0..line.len()).map(sum).collect()
 }
 
 /// The mean of all pixels at most `radius` px away.

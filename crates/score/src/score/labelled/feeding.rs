@@ -36,11 +36,8 @@ pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
     let mut with = |what: &str, shift: i64, change: &dyn Fn(&mut Manifest)| {
         let mut manifest = manifest.clone();
         change(&mut manifest);
-        found.push(Feeding {
-            what: what.to_owned(),
-            manifest,
-            shift,
-        });
+        let what = what.to_owned();
+        found.push(Feeding { what, manifest, shift });
     };
     let input = &manifest.input;
     let (other, name) = match input.channels {
@@ -61,10 +58,10 @@ pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
     // Boxes in pixels of the photo are not taken back from a letterbox.
     let is_tried = RESIZES.iter().any(|(resize, _)| *resize == input.resize) && !wants_photo_size(&manifest.head);
     let was_stretched = input.resize == Resize::Stretch;
-    for (resize, what) in RESIZES
+    let others = RESIZES
         .into_iter()
-        .filter(|(resize, _)| is_tried && *resize != input.resize)
-    {
+        .filter(|(resize, _)| is_tried && *resize != input.resize);
+    for (resize, what) in others {
         with(what, 0, &|m| {
             m.input.resize = resize;
             // A stretched photo has no border; most programs fill theirs with this.

@@ -85,10 +85,9 @@ impl LabelledPhotos {
     pub fn sample(&self, count: usize) -> LabelledPhotos {
         let all = self.photos.len();
         let count = count.min(all);
-        LabelledPhotos {
-            photos: (0..count).map(|i| self.photos[i * all / count].clone()).collect(),
-            unknown: Vec::new(),
-        }
+        let (photos, unknown) = ((0..count).map(|i| self.photos[i * all / count].clone()), Vec::new());
+        let photos = photos.collect();
+        LabelledPhotos { photos, unknown }
     }
 
     /// What a detector finds in all photos.
@@ -122,10 +121,8 @@ impl LabelledPhotos {
         });
         let of_label: Vec<[f64; 2]> = of_label.collect();
         let mean = |i: usize| of_label.iter().map(|averages| averages[i]).sum::<f64>() / of_label.len() as f64;
-        (!of_label.is_empty()).then(|| Averages {
-            ap_50_95: mean(0),
-            ap_50: mean(1),
-        })
+        let (ap_50_95, ap_50) = (mean(0), mean(1));
+        (!of_label.is_empty()).then_some(Averages { ap_50_95, ap_50 })
     }
 
     /// The boxes of a label in each photo.
@@ -158,10 +155,10 @@ impl LabelledPhotos {
 /// The mean difference over the labels that have an object in the resample, and over the thresholds.
 fn gain(sides: &[(Ranked, Ranked)], times: &[u32]) -> f64 {
     let ap = |ranked: &Ranked| Some(ApDefinition::Coco101.of_curve(&ranked.curve(|image| times[image])?));
-    let gains: Vec<f64> = sides
+    let gains = sides
         .iter()
-        .filter_map(|(before, after)| Some(ap(after)? - ap(before)?))
-        .collect();
+        .filter_map(|(before, after)| Some(ap(after)? - ap(before)?));
+    let gains: Vec<f64> = gains.collect();
     gains.iter().sum::<f64>() / gains.len().max(1) as f64
 }
 

@@ -71,9 +71,8 @@ pub fn under_corruption(
 /// # Errors
 /// One texture alone; a detector that does not look at pixels here: stored detections say nothing of other images.
 pub fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Result<(), ScoreError> {
-    let mut variants = sessions
-        .iter()
-        .flat_map(|s| s.photos.iter().map(|photo| &photo.variant));
+    let photos = sessions.iter().flat_map(|s| &s.photos);
+    let mut variants = photos.map(|photo| &photo.variant);
     if let Some(first) = variants.next()
         && variants.all(|variant| variant == first)
     {
@@ -85,18 +84,18 @@ pub fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) 
         DetectionSource::Program(program) => program.takes_pixels(),
         DetectionSource::Recorded(_) | DetectionSource::Outside(_) | DetectionSource::Elsewhere(_) => false,
     };
-    match detectors.iter().find(|detector| !takes_pixels(detector)) {
-        None => Ok(()),
-        Some(other) => Err(ScoreError::NotCorruptible {
-            detector: other.manifest.name.clone(),
-        }),
-    }
+    let other = detectors.iter().find(|detector| !takes_pixels(detector));
+    let refused = |other: &EvaluatedDetector| {
+        let detector = other.manifest.name.clone();
+        Err(ScoreError::NotCorruptible { detector })
+    };
+    other.map_or(Ok(()), refused)
 }
 
 /// The comparisons of one condition; the corruption of the reduced photo is filled in by [`together`].
 fn rows(
     scores: &Scores,
-    compared: &[(String, String)],
+    compared: &[(&str, &str)],
     photos: Vec<ScoredPhoto>,
     condition: Condition,
 ) -> Vec<CorruptedRow> {
@@ -131,19 +130,14 @@ fn rows(
 }
 
 /// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
-fn comparisons(scores: &Scores) -> Vec<(String, String)> {
+fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
     let all = scores.photos.iter().map(|photo| photo.variant.as_str());
     let variants = distinct(all.filter(|variant| *variant != scores.base));
     let (controls, others): (Vec<&str>, Vec<&str>) = variants.iter().partition(|variant| is_control(variant));
     let against_base = variants.iter().map(|variant| (scores.base.as_str(), *variant));
-    let against_controls = controls
-        .iter()
-        .flat_map(|control| others.iter().map(|other| (*control, *other)));
-    let all = against_base.chain(against_controls);
-    let paired = all.filter(|(base, other)| pairs(scores.set(), base, other));
-    paired
-        .map(|(base, other)| (base.to_owned(), other.to_owned()))
-        .collect()
+    let with_others = |control: &'a str| others.iter().map(move |other| (control, *other));
+    let all = against_base.chain(controls.iter().copied().flat_map(with_others));
+    all.filter(|(base, other)| pairs(scores.set(), base, other)).collect()
 }
 
 /// How many images a detector said nothing of, and the first.

@@ -22,51 +22,37 @@ impl SealedPlan {
     }
 
     fn of_criteria(&self, criteria: &Criteria, base: &str) -> Vec<String> {
-        let (hit, ap) = (criteria.hit_confidence, criteria.ap.name());
-        let protocol = criteria.protocol.map(Protocol::name);
         let said = |protocol: Option<&str>| protocol.unwrap_or("none").to_owned();
-        let differing = [
-            (self.base != base, "base", self.base.clone(), base.to_owned()),
-            (self.ap != ap, "definition of AP", self.ap.clone(), ap.to_owned()),
-            (
-                self.hit_confidence != hit,
-                "confidence of a hit",
-                self.hit_confidence.to_string(),
-                hit.to_string(),
-            ),
-            (
-                self.match_iou != criteria.match_iou(),
-                "IoU of a hit",
-                self.match_iou.to_string(),
-                criteria.match_iou().to_string(),
-            ),
-            (
-                self.protocol.as_deref() != protocol,
-                "protocol",
-                said(self.protocol.as_deref()),
-                said(protocol),
-            ),
+        let protocol = criteria.protocol.map(Protocol::name);
+        let [hit, overlap] = [criteria.hit_confidence, criteria.match_iou()].map(|v| v.to_string());
+        let both = [
+            ("base", self.base.clone(), base.to_owned()),
+            ("definition of AP", self.ap.clone(), criteria.ap.name().to_owned()),
+            ("confidence of a hit", self.hit_confidence.to_string(), hit),
+            ("IoU of a hit", self.match_iou.to_string(), overlap),
+            ("protocol", said(self.protocol.as_deref()), said(protocol)),
         ];
-        let differing = differing.into_iter().filter(|(differs, ..)| *differs);
+        let differing = both.into_iter().filter(|(_, planned, here)| planned != here);
         differing
-            .map(|(_, what, planned, here)| format!("{what}: {planned} in the plan, {here} here"))
+            .map(|(what, planned, here)| format!("{what}: {planned} in the plan, {here} here"))
             .collect()
     }
 
     fn of_scenes(&self, scores: &Scores) -> Result<Vec<String>, SealError> {
         let mut all = Vec::new();
         for session in &scores.sessions {
-            if files::sha256_hex(&files::read(&session.scene_path)?) != self.scene_sha256 {
-                all.push(format!("the scene of {} is not the one in the plan", session.name));
-            }
             let hash = |path: &Path| Ok::<_, SealError>(files::sha256_hex(&files::read(path)?));
-            if session.mesh_path.as_deref().map(hash).transpose()? != self.mesh_sha256 {
-                all.push(format!("the mesh of {} is not the one in the plan", session.name));
-            }
             let camera = session.camera_path.as_deref().map(hash).transpose()?;
-            if self.camera_sha256.is_some() && camera != self.camera_sha256 {
-                all.push(format!("the camera of {} is not the one in the plan", session.name));
-            }
+            let changed = [
+                ("scene", hash(&session.scene_path)? != self.scene_sha256),
+                (
+                    "mesh",
+                    session.mesh_path.as_deref().map(hash).transpose()? != self.mesh_sha256,
+                ),
+                ("camera", self.camera_sha256.is_some() && camera != self.camera_sha256),
+            ];
+            let changed = changed.into_iter().filter(|(_, is_changed)| *is_changed);
+            all.extend(changed.map(|(what, _)| format!("the {what} of {} is not the one in the plan", session.name)));
             let here = &session.scene.model.class;
             if *here != self.classes {
                 let [planned, here] = [&self.classes, here].map(|classes| classes.labels().join(", "));
@@ -110,11 +96,8 @@ impl SealedPlan {
     fn of_textures(&self, scores: &Scores) -> Vec<String> {
         let mut all = Vec::new();
         let here: BTreeSet<&String> = scores.photos.iter().map(|photo| &photo.variant).collect();
-        for texture in &here {
-            if !self.textures.contains_key(*texture) {
-                all.push(format!("the texture {texture} is not in the plan"));
-            }
-        }
+        let others = here.iter().filter(|texture| !self.textures.contains_key(**texture));
+        all.extend(others.map(|texture| format!("the texture {texture} is not in the plan")));
         for (texture, planned) in &self.textures {
             let shown = scores.patterns.iter().find(|pattern| pattern.variant == *texture);
             match (planned, shown) {

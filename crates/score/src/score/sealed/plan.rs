@@ -116,35 +116,31 @@ impl SealedPlan {
         if path.exists() {
             return Err(SealError::Exists(path.display().to_string()));
         }
-        let seal = self.seal()?;
-        let file = SealedFile {
-            seal: seal.clone(),
-            plan: self,
-        };
+        let (seal, plan) = (self.seal()?, self);
+        let file = SealedFile { seal, plan };
         let text = serde_json::to_string_pretty(&file)? + "\n";
         files::write_atomically(path, text.as_bytes())?;
-        Ok(seal)
+        Ok(file.seal)
     }
 
     /// Reads a plan; the seal is that of its content, and a sentence says when the file states another.
     pub fn read(path: &Path) -> Result<(SealedPlan, PlanCheck), SealError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
-        let file: SealedFile = serde_json::from_slice(&bytes).map_err(|e| SealError::Syntax {
-            path: path.display().to_string(),
-            reason: format!("line {}, column {}, does not read as one", e.line(), e.column()),
-        })?;
+        let refused = |reason: String| {
+            let path = path.display().to_string();
+            SealError::Syntax { path, reason }
+        };
+        let place = |e: serde_json::Error| format!("line {}, column {}, does not read as one", e.line(), e.column());
+        let file: SealedFile = serde_json::from_slice(&bytes).map_err(|e| refused(place(e)))?;
         if file.plan.views.iter().flatten().any(|number| number.abs() > 1e6) {
-            return Err(SealError::Syntax {
-                path: path.display().to_string(),
-                reason: "a view of it lies beyond any bin".into(),
-            });
+            return Err(refused("a view of it lies beyond any bin".into()));
         }
         let seal = file.plan.seal()?;
-        let deviations = if file.seal == seal {
-            Vec::new()
-        } else {
-            vec!["the plan was changed after it was sealed: the seal in its file is not that of its content".into()]
-        };
+        let mut deviations = Vec::new();
+        if file.seal != seal {
+            let changed = "the plan was changed after it was sealed: the seal in its file is not that of its content";
+            deviations.push(changed.to_owned());
+        }
         Ok((file.plan, PlanCheck { seal, deviations }))
     }
 }

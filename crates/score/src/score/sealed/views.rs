@@ -85,11 +85,8 @@ fn missing(
 }
 
 fn places(scores: &Scores) -> BTreeSet<&str> {
-    scores
-        .photos
-        .iter()
-        .map(|photo| photo.place.as_deref().unwrap_or_default())
-        .collect()
+    let photos = scores.photos.iter();
+    photos.map(|photo| photo.place.as_deref().unwrap_or_default()).collect()
 }
 
 /// Whether the photos of a texture end with the pair that decided: then views of the last place may be missing.
@@ -97,15 +94,10 @@ fn ends_decided(comparison: &Comparison, texture: &str) -> bool {
     let Some(sequential) = &comparison.sequential else {
         return false;
     };
-    let own: Vec<&Course> = sequential
-        .results
-        .iter()
-        .filter(|course| course.variant == texture)
-        .collect();
-    let last = own
-        .iter()
-        .map(|course| course.hit_rate.decided_after)
-        .collect::<Option<Vec<_>>>();
+    let own = sequential.results.iter().filter(|course| course.variant == texture);
+    let own: Vec<&Course> = own.collect();
+    let decided = own.iter().map(|course| course.hit_rate.decided_after);
+    let last = decided.collect::<Option<Vec<_>>>();
     last.is_some_and(|last| last.into_iter().max() == own.first().map(|course| course.looks))
 }
 
