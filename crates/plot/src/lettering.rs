@@ -90,25 +90,3 @@ pub fn wrapped(text: &str, size_mm: f64, most_mm: f64) -> Vec<String> {
 pub fn fitting_size_mm(text: &str, size_mm: f64, most_mm: f64) -> f64 {
     size_mm.min(size_mm * most_mm / width_mm(text, size_mm).max(f64::MIN_POSITIVE))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_names_lose_their_middle() {
-        let short = shortened("a-very-long-file-name-of-a-pattern.png", 2.0, 20.0);
-        assert!(
-            short.starts_with("a-v") && short.ends_with(".png") && short.contains('…'),
-            "{short}"
-        );
-        assert!(width_mm(&short, 2.0) <= 20.0);
-        assert_eq!(shortened("short.png", 2.0, 20.0), "short.png");
-    }
-
-    #[test]
-    fn lines_break_at_spaces() {
-        assert_eq!(wrapped("one two three four", 2.0, 12.0), ["one two", "three four"]);
-        assert_eq!(wrapped("unbreakable", 2.0, 1.0), ["unbreakable"]);
-    }
-}

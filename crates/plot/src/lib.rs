@@ -27,7 +27,7 @@ pub use axis::{PlotAxis, Scale, tick_label};
 pub use drawing::{Drawing, Explained, figure};
 pub use page::{html_page, plain_page};
 pub use panels::{PlotLine, PlotPanel, panels};
-pub use scatter::{Cloud, Dot, scatter};
+pub use scatter::{Cloud, Dot, scatter, sector};
 
 /// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.
 const COLOURS: [&str; 10] = [

@@ -235,7 +235,7 @@ fn number(value: f64, behind: usize) -> String {
 }
 
 /// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut tex = String::new();
     for c in text.chars() {
         match c {
@@ -252,20 +252,4 @@ pub(super) fn escaped(text: &str) -> String {
         }
     }
     tex
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_tex_takes_for_commands_is_escaped() {
-        assert_eq!(escaped("a_b & 50 % {x} #1 $"), "a\\_b \\& 50 \\% \\{x\\} \\#1 \\$");
-        assert_eq!(
-            escaped("\\end^~"),
-            "\\textbackslash{}end\\textasciicircum{}\\textasciitilde{}"
-        );
-        assert_eq!(escaped("[1]*\n"), "{[}1]{*} ");
-        assert_eq!(escaped("Größe"), "Größe");
-    }
 }

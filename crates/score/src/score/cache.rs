@@ -31,7 +31,7 @@ struct Problems {
 
 /// The name of an entry.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Key(String);
+pub struct Key(String);
 
 impl Cache {
     /// The cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`,
@@ -50,7 +50,7 @@ impl Cache {
     }
 
     /// The name of what depends on these `parts`, and on the program.
-    pub(super) fn key(&self, parts: &[&str]) -> Key {
+    pub fn key(&self, parts: &[&str]) -> Key {
         let parts = [&[self.program.as_str()], parts].concat();
         // Each part with its length: no two lists of parts look the same.
         let text: String = parts.iter().map(|part| format!("{} {part}\n", part.len())).collect();
@@ -58,7 +58,7 @@ impl Cache {
     }
 
     /// An entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
-    pub(super) fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
+    pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
         let path = self.path(key);
         let bytes = std::fs::read(&path).ok()?;
         let value = bytes.split_at_checked(64).and_then(|(sum, content)| {
@@ -74,7 +74,7 @@ impl Cache {
     }
 
     /// Keeps an entry. That it cannot be written costs only the next run's time, so it is remembered and the run goes on.
-    pub(super) fn put<T: Serialize>(&self, key: &Key, value: &T) {
+    pub fn put<T: Serialize>(&self, key: &Key, value: &T) {
         let Err(reason) = self.write(key, value) else { return };
         self.problems().not_written.get_or_insert(reason);
     }
@@ -114,8 +114,8 @@ impl Cache {
         damaged.into_iter().chain(not_written).collect()
     }
 
-    /// Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
-    fn path(&self, key: &Key) -> PathBuf {
+    /// Where an entry lies. Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
+    pub fn path(&self, key: &Key) -> PathBuf {
         self.folder.join(&key.0[..2]).join(&key.0[2..])
     }
 
@@ -127,47 +127,4 @@ impl Cache {
 /// Of the name too: an entry under another's name is no entry.
 fn checksum(key: &Key, content: &[u8]) -> String {
     files::sha256_hex(&[key.0.as_bytes(), content].concat())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_entry_comes_back_bit_for_bit_and_a_damaged_one_does_not() {
-        let folder = tempfile::tempdir().unwrap();
-        let cache = Cache::open(folder.path(), "libraries").unwrap();
-        let (key, other) = (cache.key(&["photo", "ab"]), cache.key(&["photoa", "b"]));
-        assert_ne!(key, other);
-        let value = vec![0.1 + 0.2, f64::MIN_POSITIVE, -0.0];
-        cache.put(&key, &value);
-        assert_eq!(cache.get::<Vec<f64>>(&key), Some(value));
-        assert_eq!(cache.get::<Vec<f64>>(&other), None);
-        assert!(cache.complaints().is_empty(), "a missing entry is no problem");
-        let path = cache.path(&key);
-        let whole = std::fs::read(&path).unwrap();
-        for at in 0..whole.len() {
-            let mut bytes = whole.clone();
-            bytes[at] ^= 4;
-            std::fs::write(&path, bytes).unwrap();
-            assert_eq!(cache.get::<Vec<f64>>(&key), None, "byte {at} was changed");
-        }
-        std::fs::write(&path, &whole[..40]).unwrap();
-        assert_eq!(cache.get::<Vec<f64>>(&key), None);
-        let complaints = cache.complaints();
-        assert!(complaints.len() == 1 && complaints[0].contains("damaged entries of the cache"));
-        // An entry in another's place.
-        cache.put(&key, &vec![1.0]);
-        std::fs::create_dir_all(cache.path(&other).parent().unwrap()).unwrap();
-        std::fs::copy(&path, cache.path(&other)).unwrap();
-        assert_eq!(cache.get::<Vec<f64>>(&other), None);
-    }
-
-    #[test]
-    fn other_libraries_find_nothing() {
-        let folder = tempfile::tempdir().unwrap();
-        let key = |libraries| Cache::open(folder.path(), libraries).unwrap().key(&["photo"]);
-        assert_eq!(key("a"), key("a"));
-        assert_ne!(key("a"), key("b"));
-    }
 }

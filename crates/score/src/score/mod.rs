@@ -1,26 +1,26 @@
 //! Photos, poses and detections become numbers: truth boxes, matching, AP, rates, drops.
 
-mod cache;
+pub mod cache;
 mod caution;
-mod compare;
-mod corrupt;
+pub mod compare;
+pub mod corrupt;
 mod criteria;
 mod curves;
 mod decoded;
 mod disagreement;
 mod error;
 mod evaluated;
-mod grouping;
+pub mod grouping;
 mod labelled;
 mod observe;
 mod outcome;
 mod photo;
-mod preview;
+pub mod preview;
 mod protocol;
-mod protocol_table;
+pub mod protocol_table;
 mod ranking;
 mod record;
-mod reliability;
+pub mod reliability;
 mod robustness;
 mod run;
 mod scores;

@@ -42,7 +42,7 @@ pub struct ConfidenceBin {
 pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
     let of = |(side, detector): (Side, &EvaluatedDetector)| {
         let detections = photos.iter().flat_map(|p| judged(p, side));
-        Reliability::of(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())
+        Reliability::new(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())
     };
     Side::each(detectors).map(of).collect()
 }
@@ -61,8 +61,8 @@ fn judged(photo: &ScoredPhoto, side: Side) -> Vec<(f64, bool)> {
 }
 
 impl Reliability {
-    /// From (confidence, correct) of every detection.
-    fn of(detector: String, detections: &[(f64, bool)]) -> Reliability {
+    /// The reliability of a detector, from (confidence, correct) of every detection.
+    pub fn new(detector: String, detections: &[(f64, bool)]) -> Reliability {
         let bins: Vec<ConfidenceBin> = (1..STEPS).map(|step| bin(step, detections)).collect();
         // Over all bins: how many of the detections, times how far off.
         let mean = |off: fn(&ConfidenceBin) -> Option<f64>| {
@@ -95,41 +95,11 @@ fn bin(step: usize, detections: &[(f64, bool)]) -> ConfidenceBin {
 
 /// Mean distance of the share of successes in `n` trials from their probability `p`: 2 m C(n, m) pᵐ (1 − p)ⁿ⁻ᵐ⁺¹ / n with
 /// m = ⌊np⌋ + 1 (de Moivre 1730; Diaconis & Zabell 1991).
-fn deviation(n: usize, p: f64) -> f64 {
+pub fn deviation(n: usize, p: f64) -> f64 {
     if n == 0 || p <= 0.0 || p >= 1.0 {
         return 0.0;
     }
     let m = (n as f64 * p).floor() + 1.0;
     let of_m = Binomial::new(p, n as u64).map_or(0.0, |b| b.pmf(m as u64));
     2.0 * m * (1.0 - p) * of_m / n as f64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn four_detections_by_hand() {
-        let r = Reliability::of("d".into(), &[(0.9, true), (1.0, true), (0.3, false), (0.34, true)]);
-        let bin = |low: f64| r.bins.iter().find(|b| b.low == low).unwrap();
-        assert_eq!((r.bins.len(), bin(0.9).detections, bin(0.3).detections), (9, 2, 2));
-        assert!((bin(0.3).mean_confidence.unwrap() - 0.32).abs() < 1e-12);
-        assert_eq!(bin(0.3).correct.unwrap().count, 1);
-        // (2 · |0.95 − 1| + 2 · |0.32 − 0.5|) / 4
-        assert!((r.expected_calibration_error.unwrap() - 0.115).abs() < 1e-12);
-        assert_eq!(Reliability::of("d".into(), &[]).expected_calibration_error, None);
-    }
-
-    #[test]
-    fn the_error_by_chance_is_the_mean_of_the_binomial_s_deviations() {
-        for (n, p) in [(1_i32, 0.3_f64), (2, 0.5), (5, 0.87), (12, 0.25), (40, 0.6)] {
-            let mut chance = (1.0 - p).powi(n); // of k successes, from k = 0 on
-            let mut sum = 0.0;
-            for k in 0..=n {
-                sum += chance * (f64::from(k) / f64::from(n) - p).abs();
-                chance *= f64::from(n - k) / f64::from(k + 1) * p / (1.0 - p);
-            }
-            assert!((deviation(n as usize, p) - sum).abs() < 1e-12, "{n} {p}");
-        }
-    }
 }

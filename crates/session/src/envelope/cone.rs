@@ -6,7 +6,7 @@ use nalgebra::Point3;
 /// the camera frame.
 ///
 /// The cone is convex, so there is one such part or none; it ends at roots of a quadratic in the segment's parameter.
-pub(super) fn part_inside(a: &Point3<f64>, b: &Point3<f64>, radius: f64) -> Option<[[f64; 2]; 2]> {
+pub fn part_inside(a: &Point3<f64>, b: &Point3<f64>, radius: f64) -> Option<[[f64; 2]; 2]> {
     let d = b - a;
     let squared = radius * radius;
     let beyond = |p: &Point3<f64>| p.x * p.x + p.y * p.y - squared * p.z * p.z;
@@ -42,38 +42,4 @@ fn roots(c2: f64, c1: f64, c0: f64) -> Vec<f64> {
     // The form that does not subtract nearly equal numbers.
     let q = -(c1 + root.copysign(c1));
     [q / c2, c0 / q].into_iter().filter(|t| t.is_finite()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn a_line_through_the_camera_s_plane_is_cut_at_the_cone() {
-        let (a, b) = (Point3::new(1.0, 0.0, 2.0), Point3::new(1.0, 0.0, -2.0));
-        let [p, q] = part_inside(&a, &b, 2.0).unwrap();
-        // x = 1 meets x = 2 z at z = 0.5.
-        assert!((p[0] - 0.5).abs() < 1e-12 && (q[0] - 2.0).abs() < 1e-9);
-        assert_eq!(part_inside(&b, &Point3::new(0.0, 1.0, -3.0), 2.0), None);
-    }
-
-    proptest! {
-        /// Against a walk along the segment.
-        #[test]
-        fn the_part_is_what_a_walk_finds(a in prop::array::uniform3(-3.0..3.0_f64), b in prop::array::uniform3(-3.0..3.0_f64)) {
-            let (a, b) = (Point3::from(a), Point3::from(b));
-            let part = part_inside(&a, &b, 1.5);
-            let walk = (0..=400).map(|i| a + (b - a) * (f64::from(i) / 400.0));
-            let seen: Vec<_> = walk.filter(|p| p.z > 0.0 && p.x.hypot(p.y) <= 1.5 * p.z).collect();
-            match part {
-                None => prop_assert!(seen.len() <= 1, "{} points", seen.len()),
-                Some([p, q]) => for s in seen {
-                    let (x, y) = (s.x / s.z, s.y / s.z);
-                    let slack = |i: usize, v: f64| v >= p[i].min(q[i]) - 1e-6 && v <= p[i].max(q[i]) + 1e-6;
-                    prop_assert!(slack(0, x) && slack(1, y), "{x} {y} is not in {p:?} {q:?}");
-                }
-            }
-        }
-    }
 }

@@ -12,13 +12,13 @@ pub type Conditions = BTreeMap<String, String>;
 const LONGEST_NAME: usize = 40;
 
 /// Whether a condition may have this name, so that it can be named on a command line.
-pub(super) fn is_name(name: &str) -> bool {
+pub fn is_name(name: &str) -> bool {
     let is_plain = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
     (1..=LONGEST_NAME).contains(&name.chars().count()) && name.trim() == name && name.chars().all(is_plain)
 }
 
 /// A text, a number or a truth value as text; nothing of lists, objects and empty texts.
-pub(super) fn scalar(value: &Value) -> Option<String> {
+pub fn scalar(value: &Value) -> Option<String> {
     match value {
         Value::String(text) => Some(text.trim().to_owned()),
         Value::Number(number) => Some(number.to_string()),
@@ -29,7 +29,7 @@ pub(super) fn scalar(value: &Value) -> Option<String> {
 }
 
 /// Reads the `conditions` of a `session.json`, whose values may be texts, numbers and truth values.
-pub(super) fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Conditions, D::Error> {
+pub fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Conditions, D::Error> {
     let mut conditions = Conditions::new();
     for (name, value) in BTreeMap::<String, Value>::deserialize(from)? {
         let text = scalar(&value).ok_or_else(|| {
@@ -38,32 +38,4 @@ pub(super) fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Conditions, D::
         conditions.insert(name, text);
     }
     Ok(conditions)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_are_texts_whatever_they_were() {
-        let read = |text: &str| read(&mut serde_json::Deserializer::from_str(text)).map_err(|e| e.to_string());
-        let kept = read(r#"{"weather":" rain ","lux":300,"theta":0.5,"dusk":true}"#).unwrap();
-        let texts: Vec<_> = kept.values().map(String::as_str).collect();
-        assert_eq!(texts, ["true", "300", "0.5", "rain"]);
-        let fault = read(r#"{"weather":["rain"]}"#).unwrap_err();
-        assert!(
-            fault.contains("`weather` is [\"rain\"]: give a text or a number"),
-            "{fault}"
-        );
-        for (name, is_good) in [
-            ("lux", true),
-            ("sun angle", true),
-            ("a,b", false),
-            ("a:b", false),
-            (" a", false),
-            ("", false),
-        ] {
-            assert_eq!(is_name(name), is_good, "{name}");
-        }
-    }
 }

@@ -140,7 +140,7 @@ impl NewSession<'_> {
                 files.extend(copies.map(|(to, from)| (to, Content::CopyOf(from))));
                 name
             } else {
-                text_path(&way(home, &found.real))?
+                text_path(&path_between(home, &found.real))?
             };
             photos.extend(self.entries(names, &found.given.variant, &folder));
         }
@@ -208,8 +208,8 @@ fn inside(file: &Path, home: &Path) -> Option<PathBuf> {
     real.strip_prefix(home).ok().map(Path::to_owned)
 }
 
-/// The way from one folder to another: up, then down. Both are whole and without links.
-fn way(from: &Path, to: &Path) -> PathBuf {
+/// The relative path from one folder to another: up, then down. Both paths are absolute and without links.
+pub fn path_between(from: &Path, to: &Path) -> PathBuf {
     let both = from.components().zip(to.components());
     let same = both.take_while(|(a, b)| a == b).count();
     let up = from.components().skip(same).map(|_| Component::ParentDir);
@@ -217,7 +217,7 @@ fn way(from: &Path, to: &Path) -> PathBuf {
 }
 
 /// A name that none of the taken ones is, however a file system counts letters: `photos`, `photos_2`, …
-fn free_name(name: &str, taken: &mut BTreeSet<String>) -> String {
+pub fn free_name(name: &str, taken: &mut BTreeSet<String>) -> String {
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     let mut names = std::iter::once(name.to_owned()).chain(numbered);
     names.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
@@ -227,30 +227,5 @@ fn write(path: &Path, content: &Content) -> Result<(), FileError> {
     match content {
         Content::Bytes(bytes) => files::replace_atomically(path, bytes),
         Content::CopyOf(original) => files::copy(original, path),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_way_between_folders_goes_up_then_down() {
-        for (from, to, wanted) in [
-            ("/a/session", "/a/photos/monday", "../photos/monday"),
-            ("/a/photos/session", "/a/photos", ".."),
-            ("/a", "/a/photos", "photos"),
-            ("/a", "/a", ""),
-            ("/a/b", "/c", "../../c"),
-        ] {
-            assert_eq!(way(Path::new(from), Path::new(to)), Path::new(wanted), "{from} to {to}");
-        }
-    }
-
-    #[test]
-    fn folders_of_one_name_get_numbers() {
-        let mut taken = BTreeSet::new();
-        let names = ["Photos", "photos", "x", "photos"].map(|name| free_name(name, &mut taken));
-        assert_eq!(names, ["Photos", "photos_2", "x", "photos_3"]);
     }
 }

@@ -11,12 +11,12 @@ pub(super) mod heat;
 mod misses;
 mod notes;
 mod patterns;
-pub(super) mod polar;
+pub mod polar;
 mod ranking;
 pub(super) mod reliability;
 pub(super) mod robustness;
 mod sequential;
-mod shade;
+pub mod shade;
 pub(super) mod speed;
 
 use maud::{Markup, PreEscaped, html};
@@ -236,7 +236,8 @@ fn colour(index: usize) -> &'static str {
     ["#5b6573", "#0f7f8c", "#1f4fb4", "#a0522d", "#b03a9b", "#4a4a9c"][index % 6]
 }
 
-fn number(value: f64, behind: usize) -> String {
+/// A number with so many digits behind the point, and a true minus sign.
+pub fn number(value: f64, behind: usize) -> String {
     digits(value, behind).replace('-', "−")
 }
 
@@ -250,17 +251,4 @@ fn side(azimuth_deg: f64) -> &'static str {
     const SIDES: &str = "front, front left, left, rear left, rear, rear right, right, front right";
     let eighth = ((azimuth_deg / 45.0).round() as usize) % 8;
     SIDES.split(", ").nth(eighth).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::number;
-
-    #[test]
-    fn only_what_is_below_zero_has_a_minus() {
-        assert_eq!(
-            [0.139, -0.25, -0.001, 0.0].map(|v| number(v, 2)),
-            ["0.14", "−0.25", "0.00", "0.00"]
-        );
-    }
 }

@@ -104,20 +104,8 @@ fn line(colour: &str, bins: &[BinFigures]) -> Markup {
     }
 }
 
-/// Front up, counter-clockwise seen from above: the model's left side is on the left.
-fn at(azimuth_deg: f64, share: f64) -> [f64; 2] {
+/// Where a share of the radius at an azimuth is drawn: front up, counter-clockwise seen from above, so that the model's left side is on the left.
+pub fn at(azimuth_deg: f64, share: f64) -> [f64; 2] {
     let a = azimuth_deg.to_radians();
     [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_left_side_is_on_the_left() {
-        let [x, y] = at(90.0, 1.0);
-        assert!(x < -87.0 && y.abs() < 1e-9);
-        assert!(at(0.0, 1.0)[1] < -87.0, "the front is up");
-    }
 }

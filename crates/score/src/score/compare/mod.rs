@@ -244,7 +244,7 @@ fn paired_ap(clusters: &[Cluster], side: Side) -> [ClusteredAp; 2] {
 }
 
 /// The difference of a figure, given as (base, other) when each cluster counts so many times.
-fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
+pub fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
     let (base, other) = figures(&vec![1; clusters]);
     let [interval_95, asr_interval_95] = intervals_95(clusters, |drawn| {
         let (base, other) = figures(drawn);
@@ -285,21 +285,5 @@ fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) 
         Finding::NoDifferenceShown
     } else {
         Finding::TooFewPhotosToTell
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Sums that differ by their order of addition alone are the same; one that is the same in all resamples is shown.
-    #[test]
-    fn a_difference_without_an_interval_is_none_or_shown() {
-        let rounded = difference(14, |_| (0.1 + 0.2, 0.3));
-        assert!(rounded.drop != 0.0);
-        assert_eq!(rounded.finding, Finding::NoDifferenceShown);
-        assert_eq!(difference(14, |_| (1.0, 0.0)).finding, Finding::Drop);
-        assert_eq!(difference(6, |_| (0.0, 1.0)).finding, Finding::Rise);
-        assert_eq!(difference(5, |_| (1.0, 0.0)).finding, Finding::TooFewPhotosToTell);
     }
 }

@@ -120,16 +120,3 @@ pub(super) fn binomial(n: usize, p: f64) -> Vec<f64> {
     let chance = |k| distribution.as_ref().map_or(f64::NAN, |b| b.pmf(k));
     (0..=n as u64).map(chance).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use scaleproof_core::statistics::mcnemar_p;
-
-    /// All hits against none: six pairs give p = 2 / 2⁶, five do not reach 0.05.
-    #[test]
-    fn a_certain_drop_needs_six_pairs() {
-        assert_eq!(pairs_needed(1.0, 1.0, 0.8, 0.05), Ok(6));
-        assert!(mcnemar_p(&[1; 6]) < 0.05 && mcnemar_p(&[1; 5]) > 0.05);
-    }
-}

@@ -15,7 +15,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_photo::photo::{as_jpeg, boxed};
 
 /// Longer side of a photo before it is corrupted, px: larger ones are reduced to it.
-pub(super) const LONGEST_PX: u32 = 640;
+pub const LONGEST_PX: u32 = 640;
 
 /// Severities of a corruption are 1 to this; 0 is the reduced photo, no worse.
 pub const SEVERITIES: u8 = 5;
@@ -104,7 +104,7 @@ const CROP: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 
 /// What is left (x1, y1, x2, y2, px) of an image of `size` (width, height) when a share of the model's box is cut off at its left, right, top or bottom,
 /// which `seed` chooses: whole pixels, and at least one of the model's.
-pub(super) fn cut_off(truth: &BoxPx, [width, height]: [u32; 2], severity: u8, seed: u64) -> [u32; 4] {
+pub fn cut_off(truth: &BoxPx, [width, height]: [u32; 2], severity: u8, seed: u64) -> [u32; 4] {
     let share = CROP[usize::from(severity.clamp(1, SEVERITIES)) - 1];
     // From its low end on, and up to its high end.
     let from = |low: f64, high: f64, side: u32| {
@@ -132,35 +132,4 @@ fn pixelated(image: &RgbImage, share: f64) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| {
         *small.get_pixel(from(x, width, across), from(y, height, down))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// Whatever the box, and however small the image: something of the image and of the model is left, and no more than was there.
-        #[test]
-        fn a_crop_leaves_a_part_of_the_model(
-            (width, height) in (1u32..300, 1u32..300),
-            corners in prop::array::uniform4(0.0..1.0f64),
-            severity in 1u8..=5,
-            seed in any::<u64>(),
-        ) {
-            let [a, b, c, d] = corners;
-            let (w, h) = (f64::from(width), f64::from(height));
-            let truth = BoxPx::new(w * a.min(b), h * c.min(d), w * a.max(b), h * c.max(d));
-            prop_assume!(truth.is_solid());
-            let [x1, y1, x2, y2] = cut_off(&truth, [width, height], severity, seed);
-            prop_assert!(x1 < x2 && x2 <= width && y1 < y2 && y2 <= height);
-            let left = BoxPx {
-                x1: truth.x1.max(x1.into()),
-                y1: truth.y1.max(y1.into()),
-                x2: truth.x2.min(x2.into()),
-                y2: truth.y2.min(y2.into()),
-            };
-            prop_assert!(left.is_solid(), "{truth:?} {:?}", [x1, y1, x2, y2]);
-        }
-    }
 }

@@ -221,27 +221,6 @@ fn armory_digits(ap: f64) -> String {
 }
 
 /// Three significant digits, one of them behind the point at least.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     digits(value, if value < 10.0 { 2 } else { 1 })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The physical test of ACTIVE's paper: hits of 240 photos, and the values it prints.
-    #[test]
-    fn active_s_printed_values_are_shares_of_240_photos() {
-        for (hits, printed) in [
-            (218, "90.8"),
-            (21, "8.75"),
-            (231, "96.3"),
-            (97, "40.4"),
-            (63, "26.3"),
-            (228, "95.0"),
-            (117, "48.8"),
-        ] {
-            assert_eq!(significant(100.0 * f64::from(hits) / 240.0), printed);
-        }
-    }
 }

@@ -1,0 +1,30 @@
+//! Unit and property tests of scoring and its reports.
+
+#[path = "score/cache.rs"]
+mod cache;
+#[path = "score/compare.rs"]
+mod compare;
+#[path = "score/corrupt.rs"]
+mod corrupt;
+#[path = "score/grouping.rs"]
+mod grouping;
+#[path = "score/latex.rs"]
+mod latex;
+#[path = "score/numbers.rs"]
+mod numbers;
+#[path = "score/outcome.rs"]
+mod outcome;
+#[path = "score/plan.rs"]
+mod plan;
+#[path = "score/polar.rs"]
+mod polar;
+#[path = "score/preview.rs"]
+mod preview;
+#[path = "score/protocol_table.rs"]
+mod protocol_table;
+#[path = "score/reliability.rs"]
+mod reliability;
+#[path = "score/shade.rs"]
+mod shade;
+#[path = "score/shard.rs"]
+mod shard;
