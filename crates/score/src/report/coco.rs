@@ -81,7 +81,7 @@ pub(super) struct Categories {
 }
 
 impl Categories {
-    pub(super) fn of(scores: &Scores) -> Categories {
+    pub(super) fn from_scores(scores: &Scores) -> Categories {
         let first = scores.detectors.first();
         let model = first.and_then(|c| c.labels().category_id(*c.counted.first()?));
         let model = model.unwrap_or(1);
@@ -123,7 +123,7 @@ impl Categories {
 }
 
 pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
-    let Categories { names, model } = Categories::of(scores);
+    let Categories { names, model } = Categories::from_scores(scores);
     annotations(scores, |photo| photo.file.clone(), names, model)
 }
 

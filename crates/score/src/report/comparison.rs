@@ -52,7 +52,7 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
         definitions: comparison_definitions().collect(),
-        provenance: provenance::of(scores),
+        provenance: provenance::from_scores(scores),
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }

@@ -56,7 +56,7 @@ pub fn export(request: &ExportRequest) -> Result<PathBuf, ExportError> {
     let (scores, folder) = (request.scores, request.folder);
     check_export(folder)?;
     let names = names(&scores.photos)?;
-    let classes = Classes::of(scores);
+    let classes = Classes::from_scores(scores);
     let name_of = |photo: &ScoredPhoto| names.get(&photo.id).cloned().unwrap_or_default();
     let texts = match request.format {
         ExportFormat::Coco => vec![(
@@ -123,7 +123,7 @@ struct Classes {
 }
 
 impl Classes {
-    fn of(scores: &Scores) -> Classes {
+    fn from_scores(scores: &Scores) -> Classes {
         let own = counted::classes(scores).labels();
         let coco = Labels::Coco80;
         let named = |label: usize| Some((coco.category_id(label)?, coco.name(label)?.to_owned()));

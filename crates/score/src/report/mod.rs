@@ -94,7 +94,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
     if let Some(robustness) = &scores.robustness {
         contents.push((robustness::NAME.to_owned(), robustness::csv(robustness)?));
     }
-    let categories = coco::Categories::of(scores);
+    let categories = coco::Categories::from_scores(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
         let results = coco_results(photos, |label| categories.id(detector, label))?;
@@ -106,7 +106,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .map(|(name, text)| (name, text.into_bytes()))
         .chain(figures);
     let files: Vec<_> = contents.map(|(name, content)| (folder.join(name), content)).collect();
-    let before = Before::of(folder);
+    let before = Before::in_folder(folder);
     files::replace_all_atomically(&files)?;
     remove_stale(folder, &before, scores, speeds)?;
     Ok(folder.join("report.html"))
@@ -136,7 +136,7 @@ struct Reported {
 }
 
 impl Before {
-    fn of(folder: &Path) -> Before {
+    fn in_folder(folder: &Path) -> Before {
         let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }

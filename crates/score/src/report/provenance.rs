@@ -71,7 +71,7 @@ pub(super) struct SessionProvenance {
     pub files: BTreeMap<String, String>,
 }
 
-pub(super) fn of(scores: &Scores) -> Provenance {
+pub(super) fn from_scores(scores: &Scores) -> Provenance {
     Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),

@@ -64,7 +64,7 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Re
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
         definitions: scores.criteria.definitions().into_iter().collect(),
-        provenance: provenance::of(scores),
+        provenance: provenance::from_scores(scores),
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }

@@ -13,7 +13,7 @@ pub(super) struct DecodedPhoto<'a> {
 }
 
 impl DecodedPhoto<'_> {
-    pub(super) fn of(file: &Photo) -> DecodedPhoto<'_> {
+    pub(super) fn new(file: &Photo) -> DecodedPhoto<'_> {
         DecodedPhoto {
             file,
             images: Vec::new(),

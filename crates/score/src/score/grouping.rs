@@ -64,7 +64,7 @@ impl FromStr for GroupBy {
 
 impl GroupBy {
     /// The group of a photo; none for a photo without the condition.
-    pub(super) fn of(&self, photo: &ScoredPhoto) -> Option<String> {
+    pub(super) fn group_of(&self, photo: &ScoredPhoto) -> Option<String> {
         let value = value(photo, &self.condition)?;
         match self.step.zip(value.parse::<f64>().ok()) {
             Some((step, number)) => {
@@ -97,7 +97,7 @@ impl GroupBy {
             .filter_map(|p| Some((p.file.as_str(), value(p, &self.condition)?)));
         let with: Vec<_> = with.collect();
         self.check_values(&with, photos.iter().flat_map(|p| p.conditions.keys()))?;
-        let groups: BTreeSet<String> = photos.iter().filter_map(|p| self.of(p)).collect();
+        let groups: BTreeSet<String> = photos.iter().filter_map(|p| self.group_of(p)).collect();
         if groups.len() <= MOST_GROUPS {
             return Ok(());
         }

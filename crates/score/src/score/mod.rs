@@ -34,38 +34,29 @@ mod worn;
 
 pub use cache::Cache;
 pub use compare::{
-    ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, PlanCheck, SEQUENTIAL_ROWS, Sequential,
-    SequentialFinding, SequentialPlan, compare_with, most_telling, moved_drops, paired, pairs_needed, places_needed,
-    sequential, sequential_plan, smallest_drop_by_place,
+    ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Expected, Finding, PlanCheck,
+    SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare, compare_with, most_telling, moved_drops,
+    paired, pairs_needed, places_needed, power, power_by_place, sequential, sequential_plan, smallest_drop_by_place,
 };
-pub use compare::{CompareError, Comparison, compare};
-pub use compare::{power, power_by_place};
 pub use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;
 pub use curves::{Curves, HitRateFrom, curves};
 pub use disagreement::disagreements;
 pub use error::ScoreError;
-pub use evaluated::{DetectionSource, evaluated_detectors, runtime};
-pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
+pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors, runtime};
 pub use grouping::{GroupBy, GroupByError};
 pub use labelled::{Averages, LabelledError, LabelledPhotos, feedings};
-pub use observe::Options;
-pub use observe::{NotScoredReason, libraries};
+pub use observe::{NotScoredReason, Options, libraries};
 pub use outcome::{PhotoOutcome, Thresholds, Verdict};
-pub use photo::TagMark;
-pub use photo::{NotScored, ScoredPhoto};
+pub use photo::{NotScored, ScoredPhoto, TagMark};
 pub use protocol::Protocol;
-pub use protocol_table::{ProtocolTable, protocol_table};
-pub use protocol_table::{apricot_ap, rates_as_armory};
+pub use protocol_table::{ProtocolTable, apricot_ap, protocol_table, rates_as_armory};
 pub use ranking::{Ranking, RankingFinding, RankingRow, ranking};
 pub use record::{RecordError, check_recordings, record};
 pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
 pub use robustness::{BASE_LOST, CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};
-pub use run::score;
-pub use run::{TimedPhoto, merge, observe, timed_photos};
-pub use scaleproof_core::ap::ApDefinition;
-pub use scaleproof_core::ap::{ImageBoxes, average_precision_as};
-pub use scaleproof_core::ap::{average_precision, over_ious};
+pub use run::{TimedPhoto, merge, observe, score, timed_photos};
+pub use scaleproof_core::ap::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use scores::ScoredSet;
 pub use scores::Scores;
 pub use sealed::{SealedDetector, SealedPlan, Stopping};

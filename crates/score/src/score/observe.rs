@@ -74,7 +74,7 @@ pub struct Observation {
 pub struct NotScoredReason(pub(super) String);
 
 impl NotScoredReason {
-    fn of(reason: impl ToString) -> NotScoredReason {
+    fn new(reason: impl ToString) -> NotScoredReason {
         NotScoredReason(reason.to_string())
     }
 }
@@ -132,24 +132,24 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
     let given = job.entry.box_xyxy_px;
     let given = given.map(|b| b.clipped(seen.width.into(), seen.height.into()));
     if given.is_some_and(|b| !b.is_solid()) {
-        return Err(NotScoredReason::of(
+        return Err(NotScoredReason::new(
             "box_xyxy_px lies outside the photo: is it another photo's?",
         ));
     }
     if let (Some(truth), false) = (given, job.needs_tags()) {
         return Ok(PlacedModel { located: None, truth });
     }
-    let camera = job.session.known_camera().map_err(NotScoredReason::of)?;
+    let camera = job.session.known_camera().map_err(NotScoredReason::new)?;
     let size = (seen.width, seen.height);
     let photo = locate_tags(seen.tags.clone(), size, seen.turned_deg, scene, camera);
     if let Some(truth) = given {
         let located = photo.result.ok();
         return Ok(PlacedModel { located, truth });
     }
-    let (located, fitted) = photo.pose_and_camera().map_err(NotScoredReason::of)?;
+    let (located, fitted) = photo.pose_and_camera().map_err(NotScoredReason::new)?;
     let truth = job.session.outline.box_in_photo(&located.pose, &fitted.camera);
     Ok(PlacedModel {
-        truth: truth.map_err(NotScoredReason::of)?,
+        truth: truth.map_err(NotScoredReason::new)?,
         located: Some(located),
     })
 }
@@ -222,7 +222,7 @@ impl From<NotScoredReason> for Stop {
 impl From<DetectError> for Stop {
     fn from(error: DetectError) -> Stop {
         match error {
-            DetectError::NotANumber { .. } => NotScoredReason::of(error).into(),
+            DetectError::NotANumber { .. } => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
     }
@@ -231,7 +231,7 @@ impl From<DetectError> for Stop {
 impl From<ProgramError> for Stop {
     fn from(error: ProgramError) -> Stop {
         match error {
-            ProgramError::Declined { .. } => NotScoredReason::of(error).into(),
+            ProgramError::Declined { .. } => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
     }
@@ -239,7 +239,7 @@ impl From<ProgramError> for Stop {
 
 impl From<PhotoError> for Stop {
     fn from(e: PhotoError) -> Stop {
-        NotScoredReason::of(e).into()
+        NotScoredReason::new(e).into()
     }
 }
 
@@ -298,7 +298,7 @@ impl<'a> Observer<'a> {
             seen.tags = self.tags(job.session, &photo)?;
         }
         let place = timed(Stage::Pose, || place(job, &seen))?;
-        let mut decoded = DecodedPhoto::of(&photo);
+        let mut decoded = DecodedPhoto::new(&photo);
         for index in 0..self.detectors.len() {
             seen.detections.push(self.detections(index, job, &mut decoded)?);
         }
@@ -313,7 +313,7 @@ impl<'a> Observer<'a> {
     /// The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
     fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
         let scene = &session.scene;
-        let camera = session.known_camera().map_err(NotScoredReason::of)?;
+        let camera = session.known_camera().map_err(NotScoredReason::new)?;
         let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
         let key = self.key(&["tags", &photo.sha256, &searched]);
         self.kept(key, |own| {

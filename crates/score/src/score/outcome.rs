@@ -43,7 +43,7 @@ pub struct Thresholds {
 impl PhotoOutcome {
     /// Judges the detections of a photo against the model's truth box and the labels that count as it; those of too little confidence only lend
     /// the photo theirs.
-    pub fn of(detections: &[Detection], truth: &BoxPx, counted: &[usize], least: Thresholds) -> PhotoOutcome {
+    pub fn new(detections: &[Detection], truth: &BoxPx, counted: &[usize], least: Thresholds) -> PhotoOutcome {
         let hit_confidence = least.confidence;
         let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= least.iou);
         let confidence = on_model()
@@ -79,7 +79,7 @@ impl PhotoOutcome {
         least: Thresholds,
     ) -> Vec<PhotoOutcome> {
         let both = detectors.iter().zip(found);
-        both.map(|(detector, found)| PhotoOutcome::of(found, truth, &detector.counted, least))
+        both.map(|(detector, found)| PhotoOutcome::new(found, truth, &detector.counted, least))
             .collect()
     }
 

@@ -129,7 +129,7 @@ impl Run {
             foreign: detector.foreign().cloned(),
         };
         Ok(Run {
-            sessions: sessions.iter().map(SessionSeen::of).collect::<Result<_, _>>()?,
+            sessions: sessions.iter().map(SessionSeen::new).collect::<Result<_, _>>()?,
             detectors: chosen_as.into_iter().zip(detectors).map(used).collect(),
             is_recorded: detectors.iter().all(|d| d.is_recorded() || d.foreign().is_some()),
             runtime,
@@ -193,7 +193,7 @@ pub struct SessionSeen {
 }
 
 impl SessionSeen {
-    fn of(session: &Session) -> Result<SessionSeen, FileError> {
+    fn new(session: &Session) -> Result<SessionSeen, FileError> {
         Ok(SessionSeen {
             folder: files::whole_path(&session.folder)?,
             hashes: session.hashes.clone(),

@@ -256,7 +256,7 @@ fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> O
 
 /// The figures of each value of a condition.
 fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<([String; 2], Figures)> {
-    let mut figures = by(photos, side, |p| group.of(p));
+    let mut figures = by(photos, side, |p| group.group_of(p));
     let values = in_order(figures.keys().cloned().collect()).into_iter();
     values
         .filter_map(|value| {

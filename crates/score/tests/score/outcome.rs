@@ -14,7 +14,7 @@ fn outcome(detections: &[(usize, f64, f64)]) -> PhotoOutcome {
         .iter()
         .map(|(label, score, x)| Detection::new(*label, *score, BoxPx::new(*x, 0.0, x + 100.0, 50.0)).unwrap())
         .collect();
-    PhotoOutcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], LEAST)
+    PhotoOutcome::new(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], LEAST)
 }
 
 #[test]

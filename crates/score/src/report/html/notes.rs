@@ -62,7 +62,7 @@ fn taken(times: Option<&[String; 2]>) -> String {
 
 /// `chance` says which random numbers the figures rest on.
 pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
-    let p = provenance::of(scores);
+    let p = provenance::from_scores(scores);
     let sources = html! {
         @for d in &p.detectors {
             tr {

@@ -56,7 +56,7 @@ pub fn ranking(scores: &Scores, other: &Scores) -> Ranking {
 /// All photos, then each value of each condition that was grouped by.
 fn groups(scores: &Scores) -> Vec<Option<(&GroupBy, String)>> {
     let of_each = scores.groups().iter().flat_map(|by| {
-        let values: BTreeSet<String> = scores.photos.iter().filter_map(|photo| by.of(photo)).collect();
+        let values: BTreeSet<String> = scores.photos.iter().filter_map(|photo| by.group_of(photo)).collect();
         values.into_iter().map(move |value| Some((by, value)))
     });
     std::iter::once(None).chain(of_each).collect()
@@ -71,7 +71,7 @@ struct CellPhotos<'a> {
 
 impl<'a> CellPhotos<'a> {
     fn new(scores: &'a Scores, side: Side<'a>, group: Option<&(&GroupBy, String)>) -> CellPhotos<'a> {
-        let is_own = |photo: &&ScoredPhoto| group.is_none_or(|(by, value)| by.of(photo).as_ref() == Some(value));
+        let is_own = |photo: &&ScoredPhoto| group.is_none_or(|(by, value)| by.group_of(photo).as_ref() == Some(value));
         let mut cells: BTreeMap<_, BTreeMap<_, Vec<_>>> = BTreeMap::new();
         for photo in scores.photos.iter().filter(is_own) {
             if let Some(bin) = photo.bin {
@@ -87,8 +87,8 @@ impl<'a> CellPhotos<'a> {
         }
     }
 
-    /// With photos of these variants in each cell, and the cluster that each cell is in: its place where there are six places or more.
-    fn of(&self, all: &[&str], definition: ApDefinition) -> VariantAps {
+    /// The APs of these variants over the cells that have photos of all of them, and the cluster that each cell is in: its place where there are six places or more.
+    fn variant_aps(&self, all: &[&str], definition: ApDefinition) -> VariantAps {
         let whole: Vec<_> = self
             .cells
             .iter()
@@ -154,7 +154,7 @@ fn row(
             count(common.len(), "texture")
         ));
     }
-    let [own, others] = [here, there].map(|looked| looked.of(&common, definition));
+    let [own, others] = [here, there].map(|looked| looked.variant_aps(&common, definition));
     if own.cells == 0 || others.cells == 0 {
         let where_ = if own.cells == 0 {
             "here"

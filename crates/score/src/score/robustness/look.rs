@@ -28,11 +28,11 @@ pub(super) fn at(
         let file = photo.file.clone();
         return Err(ScoreError::PhotoChanged { file });
     }
-    let mut decoded = DecodedPhoto::of(&file);
+    let mut decoded = DecodedPhoto::new(&file);
     let size = reduced_size([file.width, file.height]);
     let mut reduced: Option<RgbImage> = None;
     let seen = conditions.iter().map(|condition| {
-        let view = View::of(photo, *condition);
+        let view = View::new(photo, *condition);
         let mut image = None;
         let mut detections = Vec::new();
         for index in 0..scores.detectors.len() {
@@ -83,7 +83,7 @@ struct View {
 
 impl View {
     /// What is random is the same at every severity, and for photos of one place and bin, which are paired.
-    fn of(photo: &ScoredPhoto, condition: Condition) -> Self {
+    fn new(photo: &ScoredPhoto, condition: Condition) -> Self {
         let kind = condition.map_or("", |(kind, _)| kind.name());
         let alike = match photo.bin {
             Some(bin) => format!("{bin:?} {:?} {kind}", photo.place),
