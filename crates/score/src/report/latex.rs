@@ -36,10 +36,8 @@ pub(super) fn table(scores: &Scores) -> String {
 fn comment(scores: &Scores) -> String {
     let criteria = &scores.criteria;
     let sign = if criteria.sign() == ">" { ">" } else { ">=" };
-    let explained = disagreements(scores)
-        .into_iter()
-        .map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")));
-    let explained: String = explained.collect();
+    let explained: String = comments(disagreements(scores).into_iter());
+    let protocol = criteria.protocol.map(|p| format!(" Protocol: {}.", p.name()));
     format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
          % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
@@ -47,9 +45,7 @@ fn comment(scores: &Scores) -> String {
          % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}{}",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
-        criteria
-            .protocol
-            .map_or(String::new(), |p| format!(" Protocol: {}.", p.name())),
+        protocol.unwrap_or_default(),
         criteria.hit_confidence,
         criteria.match_iou(),
         scores.base.replace(char::is_control, " "),
@@ -62,21 +58,26 @@ fn comment(scores: &Scores) -> String {
 fn below(scores: &Scores, results: &[Compared]) -> String {
     let open = results.iter().flat_map(|r| {
         let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
-        let open = figures
-            .into_iter()
-            .filter(|(_, d)| d.asr.is_some() && d.asr_interval_95.is_none());
+        let is_open = |d: &Difference| d.asr.is_some() && d.asr_interval_95.is_none();
+        let open = figures.into_iter().filter(move |(_, d)| is_open(d));
         open.map(|(name, d)| {
             let (title, why) = (scores.title(&r.detector), certainty::without_interval(r, d));
             format!("ASR of the {name}, {title} on {}: {why}", r.variant)
         })
     });
     let cautions = scores.cautions.iter().map(|caution| format!("Note: {caution}"));
-    let all = certainty::tested(scores, results)
-        .into_iter()
-        .chain(open)
-        .chain(cautions);
-    all.map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")))
-        .collect()
+    comments(
+        certainty::tested(scores, results)
+            .into_iter()
+            .chain(open)
+            .chain(cautions),
+    )
+}
+
+/// Sentences as comments, a line each.
+fn comments(sentences: impl Iterator<Item = String>) -> String {
+    let lines = sentences.map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")));
+    lines.collect()
 }
 
 /// What counts as the model, as one line of a comment.
@@ -122,6 +123,7 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         "Confidence",
         "Drop, 95\\,\\%",
     ];
+    let protocol = scores.criteria.protocol.map(|p| format!(", protocol {}", p.name()));
     let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
          % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
@@ -133,10 +135,7 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         comparison.bootstrap_seed,
         comparison.base,
         scores.criteria.hit().replace('≥', ">="),
-        scores
-            .criteria
-            .protocol
-            .map_or(String::new(), |p| format!(", protocol {}", p.name())),
+        protocol.unwrap_or_default(),
         commented(scores),
         below(scores, &comparison.results)
     );

@@ -36,10 +36,8 @@ pub fn protocol_table(scores: &Scores) -> Option<ProtocolTable> {
             [digits(s.overall.ap50, 2), digits(s.overall.mean_confidence, 2)]
         }),
         Protocol::Active => by_texture(scores, ["AP@0.5, %", "found, %"], |s| {
-            [
-                digits(100.0 * s.overall.ap50, 1),
-                significant(100.0 * s.overall.hit_rate.rate),
-            ]
+            let [ap, found] = [s.overall.ap50, s.overall.hit_rate.rate].map(|share| 100.0 * share);
+            [digits(ap, 1), significant(found)]
         }),
         Protocol::PaDetBench => (PADETBENCH.map(str::to_owned).to_vec(), padetbench(scores)),
         Protocol::Armory => (ARMORY.map(str::to_owned).to_vec(), rows(scores, armory)),
@@ -93,8 +91,9 @@ fn by_texture(
         let cells = scores.detectors.iter().flat_map(of);
         [variant.clone()].into_iter().chain(cells).collect()
     };
+    let columns = ["texture".to_owned()].into_iter().chain(columns).collect();
     (
-        ["texture".to_owned()].into_iter().chain(columns).collect(),
+        columns,
         variants(&scores.photos, &scores.base).iter().map(row).collect(),
     )
 }
@@ -139,13 +138,10 @@ fn armory(scores: &Scores, shown: &Shown) -> Vec<String> {
     ]
 }
 
-fn apricot(scores: &Scores, shown: &Shown) -> Vec<String> {
+fn apricot<'a>(scores: &Scores, shown: &Shown<'a>) -> Vec<String> {
     let iou = scores.criteria.match_iou();
-    let images: Vec<(BoxPx, &[Detection])> = shown
-        .photos
-        .iter()
-        .map(|p| (p.truth, p.detections[shown.side.detector].as_slice()))
-        .collect();
+    let image = |p: &&'a ScoredPhoto| (p.truth, p.detections[shown.side.detector].as_slice());
+    let images: Vec<(BoxPx, &[Detection])> = shown.photos.iter().map(image).collect();
     let strongest = shown.photos.iter().filter_map(|p| shown.side.outcome(p).other);
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     for (label, _) in strongest {
@@ -186,12 +182,8 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
                 .chain([digits(ap, 3), digits(mar, 3), asr])
                 .collect::<Vec<_>>()
         };
-        rows.push(row(
-            ENTIRE,
-            s.overall.ap50,
-            s.overall.mar50,
-            s.asr.and_then(|a| a.mar50),
-        ));
+        let (all, asr) = (&s.overall, s.asr.and_then(|a| a.mar50));
+        rows.push(row(ENTIRE, all.ap50, all.mar50, asr));
         for part in &parts {
             let figures = |variant: &str| part_figures(scores, side, variant, part);
             if let Some((ap, mar)) = figures(&s.variant) {
