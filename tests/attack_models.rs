@@ -292,7 +292,8 @@ fn pattern_error(set: &FrameSet, view: &[&Frame], place: impl Fn(&Frame, &Grid) 
             .chunks_mut(pattern.columns() as usize)
             .for_each(|row| row.reverse());
     }
-    let predicted = model.predict(&place(frame, &Grid::of(&pattern, tile_mm)).forward(&cells));
+    let predicted =
+        model.predict(&place(frame, &Grid::new([pattern.columns(), pattern.rows()], tile_mm)).forward(&cells));
     mse(&predicted, &set.rgb(frame).unwrap(), &set.paint_mask(frame).unwrap())
         .0
         .unwrap()

@@ -1,9 +1,9 @@
 //! What a pattern is made on and against: frames, their views, and detectors.
 
-use super::run::RunError;
 use super::run::augmentation::Eot;
 use super::run::history::{Entry, History};
 use super::run::view_set::{TextureMapping, ViewSet};
+use super::run::{AttackConfig, RunError};
 use scaleproof_core::files;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
@@ -36,12 +36,7 @@ impl Setup {
         (detectors, detector_names, classes): (Vec<Box<dyn WhiteBox>>, Vec<String>, Classes),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
-        let [columns, rows] = mapping.grid(columns);
-        let grid = Grid {
-            columns,
-            rows,
-            cell_mm: tile_mm / f64::from(columns),
-        };
+        let grid = Grid::new(mapping.grid(columns), tile_mm);
         Ok(Self {
             tile_mm,
             view_set: ViewSet::open(&frames, grid, (mapping, eot), on_view)?,
@@ -51,6 +46,15 @@ impl Setup {
             detector_names,
             classes,
         })
+    }
+
+    /// Settings of an attack on this: with the names of its frames and detectors.
+    pub fn named(&self, config: AttackConfig) -> AttackConfig {
+        AttackConfig {
+            frames_sha256: self.frames_sha256.clone(),
+            detectors: self.detector_names.clone(),
+            ..config
+        }
     }
 
     /// The history of a method on this.

@@ -14,8 +14,7 @@ use rand::{Rng, RngExt};
 
 use super::{BlackBox, SearchConfig};
 use crate::run::adam::Adam;
-use crate::run::augmentation::Augmentation;
-use crate::run::{Rgb, RunError, batch, drawn_by};
+use crate::run::{Rgb, RunError, drawn_by};
 
 /// Random patterns the clone first learns from.
 const FIRST: usize = 32;
@@ -85,9 +84,8 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> 
     let mut optimiser = AdamConfig::new().init();
     let mut rng = drawn_by(config.seed, u32::MAX);
     let random = |rng: &mut rand_pcg::Pcg32| -> Vec<Rgb> {
-        (0..side * side)
-            .map(|_| std::array::from_fn(|_| rng.random()))
-            .collect()
+        let mut cell = |_| std::array::from_fn(|_| rng.random());
+        (0..side * side).map(&mut cell).collect()
     };
     let (mut seen, mut best) = (Vec::<Answered>::new(), random(&mut rng));
     let mut asking: Vec<Vec<Rgb>> = (0..FIRST).map(|_| random(&mut rng)).collect();
@@ -97,11 +95,9 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> 
             break;
         };
         if let Some(found) = answers.iter().min_by(|a, b| a.score.total_cmp(&b.score)) {
-            if round == 0 {
-                best.clone_from(&found.cells);
-            } else if let Some(own) = answers.first() {
-                best.clone_from(&own.cells);
-            }
+            // After the first round the pattern itself was asked about first.
+            let own = if round == 0 { found } else { &answers[0] };
+            best.clone_from(&own.cells);
             if round % NOTED_EVERY == 0 {
                 oracle.note(&best, Some(found.score))?;
             }
@@ -114,9 +110,8 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> 
             let mut noisy = |v: f64| (v + SPREAD * 3.0_f64.sqrt() * rng.random_range(-1.0..1.0)).clamp(0.0, 1.0);
             next.iter().map(|cell| cell.map(&mut noisy)).collect()
         };
-        asking = std::iter::once(next.clone())
-            .chain((1..ASKED).map(|_| around(&mut rng)))
-            .collect();
+        asking = vec![next.clone()];
+        asking.extend((1..ASKED).map(|_| around(&mut rng)));
     }
     oracle.note(&best, None)?;
     Ok(best)
@@ -129,12 +124,7 @@ fn ask(
     round: u32,
     asking: Vec<Vec<Rgb>>,
 ) -> Result<Option<Vec<Answered>>, RunError> {
-    let mut rng = drawn_by(config.seed ^ 0xa5c, round);
-    let views = batch(&oracle.view_set.trained(), VIEWS, config.seed, round);
-    let views: Vec<(usize, Augmentation)> = views
-        .into_iter()
-        .map(|v| (v, Augmentation::random(&config.eot, &mut rng)))
-        .collect();
+    let views = oracle.draws(VIEWS, round, &mut drawn_by(config.seed ^ 0xa5c, round));
     let mut answers = Vec::new();
     for cells in asking {
         match oracle.mean_score(&views, &cells)? {

@@ -7,8 +7,7 @@
 use rand::{Rng, RngExt};
 
 use super::{BlackBox, SearchConfig};
-use crate::run::augmentation::Augmentation;
-use crate::run::{Rgb, RunError, batch, drawn_by};
+use crate::run::{Rgb, RunError, drawn_by};
 
 const POPULATION: usize = 16;
 const ELITE: usize = 3;
@@ -29,16 +28,11 @@ const NOTED_EVERY: u32 = 4;
 pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
     let mut rng = drawn_by(config.seed, u32::MAX);
     let count = oracle.view_set.grid.cells();
-    let mut population: Vec<Vec<Rgb>> = (0..POPULATION)
-        .map(|_| (0..count).map(|_| cell(&mut rng)).collect())
-        .collect();
+    let mut random = |_| (0..count).map(|_| cell(&mut rng)).collect();
+    let mut population: Vec<Vec<Rgb>> = (0..POPULATION).map(&mut random).collect();
     for generation in 0.. {
         let mut rng = drawn_by(config.seed, generation);
-        let views = batch(&oracle.view_set.trained(), VIEWS, config.seed, generation);
-        let views: Vec<(usize, Augmentation)> = views
-            .into_iter()
-            .map(|v| (v, Augmentation::random(&config.eot, &mut rng)))
-            .collect();
+        let views = oracle.draws(VIEWS, generation, &mut rng);
         let mut ranked: Vec<(f64, Vec<Rgb>)> = Vec::new();
         for cells in &population {
             let Some(score) = oracle.mean_score(&views, cells)? else {

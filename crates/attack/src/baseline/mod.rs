@@ -14,6 +14,7 @@ pub mod patches;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 use super::run::augmentation::{Augmentation, Eot};
@@ -21,7 +22,7 @@ use super::run::checkpoint::{self, Checkpoint};
 use super::run::history::Entry;
 use super::run::judge::{confidence, judge};
 use super::run::view_set::{TextureMapping, ViewSet};
-use super::run::{Rgb, RunError};
+use super::run::{Rgb, RunError, batch};
 use scaleproof_gradients::{MEETS_IOU, WhiteBox};
 use scaleproof_pose::scene::Classes;
 
@@ -53,7 +54,7 @@ pub struct BlackBox<'a> {
     config: &'a SearchConfig,
     folder: PathBuf,
     checkpoint: Checkpoint,
-    answers: Vec<f64>,
+    answers: Answers,
     asked: usize,
     noted: usize,
     wall_before: f64,
@@ -87,13 +88,19 @@ impl<'a> BlackBox<'a> {
             folder: folder.to_owned(),
             wall_before: known.wall_s,
             checkpoint,
-            answers: known.all,
+            answers: known,
             asked: 0,
             noted: 0,
             started: Instant::now(),
             saved: Instant::now(),
             on_query,
         })
+    }
+
+    /// The trained views that a round looks at, each with a draw of the augmentations.
+    fn draws(&self, views: u32, round: u32, rng: &mut impl Rng) -> Vec<(usize, Augmentation)> {
+        let views = batch(&self.view_set.trained(), views, self.config.seed, round);
+        Augmentation::of_each(views, &self.config.eot, rng)
     }
 
     /// The mean over detectors of the highest confidence of a box that meets the model; `None` when no more may be
@@ -105,27 +112,25 @@ impl<'a> BlackBox<'a> {
         if self.asked as u64 >= self.config.queries {
             return Ok(None);
         }
-        if self.asked == self.answers.len() {
+        if self.asked == self.answers.all.len() {
             let textured = self.view_set.textured(view, cells, draw);
             let mut sum = 0.0;
             for detector in self.detectors {
                 let seen = (view, textured.augmented.image.as_slice(), &textured.outline);
-                match confidence(self.view_set, detector.as_ref(), seen, MEETS_IOU) {
-                    Ok(confidence) => sum += confidence,
-                    Err(e) => {
-                        self.save()?;
-                        return Err(e);
-                    }
+                let answer = confidence(self.view_set, detector.as_ref(), seen, MEETS_IOU);
+                if answer.is_err() {
+                    self.save()?;
                 }
+                sum += answer?;
             }
-            self.answers.push(sum / self.detectors.len().max(1) as f64);
+            self.answers.all.push(sum / self.detectors.len().max(1) as f64);
             if self.saved.elapsed() > checkpoint::AT_MOST {
                 self.save()?;
             }
         }
         self.asked += 1;
         (self.on_query)(self.asked as u64);
-        Ok(self.answers.get(self.asked - 1).copied())
+        Ok(self.answers.all.get(self.asked - 1).copied())
     }
 
     /// The mean score of a pattern over some views, each with a draw of its own; `None` when the query budget is exhausted.
@@ -152,16 +157,15 @@ impl<'a> BlackBox<'a> {
         if self.noted <= self.checkpoint.history.len() {
             return Ok(());
         }
-        let entry = Entry {
+        let held_out = Some(judge(self.view_set, self.detectors, cells)?);
+        self.checkpoint.history.push(Entry {
             step: self.noted as u32,
             queries: self.asked as u64,
-            wall_s: 0.0,
+            wall_s: self.wall_s(),
             loss: None,
             confidence: score,
-            held_out: Some(judge(self.view_set, self.detectors, cells)?),
-        };
-        let wall_s = self.wall_s();
-        self.checkpoint.history.push(Entry { wall_s, ..entry });
+            held_out,
+        });
         Ok(())
     }
 
@@ -180,11 +184,8 @@ impl<'a> BlackBox<'a> {
     }
 
     fn save(&mut self) -> Result<(), RunError> {
-        let content = postcard::to_allocvec(&Answers {
-            all: self.answers.clone(),
-            wall_s: self.wall_s(),
-        });
-        self.checkpoint.content = content.map_err(|e| RunError::Encode { reason: e.to_string() })?;
+        self.answers.wall_s = self.wall_s();
+        self.checkpoint.content = postcard::to_allocvec(&self.answers)?;
         self.checkpoint.save(&self.folder)?;
         self.saved = Instant::now();
         Ok(())

@@ -29,11 +29,9 @@ impl PlacedPatch {
         let inside = share.iter().all(|s| (0.0..1.0).contains(s));
         let texel = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count - 1);
         inside.then(|| {
-            let (x, y) = (
-                texel(share[0], self.image.width()),
-                texel(share[1], self.image.height()),
-            );
-            light::linear_of(self.image.get_pixel(x, y).0)
+            let (width, height) = self.image.dimensions();
+            let texel = self.image.get_pixel(texel(share[0], width), texel(share[1], height));
+            light::linear_of(texel.0)
         })
     }
 }
@@ -72,13 +70,9 @@ pub fn paint(
     };
     let pixel = |i: usize| {
         let (x, y) = (i % width, i / width);
-        let parts =
-            (0..factor * factor).map(|part| (y * factor + part / factor) * width * factor + x * factor + part % factor);
-        let seen: Vec<Rgb> = parts
-            .map(|p| &points[p])
-            .filter(|p| p.side.is_some())
-            .map(colour)
-            .collect();
+        let parts = (0..factor * factor).map(|i| (x * factor + i % factor, y * factor + i / factor));
+        let parts = parts.map(|(x, y)| &points[y * width * factor + x]);
+        let seen: Vec<Rgb> = parts.filter(|point| point.side.is_some()).map(colour).collect();
         match seen.len() {
             0 => base,
             count => std::array::from_fn(|c| seen.iter().map(|rgb| rgb[c]).sum::<f64>() / count as f64),

@@ -70,11 +70,12 @@ pub fn figures_of(
         });
     }
     let sha256 = files::sha256_hex(&files::read(pattern)?);
-    let rows = summary.results.into_iter();
-    let figures: Vec<RenderedFigures> = match variant(evaluation, &sha256, tile_mm) {
-        None => Vec::new(),
-        Some(variant) => rows.filter(|row| row.variant == variant).map(figures).collect(),
-    };
+    let variant = variant(evaluation, &sha256, tile_mm);
+    let rows = summary
+        .results
+        .into_iter()
+        .filter(|row| Some(&row.variant) == variant.as_ref());
+    let figures: Vec<RenderedFigures> = rows.map(figures).collect();
     if figures.is_empty() {
         return Err(EvaluateError::NotRendered {
             evaluation: evaluation.to_owned(),

@@ -6,7 +6,7 @@
 
 pub mod finished;
 mod photos;
-mod scene;
+pub mod scene;
 pub mod time_chart;
 
 use std::collections::HashSet;
@@ -107,9 +107,8 @@ impl RenderedSet {
             return Err(EvaluateError::BadName { name: name.clone() });
         }
         let plan = RenderPlan::new(request)?;
-        let boxes: Vec<BoxPx> = (0..plan.request().viewpoints.len())
-            .map(|v| plan.truth(v))
-            .collect::<Result<_, _>>()?;
+        let boxes = (0..plan.request().viewpoints.len()).map(|view| plan.truth(view));
+        let boxes = boxes.collect::<Result<Vec<BoxPx>, _>>()?;
         let photo = |frame: &PlannedFrame| {
             let (request, variant) = (plan.request(), &variants[frame.colour]);
             let place = request.lights[frame.light].place();
@@ -129,8 +128,7 @@ impl RenderedSet {
     /// Those of one paint together, in the order of the paints.
     pub fn photos(&self) -> Vec<RenderedPhoto> {
         let mut photos = self.photos.clone();
-        let order = |photo: &RenderedPhoto| self.variants.iter().position(|v| *v == photo.variant);
-        photos.sort_by_key(order);
+        photos.sort_by_key(|photo| self.variants.iter().position(|v| *v == photo.variant));
         photos
     }
 
@@ -141,7 +139,7 @@ impl RenderedSet {
     /// A folder that takes no files.
     pub fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
         let request = self.plan.request();
-        let scene = scene::of(&request.mesh, &request.viewpoints, model);
+        let scene = scene::scene(&request.mesh, &request.viewpoints, model);
         files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
         let photos = self.photos().into_iter().map(|photo| PhotoEntry {
             file: photo.file.to_string_lossy().into_owned(),

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 
-use super::{EvaluateError, RenderedSet};
-use scaleproof_core::files::{self, FileError};
+use super::{EvaluateError, RenderedPhoto, RenderedSet};
+use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
-use scaleproof_frames::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples, work_folder};
+use scaleproof_frames::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
 use scaleproof_photo::photo::{Budget, open_png};
 
 /// Renders the missing photos into `folder`.
@@ -27,37 +27,26 @@ pub(super) fn render(
     }
     let python = python()?;
     let plan = &evaluation.plan;
-    let work = work_folder(folder);
-    std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
-        path: work.clone(),
-        reason: files::plain(&e),
-    })?;
-    let places: HashMap<String, PathBuf> = plan
-        .frames()
-        .iter()
-        .zip(&evaluation.photos)
-        .map(|(frame, photo)| (plan.frame_name(frame), folder.join(&photo.file)))
-        .collect();
-    let job = work.join("plan.json");
-    files::replace_atomically(&job, plan.to_script(&missing, folder).to_string().as_bytes())?;
-    let log = work.join("blender.log");
-    let finished = blender::run(&python, &job, &log, |event| {
+    let (work, size_px) = (&blender::work_folder(folder), plan.request().size_px);
+    let named = |(frame, photo): (&PlannedFrame, &RenderedPhoto)| (plan.frame_name(frame), folder.join(&photo.file));
+    let places: HashMap<String, PathBuf> = plan.frames().iter().zip(&evaluation.photos).map(named).collect();
+    let finished = blender::run(&python, &plan.to_script(&missing, folder), work, |event| {
         if let blender::BlenderEvent::Frame(name) = event
             && let Some(place) = places.get(&name)
         {
-            let size = plan.size_px();
-            let image = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
-            files::replace_all_atomically(&[(place.clone(), encode_rgb(&image)?)])?;
+            let image = srgb(&triples(work, &format!("{name}.rgb"), size_px)?, size_px);
+            files::replace_atomically(place, &encode_rgb(&image)?)?;
             done += 1;
             on_photo(done);
         }
         Ok(())
     })?;
     if !finished || done < wanted {
+        let log = blender::log(work);
         return Err(RenderError::Stopped { done, wanted, log }.into());
     }
     // Nothing is lost if the work folder stays.
-    let _ = std::fs::remove_dir_all(&work);
+    let _ = std::fs::remove_dir_all(work);
     Ok(())
 }
 
@@ -67,7 +56,7 @@ fn missing(evaluation: &RenderedSet, folder: &Path) -> Result<Missing, EvaluateE
     for (frame, photo) in evaluation.plan.frames().into_iter().zip(&evaluation.photos) {
         let path = folder.join(&photo.file);
         if path.is_file() {
-            check(&path, evaluation.plan.size_px())?;
+            check(&path, evaluation.plan.request().size_px)?;
         } else {
             frames.push(frame);
         }
@@ -83,16 +72,11 @@ fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
     let decoded = open_png(&bytes, &Budget::FILE)
         .map_err(|e| e.to_string())
         .and_then(|decoder| DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()));
-    let reason = match decoded {
+    let [width, height] = size_px;
+    let reason = match decoded.map(|image| (image.width(), image.height())) {
+        Ok(found) if found == (width, height) => return Ok(()),
+        Ok(found) => format!("it has {}×{} pixels and not {width}×{height}", found.0, found.1),
         Err(reason) => reason,
-        Ok(image) => {
-            let [width, height] = size_px;
-            let found = (image.width(), image.height());
-            if found == (width, height) {
-                return Ok(());
-            }
-            format!("it has {}×{} pixels and not {width}×{height}", found.0, found.1)
-        }
     };
     let path = path.to_owned();
     Err(EvaluateError::Damaged { path, reason })

@@ -4,7 +4,7 @@ use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, Viewpoi
 use scaleproof_surface::mesh::Mesh;
 
 /// A model without tags, and bins whose centres are the viewpoints. The model is called (name, class, scale).
-pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&str, &Classes, f64)) -> Scene {
+pub(super) fn scene(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&str, &Classes, f64)) -> Scene {
     let each = |of: fn(&Viewpoint) -> f64| {
         let mut values: Vec<f64> = viewpoints.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
@@ -21,7 +21,7 @@ pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&
             envelope: Envelope::Box,
         },
         bins: Bins {
-            azimuth_deg: step(&each(|v| v.azimuth_deg)),
+            azimuth_deg: azimuth_step(&each(|v| v.azimuth_deg)),
             pitch_deg: each(|v| v.pitch_deg),
             distance_mm: each(|v| v.distance_mm),
         },
@@ -29,22 +29,9 @@ pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&
     }
 }
 
-/// The step around the circle that comes next to the smallest between two azimuths (ascending) and divides 360°.
-fn step(azimuths: &[f64]) -> f64 {
+/// The width of azimuth bins, which divides 360° and comes next to the smallest step between two azimuths (ascending).
+pub fn azimuth_step(azimuths: &[f64]) -> f64 {
     let gaps = azimuths.windows(2).map(|pair| pair[1] - pair[0]);
     let smallest = gaps.fold(360.0, f64::min);
     360.0 / (360.0 / smallest).round().clamp(1.0, 360.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bins_are_as_fine_as_the_azimuths() {
-        assert_eq!(step(&[0.0, 30.0, 60.0, 330.0]), 30.0);
-        assert_eq!(step(&[45.0, 200.0]), 180.0);
-        assert_eq!(step(&[90.0]), 360.0);
-        assert_eq!(step(&[0.0, 0.001]), 1.0);
-    }
 }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::finished::RenderedFigures;
-use crate::run::history::History;
-use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use crate::run::history::{History, ap_chart, ap_dot};
+use scaleproof_plot::{Dot, distinct};
 
 /// A run, and what its pattern does in rendered photos.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -38,52 +38,38 @@ pub fn draw(runs: &[RenderedRun]) -> String {
     let all = || runs.iter().flat_map(|run| &run.rendered);
     let detectors = distinct(all().map(|figures| figures.detector.clone()));
     let photos = all().map(|figures| figures.photos).max().unwrap_or(0);
-    scatter(&Cloud {
-        title: "Patterns: AP@0.5 in rendered photos against time".to_owned(),
-        note: format!("{photos} photos a pattern; filled: share with a hit at confidence 0.5; lower left is better"),
-        x: PlotAxis::around("seconds", Scale::Log, runs.iter().map(seconds)),
-        y: PlotAxis::around(
-            "AP@0.5",
-            Scale::Linear,
-            all().map(|figures| figures.ap50).chain([0.0, 1.0]),
-        ),
-        groups: detectors
-            .into_iter()
-            .map(|name| of_detector(name, runs, &methods))
-            .collect(),
-        colours: methods,
-        shapes: vec!["a whole run".to_owned()],
-        ringed: "no other is both faster and lower".to_owned(),
-    })
+    let groups = detectors.into_iter().map(|name| {
+        let dots = of_detector(&name, runs, &methods);
+        (name, dots)
+    });
+    let groups = groups.collect();
+    ap_chart(
+        [
+            "Patterns: AP@0.5 in rendered photos against time",
+            "a whole run",
+            "no other is both faster and lower",
+        ],
+        &format!("{photos} photos a pattern"),
+        methods,
+        groups,
+    )
 }
 
-/// A pattern that took no time stands at the left end.
-fn seconds(run: &RenderedRun) -> f64 {
-    run.wall_s.max(1.0)
-}
-
-fn of_detector(detector: String, runs: &[RenderedRun], methods: &[String]) -> (String, Vec<Dot>) {
-    let figures = |run: &'_ RenderedRun| {
+fn of_detector(detector: &str, runs: &[RenderedRun], methods: &[String]) -> Vec<Dot> {
+    let figures = |run: &RenderedRun| {
         run.rendered
             .iter()
-            .find(|figures| figures.detector == detector)
-            .cloned()
+            .find(|f| f.detector == detector)
+            .map(|f| [f.ap50, f.hit_rate])
     };
-    let judged: Vec<(&RenderedRun, RenderedFigures)> =
-        runs.iter().filter_map(|run| Some((run, figures(run)?))).collect();
-    let is_beaten = |(run, own): &(&RenderedRun, RenderedFigures)| {
-        let mut others = judged.iter();
-        others.any(|(other, of_other)| seconds(other) < seconds(run) && of_other.ap50 <= own.ap50)
+    let mark = |run: &RenderedRun| {
+        let series = methods.iter().position(|method| *method == run.method).unwrap_or(0);
+        Some(ap_dot(run.wall_s, figures(run)?, series, false))
     };
-    let dots = judged.iter().map(|pair| Dot {
-        x: seconds(pair.0),
-        y: pair.1.ap50,
-        share: pair.1.hit_rate,
-        series: methods.iter().position(|method| *method == pair.0.method).unwrap_or(0),
-        shape: 0,
-        name: None,
-        is_ringed: !is_beaten(pair),
-    });
-    let dots = dots.collect();
-    (detector, dots)
+    let mut dots: Vec<Dot> = runs.iter().filter_map(mark).collect();
+    let places: Vec<[f64; 2]> = dots.iter().map(|dot| [dot.x, dot.y]).collect();
+    for dot in &mut dots {
+        dot.is_ringed = !places.iter().any(|[x, y]| *x < dot.x && *y <= dot.y);
+    }
+    dots
 }

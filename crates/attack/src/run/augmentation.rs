@@ -192,6 +192,11 @@ impl Augmentation {
         }
     }
 
+    /// Some views, each with a draw of its own.
+    pub fn of_each(views: Vec<usize>, eot: &Eot, rng: &mut impl Rng) -> Vec<(usize, Self)> {
+        views.into_iter().map(|view| (view, Self::random(eot, rng))).collect()
+    }
+
     /// Where a box of the image comes to lie.
     pub fn moved(&self, b: &BoxPx, size_px: [u32; 2]) -> BoxPx {
         let middle = size_px.map(|px| 0.5 * f64::from(px));
@@ -213,7 +218,8 @@ impl Augmentation {
         let mut slopes = vec![[0.0; 3]; image.len()];
         for (pixel, slopes) in image.iter_mut().zip(&mut slopes) {
             for ((value, slope), balance) in pixel.iter_mut().zip(slopes).zip(self.white_balance) {
-                let noise = if self.noise > 0.0 {
+                let is_noisy = self.noise > 0.0;
+                let noise = if is_noisy {
                     self.noise * normal::draw(&mut rng)
                 } else {
                     0.0
@@ -294,10 +300,8 @@ fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
             for by in -reach..=reach {
                 weights[((at + by).clamp(0, last) - first) as usize] += kernel(by) / sum;
             }
-            Tap {
-                first: first as usize,
-                weights,
-            }
+            let first = first as usize;
+            Tap { first, weights }
         };
         (0..=last).map(tap).collect()
     };
@@ -325,12 +329,9 @@ pub fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> 
     };
     let cell = |i: usize| {
         let above = i / (columns * columns) * columns;
-        let (across, down) = (
-            tap(i % columns, columns, shift_tiles[0]),
-            tap(i / columns - above, columns, shift_tiles[1]),
-        );
+        let across = tap(i % columns, columns, shift_tiles[0]);
         let mut sum = [0.0; 3];
-        for (row, wy) in down {
+        for (row, wy) in tap(i / columns - above, columns, shift_tiles[1]) {
             for (column, wx) in across {
                 let value = cells[(above + row) * columns + column];
                 sum = std::array::from_fn(|c| sum[c] + wx * wy * value[c]);

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::RunError;
 use super::history::Entry;
-use super::{RunError, encode};
 use scaleproof_core::files;
 
 /// Its name in the folder of the run.
@@ -35,8 +35,7 @@ pub struct Checkpoint {
 /// # Errors
 /// Only if the encoder fails.
 pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
-    let text = serde_json::to_string(settings)?;
-    Ok(files::sha256_hex(text.as_bytes()))
+    Ok(files::sha256_hex(&serde_json::to_vec(settings)?))
 }
 
 impl Checkpoint {
@@ -59,9 +58,8 @@ impl Checkpoint {
             return Ok(None);
         }
         let bytes = files::read(&path)?;
-        let whole = bytes
-            .split_at_checked(HASH_LENGTH)
-            .filter(|(hash, rest)| files::sha256_hex(rest).as_bytes() == *hash);
+        let parts = bytes.split_at_checked(HASH_LENGTH);
+        let whole = parts.filter(|(hash, rest)| files::sha256_hex(rest).as_bytes() == *hash);
         match whole.and_then(|(_, rest)| postcard::from_bytes::<Self>(rest).ok()) {
             None => Err(RunError::Damaged { path }),
             Some(found) if found.key != key => Err(RunError::OtherRun { path }),
@@ -77,7 +75,7 @@ impl Checkpoint {
         if let Err(other @ RunError::OtherRun { .. }) = Self::load(folder, &self.key) {
             return Err(other);
         }
-        let rest = postcard::to_allocvec(self).map_err(encode)?;
+        let rest = postcard::to_allocvec(self)?;
         let mut bytes = files::sha256_hex(&rest).into_bytes();
         bytes.extend(rest);
         Ok(files::replace_atomically(&folder.join(FILE), &bytes)?)

@@ -40,16 +40,15 @@ const SECONDS: RangeInclusive<f64> = 0.0..=1e9;
 
 impl Entry {
     fn figures(&self) -> impl Iterator<Item = Bounded> {
-        let held_out = self.held_out.map(|figures| {
+        let of_held_out = |figures: HeldOutFigures| {
             [
                 ("ap50", figures.ap50, SHARES),
                 ("hit_rate", figures.hit_rate, SHARES),
                 ("mean_confidence", figures.mean_confidence, SHARES),
             ]
-        });
-        [("wall_s", self.wall_s, SECONDS)]
-            .into_iter()
-            .chain(held_out.into_iter().flatten())
+        };
+        let held_out = self.held_out.into_iter().flat_map(of_held_out);
+        std::iter::once(("wall_s", self.wall_s, SECONDS)).chain(held_out)
     }
 }
 
@@ -124,36 +123,55 @@ impl History {
 pub fn draw(histories: &[History]) -> String {
     let methods = distinct(histories.iter().map(|history| history.method.clone()));
     let dots: Vec<Dot> = histories.iter().flat_map(|history| of_one(history, &methods)).collect();
-    let views = histories
-        .first()
-        .and_then(History::last_judged)
-        .map_or(0, |(_, j)| j.views);
+    let last = histories.first().and_then(History::last_judged);
+    let views = last.map_or(0, |(_, figures)| figures.views);
+    ap_chart(
+        [
+            "Patterns: AP@0.5 on held-out views against time",
+            "after so many seconds",
+            "the end",
+        ],
+        &format!("{views} views by the surrogate renderer"),
+        methods,
+        vec![(String::new(), dots)],
+    )
+}
+
+/// AP@0.5 against seconds, a colour for each method and a plot for each group. `words`: the title, what a mark is, and what a ring about one means.
+pub(crate) fn ap_chart(words: [&str; 3], of: &str, methods: Vec<String>, groups: Vec<(String, Vec<Dot>)>) -> String {
+    let [title, shape, ringed] = words.map(str::to_owned);
+    let dots = || groups.iter().flat_map(|(_, dots)| dots);
     scatter(&Cloud {
-        title: "Patterns: AP@0.5 on held-out views against time".to_owned(),
-        note: format!(
-            "{views} views by the surrogate renderer; filled: share with a hit at confidence 0.5; lower left is better"
-        ),
-        x: PlotAxis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
-        y: PlotAxis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
+        title,
+        note: format!("{of}; filled: share with a hit at confidence 0.5; lower left is better"),
+        x: PlotAxis::around("seconds", Scale::Log, dots().map(|d| d.x)),
+        y: PlotAxis::around("AP@0.5", Scale::Linear, dots().map(|d| d.y).chain([1.0])),
         colours: methods,
-        shapes: vec!["after so many seconds".to_owned()],
-        ringed: "the end".to_owned(),
-        groups: vec![(String::new(), dots)],
+        shapes: vec![shape],
+        ringed,
+        groups,
     })
+}
+
+/// A mark of [`ap_chart`]; a pattern that took no time stands at the left end.
+pub(crate) fn ap_dot(wall_s: f64, [ap50, hit_rate]: [f64; 2], series: usize, is_ringed: bool) -> Dot {
+    Dot {
+        x: wall_s.max(1.0),
+        y: ap50,
+        share: hit_rate,
+        series,
+        shape: 0,
+        name: None,
+        is_ringed,
+    }
 }
 
 fn of_one<'a>(history: &'a History, methods: &'a [String]) -> impl Iterator<Item = Dot> + 'a {
     let series = methods.iter().position(|m| *m == history.method).unwrap_or(0);
     let last = history.last_judged().map(|(entry, _)| entry.step);
     let judged = history.entries.iter().filter_map(|e| Some((e, e.held_out?)));
-    judged.map(move |(entry, judgement)| Dot {
-        // A pattern that took no time stands at the left end.
-        x: entry.wall_s.max(1.0),
-        y: judgement.ap50,
-        share: judgement.hit_rate,
-        series,
-        shape: 0,
-        name: None,
-        is_ringed: Some(entry.step) == last,
+    judged.map(move |(entry, judgement)| {
+        let figures = [judgement.ap50, judgement.hit_rate];
+        ap_dot(entry.wall_s, figures, series, Some(entry.step) == last)
     })
 }

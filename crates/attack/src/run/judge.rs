@@ -54,6 +54,7 @@ pub fn judge_images(
 }
 
 /// What one detector makes of some views.
+#[derive(Default)]
 pub struct SeenByDetector {
     /// Of the most confident box on the model, in each view; 0 where there is none.
     pub confidences: Vec<f64>,
@@ -96,11 +97,7 @@ pub fn look(
         };
         detectors.iter().map(reported).collect::<Result<Vec<_>, RunError>>()
     });
-    let empty = || SeenByDetector {
-        confidences: Vec::new(),
-        boxes: Vec::new(),
-    };
-    let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| empty()).collect();
+    let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| SeenByDetector::default()).collect();
     for (view, looks) in views.iter().zip(looked?) {
         let outline = &view_set.views[*view].outline;
         for ((detector, predictions), seen) in detectors.iter().zip(looks).zip(&mut seen) {
@@ -136,21 +133,12 @@ fn predictions(
     detector: &dyn WhiteBox,
     (view, image): (usize, &[Rgb]),
 ) -> Result<Vec<Prediction>, RunError> {
-    let name = || (detector.name().to_owned(), view_set.views[view].frame.name.clone());
-    let predictions = detector.predictions(image, view_set.size_px(view)).map_err(|reason| {
-        let (detector, view) = name();
-        let reason = Box::new(reason);
-        RunError::ForwardPass { detector, view, reason }
-    })?;
+    let failed = |reason| view_set.not_seen(view, detector, reason);
+    let predictions = detector.predictions(image, view_set.size_px(view)).map_err(failed)?;
     if predictions.iter().all(|prediction| prediction.confidence.is_finite()) {
         Ok(predictions)
     } else {
-        let (detector, view) = name();
-        Err(RunError::NotANumber {
-            detector,
-            view,
-            step: 0,
-        })
+        Err(view_set.not_a_number(view, detector, 0))
     }
 }
 
@@ -164,8 +152,6 @@ fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
         score: prediction.confidence,
         b: prediction.box_px,
     });
-    suppress(candidates.collect(), nms_iou)
-        .into_iter()
-        .map(|kept| (kept.score, kept.b))
-        .collect()
+    let kept = suppress(candidates.collect(), nms_iou).into_iter();
+    kept.map(|kept| (kept.score, kept.b)).collect()
 }

@@ -63,7 +63,6 @@ const JUDGED_TIMES: u32 = 12;
 /// Why there is no pattern.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum RunError {
     #[error(transparent)]
     Frames(#[from] FramesError),
@@ -96,13 +95,19 @@ pub enum RunError {
     Damaged { path: PathBuf },
     #[error("{path} is no history of a pattern ({reason}): make it again", path = path.display())]
     NotAHistory { path: PathBuf, reason: String },
-    #[error("the run could not be saved ({reason})")]
-    Encode { reason: String },
+    #[error("the run could not be saved ({0})")]
+    Encode(String),
 }
 
 impl From<serde_json::Error> for RunError {
     fn from(e: serde_json::Error) -> Self {
-        Self::Encode { reason: e.to_string() }
+        Self::Encode(e.to_string())
+    }
+}
+
+impl From<postcard::Error> for RunError {
+    fn from(e: postcard::Error) -> Self {
+        Self::Encode(e.to_string())
     }
 }
 
@@ -172,6 +177,35 @@ pub struct AttackConfig {
     pub detectors: Vec<String>,
     /// The labels that count as the model.
     pub classes: Classes,
+}
+
+impl AttackConfig {
+    /// The usual attack on what counts as the model by these labels. Frames and detectors are named by
+    /// [`Setup::named`](crate::setup::Setup::named).
+    pub fn usual(classes: Classes) -> Self {
+        Self {
+            cells: 24,
+            tile_mm: 118.0,
+            steps: 300,
+            batch: 8,
+            learning_rate: 0.1,
+            boxes: Boxes::default(),
+            floor: 0.0003,
+            against: Against::default(),
+            hard: 0.5,
+            seed: 1,
+            mapping: TextureMapping::default(),
+            eot: Eot::USUAL,
+            smooth: 0.0,
+            near: None,
+            printer: None,
+            colours: CellColours::Free,
+            range: [0, 255],
+            frames_sha256: String::new(),
+            detectors: Vec::new(),
+            classes,
+        }
+    }
 }
 
 /// An attack under way.
@@ -270,13 +304,8 @@ impl<'a> Attack<'a> {
         }
         for step in self.checkpoint.steps..self.config.steps {
             // A step that fails has moved nothing.
-            let mut entry = match self.step(step) {
-                Ok(entry) => entry,
-                Err(e) => {
-                    self.save(folder)?;
-                    return Err(e);
-                }
-            };
+            let entry = self.step(step);
+            let mut entry = self.saved_if_failed(entry, folder)?;
             entry.wall_s = wall_before + self.started.elapsed().as_secs_f64();
             self.checkpoint.history.push(entry);
             self.checkpoint.steps = step + 1;
@@ -298,24 +327,28 @@ impl<'a> Attack<'a> {
     fn judge_if_due(&mut self, folder: &Path) -> Result<bool, RunError> {
         let (done, steps) = (self.checkpoint.steps, self.config.steps);
         let is_due = done > 0 && (done == steps || (done - 1) % (steps / JUDGED_TIMES).max(1) == 0);
-        let last = self.checkpoint.history.last_mut();
-        let Some(entry) = last.filter(|entry| is_due && entry.held_out.is_none()) else {
+        let is_judged = |entry: &Entry| entry.held_out.is_some();
+        if !is_due || self.checkpoint.history.last().is_none_or(is_judged) {
             return Ok(false);
-        };
-        match judge::judge(self.view_set, self.detectors, &shown(&self.state.cells, self.config)) {
-            Ok(judgement) => {
-                entry.held_out = Some(judgement);
-                Ok(true)
-            }
-            Err(e) => {
-                self.save(folder)?;
-                Err(e)
-            }
         }
+        let judged = judge::judge(self.view_set, self.detectors, &shown(&self.state.cells, self.config));
+        let judgement = self.saved_if_failed(judged, folder)?;
+        if let Some(entry) = self.checkpoint.history.last_mut() {
+            entry.held_out = Some(judgement);
+        }
+        Ok(true)
+    }
+
+    /// Keeps what was reached before an error is passed on.
+    fn saved_if_failed<T>(&mut self, result: Result<T, RunError>, folder: &Path) -> Result<T, RunError> {
+        if result.is_err() {
+            self.save(folder)?;
+        }
+        result
     }
 
     fn save(&mut self, folder: &Path) -> Result<(), RunError> {
-        self.checkpoint.content = postcard::to_allocvec(&self.state).map_err(encode)?;
+        self.checkpoint.content = postcard::to_allocvec(&self.state)?;
         self.checkpoint.save(folder)
     }
 
@@ -324,36 +357,27 @@ impl<'a> Attack<'a> {
         let (config, state) = (self.config, &mut self.state);
         let mut rng = drawn_by(config.seed, step);
         let trained = self.view_set.trained();
-        let views = state
-            .difficulty
-            .batch(&trained, (config.batch, config.hard), config.seed, step);
-        let weights = state.weights.of(config.against);
-        let count = views.len() as f64;
+        let batch = (config.batch, config.hard);
+        let views = state.difficulty.batch(&trained, batch, config.seed, step);
+        let weights = state.weights.weights(config.against);
+        let count = views.len();
         let (mut losses, mut confidence) = (vec![0.0; self.detectors.len()], 0.0);
         let mut gradient = vec![[0.0; 3]; state.cells.len()];
-        let draws: Vec<(usize, Augmentation)> = views
-            .iter()
-            .map(|view| (*view, Augmentation::random(&config.eot, &mut rng)))
-            .collect();
+        let draws = Augmentation::of_each(views, &config.eot, &mut rng);
         let cells = shown(&state.cells, config);
         let looked = together::on_each(self.threads, self.detectors, &draws, |detectors, (view, draw)| {
-            loss_and_gradient(
-                self.view_set,
-                detectors,
-                (*view, &cells, draw),
-                (step, config.boxes, config.floor),
-                &weights,
-            )
+            let how = (step, config.boxes, config.floor);
+            loss_and_gradient(self.view_set, detectors, (*view, &cells, draw), how, &weights)
         });
-        for (looked, view) in looked?.into_iter().zip(&views) {
+        let share = |v: f64| v / count as f64;
+        for (looked, (view, _)) in looked?.into_iter().zip(&draws) {
             for (sum, loss) in losses.iter_mut().zip(&looked.losses) {
-                *sum += loss / count;
+                *sum += share(*loss);
             }
-            confidence += looked.confidence / count / self.detectors.len() as f64;
-            add(&mut gradient, &looked.gradient, 1.0 / count);
-            state
-                .difficulty
-                .observe(*view, looked.losses.iter().copied().fold(0.0, f64::max));
+            confidence += share(looked.confidence) / self.detectors.len() as f64;
+            add(&mut gradient, &looked.gradient, share(1.0));
+            let highest = looked.losses.iter().copied().fold(0.0, f64::max);
+            state.difficulty.observe(*view, highest);
         }
         state.weights.observe(&losses);
         // Choosing a paint has no derivative: the cells are moved as if they were seen themselves (straight-through, Bengio et al. 2013).
@@ -362,13 +386,11 @@ impl<'a> Attack<'a> {
         }
         let (_, penalties) = penalties(&state.cells, config);
         add(&mut gradient, &penalties, 1.0);
-        let range = config.range.map(|v| f64::from(v) / 255.0);
-        state
-            .adam
-            .step(&mut state.cells, &gradient, learning_rate(config, step), range);
+        let (rate, range) = (learning_rate(config, step), config.range.map(|v| f64::from(v) / 255.0));
+        state.adam.step(&mut state.cells, &gradient, rate, range);
         Ok(Entry {
             step: step + 1,
-            queries: u64::from(step + 1) * views.len() as u64,
+            queries: u64::from(step + 1) * count as u64,
             wall_s: 0.0,
             loss: Some(losses.iter().sum()),
             confidence: Some(confidence),
@@ -389,35 +411,18 @@ pub fn loss_and_gradient<'a>(
     weights: &[f64],
 ) -> Result<LossAndGradient, RunError> {
     let textured = view_set.textured(view, cells, draw);
-    let name = || view_set.views[view].frame.name.clone();
     let mut on_image: Option<Vec<Rgb>> = None;
     let (mut losses, mut confidence) = (vec![0.0; detectors.len()], 0.0);
     for ((detector, weight), loss) in detectors.iter().zip(weights).zip(&mut losses) {
-        let found = detector.loss_and_gradient(
-            &textured.augmented.image,
-            view_set.size_px(view),
-            &textured.outline,
-            boxes,
-        );
-        let found = found.map_err(|reason| RunError::ForwardPass {
-            detector: detector.name().to_owned(),
-            view: name(),
-            reason: Box::new(reason),
-        })?;
-        let Some(found) = found else {
+        let (image, size_px) = (&textured.augmented.image, view_set.size_px(view));
+        let found = detector.loss_and_gradient(image, size_px, &textured.outline, boxes);
+        let Some(found) = found.map_err(|reason| view_set.not_seen(view, &**detector, reason))? else {
             continue;
         };
         let numbers = [found.loss, found.confidence];
-        if numbers
-            .iter()
-            .chain(found.gradient.iter().flatten())
-            .any(|v| !v.is_finite())
-        {
-            return Err(RunError::NotANumber {
-                detector: detector.name().to_owned(),
-                view: name(),
-                step: step + 1,
-            });
+        let mut numbers = numbers.iter().chain(found.gradient.iter().flatten());
+        if !numbers.all(|v| v.is_finite()) {
+            return Err(view_set.not_a_number(view, &**detector, step + 1));
         }
         let (value, derivative) = loss::from_floor(found.loss, floor);
         *loss = value;
@@ -425,10 +430,8 @@ pub fn loss_and_gradient<'a>(
         let on_image = on_image.get_or_insert_with(|| vec![[0.0; 3]; found.gradient.len()]);
         add(on_image, &found.gradient, weight * derivative);
     }
-    let gradient = match on_image {
-        Some(gradient) => textured.vjp(gradient, cells),
-        None => vec![[0.0; 3]; cells.len()],
-    };
+    let none = || vec![[0.0; 3]; cells.len()];
+    let gradient = on_image.map_or_else(none, |gradient| textured.vjp(gradient, cells));
     Ok(LossAndGradient {
         losses,
         confidence,
@@ -466,10 +469,8 @@ fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
         CellColours::Free => Cow::Borrowed(cells),
         CellColours::Palette(paints) => {
             let paints = srgb(paints);
-            let painted = cells
-                .iter()
-                .map(|cell| penalty::nearest(*cell, &paints).unwrap_or(*cell));
-            Cow::Owned(painted.collect())
+            let painted = |cell: &Rgb| penalty::nearest(*cell, &paints).unwrap_or(*cell);
+            Cow::Owned(cells.iter().map(painted).collect())
         }
         CellColours::Own(count) => {
             let columns = config.mapping.grid(config.cells)[0];
@@ -486,11 +487,8 @@ fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
 
 /// The cells as they are kept: in their colours, in 8 bits.
 fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
-    let cells = in_colours(cells, config);
-    cells
-        .iter()
-        .map(|cell| cell.map(|v| (255.0 * v).round() / 255.0))
-        .collect()
+    let in_8_bits = |cell: &Rgb| cell.map(|v| (255.0 * v).round() / 255.0);
+    in_colours(cells, config).iter().map(in_8_bits).collect()
 }
 
 /// Views of a step: every view comes once before any comes again, in an order drawn anew each time.
@@ -503,12 +501,11 @@ pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
     };
     let first = step as usize * size;
     let mut orders = std::collections::BTreeMap::new();
-    (first..first + size)
-        .map(|i| {
-            let round = i / views.len();
-            orders.entry(round).or_insert_with(|| shuffled(round))[i % views.len()]
-        })
-        .collect()
+    let at = |i: usize| {
+        let round = i / views.len();
+        orders.entry(round).or_insert_with(|| shuffled(round))[i % views.len()]
+    };
+    (first..first + size).map(at).collect()
 }
 
 /// A generator that depends on the seed and the step alone, so that a resumed run draws as one that never stopped.
@@ -553,8 +550,4 @@ fn clipped(mut cells: Vec<Rgb>, range: [u8; 2]) -> Vec<Rgb> {
     let [low, high] = range.map(|v| f64::from(v) / 255.0);
     cells.iter_mut().flatten().for_each(|v| *v = v.clamp(low, high));
     cells
-}
-
-fn encode(e: postcard::Error) -> RunError {
-    RunError::Encode { reason: e.to_string() }
 }

@@ -1,7 +1,6 @@
 //! The views an attack works on, each with its surrogate renderer and its texture projection.
 
 use std::borrow::Cow;
-use std::iter;
 
 use rand::SeedableRng;
 use rand_pcg::Pcg32;
@@ -15,6 +14,7 @@ use scaleproof_frames::frames::{Coverage, Frame, FrameList, FrameSet, light, out
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
 use scaleproof_frames::surrogate::projection::{Grid, Projection, Sampling, repeated};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
+use scaleproof_gradients::{WhiteBox, WhiteBoxError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
 /// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`]; fewer views than that are all trained on.
@@ -35,7 +35,7 @@ pub enum TextureMapping {
 }
 
 impl TextureMapping {
-    /// Both, the default first.
+    /// All three, the default first.
     pub const ALL: [Self; 3] = [Self::World, Self::Sides, Self::Repeated];
 
     /// Its name in files and options.
@@ -134,22 +134,16 @@ impl ViewSet {
     /// # Errors
     /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
     /// model in it.
-    pub fn open(
-        sets: &[FrameSet],
+    pub fn open<'a>(
+        sets: &'a [FrameSet],
         grid: Grid,
         (mapping, eot): (TextureMapping, &Eot),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
-        let of_set = |(i, set): (usize, &'_ FrameSet)| -> Vec<(usize, Vec<Frame>)> {
-            let views = views(&set.list.frames);
-            views
-                .into_iter()
-                .map(|frames| (i, frames.into_iter().cloned().collect()))
-                .collect()
-        };
-        let all: Vec<(usize, Vec<Frame>)> = sets.iter().enumerate().flat_map(of_set).collect();
-        let all: Vec<_> = all.into_iter().enumerate().collect();
-        let load = |(): &mut (), (view, (i, frames)): &(usize, (usize, Vec<Frame>))| {
+        let of_set =
+            |(i, set): (usize, &'a FrameSet)| views(&set.list.frames).into_iter().map(move |frames| (i, frames));
+        let all: Vec<_> = sets.iter().enumerate().flat_map(of_set).enumerate().collect();
+        let load = |(): &mut (), (view, (i, frames)): &(usize, (usize, Vec<&Frame>))| {
             load((*i, &sets[*i]), (*view, frames), &grid, (mapping, eot))
         };
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
@@ -173,11 +167,8 @@ impl ViewSet {
 
     /// Views to judge by: those held out, or all where they are too few to hold any out.
     pub fn judged(&self) -> Vec<usize> {
-        if self.holds_out() {
-            (0..self.views.len()).filter(|i| self.is_held_out(*i)).collect()
-        } else {
-            (0..self.views.len()).collect()
-        }
+        let is_judged = |i: &usize| !self.holds_out() || self.is_held_out(*i);
+        (0..self.views.len()).filter(is_judged).collect()
     }
 
     /// Whether some views are held out of the optimisation.
@@ -217,9 +208,8 @@ impl ViewSet {
         let paint = projection.forward(&rolled(&light, columns, shift_tiles));
         let renderer = picked(&view.renderers, draw.renderer);
         let mut image = renderer.predict(&paint);
-        let has_other_background = draw
-            .background
-            .is_some_and(|background| self.exchange(&mut image, view, background));
+        let mut exchange = |background| self.exchange(&mut image, view, background);
+        let has_other_background = draw.background.is_some_and(&mut exchange);
         let augmented = draw.apply(&image, size_px);
         TexturedView {
             outline: draw.moved(&view.outline, size_px),
@@ -253,6 +243,24 @@ impl ViewSet {
         true
     }
 
+    /// Why a detector could not look at a view.
+    pub(super) fn not_seen(&self, view: usize, detector: &dyn WhiteBox, reason: WhiteBoxError) -> RunError {
+        RunError::ForwardPass {
+            detector: detector.name().to_owned(),
+            view: self.views[view].frame.name.clone(),
+            reason: Box::new(reason),
+        }
+    }
+
+    /// What a detector says of a view is not a number.
+    pub(super) fn not_a_number(&self, view: usize, detector: &dyn WhiteBox, step: u32) -> RunError {
+        RunError::NotANumber {
+            detector: detector.name().to_owned(),
+            view: self.views[view].frame.name.clone(),
+            step,
+        }
+    }
+
     /// A view in any paint (linear reflectance of each pixel), as it is.
     pub fn painted(&self, view: usize, paint: &[Rgb]) -> Vec<Rgb> {
         self.views[view].renderers[0].predict(paint)
@@ -283,11 +291,11 @@ impl TexturedView<'_> {
 /// `None` for a view in which the model or its paint is not seen.
 fn load(
     (list, set): (usize, &FrameSet),
-    (view, frames): (usize, &[Frame]),
+    (view, frames): (usize, &[&Frame]),
     grid: &Grid,
     (mapping, eot): (TextureMapping, &Eot),
 ) -> Result<Option<SurrogateView>, RunError> {
-    let frame = &frames[0];
+    let frame = frames[0];
     let mask = set.paint_mask(frame)?;
     let object = set.object_mask(frame)?;
     let Some(seen) = outline(&object) else {
@@ -303,8 +311,7 @@ fn load(
             flats.push(FlatImage { flat_rgb, image });
         }
     }
-    let name = || frame.name.clone();
-    let default = ClosedForm::default();
+    let (name, default) = (|| frame.name.clone(), ClosedForm::default());
     let fitted = PerPixel::fit(default, &flats);
     let mut renderers = vec![fitted.map_err(|reason| RunError::Fit { view: name(), reason })?];
     if eot.any_renderer {
@@ -336,5 +343,5 @@ fn misplacements(view: usize, eot: &Eot) -> Vec<Misplacement> {
     let mut rng = Pcg32::seed_from_u64(view as u64);
     let count = if eot.misplaces() { MISPLACED } else { 0 };
     let others = (0..count).map(|_| eot.misplaced(&mut rng));
-    iter::once(Misplacement::NONE).chain(others).collect()
+    std::iter::once(Misplacement::NONE).chain(others).collect()
 }

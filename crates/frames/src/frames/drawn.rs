@@ -1,9 +1,11 @@
 //! What a pinhole camera sees of a mesh, as images of a frame: masks, and where the paint is.
 
+use std::path::{Path, PathBuf};
+
 use image::{GrayImage, Luma};
 
-use super::Pinhole;
 use super::raster::{Raster, outline};
+use super::{Frame, FramesError, Pinhole, Positions, encode_grey, encode_positions};
 use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
@@ -18,6 +20,31 @@ pub struct DrawnMesh {
     pub box_xyxy_px: Option<BoxPx>,
 }
 
+impl DrawnMesh {
+    /// The images as the files that a frame names, below a folder.
+    ///
+    /// # Errors
+    /// Only if an encoder fails.
+    pub fn files(
+        &self,
+        folder: &Path,
+        frame: &Frame,
+        positions: &Positions,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>, FramesError> {
+        let mut files = vec![
+            (folder.join(&frame.object_mask), encode_grey(&self.object_mask)?),
+            (folder.join(&frame.paint_mask), encode_grey(&self.paint_mask)?),
+        ];
+        if let (Some(file), Some(sides)) = (&frame.positions, &frame.sides) {
+            let (places, bounds_mm) = (self.positions.iter().copied(), (positions.low_mm, positions.high_mm));
+            let encoded = encode_positions(places, self.sides.dimensions().into(), bounds_mm)?;
+            files.push((folder.join(file), encoded));
+            files.push((folder.join(sides), encode_grey(&self.sides)?));
+        }
+        Ok(files)
+    }
+}
+
 /// The side that each triangle of the paint belongs to; `None` for what is no paint. No `materials` are all.
 pub fn paint_sides(mesh: &Mesh, materials: &[usize]) -> Vec<Option<Side>> {
     let is_paint = |t: &Triangle| materials.is_empty() || materials.contains(&t.material);
@@ -25,9 +52,9 @@ pub fn paint_sides(mesh: &Mesh, materials: &[usize]) -> Vec<Option<Side>> {
     mesh.triangles().iter().map(side).collect()
 }
 
-/// A side in the `sides` images.
+/// A side in the `sides` images: 1 and its place in [`Side::ALL`].
 pub fn number(side: Side) -> u8 {
-    1 + Side::ALL.iter().position(|s| *s == side).unwrap_or_default() as u8
+    1 + side as u8
 }
 
 /// So many of a pixel's `factor`² places, in a mask.

@@ -1,12 +1,13 @@
 //! The images of frames: PNG in, PNG out.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ColorType, DynamicImage, ExtendedColorType, GrayImage, ImageDecoder, ImageEncoder, RgbImage};
+use image::{ColorType, DynamicImage, ExtendedColorType, GrayImage, ImageDecoder, ImageEncoder, ImageFormat, RgbImage};
 
-use super::FramesError;
-use scaleproof_core::files;
+use super::{FramesError, require};
+use scaleproof_core::files::{self, FileError};
 use scaleproof_photo::photo::{Budget, open_png};
 
 /// Linear light in 16 bits.
@@ -52,7 +53,7 @@ fn png(bytes: &[u8], (width, height): (u32, u32), kind: ExtendedColorType) -> Re
     let mut file = Vec::new();
     PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive)
         .write_image(bytes, width, height, kind)
-        .map_err(|e| FramesError::Encode { reason: e.to_string() })?;
+        .map_err(|e| FramesError::Encode(e.to_string()))?;
     Ok(file)
 }
 
@@ -63,31 +64,28 @@ pub(super) fn read_png(
     size_px: [u32; 2],
     kind: ColorType,
 ) -> Result<DynamicImage, FramesError> {
-    let content = |message: String| FramesError::Content {
-        path: path.to_owned(),
-        message,
-    };
-    let damaged = |reason: String| content(format!("the PNG cannot be decoded ({reason}): make the frame again"));
+    let content = |message: String| FileError::content(path, message);
+    let damaged = |e: &dyn Display| content(format!("the PNG cannot be decoded ({e}): make the frame again"));
     let bytes = files::read(path)?;
-    if image::guess_format(&bytes).ok() != Some(image::ImageFormat::Png) {
-        return Err(content(format!("the {key} is no PNG: make the frame again")));
-    }
-    let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
+    require(image::guess_format(&bytes).ok() == Some(ImageFormat::Png), || {
+        content(format!("the {key} is no PNG: make the frame again"))
+    })?;
+    let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(&e))?;
     // The size stands in the header: a huge image is refused before its pixels take memory.
-    let (found, wanted) = (decoder.dimensions(), (size_px[0], size_px[1]));
-    if found != wanted {
-        return Err(content(format!(
+    let found = <[u32; 2]>::from(decoder.dimensions());
+    require(found == size_px, || {
+        content(format!(
             "the {key} has {}×{} pixels and must have {}×{}, as frames.json says: make the frame again",
-            found.0, found.1, wanted.0, wanted.1
-        )));
-    }
-    if decoder.color_type() != kind {
+            found[0], found[1], size_px[0], size_px[1]
+        ))
+    })?;
+    require(decoder.color_type() == kind, || {
         let name = match kind {
             ColorType::Rgb8 => "8-bit RGB without transparency",
             ColorType::L8 => "8-bit grey",
             _ => "16-bit RGB",
         };
-        return Err(content(format!("the {key} must be {name}: save it so")));
-    }
-    DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
+        content(format!("the {key} must be {name}: save it so"))
+    })?;
+    Ok(DynamicImage::from_decoder(decoder).map_err(|e| damaged(&e))?)
 }

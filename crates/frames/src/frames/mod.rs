@@ -44,19 +44,18 @@ mod read;
 pub mod render;
 mod reprojection;
 pub mod shaded;
-mod write;
 
 pub use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};
 pub use read::{outline, syntax};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_core::geometry::rigid::Rigid;
+use scaleproof_core::geometry::rigid::{self, Rigid};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_surface::mesh::Mesh;
@@ -71,22 +70,18 @@ pub const LIST: &str = "frames.json";
 /// Why frames could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum FramesError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
     Pattern(#[from] PatternError),
-    #[error("{path}, line {line}: {message}", path = path.display())]
-    Syntax {
-        path: PathBuf,
-        line: usize,
-        message: String,
-    },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
-    #[error("a frame could not be written ({reason})")]
-    Encode { reason: String },
+    #[error("a frame could not be written ({0})")]
+    Encode(String),
+}
+
+/// Passes where a condition holds, and fails with an error where it does not.
+pub(crate) fn require<E>(holds: bool, error: impl FnOnce() -> E) -> Result<(), E> {
+    if holds { Ok(()) } else { Err(error()) }
 }
 
 /// Frames of one camera, without their pixels.
@@ -160,34 +155,16 @@ pub struct Frame {
 
 /// What the model is painted with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FramePaint {
     /// One 8-bit sRGB colour everywhere.
     FlatRgb([u8; 3]),
-    /// A world-aligned pattern.
-    Pattern(PatternPaint),
-    /// An image on texture coordinates.
-    Texture(TexturePaint),
+    /// A world-aligned pattern: a PNG file with one pixel per cell, below the folder of the frames, and the width of one repeat on the model.
+    Pattern { file: String, tile_mm: f64 },
+    /// An image on texture coordinates: a PNG file below the folder of the frames.
+    Texture { file: String },
     /// Whatever the maker of the frames had on it.
     Original,
-}
-
-/// A pattern on the model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PatternPaint {
-    /// PNG with one pixel per cell, below the folder of the frames.
-    pub file: String,
-    /// Width of one repeat on the model.
-    pub tile_mm: f64,
-}
-
-/// A texture on the model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TexturePaint {
-    /// PNG below the folder of the frames.
-    pub file: String,
 }
 
 /// The paint at one point of an image.
@@ -200,6 +177,30 @@ pub struct SurfacePoint {
 }
 
 impl FrameList {
+    /// A list without frames, linear light and positions.
+    pub fn new(made_by: &str, size_px: [u32; 2], camera: Pinhole, target_mm: [f64; 3]) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            made_by: made_by.to_owned(),
+            size_px,
+            camera,
+            target_mm,
+            linear_max: None,
+            positions: None,
+            frames: Vec::new(),
+        }
+    }
+
+    /// The list as a file of the folder, to be written after the images it names.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), FramesError> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|e| FramesError::Encode(e.to_string()))?;
+        text.push('\n');
+        Ok((folder.join(LIST), text.into_bytes()))
+    }
+
     pub fn camera(&self) -> Camera {
         self.camera.camera(self.size_px)
     }
@@ -218,7 +219,7 @@ impl FrameList {
 
 impl Positions {
     /// Room for every point of a mesh.
-    pub fn of(mesh: &Mesh, factor: u32) -> Self {
+    pub fn around(mesh: &Mesh, factor: u32) -> Self {
         let (low, high) = mesh.bounds_mm();
         // Rounding must not leave it.
         let wider = Vector3::repeat(1.0);
@@ -227,10 +228,6 @@ impl Positions {
             high_mm: (high + wider).coords.into(),
             factor,
         }
-    }
-
-    pub fn bounds_mm(&self) -> ([f64; 3], [f64; 3]) {
-        (self.low_mm, self.high_mm)
     }
 }
 
@@ -261,13 +258,29 @@ impl Pinhole {
 }
 
 impl Frame {
+    /// A frame of this name, whose images of the model's shape begin with `shape`, as in `views/az0`; its light, place and box are not yet known.
+    pub fn new(name: &str, shape: &str, pose: &Rigid, paint: FramePaint) -> Self {
+        let of_shape = |kind: &str| format!("{shape}_{kind}.png");
+        Self {
+            name: name.to_owned(),
+            rgb: format!("rgb/{name}.png"),
+            object_mask: of_shape("object"),
+            paint_mask: of_shape("paint"),
+            linear: None,
+            positions: Some(of_shape("positions")),
+            sides: Some(of_shape("sides")),
+            t_camera_model: rigid::rows(pose),
+            paint,
+            light: String::new(),
+            place: String::new(),
+            box_xyxy_px: None,
+        }
+    }
+
     /// `T_camera_model`.
     pub fn pose(&self) -> Rigid {
         let m = &self.t_camera_model;
-        scaleproof_core::geometry::rigid::from_matrix(
-            nalgebra::Matrix3::from_fn(|r, c| m[r][c]),
-            nalgebra::Vector3::from_fn(|r, _| m[r][3]),
-        )
+        rigid::from_matrix(Matrix3::from_fn(|r, c| m[r][c]), Vector3::from_fn(|r, _| m[r][3]))
     }
 
     /// Every file the frame names, with what it is.
@@ -282,14 +295,11 @@ impl Frame {
             ("positions", &self.positions),
             ("sides", &self.sides),
         ];
-        all.extend(
-            optional
-                .into_iter()
-                .filter_map(|(key, file)| Some((key, file.as_deref()?))),
-        );
+        let optional = optional.into_iter();
+        all.extend(optional.filter_map(|(key, file)| Some((key, file.as_deref()?))));
         match &self.paint {
-            FramePaint::Pattern(pattern) => all.push(("pattern", &pattern.file)),
-            FramePaint::Texture(texture) => all.push(("texture", &texture.file)),
+            FramePaint::Pattern { file, .. } => all.push(("pattern", file)),
+            FramePaint::Texture { file } => all.push(("texture", file)),
             FramePaint::FlatRgb(_) | FramePaint::Original => {}
         }
         all

@@ -4,11 +4,12 @@ use std::collections::HashSet;
 use std::path::{Component, Path};
 
 use image::{ColorType, RgbImage};
+use nalgebra::Matrix3;
 
 use super::images::{Coverage, Linear16, read_png};
 use super::reprojection::{MOST_OFF_PX, median_off_px};
-use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint};
-use scaleproof_core::files;
+use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint, require};
+use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::world_aligned::Side;
@@ -36,7 +37,7 @@ impl FrameSet {
             list,
             sha256: files::sha256_hex(text.as_bytes()),
         };
-        check(&set).map_err(|message| FramesError::Content { path, message })?;
+        check(&set).map_err(|message| FileError::content(&path, message))?;
         Ok(set)
     }
 
@@ -89,12 +90,10 @@ impl FrameSet {
         let at = |file: &String| self.folder.join(file);
         let positions = read_png(&at(file), "positions image", size, ColorType::Rgb16)?.into_rgb16();
         let image = read_png(&at(sides), "sides image", size, ColorType::L8)?.into_luma8();
-        if image.pixels().any(|p| usize::from(p.0[0]) > Side::ALL.len()) {
-            return Err(FramesError::Content {
-                path: at(sides),
-                message: "a side is above 6; sides are 0 for no paint and 1 to 6: make the frame again".to_owned(),
-            });
-        }
+        require(image.pixels().all(|p| usize::from(p.0[0]) <= Side::ALL.len()), || {
+            let message = "a side is above 6; sides are 0 for no paint and 1 to 6: make the frame again";
+            FileError::content(&at(sides), message)
+        })?;
         let place = |p: [u16; 3]| {
             std::array::from_fn(|i| {
                 let share = f64::from(p[i]) / 65535.0;
@@ -107,23 +106,21 @@ impl FrameSet {
             side: side(number.0[0]),
         };
         let points: Vec<SurfacePoint> = positions.pixels().zip(image.pixels()).map(point).collect();
-        match median_off_px(&self.list, frame, &points, about.factor) {
-            Some(off_px) if off_px > MOST_OFF_PX => Err(FramesError::Content {
-                path: at(file),
-                message: format!(
-                    "its points lie {off_px:.0} px from where the camera of frame {} sees them: the image, the pose, the camera or the positions' \
-                     low_mm and high_mm are of other frames",
-                    frame.name
-                ),
-            }),
-            _ => Ok(Some(points)),
+        if let Some(off_px) = median_off_px(&self.list, frame, &points, about.factor).filter(|off| *off > MOST_OFF_PX) {
+            let message = format!(
+                "its points lie {off_px:.0} px from where the camera of frame {} sees them: the image, the pose, the camera or the positions' \
+                 low_mm and high_mm are of other frames",
+                frame.name
+            );
+            return Err(FileError::content(&at(file), message).into());
         }
+        Ok(Some(points))
     }
 
     /// The pattern on the model, and the width of one repeat in mm.
     pub fn pattern(&self, frame: &Frame) -> Result<Option<(Pattern, f64)>, FramesError> {
         match &frame.paint {
-            FramePaint::Pattern(paint) => Ok(Some((Pattern::load(&self.folder.join(&paint.file))?, paint.tile_mm))),
+            FramePaint::Pattern { file, tile_mm } => Ok(Some((Pattern::load(&self.folder.join(file))?, *tile_mm))),
             _ => Ok(None),
         }
     }
@@ -138,31 +135,27 @@ impl FrameSet {
         self.surface(frame)?;
         self.pattern(frame)?;
         let (object, paint) = (self.object_mask(frame)?, self.paint_mask(frame)?);
-        let content = |file: &String, message: String| FramesError::Content {
-            path: self.folder.join(file),
-            message,
-        };
+        let content = |file: &String, message: &str| FileError::content(&self.folder.join(file), message);
         // Coverage is sampled, so that the two may differ by a few hundredths.
-        if let Some((x, y, _)) = paint
-            .enumerate_pixels()
-            .find(|(x, y, p)| u16::from(p.0[0]) > u16::from(object.get_pixel(*x, *y).0[0]) + 16)
+        let mut pixels = paint.enumerate_pixels();
+        if let Some((x, y, _)) =
+            pixels.find(|(x, y, p)| u16::from(p.0[0]) > u16::from(object.get_pixel(*x, *y).0[0]) + 16)
         {
             let message =
                 format!("the paint at column {x}, row {y} is outside the object: one of the masks is of another frame");
-            return Err(content(&frame.paint_mask, message));
+            return Err(content(&frame.paint_mask, &message).into());
         }
-        if paint.pixels().all(|p| p.0[0] == 0) {
-            let message = "no paint is seen: take the frame out of the list".to_owned();
-            return Err(content(&frame.paint_mask, message));
-        }
-        let seen = outline(&object);
-        match (frame.box_xyxy_px, seen) {
-            (Some(stated), Some(seen)) if stated.iou(&seen) == 0.0 => Err(content(
-                &frame.object_mask,
-                "the object does not meet the frame's box_xyxy_px: one of them is of another frame".to_owned(),
-            )),
-            _ => Ok(()),
-        }
+        let no_paint = || content(&frame.paint_mask, "no paint is seen: take the frame out of the list");
+        require(paint.pixels().any(|p| p.0[0] > 0), no_paint)?;
+        let meets = frame
+            .box_xyxy_px
+            .zip(outline(&object))
+            .is_none_or(|(stated, seen)| stated.iou(&seen) != 0.0);
+        require(meets, || {
+            let message = "the object does not meet the frame's box_xyxy_px: one of them is of another frame";
+            content(&frame.object_mask, message)
+        })?;
+        Ok(())
     }
 
     fn image(&self, file: &str, key: &str, kind: ColorType) -> Result<image::DynamicImage, FramesError> {
@@ -180,109 +173,103 @@ pub fn outline(mask: &Coverage) -> Option<BoxPx> {
 }
 
 /// serde's words as one sentence with the line.
-pub fn syntax(path: &Path, e: &serde_json::Error) -> FramesError {
+pub fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
     let text = e.to_string();
     let message = match text.split(" at line ").next().unwrap_or(&text) {
-        inside if inside.contains("expected struct") => "an object {…} belongs here".to_owned(),
-        message => message.to_owned(),
+        inside if inside.contains("expected struct") => "an object {…} belongs here",
+        message => message,
     };
-    FramesError::Syntax {
-        path: path.to_owned(),
-        line: e.line(),
-        message,
-    }
+    FileError::syntax(path, e.line(), message.to_owned())
 }
 
 fn check(set: &FrameSet) -> Result<(), String> {
     let list = &set.list;
-    if list.format != FORMAT {
-        return Err(format!(
-            "the format is '{}', and this program reads '{FORMAT}'",
-            list.format
-        ));
-    }
-    if list.size_px.iter().any(|px| !(1..=MAX_SIDE_PX).contains(px)) {
-        return Err(format!("size_px must be 1 to {MAX_SIDE_PX} along both sides"));
-    }
+    require(list.format == FORMAT, || {
+        format!("the format is '{}', and this program reads '{FORMAT}'", list.format)
+    })?;
+    require(list.size_px.iter().all(|px| (1..=MAX_SIDE_PX).contains(px)), || {
+        format!("size_px must be 1 to {MAX_SIDE_PX} along both sides")
+    })?;
     let camera = &list.camera;
     let numbers = [camera.focal_length_px, camera.centre_px[0], camera.centre_px[1]];
-    if camera.focal_length_px <= 0.0 || !numbers.iter().all(|v| v.abs() <= MAX_CAMERA_PX) {
-        return Err(format!(
-            "the camera's focal_length_px must be above 0, and neither it nor its centre_px beyond {MAX_CAMERA_PX}"
-        ));
-    }
-    if list.linear_max.is_some_and(|max| !(max > 0.0 && max.is_finite())) {
-        return Err("linear_max must be above 0".to_owned());
-    }
+    let is_camera = camera.focal_length_px > 0.0 && numbers.iter().all(|v| v.abs() <= MAX_CAMERA_PX);
+    require(is_camera, || {
+        format!("the camera's focal_length_px must be above 0, and neither it nor its centre_px beyond {MAX_CAMERA_PX}")
+    })?;
+    let is_light = list.linear_max.is_none_or(|max| max > 0.0 && max.is_finite());
+    require(is_light, || "linear_max must be above 0".to_owned())?;
     if let Some(about) = &list.positions {
         let grows =
             (0..3).all(|i| about.high_mm[i] > about.low_mm[i] && (about.high_mm[i] - about.low_mm[i]).is_finite());
         let most = MAX_SIDE_PX / list.size_px[0].max(list.size_px[1]);
-        if !grows || !(1..=most).contains(&about.factor) {
-            return Err(format!(
-                "positions must have a high_mm above its low_mm and a factor of 1 to {most}"
-            ));
-        }
+        require(grows && (1..=most).contains(&about.factor), || {
+            format!("positions must have a high_mm above its low_mm and a factor of 1 to {most}")
+        })?;
     }
-    if list.frames.is_empty() {
-        return Err("it lists no frames".to_owned());
-    }
+    require(!list.frames.is_empty(), || "it lists no frames".to_owned())?;
     let mut names = HashSet::new();
     for frame in &list.frames {
-        if !names.insert(&frame.name) {
-            return Err(format!("the frame {} is listed twice", frame.name));
-        }
-        check_frame(set, frame).map_err(|problem| format!("frame {}: {problem}", frame.name))?;
+        let name = &frame.name;
+        require(names.insert(name), || format!("the frame {name} is listed twice"))?;
+        check_frame(set, frame).map_err(|problem| format!("frame {name}: {problem}"))?;
     }
     Ok(())
 }
 
 fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
     for (key, file) in frame.files() {
-        let is_below = Path::new(file)
-            .components()
-            .all(|part| matches!(part, Component::Normal(_)));
-        if !is_below || file.is_empty() {
-            return Err(format!("{key} '{file}' is not a path below the folder of the frames"));
-        }
-        if !set.folder.join(file).is_file() {
-            return Err(format!(
-                "{key} '{file}' is not there: make the frame again, or take it out of the list"
-            ));
-        }
-    }
-    if frame.linear.is_some() && set.list.linear_max.is_none() {
-        return Err("it has a linear image, but the list has no linear_max".to_owned());
-    }
-    if frame.positions.is_some() != frame.sides.is_some() {
-        return Err("positions and sides belong together: give both or neither".to_owned());
-    }
-    if frame.positions.is_some() && set.list.positions.is_none() {
-        return Err("it has positions, but the list does not say what their values mean".to_owned());
-    }
-    if let FramePaint::Pattern(paint) = &frame.paint
-        && !(paint.tile_mm > 0.0 && paint.tile_mm.is_finite())
-    {
-        return Err("the tile_mm of its pattern must be above 0".to_owned());
-    }
-    if frame.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
-        return Err("its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels".to_owned());
+        let mut parts = Path::new(file).components();
+        let is_below = !file.is_empty() && parts.all(|part| matches!(part, Component::Normal(_)));
+        require(is_below, || {
+            format!("{key} '{file}' is not a path below the folder of the frames")
+        })?;
+        require(set.folder.join(file).is_file(), || {
+            format!("{key} '{file}' is not there: make the frame again, or take it out of the list")
+        })?;
     }
     let [width, height] = set.list.size_px.map(f64::from);
-    if frame.box_xyxy_px.is_some_and(|b| !b.clipped(width, height).is_solid()) {
-        return Err("its box_xyxy_px lies outside the image: give it in pixels of the image".to_owned());
-    }
-    check_pose(&frame.t_camera_model)
+    let in_image = |b: BoxPx| b.clipped(width, height).is_solid();
+    let is_tile = match frame.paint {
+        FramePaint::Pattern { tile_mm, .. } => tile_mm > 0.0 && tile_mm.is_finite(),
+        _ => true,
+    };
+    let conditions = [
+        (
+            frame.linear.is_none() || set.list.linear_max.is_some(),
+            "it has a linear image, but the list has no linear_max",
+        ),
+        (
+            frame.positions.is_some() == frame.sides.is_some(),
+            "positions and sides belong together: give both or neither",
+        ),
+        (
+            frame.positions.is_none() || set.list.positions.is_some(),
+            "it has positions, but the list does not say what their values mean",
+        ),
+        (is_tile, "the tile_mm of its pattern must be above 0"),
+        (
+            frame.box_xyxy_px.is_none_or(|b| b.is_solid()),
+            "its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels",
+        ),
+        (
+            frame.box_xyxy_px.is_none_or(in_image),
+            "its box_xyxy_px lies outside the image: give it in pixels of the image",
+        ),
+        (
+            is_pose(&frame.t_camera_model),
+            "its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm",
+        ),
+    ];
+    let broken = conditions.into_iter().find(|(holds, _)| !holds);
+    broken.map_or(Ok(()), |(_, reason)| Err(reason.to_owned()))
 }
 
-fn check_pose(rows: &[[f64; 4]; 4]) -> Result<(), String> {
-    let rotation = nalgebra::Matrix3::from_fn(|r, c| rows[r][c]);
-    let off = (rotation * rotation.transpose() - nalgebra::Matrix3::identity())
-        .abs()
-        .max();
-    let is_rigid = off < RIGID_TOLERANCE && rotation.determinant() > 0.0;
-    if !is_rigid || !rows.iter().flatten().all(|v| v.abs() <= MAX_DISTANCE_MM) || rows[3] != [0.0, 0.0, 0.0, 1.0] {
-        return Err("its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm".to_owned());
-    }
-    Ok(())
+/// Whether a matrix is a rotation and a translation that a camera can have.
+fn is_pose(rows: &[[f64; 4]; 4]) -> bool {
+    let rotation = Matrix3::from_fn(|r, c| rows[r][c]);
+    let off = (rotation * rotation.transpose() - Matrix3::identity()).abs().max();
+    off < RIGID_TOLERANCE
+        && rotation.determinant() > 0.0
+        && rows.iter().flatten().all(|v| v.abs() <= MAX_DISTANCE_MM)
+        && rows[3] == [0.0, 0.0, 0.0, 1.0]
 }

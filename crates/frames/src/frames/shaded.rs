@@ -57,11 +57,7 @@ impl ShadedModel<'_> {
         }
         let (low, high) = self.mesh.bounds_mm();
         let middle = nalgebra::center(&low, &high);
-        let focal_length_px = 0.5 * f64::from(width) / (0.5 * FIELD_OF_VIEW_DEG).to_radians().tan();
-        let pinhole = Pinhole {
-            focal_length_px,
-            centre_px: size_px.map(|px| 0.5 * (f64::from(px) - 1.0)),
-        };
+        let pinhole = Pinhole::with_field_of_view(size_px, FIELD_OF_VIEW_DEG);
         let pose = |azimuth_deg, distance_mm| {
             let viewpoint = Viewpoint {
                 azimuth_deg,
@@ -71,22 +67,19 @@ impl ShadedModel<'_> {
             looking_at(&viewpoint, middle)
         };
         let is_whole = |distance_mm: f64| {
-            let turns = (0..TURNS).map(|i| 360.0 * f64::from(i) / f64::from(TURNS));
-            turns
-                .map(|turn| outline(self.mesh, &pose(turn, distance_mm), &pinhole))
-                .all(|b| {
-                    b.is_some_and(|b| {
-                        let [across, down] = [(0, b.x1, b.x2), (1, b.y1, b.y2)].map(|(axis, low, high)| {
-                            let middle: f64 = pinhole.centre_px[axis];
-                            (middle - low).max(high - middle) / (0.5 * f64::from(size_px[axis]))
-                        });
-                        across.max(down) <= FILLED
+            let mut turns = (0..TURNS).map(|i| 360.0 * f64::from(i) / f64::from(TURNS));
+            turns.all(|turn| {
+                outline(self.mesh, &pose(turn, distance_mm), &pinhole).is_some_and(|b| {
+                    [(0, b.x1, b.x2), (1, b.y1, b.y2)].into_iter().all(|(axis, low, high)| {
+                        let middle = pinhole.centre_px[axis];
+                        (middle - low).max(high - middle) / (0.5 * f64::from(size_px[axis])) <= FILLED
                     })
                 })
+            })
         };
         // The ball around the model is whole from the larger distance.
         let radius = 0.5 * (high - low).norm();
-        let half_angle = (0.5 * FILLED * f64::from(width.min(height)) / focal_length_px).atan();
+        let half_angle = (0.5 * FILLED * f64::from(width.min(height)) / pinhole.focal_length_px).atan();
         let (mut near, mut far) = (radius, radius / half_angle.sin());
         for _ in 0..STEPS {
             let distance_mm = 0.5 * (near + far);
@@ -103,20 +96,12 @@ impl ShadedModel<'_> {
 
     /// Each pixel is the mean of its points in linear light. `None` when part of the model is not before the camera.
     pub fn draw(&self, pose: &Rigid, pinhole: &Pinhole, [width, height]: [u32; 2]) -> Option<RgbImage> {
-        let fine = |px: f64| (px + 0.5) * f64::from(FACTOR) - 0.5;
-        let finer = Pinhole {
-            focal_length_px: pinhole.focal_length_px * f64::from(FACTOR),
-            centre_px: pinhole.centre_px.map(fine),
-        };
         let size = [width, height].map(|px| (px * FACTOR) as usize);
-        let raster = Raster::image(self.mesh, pose, &finer, size)?;
+        let raster = Raster::image(self.mesh, pose, &pinhole.finer(FACTOR), size)?;
         let colour = |x: u32, y: u32| {
             let mut sum = [0.0; 3];
             for point in 0..FACTOR * FACTOR {
-                let (x, y) = (
-                    i64::from(x * FACTOR + point % FACTOR),
-                    i64::from(y * FACTOR + point / FACTOR),
-                );
+                let [x, y] = [x * FACTOR + point % FACTOR, y * FACTOR + point / FACTOR].map(i64::from);
                 let linear = match raster.at(x, y) {
                     Some(hit) => self.shaded(pose, hit.triangle, &raster.point(x, y, &hit)),
                     None => [1.0; 3],

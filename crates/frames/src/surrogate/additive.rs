@@ -48,8 +48,9 @@ impl Additive {
             images: Vec::new(),
         };
         for frame in view {
-            let Some(rgb) = frame.flat_rgb() else { continue };
-            let colour = light::linear_of(rgb);
+            let Some(colour) = frame.flat_rgb().map(light::linear_of) else {
+                continue;
+            };
             let is_new = |known: &[f64; 3]| (0..3).all(|c| known[c] != colour[c]);
             // More than four interpolate noise.
             if additive.colours.len() < 4

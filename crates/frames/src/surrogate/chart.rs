@@ -7,7 +7,7 @@ use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
 use scaleproof_core::workers::fastest;
-use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, scatter};
+use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
@@ -57,35 +57,20 @@ pub struct SurrogateFigures {
     pub predict_ms: f64,
 }
 
-/// Sums of squared errors on their way to means.
+/// What is measured of a method, view by view and frame by frame.
 #[derive(Default)]
-struct Sums {
-    paint: Mean,
-    image: Mean,
-    worst: f64,
-    world: Mean,
-    repeated: Mean,
-    power: Mean,
-    fit_ms: Mean,
-    predict_ms: Mean,
-    views: usize,
+struct Measured {
+    paint: Vec<f64>,
+    image: Vec<f64>,
+    world: Vec<f64>,
+    repeated: Vec<f64>,
+    power: Vec<f64>,
+    fit_ms: Vec<f64>,
+    predict_ms: Vec<f64>,
 }
 
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    count: usize,
-}
-
-impl Mean {
-    fn add(&mut self, value: f64) {
-        self.sum += value;
-        self.count += 1;
-    }
-
-    fn get(&self) -> Option<f64> {
-        (self.count > 0).then(|| self.sum / self.count as f64)
-    }
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// What of a view every model is measured on.
@@ -122,16 +107,9 @@ impl<'a> Method<'a> {
         let trained = networks.iter().map(|network| {
             let wanted = network.references();
             let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
-            let names = || {
-                wanted
-                    .iter()
-                    .map(|rgb| light::to_hex(*rgb))
-                    .collect::<Vec<_>>()
-                    .join(" or ")
-            };
             let missing = || SurrogateChartError::OtherReference {
                 network: network.name(),
-                wanted: names(),
+                wanted: Vec::from_iter(wanted.iter().map(|rgb| light::to_hex(*rgb))).join(" or "),
             };
             Ok(Self::Trained(*network, found.ok_or_else(missing)?))
         });
@@ -142,6 +120,13 @@ impl<'a> Method<'a> {
         match self {
             Self::ClosedForm(kind, _) => kind.name().to_owned(),
             Self::Trained(network, _) => network.name(),
+        }
+    }
+
+    fn network(&self) -> Option<&'a dyn NeuralRenderer> {
+        match self {
+            Self::ClosedForm(..) => None,
+            Self::Trained(network, _) => Some(*network),
         }
     }
 
@@ -185,38 +170,35 @@ pub fn measure(
     on_view: impl Fn(),
 ) -> Result<Vec<SurrogateFigures>, SurrogateChartError> {
     let methods = Method::all(references, networks)?;
-    let mut sums: Vec<Sums> = methods.iter().map(|_| Sums::default()).collect();
+    let mut measured: Vec<Measured> = methods.iter().map(|_| Measured::default()).collect();
     for frames in views(&set.list.frames) {
         let view = load(set, &frames, references)?;
-        for (method, sums) in methods.iter().zip(&mut sums) {
-            add(method, &view, sums)?;
+        for (method, measured) in methods.iter().zip(&mut measured) {
+            add(method, &view, measured)?;
         }
         on_view();
     }
-    let rows = methods.into_iter().zip(sums).map(|(method, s)| {
-        let network = match &method {
-            Method::ClosedForm(..) => None,
-            Method::Trained(network, _) => Some(network),
-        };
+    let rows = methods.into_iter().zip(measured).map(|(method, m)| {
+        let network = method.network();
         Some(SurrogateFigures {
             model: method.name(),
             training_seconds: network.map(|n| n.training_seconds()),
             references: method.references(),
             trained_references: network.map(|n| n.references().len()),
-            views: s.views,
-            frames: s.paint.count,
-            mse_paint: s.paint.get()?,
-            mse_image: s.image.get()?,
-            mse_paint_worst: s.worst,
-            tone_power: s.power.get(),
-            mse_pattern_world: s.world.get(),
-            mse_pattern_repeated: s.repeated.get(),
-            fit_ms: s.fit_ms.get()?,
-            predict_ms: s.predict_ms.get()?,
+            views: m.fit_ms.len(),
+            frames: m.paint.len(),
+            mse_paint: mean(&m.paint)?,
+            mse_image: mean(&m.image)?,
+            mse_paint_worst: m.paint.iter().copied().fold(0.0, f64::max),
+            tone_power: mean(&m.power),
+            mse_pattern_world: mean(&m.world),
+            mse_pattern_repeated: mean(&m.repeated),
+            fit_ms: mean(&m.fit_ms)?,
+            predict_ms: mean(&m.predict_ms)?,
         })
     });
-    rows.collect::<Option<Vec<_>>>()
-        .ok_or(SurrogateChartError::NothingToPredict)
+    let all = rows.collect::<Option<Vec<_>>>();
+    all.ok_or(SurrogateChartError::NothingToPredict)
 }
 
 fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, SurrogateChartError> {
@@ -243,21 +225,14 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
             tests.push(flat(frame, rgb)?);
         }
         if let Some((pattern, tile_mm)) = set.pattern(frame)? {
-            let grid = Grid::of(&pattern, tile_mm);
+            let grid = Grid::new([pattern.columns(), pattern.rows()], tile_mm);
             let cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();
             let textured = |projection: Projection| projection.forward(&cells);
-            let calibrated = &repeated::Jitter::NONE;
+            let (nearest, calibrated) = (Sampling::Nearest, &repeated::Jitter::NONE);
             patterns.push(PatternTest {
                 image: set.rgb(frame)?,
-                world: world::project(set, frame, &grid, (Sampling::Nearest, false))?.map(textured),
-                repeated: textured(repeated::project(
-                    &set.list,
-                    frame,
-                    &mask,
-                    &grid,
-                    Sampling::Nearest,
-                    calibrated,
-                )),
+                world: world::project(set, frame, &grid, (nearest, false))?.map(textured),
+                repeated: textured(repeated::project(&set.list, frame, &mask, &grid, nearest, calibrated)),
             });
         }
     }
@@ -269,50 +244,42 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
     })
 }
 
-fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), SurrogateChartError> {
+fn add(method: &Method, view: &View, measured: &mut Measured) -> Result<(), SurrogateChartError> {
     let (model, power, ms) = method.fit(view)?;
-    sums.fit_ms.add(ms);
-    sums.views += 1;
-    if let Some(power) = power {
-        sums.power.add(power);
-    }
+    measured.fit_ms.push(ms);
+    measured.power.extend(power);
     for test in &view.tests {
         let paint = vec![light::linear_of(test.flat_rgb); view.mask.len()];
         let (predicted, ms) = fastest(|| model.predict(&paint));
-        sums.predict_ms.add(ms);
+        measured.predict_ms.push(ms);
         let (on_paint, all) = mse(&predicted, &test.image, &view.mask);
-        sums.image.add(all);
-        if let Some(on_paint) = on_paint {
-            sums.paint.add(on_paint);
-            sums.worst = sums.worst.max(on_paint);
-        }
+        measured.image.push(all);
+        measured.paint.extend(on_paint);
     }
     for test in &view.patterns {
         let on_paint = |paint: &Vec<[f64; 3]>| mse(&model.predict(paint), &test.image, &view.mask).0;
-        if let Some(error) = test.world.as_ref().and_then(on_paint) {
-            sums.world.add(error);
-        }
-        if let Some(error) = on_paint(&test.repeated) {
-            sums.repeated.add(error);
-        }
+        measured.world.extend(test.world.as_ref().and_then(on_paint));
+        measured.repeated.extend(on_paint(&test.repeated));
     }
     Ok(())
 }
 
 /// Mean squared error over the pixels the paint covers by half or more (`None` without such pixels), and over all.
 pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
-    let (mut paint, mut all) = (Mean::default(), Mean::default());
+    let (mut paint, mut all) = ((0.0, 0_usize), 0.0);
     for ((p, truth), covered) in predicted.iter().zip(image.pixels()).zip(mask.pixels()) {
         // A prediction becomes an image of 8 bits, too, but what is measured is the model.
         for (value, level) in p.iter().zip(truth.0) {
             let error = (value - f64::from(level) / 255.0).powi(2);
-            all.add(error);
+            all += error;
             if covered.0[0] >= 128 {
-                paint.add(error);
+                paint = (paint.0 + error, paint.1 + 1);
             }
         }
     }
-    (paint.get(), all.get().unwrap_or(0.0))
+    let (sum, count) = paint;
+    let values = 3 * predicted.len().min(mask.len());
+    ((count > 0).then(|| sum / count as f64), all / values.max(1) as f64)
 }
 
 /// The figures as JSON, with what they were measured on.
@@ -335,7 +302,7 @@ pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures])
         references,
         rows,
     };
-    serde_json::to_string_pretty(&numbers).map_err(|e| FramesError::Encode { reason: e.to_string() })
+    serde_json::to_string_pretty(&numbers).map_err(|e| FramesError::Encode(e.to_string()))
 }
 
 /// Lines of text, the most accurate first.
@@ -416,34 +383,26 @@ fn cloud(
     rows: &[SurrogateFigures],
     value: impl Fn(&SurrogateFigures) -> f64,
 ) -> String {
-    let (mut names, mut shapes) = (Vec::<String>::new(), Vec::<String>::new());
-    let index = |list: &mut Vec<String>, name: String| match list.iter().position(|known| *known == name) {
-        Some(at) => at,
-        None => {
-            list.push(name);
-            list.len() - 1
-        }
-    };
+    let (names, forms): (Vec<String>, Vec<String>) = rows.iter().map(series_and_shape).unzip();
+    let (colours, shapes) = (distinct(names.iter().cloned()), distinct(forms.iter().cloned()));
+    let index = |list: &[String], name: &String| list.iter().position(|known| known == name).unwrap_or(0);
     let most = rows.iter().map(|r| r.references).max();
-    let mut dots = Vec::new();
-    for row in rows {
-        let (series, shape) = series_and_shape(row);
-        dots.push(Dot {
-            x: value(row),
-            y: row.mse_paint,
-            share: 1.0,
-            series: index(&mut names, series),
-            shape: index(&mut shapes, shape),
-            name: None,
-            is_ringed: row.model == ClosedForm::default().name() && Some(row.references) == most,
-        });
-    }
+    let dot = |(i, row): (usize, &SurrogateFigures)| Dot {
+        x: value(row),
+        y: row.mse_paint,
+        share: 1.0,
+        series: index(&colours, &names[i]),
+        shape: index(&shapes, &forms[i]),
+        name: None,
+        is_ringed: row.model == ClosedForm::default().name() && Some(row.references) == most,
+    };
+    let dots = rows.iter().enumerate().map(dot).collect();
     scatter(&Cloud {
         title: title.to_owned(),
         note,
         x: PlotAxis::around(x, Scale::Log, rows.iter().map(&value)),
         y: PlotAxis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
-        colours: names,
+        colours,
         shapes,
         ringed: "the default".to_owned(),
         groups: vec![(String::new(), dots)],

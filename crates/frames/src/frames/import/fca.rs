@@ -13,15 +13,12 @@ use image::RgbImage;
 
 use super::carla::{Transform, pose};
 use super::npz::{Archive, Array};
-use super::{FIELDS_OF_VIEW_DEG, FrameImportError, content, is_plain};
-use crate::frames::drawn::{DrawnMesh, draw, paint_sides};
-use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, Pinhole, Positions, encode_grey, encode_positions, encode_rgb,
-};
+use super::{FIELDS_OF_VIEW_DEG, FrameImportError, is_plain};
+use crate::frames::drawn::{draw, paint_sides};
+use crate::frames::{Frame, FrameList, FramePaint, Pinhole, Positions, encode_rgb, require};
 use scaleproof_core::files::FileError;
-use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::length::SCALES;
-use scaleproof_core::geometry::rigid::{self, Rigid};
 use scaleproof_core::workers;
 use scaleproof_surface::mesh::Mesh;
 
@@ -72,44 +69,56 @@ struct Shot {
 /// # Errors
 /// No or too many files, broken archives, arrays of other shapes or kinds, poses that are no numbers or do not show the mesh.
 pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaFrames, FrameImportError> {
-    check(request)?;
+    let (field_of_view_deg, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
+    require(FIELDS_OF_VIEW_DEG.contains(&field_of_view_deg), || {
+        FrameImportError::FieldOfView {
+            value: field_of_view_deg,
+        }
+    })?;
+    require(DROPS_M.contains(&drop_m), || FrameImportError::Drop { value: drop_m })?;
+    require(SCALES.contains(&scale), || FrameImportError::Scale { value: scale })?;
     let paths = archives(folder)?;
     let first = read(&paths[0])?;
     let sides = paint_sides(&request.mesh, &request.materials);
-    let list = start(request, first.image.dimensions().into());
+    let (_, high) = request.mesh.bounds_mm();
+    let size_px = first.image.dimensions().into();
+    let camera = Pinhole::with_field_of_view(size_px, field_of_view_deg);
+    let positions = Positions::around(&request.mesh, FACTOR);
     let work = |(): &mut (), path: &PathBuf| {
         let shot = read(path)?;
-        if shot.image.dimensions() != first.image.dimensions() {
-            let message = format!(
-                "its image has another size than that of {}: frames have one camera",
-                first.name
-            );
-            return Err(content(path, message));
-        }
-        let pose = model_pose(&shot, request);
-        let drawn = draw((&request.mesh, &sides), &pose, &list.camera, list.size_px, FACTOR);
-        let drawn = drawn.ok_or_else(|| {
-            content(
+        require(shot.image.dimensions() == first.image.dimensions(), || {
+            let first = &first.name;
+            FileError::content(
                 path,
-                "part of the car is not before the camera: check the poses of both, and the mesh's length and scale"
-                    .to_owned(),
+                format!("its image has another size than that of {first}: frames have one camera"),
             )
         })?;
-        if drawn.object_mask.pixels().all(|p| p.0[0] == 0) {
-            return Err(content(
+        let pose = model_pose(&shot, request);
+        let what_to_check = "check the poses of both, and the mesh's length and scale";
+        let drawn = draw((&request.mesh, &sides), &pose, &camera, size_px, FACTOR).ok_or_else(|| {
+            FileError::content(
                 path,
-                "the car is not in the image: check the poses of both, and the mesh's length and scale".to_owned(),
-            ));
-        }
-        let frame = frame(&shot, &pose, drawn.box_xyxy_px, request);
-        Ok((
-            encoded(&shot.image, &drawn, &frame, &list, output)?,
-            frame,
-            shot.vehicle.place_m,
-        ))
+                format!("part of the car is not before the camera: {what_to_check}"),
+            )
+        })?;
+        require(drawn.object_mask.pixels().any(|p| p.0[0] > 0), || {
+            FileError::content(path, format!("the car is not in the image: {what_to_check}"))
+        })?;
+        let shape = format!("masks/{}", shot.name);
+        let frame = Frame {
+            box_xyxy_px: drawn.box_xyxy_px,
+            ..Frame::new(&shot.name, &shape, &pose, request.paint.clone())
+        };
+        let mut files = vec![(output.join(&frame.rgb), encode_rgb(&shot.image)?)];
+        files.extend(drawn.files(output, &frame, &positions)?);
+        Ok::<_, FrameImportError>((files, frame, shot.vehicle.place_m))
     };
     let done = workers::map(&paths, || Ok(()), work, || ())?;
-    let (mut list, mut new, mut stands) = (list.clone(), Vec::new(), Vec::new());
+    let mut list = FrameList {
+        positions: Some(positions),
+        ..FrameList::new(&request.made_by, size_px, camera, [0.0, 0.0, 0.5 * high.z])
+    };
+    let (mut new, mut stands) = (Vec::new(), Vec::new());
     for (files, mut frame, stand) in done {
         new.extend(files);
         // Frames around one stand of the vehicle are not independent.
@@ -128,20 +137,6 @@ pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaF
     })
 }
 
-fn check(request: &FcaRequest) -> Result<(), FrameImportError> {
-    let (value, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
-    if !FIELDS_OF_VIEW_DEG.contains(&value) {
-        return Err(FrameImportError::FieldOfView { value });
-    }
-    if !DROPS_M.contains(&drop_m) {
-        return Err(FrameImportError::Drop { value: drop_m });
-    }
-    if !SCALES.contains(&scale) {
-        return Err(FrameImportError::Scale { value: scale });
-    }
-    Ok(())
-}
-
 /// The `.npz` files of a folder, by name; at least one.
 fn archives(folder: &Path) -> Result<Vec<PathBuf>, FrameImportError> {
     let failed = |e| FileError::read(folder, &e);
@@ -153,27 +148,19 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, FrameImportError> {
         }
     }
     paths.sort();
-    match paths.len() {
-        0 => Err(content(folder, "it has no .npz files".to_owned())),
-        1..=MOST_FRAMES => Ok(paths),
-        many => Err(content(
-            folder,
-            format!("it has {many} .npz files, and {MOST_FRAMES} are read at once: choose some"),
-        )),
-    }
+    let message = match paths.len() {
+        0 => "it has no .npz files".to_owned(),
+        1..=MOST_FRAMES => return Ok(paths),
+        many => format!("it has {many} .npz files, and {MOST_FRAMES} are read at once: choose some"),
+    };
+    Err(FileError::content(folder, message).into())
 }
 
 fn read(path: &Path) -> Result<Shot, FrameImportError> {
-    let name = path
-        .file_stem()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    if !is_plain(&name) {
-        return Err(content(
-            path,
-            "its name may have letters, digits, '-', '_', '.' and '@' only".to_owned(),
-        ));
-    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    require(is_plain(&name), || {
+        FileError::content(path, "its name may have letters, digits, '-', '_', '.' and '@' only")
+    })?;
     let mut archive = Archive::open(path)?;
     let image = image(archive.array("img")?)?;
     let [vehicle, camera] = ["veh_trans", "cam_trans"].map(|name| transform(archive.array(name)?));
@@ -202,9 +189,9 @@ fn image(array: Array) -> Result<RgbImage, FrameImportError> {
 }
 
 fn transform(array: Array) -> Result<Transform, FrameImportError> {
-    if array.shape() != [2, 3] {
-        return Err(array.wrong_shape("2×3: x, y, z, then pitch, yaw, roll"));
-    }
+    require(array.shape() == [2, 3], || {
+        array.wrong_shape("2×3: x, y, z, then pitch, yaw, roll")
+    })?;
     let not_finite = array.wrong("has a number that is not finite");
     let numbers = array.reals()?;
     let [x, y, z, pitch_deg, yaw_deg, roll_deg] = numbers[..] else {
@@ -216,11 +203,8 @@ fn transform(array: Array) -> Result<Transform, FrameImportError> {
         yaw_deg,
         roll_deg,
     };
-    if transform.is_finite() {
-        Ok(transform)
-    } else {
-        Err(not_finite)
-    }
+    require(transform.is_finite(), || not_finite)?;
+    Ok(transform)
 }
 
 /// `T_camera_model` at model scale.
@@ -230,59 +214,4 @@ fn model_pose(shot: &Shot, request: &FcaRequest) -> Rigid {
     let mut pose = pose(&shot.camera, &vehicle);
     pose.translation.vector /= request.scale;
     pose
-}
-
-fn start(request: &FcaRequest, size_px: [u32; 2]) -> FrameList {
-    let (_, high) = request.mesh.bounds_mm();
-    FrameList {
-        format: FORMAT.to_owned(),
-        made_by: request.made_by.clone(),
-        size_px,
-        camera: Pinhole::with_field_of_view(size_px, request.field_of_view_deg),
-        target_mm: [0.0, 0.0, 0.5 * high.z],
-        linear_max: None,
-        positions: Some(Positions::of(&request.mesh, FACTOR)),
-        frames: Vec::new(),
-    }
-}
-
-/// Its place is not yet known.
-fn frame(shot: &Shot, pose: &Rigid, box_xyxy_px: Option<BoxPx>, request: &FcaRequest) -> Frame {
-    let name = &shot.name;
-    let mask = |kind: &str| format!("masks/{name}_{kind}.png");
-    Frame {
-        name: name.clone(),
-        rgb: format!("rgb/{name}.png"),
-        object_mask: mask("object"),
-        paint_mask: mask("paint"),
-        linear: None,
-        positions: Some(mask("positions")),
-        sides: Some(mask("sides")),
-        t_camera_model: rigid::rows(pose),
-        paint: request.paint.clone(),
-        light: String::new(),
-        place: String::new(),
-        box_xyxy_px,
-    }
-}
-
-fn encoded(
-    image: &RgbImage,
-    drawn: &DrawnMesh,
-    frame: &Frame,
-    list: &FrameList,
-    output: &Path,
-) -> Result<Vec<(PathBuf, Vec<u8>)>, FrameImportError> {
-    let mut files = vec![
-        (output.join(&frame.rgb), encode_rgb(image)?),
-        (output.join(&frame.object_mask), encode_grey(&drawn.object_mask)?),
-        (output.join(&frame.paint_mask), encode_grey(&drawn.paint_mask)?),
-    ];
-    if let (Some(positions), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &list.positions) {
-        let fine = list.size_px.map(|px| px * FACTOR);
-        let places = encode_positions(drawn.positions.iter().copied(), fine, about.bounds_mm())?;
-        files.push((output.join(positions), places));
-        files.push((output.join(sides), encode_grey(&drawn.sides)?));
-    }
-    Ok(files)
 }

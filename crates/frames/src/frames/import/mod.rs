@@ -25,11 +25,10 @@ use nalgebra::Point3;
 use serde::Deserialize;
 
 use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, light, outline, syntax,
+    Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, light, outline, require, syntax,
 };
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::length::shown;
-use scaleproof_core::geometry::rigid;
 use scaleproof_photo::photo::{Photo, PhotoError};
 
 /// Horizontal; what a pinhole camera can have.
@@ -45,16 +44,12 @@ pub enum FrameImportError {
     Frames(#[from] FramesError),
     #[error(transparent)]
     Photo(#[from] PhotoError),
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
     #[error("the field of view cannot be {}°; give the horizontal one, from 1 to 170", shown(*value))]
     FieldOfView { value: f64 },
     #[error("the scale cannot be {}; give 10 for a 1:10 model, from 0.01 to 10000", shown(*value))]
     Scale { value: f64 },
     #[error("the car cannot have dropped by {} m; give a height from -10 to 10 m", shown(*value))]
     Drop { value: f64 },
-    #[error("{path}, line {line}: {message}", path = path.display())]
-    Line { path: PathBuf, line: u64, message: String },
 }
 
 /// `import.json`.
@@ -117,92 +112,72 @@ impl Row {
 /// Missing or damaged files, unknown keys or columns, images of different sizes, masks without the object.
 pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBuf, Vec<u8>)>, FrameImportError> {
     let about = about(&folder.join("import.json"))?;
+    let poses = folder.join("poses.csv");
     let mut new = Vec::new();
     let mut list: Option<FrameList> = None;
-    for (line, row) in rows(&folder.join("poses.csv"))? {
-        let paint = paint(&row.paint).map_err(|message| FrameImportError::Line {
-            path: folder.join("poses.csv"),
-            line,
-            message,
-        })?;
-        let pose = carla::pose(&row.camera(), &row.vehicle());
-        if (pose * Point3::new(0.0, 0.0, 1000.0 * about.target_height_m)).z <= 0.0 {
-            return Err(FrameImportError::Line {
-                path: folder.join("poses.csv"),
-                line,
-                message: "the camera looks away from the vehicle: check the poses of both".to_owned(),
-            });
-        }
-        let rgb = image(folder, &row.name)?;
-        let list = list.get_or_insert_with(|| start(&about, &rgb, made_by));
-        if rgb.dimensions() != (list.size_px[0], list.size_px[1]) {
-            return Err(content(
-                &folder.join("rgb"),
-                format!(
-                    "{} has another size than the first frame: frames have one camera",
-                    row.name
-                ),
-            ));
-        }
-        let mask_file = folder.join(format!("mask/{}.png", row.name));
-        let [object, paint_mask] = masks(&about, &mask_file, &rgb)?;
+    for (line, row) in rows(&poses)? {
         let name = &row.name;
+        let wrong = |message| FileError::syntax(&poses, line, message);
+        let paint = paint(&row.paint).map_err(wrong)?;
+        let pose = carla::pose(&row.camera(), &row.vehicle());
+        let target_mm = [0.0, 0.0, 1000.0 * about.target_height_m];
+        require((pose * Point3::from(target_mm)).z > 0.0, || {
+            wrong("the camera looks away from the vehicle: check the poses of both".to_owned())
+        })?;
+        let rgb = image(folder, name)?;
+        let size_px = rgb.dimensions().into();
+        let list = list.get_or_insert_with(|| {
+            let camera = Pinhole::with_field_of_view(size_px, about.field_of_view_deg);
+            FrameList::new(made_by, size_px, camera, target_mm)
+        });
+        require(size_px == list.size_px, || {
+            let message = format!("{name} has another size than the first frame: frames have one camera");
+            FileError::content(&folder.join("rgb"), message)
+        })?;
+        let [object, paint_mask] = masks(&about, &folder.join(format!("mask/{name}.png")), &rgb)?;
         let frame = Frame {
-            name: name.clone(),
-            rgb: format!("rgb/{name}.png"),
-            object_mask: format!("masks/{name}_object.png"),
-            paint_mask: format!("masks/{name}_paint.png"),
-            linear: None,
             positions: None,
             sides: None,
-            t_camera_model: rigid::rows(&pose),
-            paint,
             light: row.light.clone(),
             place: row.place.clone(),
             box_xyxy_px: outline(&object),
+            ..Frame::new(name, &format!("masks/{name}"), &pose, paint)
         };
         new.push((output.join(&frame.rgb), encode_rgb(&rgb)?));
         new.push((output.join(&frame.object_mask), encode_grey(&object)?));
         new.push((output.join(&frame.paint_mask), encode_grey(&paint_mask)?));
         list.frames.push(frame);
     }
-    let list = list.ok_or_else(|| content(&folder.join("poses.csv"), "it has no lines below its header".to_owned()))?;
+    let list = list.ok_or_else(|| FileError::content(&poses, "it has no lines below its header"))?;
     new.push(list.to_file(output)?);
     Ok(new)
 }
 
-fn content(path: &Path, message: String) -> FrameImportError {
-    FrameImportError::Content {
-        path: path.to_owned(),
-        message,
-    }
-}
-
 fn about(path: &Path) -> Result<About, FrameImportError> {
     let about: About = serde_json::from_str(&files::read_text(path)?).map_err(|e| syntax(path, &e))?;
-    if !FIELDS_OF_VIEW_DEG.contains(&about.field_of_view_deg) {
-        return Err(content(
-            path,
-            "field_of_view_deg must be 1 to 170, horizontal".to_owned(),
-        ));
-    }
-    if about.object_rgb.is_empty() {
-        return Err(content(
-            path,
-            "object_rgb must list the mask's colours of the model".to_owned(),
-        ));
-    }
-    if !(about.target_height_m > 0.0 && about.target_height_m.is_finite()) {
-        return Err(content(
-            path,
-            "target_height_m must be half the model's height in metres".to_owned(),
-        ));
+    let height_m = about.target_height_m;
+    let conditions = [
+        (
+            FIELDS_OF_VIEW_DEG.contains(&about.field_of_view_deg),
+            "field_of_view_deg must be 1 to 170, horizontal",
+        ),
+        (
+            !about.object_rgb.is_empty(),
+            "object_rgb must list the mask's colours of the model",
+        ),
+        (
+            height_m > 0.0 && height_m.is_finite(),
+            "target_height_m must be half the model's height in metres",
+        ),
+    ];
+    for (holds, message) in conditions {
+        require(holds, || FileError::content(path, message))?;
     }
     Ok(about)
 }
 
 /// The lines with their numbers, each frame once.
-fn rows(path: &Path) -> Result<Vec<(u64, Row)>, FrameImportError> {
+fn rows(path: &Path) -> Result<Vec<(usize, Row)>, FrameImportError> {
     let text = files::read_text(path)?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -210,33 +185,27 @@ fn rows(path: &Path) -> Result<Vec<(u64, Row)>, FrameImportError> {
     let mut names = std::collections::HashSet::new();
     let mut rows = Vec::new();
     for (index, row) in reader.deserialize::<Row>().enumerate() {
-        let number = index as u64 + 2;
-        let wrong = |line: u64, message: String| FrameImportError::Line {
-            path: path.to_owned(),
-            line,
-            message,
-        };
+        let number = index + 2;
+        let wrong = |message| FileError::syntax(path, number, message);
         let row = row.map_err(|e| match e.kind() {
             csv::ErrorKind::Deserialize { pos, err } => {
-                wrong(pos.as_ref().map_or(number, csv::Position::line), err.to_string())
+                let line = pos.as_ref().map_or(number, |pos| pos.line() as usize);
+                FileError::syntax(path, line, err.to_string())
             }
-            _ => wrong(number, e.to_string()),
+            _ => wrong(e.to_string()),
         })?;
-        if !is_plain(&row.name) {
-            return Err(wrong(
-                number,
-                format!(
-                    "the name {:?} may have letters, digits, '-', '_', '.' and '@' only",
-                    row.name
-                ),
-            ));
-        }
-        if !names.insert(row.name.clone()) {
-            return Err(wrong(number, format!("the frame {} is listed twice", row.name)));
-        }
-        if !row.camera().is_finite() || !row.vehicle().is_finite() {
-            return Err(wrong(number, "a pose has a number that is not finite".to_owned()));
-        }
+        let name = &row.name;
+        require(is_plain(name), || {
+            wrong(format!(
+                "the name {name:?} may have letters, digits, '-', '_', '.' and '@' only"
+            ))
+        })?;
+        require(names.insert(name.clone()), || {
+            wrong(format!("the frame {name} is listed twice"))
+        })?;
+        require(row.camera().is_finite() && row.vehicle().is_finite(), || {
+            wrong("a pose has a number that is not finite".to_owned())
+        })?;
         rows.push((number, row));
     }
     Ok(rows)
@@ -262,42 +231,17 @@ fn image(folder: &Path, name: &str) -> Result<RgbImage, FrameImportError> {
     Ok(Photo::open(there)?.rgb(1)?)
 }
 
-fn start(about: &About, rgb: &RgbImage, made_by: &str) -> FrameList {
-    let (width, height) = rgb.dimensions();
-    FrameList {
-        format: FORMAT.to_owned(),
-        made_by: made_by.to_owned(),
-        size_px: [width, height],
-        camera: Pinhole::with_field_of_view([width, height], about.field_of_view_deg),
-        target_mm: [0.0, 0.0, 1000.0 * about.target_height_m],
-        linear_max: None,
-        positions: None,
-        frames: Vec::new(),
-    }
-}
-
 /// Object and paint.
 fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], FrameImportError> {
     let mask = Photo::open(path)?.rgb(1)?;
-    if mask.dimensions() != rgb.dimensions() {
-        let (width, height) = mask.dimensions();
-        return Err(content(
-            path,
-            format!(
-                "the mask has {width}×{height} pixels and its image {}×{}",
-                rgb.width(),
-                rgb.height()
-            ),
-        ));
-    }
-    let of = |colours: &[[u8; 3]]| {
-        GrayImage::from_fn(mask.width(), mask.height(), |x, y| {
-            Luma([if colours.contains(&mask.get_pixel(x, y).0) {
-                255
-            } else {
-                0
-            }])
-        })
+    let ((width, height), (across, down)) = (mask.dimensions(), rgb.dimensions());
+    require((width, height) == (across, down), || {
+        let message = format!("the mask has {width}×{height} pixels and its image {across}×{down}");
+        FileError::content(path, message)
+    })?;
+    let covered = |colours: &[[u8; 3]]| {
+        let level = |x, y| u8::from(colours.contains(&mask.get_pixel(x, y).0)) * 255;
+        GrayImage::from_fn(width, height, |x, y| Luma([level(x, y)]))
     };
     // From above, paint may be all that is seen of the model.
     let (key, paint_rgb) = if about.paint_rgb.is_empty() {
@@ -305,15 +249,13 @@ fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], F
     } else {
         ("paint_rgb", &about.paint_rgb)
     };
-    let paint = of(paint_rgb);
-    if paint.pixels().all(|p| p.0[0] == 0) {
-        return Err(content(
-            path,
-            format!(
-                "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
-            ),
-        ));
-    }
+    let paint = covered(paint_rgb);
+    require(paint.pixels().any(|p| p.0[0] > 0), || {
+        let message = format!(
+            "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
+        );
+        FileError::content(path, message)
+    })?;
     let parts: Vec<[u8; 3]> = about.object_rgb.iter().chain(&about.paint_rgb).copied().collect();
-    Ok([of(&parts), paint])
+    Ok([covered(&parts), paint])
 }

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use npyz::{Deserialize, NpyFile, Order};
 use zip::ZipArchive;
 
-use super::{FrameImportError, content};
-use scaleproof_core::files;
+use super::FrameImportError;
+use crate::frames::require;
+use scaleproof_core::files::{self, FileError};
 
 /// Of a file, and of an array in it: more than twice the largest image that is read.
 const MOST_BYTES: u64 = 32 << 20;
@@ -30,7 +31,7 @@ pub(super) struct Array {
 impl Archive {
     pub(super) fn open(path: &Path) -> Result<Self, FrameImportError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
-        let broken = |e| content(path, format!("it is no whole archive of NumPy ({e}): save it again"));
+        let broken = |e| FileError::content(path, format!("it is no whole archive of NumPy ({e}): save it again"));
         Ok(Self {
             path: path.to_owned(),
             zip: ZipArchive::new(Cursor::new(bytes)).map_err(broken)?,
@@ -40,41 +41,31 @@ impl Archive {
     /// # Errors
     /// No such array, one that is damaged, of objects, or in Fortran's order.
     pub(super) fn array(&mut self, name: &str) -> Result<Array, FrameImportError> {
-        let wrong = |reason: String| content(&self.path, format!("the array {name} {reason}"));
-        let mut names: Vec<&str> = self
-            .zip
-            .file_names()
-            .filter_map(|file| file.strip_suffix(".npy"))
-            .collect();
+        let files = self.zip.file_names();
+        let mut names: Vec<&str> = files.filter_map(|file| file.strip_suffix(".npy")).collect();
         if !names.contains(&name) {
             names.sort_unstable();
             names.truncate(LISTED);
-            return Err(content(
-                &self.path,
-                format!("it has no array {name}; it has {}", names.join(", ")),
-            ));
+            let message = format!("it has no array {name}; it has {}", names.join(", "));
+            return Err(FileError::content(&self.path, message).into());
         }
+        let wrong = |reason: &str| FileError::content(&self.path, format!("the array {name} {reason}"));
+        let damaged = |e| wrong(&format!("is damaged ({e}): save it again"));
         let mut bytes = Vec::new();
         let entry = self.zip.by_name(&format!("{name}.npy"));
-        let entry = entry.map_err(|e| wrong(format!("cannot be read ({e})")))?;
-        let read = entry.take(MOST_BYTES + 1).read_to_end(&mut bytes);
-        read.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?;
-        if bytes.len() as u64 > MOST_BYTES {
-            return Err(wrong(format!("has more than {} MB", MOST_BYTES >> 20)));
-        }
-        if header_bytes(&bytes) > MOST_HEADER_BYTES {
-            return Err(wrong("has a header that NumPy does not write".to_owned()));
-        }
-        let file = NpyFile::new(Cursor::new(bytes));
-        let file = file.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?;
-        if file.uses_pickled_array() {
-            return Err(wrong("holds Python objects: save numbers".to_owned()));
-        }
-        if file.order() == Order::Fortran {
-            return Err(wrong(
-                "is in Fortran's order: save np.ascontiguousarray of it".to_owned(),
-            ));
-        }
+        let entry = entry.map_err(|e| wrong(&format!("cannot be read ({e})")))?;
+        entry.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(damaged)?;
+        require(bytes.len() as u64 <= MOST_BYTES, || {
+            wrong(&format!("has more than {} MB", MOST_BYTES >> 20))
+        })?;
+        let is_short = header_bytes(&bytes) <= MOST_HEADER_BYTES;
+        require(is_short, || wrong("has a header that NumPy does not write"))?;
+        let file = NpyFile::new(Cursor::new(bytes)).map_err(damaged)?;
+        let has_numbers = !file.uses_pickled_array();
+        require(has_numbers, || wrong("holds Python objects: save numbers"))?;
+        require(file.order() != Order::Fortran, || {
+            wrong("is in Fortran's order: save np.ascontiguousarray of it")
+        })?;
         Ok(Array {
             path: self.path.clone(),
             name: name.to_owned(),
@@ -101,7 +92,7 @@ impl Array {
     }
 
     pub(super) fn wrong(&self, reason: &str) -> FrameImportError {
-        content(&self.path, format!("the array {} {reason}", self.name))
+        FileError::content(&self.path, format!("the array {} {reason}", self.name)).into()
     }
 
     pub(super) fn wrong_shape(&self, wanted: &str) -> FrameImportError {
@@ -113,11 +104,12 @@ impl Array {
     pub(super) fn numbers<T: Deserialize>(self, wanted: &str) -> Result<Vec<T>, FrameImportError> {
         let kind = self.file.dtype().descr();
         let Self { path, name, file } = self;
-        let wrong = |reason: String| content(&path, format!("the array {name} {reason}"));
-        let numbers = file.data();
-        let numbers = numbers.map_err(|_| wrong(format!("holds {kind} and must hold {wanted}")))?;
+        let wrong = |reason: String| FileError::content(&path, format!("the array {name} {reason}"));
+        let numbers = file
+            .data()
+            .map_err(|_| wrong(format!("holds {kind} and must hold {wanted}")))?;
         let all: std::io::Result<Vec<T>> = numbers.collect();
-        all.map_err(|e| wrong(format!("is damaged ({e}): save it again")))
+        Ok(all.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?)
     }
 
     /// 32- or 64-bit.

@@ -4,12 +4,11 @@ use image::{GrayImage, Luma, Rgb, RgbImage};
 use nalgebra::Point3;
 
 use super::light_image::LightImage;
-
 use super::views::PhotosOfView;
 use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
-use crate::frames::drawn::{level, number, paint_sides, seen_box};
+use crate::frames::drawn::{DrawnMesh, level, number, paint_sides, seen_box};
 use crate::frames::raster::{Raster, outline, ray};
-use crate::frames::{Pinhole, light};
+use crate::frames::{Pinhole, light, require};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_photo::photo::Photo;
 use scaleproof_surface::pattern::world_aligned::Side;
@@ -28,14 +27,10 @@ pub(super) struct Canvas<'a> {
 
 /// The images of a view, and what was seen of it.
 pub(super) struct ViewImages {
-    pub object_mask: GrayImage,
-    pub paint_mask: GrayImage,
-    /// At [`FACTOR`]² places of each pixel, row by row of the finer image.
-    pub positions: Vec<[f64; 3]>,
-    pub sides: GrayImage,
+    /// Masks and, at [`FACTOR`]² places of each pixel, positions.
+    pub shape: DrawnMesh,
     /// The reference, then the others in the view's order.
     pub images: Vec<RgbImage>,
-    pub box_xyxy_px: Option<BoxPx>,
     /// The share of the paint that every photo sees.
     pub kept: f64,
 }
@@ -61,11 +56,12 @@ enum Place {
 
 impl<'a> Canvas<'a> {
     pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
+        let sides = paint_sides(&request.mesh, &request.materials);
         Self {
             request,
             size_px,
             pinhole,
-            sides: paint_sides(&request.mesh, &request.materials),
+            sides,
         }
     }
 
@@ -128,22 +124,18 @@ impl<'a> Canvas<'a> {
         }
         let pixel = source.photo.camera.project(&(source.photo.pose * point))?;
         let light = source.light.at(pixel)?;
-        let is_clipped = |c: usize| light[c] > CLIPPED && source.gain[c] < 1.0;
-        if (0..3).any(is_clipped) {
-            return None;
-        }
-        Some(std::array::from_fn(|c| source.gain[c] * light[c]))
+        let is_clipped = (0..3).any(|c| light[c] > CLIPPED && source.gain[c] < 1.0);
+        (!is_clipped).then(|| std::array::from_fn(|c| source.gain[c] * light[c]))
     }
 
     /// A photo, reduced to no less than the finer image's resolution.
     fn light(&self, photo: &FlatPhoto) -> Result<LightImage, PhotosError> {
         let decoded = Photo::open(&photo.file)?;
         let (width, height) = (photo.camera.width, photo.camera.height);
-        if (decoded.width, decoded.height) != (width, height) {
-            return Err(PhotosError::Changed {
-                photo: photo.file.clone(),
-            });
-        }
+        require((decoded.width, decoded.height) == (width, height), || {
+            let photo = photo.file.clone();
+            PhotosError::Changed { photo }
+        })?;
         let reduction = photo.camera.fx.min(photo.camera.fy) / self.pinhole.finer(FACTOR).focal_length_px;
         Ok(LightImage::new(
             &decoded.rgb(1)?,
@@ -254,24 +246,24 @@ impl Sums {
         let [width, height] = self.size_px.map(|px| px as u32);
         let index = |x: u32, y: u32| (y * width + x) as usize;
         let mask = |count: fn(&Pixel) -> u32| {
-            GrayImage::from_fn(width, height, |x, y| {
-                Luma([level(count(&self.pixels[index(x, y)]), FACTOR)])
-            })
+            let level = |x, y| level(count(&self.pixels[index(x, y)]), FACTOR);
+            GrayImage::from_fn(width, height, |x, y| Luma([level(x, y)]))
         };
         let image = |colour: usize| {
-            RgbImage::from_fn(width, height, |x, y| {
-                Rgb(light::rgb_of(self.light(index(x, y), colour)))
-            })
+            let light = |x, y| self.light(index(x, y), colour);
+            RgbImage::from_fn(width, height, |x, y| Rgb(light::rgb_of(light(x, y))))
         };
         let total = |count: fn(&Pixel) -> u32| self.pixels.iter().map(count).sum::<u32>();
         let kept = f64::from(total(Pixel::painted)) / f64::from(total(|p| p.seen + p.hidden).max(1));
         ViewImages {
-            object_mask: mask(|p| p.object),
-            paint_mask: mask(Pixel::painted),
             images: (0..self.paint.len()).map(image).collect(),
-            positions: self.positions,
-            sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
-            box_xyxy_px: around.and_then(|b| seen_box(&b, [width, height])),
+            shape: DrawnMesh {
+                object_mask: mask(|p| p.object),
+                paint_mask: mask(Pixel::painted),
+                positions: self.positions,
+                sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
+                box_xyxy_px: around.and_then(|b| seen_box(&b, [width, height])),
+            },
             kept,
         }
     }

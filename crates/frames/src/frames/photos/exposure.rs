@@ -1,7 +1,7 @@
 //! One photo brought to the exposure and white balance of another: the tags' white paper is the same in both.
 
 use super::{FlatPhoto, TagPaper};
-use crate::frames::light;
+use crate::frames::{light, require};
 use scaleproof_core::statistics::median;
 
 /// Paper this bright (8-bit level) may have been brighter.
@@ -23,12 +23,12 @@ pub enum Unmatched {
     )]
     FewTags { count: usize, reference: String },
     #[error(
-        "the white paper of the tags is clipped (level {from} and more) in {photo}, so its exposure is not known: expose so that the paper keeps a tone",
+        "the white paper of the tags is clipped (level {from} and more) in {0}, so its exposure is not known: expose so that the paper keeps a tone",
         from = CLIPPED
     )]
-    Clipped { photo: String },
-    #[error("the white paper of the tags is too dark (below level {least}) in {photo}: expose longer", least = DARK)]
-    Dark { photo: String },
+    Clipped(String),
+    #[error("the white paper of the tags is too dark (below level {least}) in {0}: expose longer", least = DARK)]
+    Dark(String),
     #[error(
         "the tags' paper does not change by one factor from {reference} (±{percent:.0} %): the light moved between the photos, or a shadow did"
     )]
@@ -40,20 +40,15 @@ pub enum Unmatched {
 /// # Errors
 /// Too few tags in both, their paper clipped or dark, light that changed from tag to tag.
 pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatched> {
-    let pairs: Vec<(&TagPaper, &TagPaper)> = photo
-        .papers
-        .iter()
-        .filter_map(|paper| {
-            let same = |p: &&TagPaper| (p.family, p.id) == (paper.family, paper.id);
-            Some((paper, reference.papers.iter().find(same)?))
-        })
-        .collect();
-    if pairs.len() < LEAST_TAGS {
-        return Err(Unmatched::FewTags {
-            count: pairs.len(),
-            reference: reference.name(),
-        });
-    }
+    let of_both = photo.papers.iter().filter_map(|paper| {
+        let same = |p: &&TagPaper| (p.family, p.id) == (paper.family, paper.id);
+        Some((paper, reference.papers.iter().find(same)?))
+    });
+    let pairs: Vec<(&TagPaper, &TagPaper)> = of_both.collect();
+    require(pairs.len() >= LEAST_TAGS, || Unmatched::FewTags {
+        count: pairs.len(),
+        reference: reference.name(),
+    })?;
     let kept: Vec<_> = pairs.iter().filter(|(a, b)| a.is_fine() && b.is_fine()).collect();
     if kept.len() < LEAST_TAGS {
         let fine = |of: fn(&(&TagPaper, &TagPaper)) -> bool| pairs.iter().filter(|pair| of(pair)).count();
@@ -61,11 +56,12 @@ pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatc
         let photo = if own { photo } else { reference };
         let is_clipped = photo.papers.iter().any(|p| p.highest() >= CLIPPED);
         let photo = photo.name();
-        return Err(if is_clipped {
-            Unmatched::Clipped { photo }
+        let of_photo = if is_clipped {
+            Unmatched::Clipped
         } else {
-            Unmatched::Dark { photo }
-        });
+            Unmatched::Dark
+        };
+        return Err(of_photo(photo));
     }
     let mut gain = [1.0; 3];
     for (channel, gain) in gain.iter_mut().enumerate() {
@@ -74,12 +70,10 @@ pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatc
         let middle = median(&logs).unwrap_or(0.0);
         let off: Vec<f64> = logs.iter().map(|log| (log - middle).abs()).collect();
         let spread = median(&off).unwrap_or(0.0);
-        if spread > MOST_SPREAD {
-            return Err(Unmatched::Light {
-                reference: reference.name(),
-                percent: 100.0 * spread,
-            });
-        }
+        require(spread <= MOST_SPREAD, || Unmatched::Light {
+            reference: reference.name(),
+            percent: 100.0 * spread,
+        })?;
         *gain = middle.exp();
     }
     Ok(gain)

@@ -22,11 +22,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb, light,
-};
-use draw::{Canvas, ViewImages};
-use scaleproof_core::geometry::rigid::{self, Rigid};
+use crate::frames::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, light, require};
+use draw::Canvas;
+use scaleproof_core::geometry::Rigid;
 use scaleproof_core::workers;
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::camera::Camera;
@@ -123,10 +121,7 @@ pub struct PhotoFrames {
 impl FlatPhoto {
     /// The photo's file name.
     pub fn name(&self) -> String {
-        self.file
-            .file_name()
-            .map(|n| n.to_string_lossy().into_owned())
-            .unwrap_or_default()
+        self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     fn centre_mm(&self) -> Point3<f64> {
@@ -166,16 +161,17 @@ pub fn make(
     let size_px = pinhole::size_px(&first.camera, request.width_px);
     let (shared, photos, left_out) = common_pinhole(photos, size_px)?;
     let canvas = Canvas::new(request, size_px, shared);
-    if canvas.sides.iter().all(Option::is_none) {
-        return Err(PhotosError::NoPaint);
-    }
+    require(canvas.sides.iter().any(Option::is_some), || PhotosError::NoPaint)?;
     let (views, without) = views::views(&photos, &request.flats, request.target_mm);
     made.left_out = left_out.into_iter().chain(without).collect();
-    let count = views.len();
+    let (count, positions) = (views.len(), Positions::around(&request.mesh, FACTOR));
     let numbered: Vec<(usize, &PhotosOfView)> = views.iter().enumerate().collect();
-    let draw = |(): &mut (), (number, view): &(usize, &PhotosOfView)| images(&canvas, *number, view, folder);
+    let draw = |(): &mut (), view: &(usize, &PhotosOfView)| images(&canvas, *view, &positions, folder);
     let drawn = workers::map(&numbered, || Ok(()), draw, || on_view(count))?;
-    let mut list = empty_list(&canvas);
+    let mut list = FrameList {
+        positions: Some(positions),
+        ..FrameList::new(&request.made_by, size_px, shared, request.target_mm.coords.into())
+    };
     for (view, images) in views.iter().zip(drawn) {
         match images {
             Ok(done) => {
@@ -200,7 +196,7 @@ pub fn make(
 fn common_pinhole(
     photos: &[FlatPhoto],
     size_px: [u32; 2],
-) -> Result<(crate::frames::Pinhole, Vec<FlatPhoto>, Vec<LeftOutPhoto>), PhotosError> {
+) -> Result<(Pinhole, Vec<FlatPhoto>, Vec<LeftOutPhoto>), PhotosError> {
     let [width, height] = size_px;
     let none = PhotosError::NoPinhole { width, height };
     let mut shared = pinhole::inside(&photos[0].camera, size_px).ok_or(none)?;
@@ -233,8 +229,8 @@ struct Done {
 /// `Err` inside is why the view has no frames.
 fn images(
     canvas: &Canvas,
-    number: usize,
-    view: &PhotosOfView,
+    (number, view): (usize, &PhotosOfView),
+    positions: &Positions,
     folder: &Path,
 ) -> Result<Result<Done, &'static str>, PhotosError> {
     let Some(drawn) = canvas.draw(view)? else {
@@ -248,32 +244,29 @@ fn images(
         "{number:03}_az{}_p{}_d{}",
         bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
     );
-    let fine = canvas.size_px.map(|px| px * FACTOR);
-    let below = |kind: &str| format!("views/{name}_{kind}.png");
-    let positions = encode_positions(
-        drawn.positions.iter().copied(),
-        fine,
-        Positions::of(&canvas.request.mesh, FACTOR).bounds_mm(),
-    )?;
-    let mut files = vec![
-        (folder.join(below("object")), encode_grey(&drawn.object_mask)?),
-        (folder.join(below("paint")), encode_grey(&drawn.paint_mask)?),
-        (folder.join(below("positions")), positions),
-        (folder.join(below("sides")), encode_grey(&drawn.sides)?),
-    ];
     let photos = std::iter::once(view.reference).chain(view.others.iter().map(|o| o.photo));
     let mut coloured: Vec<(&FlatPhoto, &image::RgbImage)> = photos.zip(&drawn.images).collect();
     let shown: Vec<_> = coloured.iter().map(|(photo, image)| (photo.flat_rgb, *image)).collect();
-    if !contrast::is_in_order(&shown, &drawn.paint_mask) {
+    if !contrast::is_in_order(&shown, &drawn.shape.paint_mask) {
         return Ok(Err(
             "a lighter colour looks no lighter than a darker one: give each variant its colour, and check that each photo is of its variant",
         ));
     }
     // The frames stand in the order of the colours, whichever is the reference.
     coloured.sort_by_key(|(photo, _)| canvas.request.flats.iter().position(|rgb| *rgb == photo.flat_rgb));
-    let mut frames = Vec::new();
+    let (mut frames, mut files) = (Vec::new(), Vec::new());
     for (photo, image) in coloured {
-        let frame = frame(view, photo, &name, &below, &drawn);
+        let paint = FramePaint::FlatRgb(photo.flat_rgb);
+        let coloured = format!("{name}_{}", light::to_hex(photo.flat_rgb));
+        let frame = Frame {
+            light: view.reference.place.clone(),
+            place: view.reference.place.clone(),
+            box_xyxy_px: drawn.shape.box_xyxy_px,
+            ..Frame::new(&coloured, &format!("views/{name}"), &view.reference.pose, paint)
+        };
+        if files.is_empty() {
+            files = drawn.shape.files(folder, &frame, positions)?;
+        }
         files.push((folder.join(&frame.rgb), encode_rgb(image)?));
         frames.push(frame);
     }
@@ -281,52 +274,12 @@ fn images(
     Ok(Ok(Done { files, frames, kept }))
 }
 
-fn frame(
-    view: &PhotosOfView,
-    photo: &FlatPhoto,
-    name: &str,
-    below: &dyn Fn(&str) -> String,
-    drawn: &ViewImages,
-) -> Frame {
-    let name = format!("{name}_{}", light::to_hex(photo.flat_rgb));
-    Frame {
-        rgb: format!("rgb/{name}.png"),
-        object_mask: below("object"),
-        paint_mask: below("paint"),
-        linear: None,
-        positions: Some(below("positions")),
-        sides: Some(below("sides")),
-        t_camera_model: rigid::rows(&view.reference.pose),
-        paint: FramePaint::FlatRgb(photo.flat_rgb),
-        light: view.reference.place.clone(),
-        place: view.reference.place.clone(),
-        box_xyxy_px: drawn.box_xyxy_px,
-        name,
-    }
-}
-
-fn empty_list(canvas: &Canvas) -> FrameList {
-    FrameList {
-        format: FORMAT.to_owned(),
-        made_by: canvas.request.made_by.clone(),
-        size_px: canvas.size_px,
-        camera: canvas.pinhole,
-        target_mm: canvas.request.target_mm.coords.into(),
-        linear_max: None,
-        positions: Some(Positions::of(&canvas.request.mesh, FACTOR)),
-        frames: Vec::new(),
-    }
-}
-
 fn about(view: &PhotosOfView, kept: f64) -> PhotoView {
+    let others = view.others.iter().map(|o| (o.photo.name(), o.turn_deg, o.gain));
     PhotoView {
         name: view.reference.view_name(),
         reference: view.reference.name(),
-        others: view
-            .others
-            .iter()
-            .map(|o| (o.photo.name(), o.turn_deg, o.gain))
-            .collect(),
+        others: others.collect(),
         kept,
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{FlatPhoto, LeftOutPhoto, TagPaper};
+use crate::frames::require;
 use scaleproof_core::workers;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::locate::{Warning, locate_photo};
@@ -59,22 +60,19 @@ pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
     let mut common: Option<(&Session, Mesh)> = None;
     for session in sessions {
         let name = || session.name.clone();
-        let Some(path) = &session.mesh_path else {
-            return Err(SessionsError::NoMesh { session: name() });
-        };
+        let no_mesh = || SessionsError::NoMesh { session: name() };
+        let path = session.mesh_path.as_ref().ok_or_else(no_mesh)?;
         session.known_camera()?;
-        if session.scene.tags.is_empty() {
-            return Err(SessionsError::NoTags { session: name() });
-        }
+        require(!session.scene.tags.is_empty(), || SessionsError::NoTags {
+            session: name(),
+        })?;
         let mesh = envelope::load(path, &session.scene.model)?;
-        match &common {
-            Some((first, known)) if *known != mesh || first.scene.model.size_mm != session.scene.model.size_mm => {
-                let (first, second) = (first.name.clone(), name());
-                return Err(SessionsError::OtherModel { first, second });
-            }
-            Some(_) => {}
-            None => common = Some((session, mesh)),
-        }
+        let (first, known) = common.get_or_insert_with(|| (session, mesh.clone()));
+        let is_same = *known == mesh && first.scene.model.size_mm == session.scene.model.size_mm;
+        require(is_same, || SessionsError::OtherModel {
+            first: first.name.clone(),
+            second: name(),
+        })?;
     }
     common.map(|(_, mesh)| mesh).ok_or(SessionsError::None)
 }
@@ -89,13 +87,11 @@ pub fn variants(sessions: &[Session]) -> BTreeSet<&str> {
 /// A variant that no photo has.
 pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(), SessionsError> {
     let known = variants(sessions);
-    match flats.iter().find(|flat| !known.contains(flat.variant.as_str())) {
-        None => Ok(()),
-        Some(flat) => Err(SessionsError::NoVariant {
-            variant: flat.variant.clone(),
-            known: known.into_iter().collect::<Vec<_>>().join(", "),
-        }),
-    }
+    let unknown = flats.iter().find(|flat| !known.contains(flat.variant.as_str()));
+    unknown.map_or(Ok(()), |flat| {
+        let (variant, known) = (flat.variant.clone(), Vec::from_iter(known).join(", "));
+        Err(SessionsError::NoVariant { variant, known })
+    })
 }
 
 /// A photo to be located, and the colour it shows.

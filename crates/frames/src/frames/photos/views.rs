@@ -2,9 +2,9 @@
 
 use nalgebra::Point3;
 
-use super::exposure::{self, Unmatched};
+use super::exposure;
 use super::{FlatPhoto, LeftOutPhoto};
-use crate::frames::light;
+use crate::frames::{light, require};
 use scaleproof_pose::scene::Bin;
 
 /// Photos of one view may differ by this angle, as the model sees the cameras: gloss and what is hidden change with it.
@@ -28,33 +28,6 @@ pub struct PhotosOfView<'a> {
     pub others: Vec<Other<'a>>,
 }
 
-/// Why a reference photo has no view.
-#[derive(Debug, thiserror::Error)]
-enum NoView {
-    #[error("it has no located photo in {0}: take one, or leave the colour out")]
-    Missing(String),
-    #[error(
-        "{photo} was taken {turn_deg:.1}° aside from {reference}, and {most}° is the most: take it nearer to there",
-        most = MOST_TURN_DEG
-    )]
-    Aside {
-        photo: String,
-        reference: String,
-        turn_deg: f64,
-    },
-    #[error(
-        "{photo} was taken {percent:.0} % nearer or further than {reference}, and {most} % is the most: take it again",
-        most = MOST_CLOSER_PERCENT
-    )]
-    Closer {
-        photo: String,
-        reference: String,
-        percent: f64,
-    },
-    #[error("{photo}: {reason}")]
-    Exposure { photo: String, reason: Unmatched },
-}
-
 /// The views, in the order of their place and bin, and the groups of photos that make none. A view has every colour.
 pub fn views<'a>(
     photos: &'a [FlatPhoto],
@@ -71,27 +44,27 @@ pub fn views<'a>(
             Ok(view) => found.push(view),
             Err(reason) => left_out.push(LeftOutPhoto {
                 what: group[0].view_name(),
-                reason: reason.to_string(),
+                reason,
             }),
         }
     }
     (found, left_out)
 }
 
-/// The most central photo that has all others near it is the reference.
-fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotosOfView<'a>, NoView> {
-    let missing = flats.iter().find(|rgb| !group.iter().any(|s| s.flat_rgb == **rgb));
-    if let Some(rgb) = missing {
-        return Err(NoView::Missing(light::to_hex(*rgb)));
+/// The most central photo that has all others near it is the reference; without one, the reason.
+fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotosOfView<'a>, String> {
+    let missing = |rgb: [u8; 3]| {
+        let colour = light::to_hex(rgb);
+        format!("it has no located photo in {colour}: take one, or leave the colour out")
+    };
+    if let Some(rgb) = flats.iter().find(|rgb| !group.iter().any(|s| s.flat_rgb == **rgb)) {
+        return Err(missing(*rgb));
     }
     let mut candidates: Vec<(f64, &FlatPhoto, Vec<&FlatPhoto>)> = Vec::new();
     for reference in group {
         let others = nearest(group, reference, flats, target_mm);
-        let worst = others
-            .iter()
-            .map(|s| turn_deg(s, reference, target_mm))
-            .fold(0.0, f64::max);
-        candidates.push((worst, reference, others));
+        let turns = others.iter().map(|s| turn_deg(s, reference, target_mm));
+        candidates.push((turns.fold(0.0, f64::max), reference, others));
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut first_reason = None;
@@ -102,7 +75,7 @@ fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) 
         }
     }
     // There is a photo of every colour, so there was a candidate.
-    Err(first_reason.unwrap_or(NoView::Missing(String::new())))
+    Err(first_reason.unwrap_or_default())
 }
 
 /// The photo of every other colour that was taken nearest to the reference, in the order of the colours.
@@ -126,36 +99,27 @@ fn matched<'a>(
     reference: &'a FlatPhoto,
     others: &[&'a FlatPhoto],
     target_mm: Point3<f64>,
-) -> Result<PhotosOfView<'a>, NoView> {
-    let mut view = PhotosOfView {
-        reference,
-        others: Vec::new(),
-    };
-    for photo in others {
+) -> Result<PhotosOfView<'a>, String> {
+    let with_gain = |photo: &&'a FlatPhoto| {
+        let (name, to) = (photo.name(), reference.name());
         let turn_deg = turn_deg(photo, reference, target_mm);
-        if turn_deg > MOST_TURN_DEG {
-            return Err(NoView::Aside {
-                photo: photo.name(),
-                reference: reference.name(),
-                turn_deg,
-            });
-        }
+        require(turn_deg <= MOST_TURN_DEG, || {
+            format!(
+                "{name} was taken {turn_deg:.1}° aside from {to}, and {MOST_TURN_DEG}° is the most: take it nearer to there"
+            )
+        })?;
         let (a, b) = (photo.from(target_mm).norm(), reference.from(target_mm).norm());
         let percent = 100.0 * (a.max(b) / a.min(b) - 1.0);
-        if percent > MOST_CLOSER_PERCENT {
-            return Err(NoView::Closer {
-                photo: photo.name(),
-                reference: reference.name(),
-                percent,
-            });
-        }
-        let gain = exposure::gain(photo, reference).map_err(|reason| NoView::Exposure {
-            photo: photo.name(),
-            reason,
+        require(percent <= MOST_CLOSER_PERCENT, || {
+            format!(
+                "{name} was taken {percent:.0} % nearer or further than {to}, and {MOST_CLOSER_PERCENT} % is the most: take it again"
+            )
         })?;
-        view.others.push(Other { photo, gain, turn_deg });
-    }
-    Ok(view)
+        let gain = exposure::gain(photo, reference).map_err(|reason| format!("{name}: {reason}"))?;
+        Ok(Other { photo, gain, turn_deg })
+    };
+    let others = others.iter().map(with_gain).collect::<Result<_, String>>()?;
+    Ok(PhotosOfView { reference, others })
 }
 
 /// The angle between two cameras, as the target sees them.

@@ -4,6 +4,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use serde_json::Value;
+
 use super::RenderError;
 use scaleproof_core::files::{self, FileError};
 
@@ -64,39 +66,24 @@ pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError>
 /// Installs beside the place and renames, so that the folder is there only when it is whole.
 fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
     let temporary = packages.with_extension(format!("5.{}.partial", std::process::id()));
-    let arguments = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--only-binary=:all:",
-        "--target",
-    ];
     let output = Command::new(program)
-        .args(arguments)
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+        .args(["--only-binary=:all:", "--target"])
         .arg(&temporary)
         .arg(PACKAGE)
         .output();
     let reason = match &output {
-        Ok(o) if o.status.success() => None,
-        Ok(o) => Some(last_line(&String::from_utf8_lossy(&o.stderr))),
-        Err(e) => Some(files::plain(e)),
+        Ok(o) if o.status.success() => {
+            std::fs::rename(&temporary, packages).map_err(|e| FileError::write(packages, &e))?;
+            return Ok(());
+        }
+        Ok(o) => last_line(&String::from_utf8_lossy(&o.stderr)),
+        Err(e) => files::plain(e),
     };
-    if let Some(reason) = reason {
-        // Half an installation is of no use; that it cannot be removed is no second error.
-        let _ = std::fs::remove_dir_all(&temporary);
-        return Err(RenderError::Install {
-            command: format!("{program} -m pip install {PACKAGE}"),
-            reason,
-        });
-    }
-    std::fs::rename(&temporary, packages).map_err(|e| {
-        RenderError::File(FileError::Write {
-            path: packages.to_owned(),
-            reason: files::plain(&e),
-        })
-    })
+    // Half an installation is of no use; that it cannot be removed is no second error.
+    let _ = std::fs::remove_dir_all(&temporary);
+    let command = format!("{program} -m pip install {PACKAGE}");
+    Err(RenderError::Install { command, reason })
 }
 
 fn last_line(text: &str) -> String {
@@ -104,33 +91,42 @@ fn last_line(text: &str) -> String {
     line.unwrap_or("nothing").trim().to_owned()
 }
 
-/// Runs the script on a plan and calls `on_event` as images become whole. Returns whether Blender came to its end.
+/// Where the images of a folder, and what Blender says, lie until the images are whole.
+pub fn work_folder(folder: &Path) -> PathBuf {
+    folder.join(".render")
+}
+
+/// What Blender said while it ran in a work folder.
+pub fn log(work: &Path) -> PathBuf {
+    work.join("blender.log")
+}
+
+/// Runs the script on a plan in a work folder, and calls `on_event` as images become whole. Returns whether Blender came to its end.
 ///
 /// # Errors
 /// What the script refuses, and whatever `on_event` refuses; Blender is then stopped.
 pub fn run(
     python: &Python,
-    plan: &Path,
-    log: &Path,
+    plan: &Value,
+    work: &Path,
     mut on_event: impl FnMut(BlenderEvent) -> Result<(), RenderError>,
 ) -> Result<bool, RenderError> {
-    let failed = |path: &Path, e: &std::io::Error| {
-        RenderError::File(FileError::Write {
-            path: path.to_owned(),
-            reason: files::plain(e),
-        })
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |e| FileError::write(&path, &e)
     };
-    let script = plan.with_file_name("render_frames.py");
+    std::fs::create_dir_all(work).map_err(failed(work))?;
+    let [script, job] = ["render_frames.py", "plan.json"].map(|name| work.join(name));
+    files::replace_atomically(&job, plan.to_string().as_bytes())?;
     files::replace_atomically(&script, SCRIPT.as_bytes())?;
-    let sink = std::fs::File::create(log).map_err(|e| failed(log, &e))?;
     let mut child = Command::new(&python.program)
-        .args([&script, plan])
+        .args([&script, &job])
         .env("PYTHONPATH", &python.packages)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(sink)
+        .stderr(std::fs::File::create(log(work)).map_err(failed(&log(work)))?)
         .spawn()
-        .map_err(|e| failed(&script, &e))?;
+        .map_err(failed(&script))?;
     let said = child.stdout.take().map(|out| follow(out, &mut on_event));
     if let Some(Err(problem)) = said {
         // It may have ended by itself already.
@@ -138,12 +134,11 @@ pub fn run(
         let _ = child.wait();
         return Err(problem);
     }
-    let status = child.wait().map_err(|e| failed(&script, &e))?;
-    Ok(status.success())
+    Ok(child.wait().map_err(failed(&script))?.success())
 }
 
 /// Reads the script's lines; those of Blender itself are passed over.
-fn follow(
+pub fn follow(
     out: impl Read,
     on_event: &mut impl FnMut(BlenderEvent) -> Result<(), RenderError>,
 ) -> Result<(), RenderError> {
@@ -157,29 +152,4 @@ fn follow(
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_scripts_lines_are_told_from_blenders() {
-        let text = "Blender 4.5\nFra:1 Mem:40M\ngeometry az0_p15_d500\nframe a b\n";
-        let mut events = Vec::new();
-        let mut keep = |event| {
-            events.push(event);
-            Ok(())
-        };
-        follow(text.as_bytes(), &mut keep).unwrap();
-        assert_eq!(
-            events,
-            [
-                BlenderEvent::Geometry("az0_p15_d500".into()),
-                BlenderEvent::Frame("a b".into())
-            ]
-        );
-        let refused = follow(&b"refused the light is black\n"[..], &mut |_| Ok(())).unwrap_err();
-        assert_eq!(refused.to_string(), "the light is black");
-    }
 }

@@ -5,38 +5,27 @@ use std::path::{Path, PathBuf};
 use image::{GrayImage, RgbImage};
 
 use super::RenderError;
-use super::plan::{Missing, PlannedFrame, RenderPlan};
+use super::plan::{LINEAR_MAX, Missing, RenderPlan};
 use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb, light};
 use scaleproof_core::files;
 
 /// Puts images into the folder of a plan.
 pub(super) struct Collector<'a> {
-    plan: &'a RenderPlan,
-    folder: &'a Path,
-    raw: &'a Path,
+    pub plan: &'a RenderPlan,
+    pub folder: &'a Path,
+    /// Where Blender leaves its values.
+    pub work: &'a Path,
 }
 
-impl<'a> Collector<'a> {
-    pub(super) fn new(plan: &'a RenderPlan, folder: &'a Path, raw: &'a Path) -> Self {
-        Self { plan, folder, raw }
-    }
-
+impl Collector<'_> {
     /// A file is there only when it is whole: all are written under another name first.
     pub(super) fn missing(&self) -> Missing {
-        let list = self.plan.frames();
-        let lacks = |frame: &PlannedFrame| {
-            self.frame_files(&self.plan.frame_name(frame))
-                .iter()
-                .any(|f| !f.is_file())
-        };
-        let mut viewpoints: Vec<usize> = list.iter().map(|f| f.viewpoint).collect();
-        viewpoints.sort_unstable();
-        viewpoints.dedup();
-        viewpoints.retain(|v| self.view_files(&self.plan.view_name(*v)).iter().any(|f| !f.is_file()));
-        Missing {
-            frames: list.into_iter().filter(lacks).collect(),
-            viewpoints,
-        }
+        let mut missing = self.plan.everything();
+        let lacks_any = |files: &[PathBuf]| files.iter().any(|file| !file.is_file());
+        let Missing { frames, viewpoints } = &mut missing;
+        frames.retain(|frame| lacks_any(&self.frame_files(&self.plan.frame_name(frame))));
+        viewpoints.retain(|v| lacks_any(&self.view_files(&self.plan.view_name(*v))));
+        missing
     }
 
     fn frame_files(&self, name: &str) -> [PathBuf; 2] {
@@ -48,51 +37,36 @@ impl<'a> Collector<'a> {
     }
 
     pub(super) fn take_frame(&self, name: &str) -> Result<(), RenderError> {
-        let size = self.plan.size_px();
-        let linear = self.triples(&format!("{name}.rgb"), size)?;
-        let rgb = srgb(&linear, size);
+        let size = self.plan.request().size_px;
+        let linear = triples(self.work, &format!("{name}.rgb"), size)?;
         let [rgb_file, linear_file] = self.frame_files(name);
         files::replace_all_atomically(&[
-            (linear_file, encode_linear(&linear, size, self.plan.linear_max())?),
-            (rgb_file, encode_rgb(&rgb)?),
+            (linear_file, encode_linear(&linear, size, LINEAR_MAX)?),
+            (rgb_file, encode_rgb(&srgb(&linear, size))?),
         ])?;
         Ok(())
     }
 
     pub(super) fn take_geometry(&self, view: &str) -> Result<(), RenderError> {
-        let size = self.plan.size_px();
-        let fine = size.map(|px| px * self.plan.factor());
-        let grey = |size: [u32; 2], levels: Vec<u8>| GrayImage::from_raw(size[0], size[1], levels).unwrap_or_default();
-        let coverage = |kind: &str| -> Result<Vec<u8>, RenderError> {
-            let shares = self.values(&format!("{view}.{kind}"), size, 1)?;
-            let levels = shares.iter().map(|v| (255.0 * v).round().clamp(0.0, 255.0) as u8);
-            Ok(encode_grey(&grey(size, levels.collect()))?)
+        let request = self.plan.request();
+        let (size, fine) = (request.size_px, request.size_px.map(|px| px * request.factor));
+        let grey = |kind: &str, size: [u32; 2], most: f32, scale: f32| -> Result<Vec<u8>, RenderError> {
+            let shares = values(self.work, &format!("{view}.{kind}"), size, 1)?;
+            let levels = shares.iter().map(|v| (scale * v).round().clamp(0.0, most) as u8);
+            let image = GrayImage::from_raw(size[0], size[1], levels.collect()).unwrap_or_default();
+            Ok(encode_grey(&image)?)
         };
-        let sides: Vec<u8> = self
-            .values(&format!("{view}.side"), fine, 1)?
-            .iter()
-            .map(|v| v.round().clamp(0.0, 6.0) as u8)
-            .collect();
-        let places = self.triples(&format!("{view}.position"), fine)?;
+        let places = triples(self.work, &format!("{view}.position"), fine)?;
         let places = places.iter().map(|p| p.map(f64::from));
-        let positions = encode_positions(places, fine, self.plan.position_box_mm())?;
+        let about = self.plan.positions();
         let contents = [
-            coverage("object")?,
-            coverage("paint")?,
-            positions,
-            encode_grey(&grey(fine, sides))?,
+            grey("object", size, 255.0, 255.0)?,
+            grey("paint", size, 255.0, 255.0)?,
+            encode_positions(places, fine, (about.low_mm, about.high_mm))?,
+            grey("side", fine, 6.0, 1.0)?,
         ];
         let whole: Vec<_> = self.view_files(view).into_iter().zip(contents).collect();
-        files::replace_all_atomically(&whole)?;
-        Ok(())
-    }
-
-    fn triples(&self, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, RenderError> {
-        triples(self.raw, name, size)
-    }
-
-    fn values(&self, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
-        values(self.raw, name, size, channels)
+        Ok(files::replace_all_atomically(&whole)?)
     }
 }
 

@@ -12,13 +12,14 @@ mod surface;
 
 pub use collect::{srgb, triples};
 pub use light::Panorama;
-pub use plan::{Missing, PlannedFrame, RenderPlan, work_folder};
+pub use plan::{Missing, PlannedFrame, RenderPlan};
 pub use request::{ROUGHNESS, RenderPaint, RenderRequest};
 
 use std::path::{Path, PathBuf};
 
 use crate::frames::FramesError;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_pose::scene::Viewpoint;
 use scaleproof_surface::mesh::MeshError;
 
 /// Why nothing, or not everything, was rendered.
@@ -55,22 +56,16 @@ pub enum RenderError {
     #[error("the mesh has no triangles of the paint's materials")]
     NoPaint,
     #[error(
-        "the camera at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm is not above the ground and outside the model; move it away"
+        "the camera at azimuth {}°, pitch {}°, {} mm is not above the ground and outside the model; move it away",
+        .0.azimuth_deg, .0.pitch_deg, .0.distance_mm
     )]
-    CameraInside {
-        azimuth_deg: f64,
-        pitch_deg: f64,
-        distance_mm: f64,
-    },
+    CameraInside(Viewpoint),
     #[error(
-        "the model is not whole in the image at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm, so it would be judged by a part; move \
-         the camera away, or widen the field of view"
+        "the model is not whole in the image at azimuth {}°, pitch {}°, {} mm, so it would be judged by a part; move the camera away, or widen the \
+         field of view",
+        .0.azimuth_deg, .0.pitch_deg, .0.distance_mm
     )]
-    CutOff {
-        azimuth_deg: f64,
-        pitch_deg: f64,
-        distance_mm: f64,
-    },
+    CutOff(Viewpoint),
     #[error("{folder} holds frames of another render; give an empty folder, or the same arguments to go on", folder = folder.display())]
     OtherRender { folder: PathBuf },
     #[error(
@@ -107,21 +102,14 @@ pub fn render(
     mut on_frame: impl FnMut(usize),
 ) -> Result<(), RenderError> {
     reserve(plan, folder)?;
-    let work = work_folder(folder);
-    std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
-        path: work.clone(),
-        reason: files::plain(&e),
-    })?;
-    let collector = collect::Collector::new(plan, folder, &work);
+    let work = &blender::work_folder(folder);
+    let collector = collect::Collector { plan, folder, work };
     let missing = collector.missing();
     let wanted = plan.frames().len();
     let mut done = wanted - missing.frames.len();
     on_frame(done);
     if !missing.is_empty() {
-        let job = work.join("plan.json");
-        files::replace_atomically(&job, plan.to_script(&missing, folder).to_string().as_bytes())?;
-        let log = work.join("blender.log");
-        let finished = blender::run(python, &job, &log, |event| {
+        let finished = blender::run(python, &plan.to_script(&missing, folder), work, |event| {
             match event {
                 blender::BlenderEvent::Geometry(view) => collector.take_geometry(&view)?,
                 blender::BlenderEvent::Frame(name) => {
@@ -133,13 +121,14 @@ pub fn render(
             Ok(())
         })?;
         if !finished || !collector.missing().is_empty() {
+            let log = blender::log(work);
             return Err(RenderError::Stopped { done, wanted, log });
         }
     }
-    let (path, bytes) = plan.list()?.to_file(folder)?;
+    let (path, bytes) = plan.list().to_file(folder)?;
     files::replace_atomically(&path, &bytes)?;
     // Nothing is lost if the work folder stays.
-    let _ = std::fs::remove_dir_all(&work);
+    let _ = std::fs::remove_dir_all(work);
     Ok(())
 }
 
@@ -157,20 +146,18 @@ fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
     let note = folder.join("render.json");
     let own = plan.identity();
     // What was refused before its first image leaves the folder free.
-    let is_begun = folder.join("views").is_dir() || folder.join("rgb").is_dir();
-    if note.is_file() && is_begun {
-        return if files::read_text(&note)? == own {
-            Ok(())
-        } else {
-            Err(RenderError::OtherRender {
-                folder: folder.to_owned(),
-            })
-        };
+    let is_begun = note.is_file() && (folder.join("views").is_dir() || folder.join("rgb").is_dir());
+    let is_free = if is_begun {
+        files::read_text(&note)? == own
+    } else {
+        !folder.join(crate::frames::LIST).exists()
+    };
+    if !is_free {
+        let folder = folder.to_owned();
+        return Err(RenderError::OtherRender { folder });
     }
-    if folder.join(crate::frames::LIST).exists() {
-        return Err(RenderError::OtherRender {
-            folder: folder.to_owned(),
-        });
+    if is_begun {
+        return Ok(());
     }
     for (path, bytes) in plan.pattern_files(folder)? {
         files::replace_atomically(&path, &bytes)?;

@@ -1,21 +1,24 @@
 //! What is rendered: every decision is made here, so that it can be tested without Blender.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
+use super::blender::work_folder;
 use super::request::{RenderPaint, RenderRequest, absolute};
 use super::surface::surface;
 use super::{Panorama, RenderError};
-use crate::frames::{FORMAT, Frame, FrameList, Pinhole, Positions, light};
+use crate::frames::drawn::seen_box;
+use crate::frames::{Frame, FrameList, Pinhole, Positions, light, require};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::geometry::rigid::{self, Rigid};
 use scaleproof_pose::simulate::looking_at;
 
 /// The linear light that the highest level of a linear image stands for: two stops above white.
-const LINEAR_MAX: f64 = 4.0;
+pub(super) const LINEAR_MAX: f64 = 4.0;
 /// How often light may be reflected on its way.
 const BOUNCES: u32 = 4;
 
@@ -40,11 +43,6 @@ pub struct PlannedFrame {
     pub colour: usize,
 }
 
-/// Where the images of a folder lie until they are whole.
-pub fn work_folder(folder: &Path) -> PathBuf {
-    folder.join(".render")
-}
-
 /// What a folder still lacks.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Missing {
@@ -64,31 +62,19 @@ impl RenderPlan {
     /// Nothing to render, numbers out of range, cameras inside the model, a mesh without paint or files that cannot be read.
     pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
         check(&request)?;
-        let mesh_sha256 = files::sha256_hex(&files::read(&request.mesh_file)?);
-        let hash = |light: &Panorama| {
-            light
-                .file
-                .as_deref()
-                .map(|f| Ok(files::sha256_hex(&files::read(f)?)))
-                .transpose()
-        };
-        let lights_sha256 = request
+        let hash = |file: &Path| files::read(file).map(|bytes| files::sha256_hex(&bytes));
+        let mesh_sha256 = hash(&request.mesh_file)?;
+        let of_lights = request
             .lights
             .iter()
-            .map(hash)
-            .collect::<Result<_, files::FileError>>()?;
+            .map(|light| light.file.as_deref().map(hash).transpose());
+        let lights_sha256 = of_lights.collect::<Result<_, _>>()?;
         let (low, high) = request.mesh.bounds_mm();
         let target_mm = Point3::new(0.0, 0.0, 0.5 * high.z);
         for view in &request.viewpoints {
             let centre = view.camera_centre_mm(target_mm);
             let is_inside = (0..3).all(|i| centre[i] > low[i] && centre[i] < high[i]);
-            if is_inside || centre.z <= 0.0 {
-                return Err(RenderError::CameraInside {
-                    azimuth_deg: view.azimuth_deg,
-                    pitch_deg: view.pitch_deg,
-                    distance_mm: view.distance_mm,
-                });
-            }
+            require(!is_inside && centre.z > 0.0, || RenderError::CameraInside(*view))?;
         }
         let (surface, surface_triangles) = surface(&request)?;
         let plan = Self {
@@ -130,23 +116,9 @@ impl RenderPlan {
         }
     }
 
-    pub fn size_px(&self) -> [u32; 2] {
-        self.request.size_px
-    }
-
-    pub fn factor(&self) -> u32 {
-        self.request.factor
-    }
-
-    pub fn linear_max(&self) -> f64 {
-        LINEAR_MAX
-    }
-
-    /// The box that positions are stored in: the model's, and a little more.
-    pub fn position_box_mm(&self) -> ([f64; 3], [f64; 3]) {
-        let (low, high) = self.request.mesh.bounds_mm();
-        let wider = nalgebra::Vector3::repeat(1.0);
-        ((low - wider).coords.into(), (high + wider).coords.into())
+    /// What the values of the position images mean.
+    pub(super) fn positions(&self) -> Positions {
+        Positions::around(&self.request.mesh, self.request.factor)
     }
 
     /// How a viewpoint is called in file names.
@@ -165,9 +137,8 @@ impl RenderPlan {
         looking_at(&self.request.viewpoints[viewpoint], self.target_mm)
     }
 
-    fn focal_length_px(&self) -> f64 {
-        let half = 0.5 * self.request.field_of_view_deg.to_radians();
-        0.5 * f64::from(self.request.size_px[0]) / half.tan()
+    fn pinhole(&self) -> Pinhole {
+        Pinhole::with_field_of_view(self.request.size_px, self.request.field_of_view_deg)
     }
 
     /// What decides about the pixels: two plans of one identity render the same.
@@ -200,18 +171,15 @@ impl RenderPlan {
 
     /// The patterns and textures, as files below the folder of the frames.
     pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
-        let mut new = Vec::new();
-        for colour in &self.request.colours {
-            if let (Some(png), Some(file)) = (colour.png()?, colour.file()) {
-                new.push((folder.join(file), png));
-            }
-        }
-        Ok(new)
+        let files = self.request.colours.iter().map(|colour| {
+            let file = colour.file().map(|file| folder.join(file));
+            Ok(file.zip(colour.png()?))
+        });
+        files.filter_map(Result::transpose).collect()
     }
 
     /// What `render_frames.py` gets: only what is missing in the folder.
     pub fn to_script(&self, missing: &Missing, folder: &Path) -> Value {
-        let raw = work_folder(folder);
         let r = &self.request;
         let colour = |c: &RenderPaint| (c.name(), c.to_script(&self.surface_triangles, folder));
         let lights = r.lights.iter().map(|l| {
@@ -249,7 +217,7 @@ impl RenderPlan {
             "paint_surface": self.surface,
             "width_px": r.size_px[0],
             "height_px": r.size_px[1],
-            "focal_length_px": self.focal_length_px(),
+            "focal_length_px": self.pinhole().focal_length_px,
             "roughness": r.roughness,
             "samples": r.samples,
             "denoise": r.denoise,
@@ -262,59 +230,37 @@ impl RenderPlan {
             "views": views,
             // Linear light of the levels of 8-bit images.
             "levels": (0..=u8::MAX).map(|v| light::decode(f64::from(v) / 255.0)).collect::<Vec<_>>(),
-            "raw": absolute(&raw),
+            "raw": absolute(&work_folder(folder)),
         })
     }
 
     /// The finished list.
-    pub fn list(&self) -> Result<FrameList, RenderError> {
+    pub fn list(&self) -> FrameList {
         let r = &self.request;
-        let (low_mm, high_mm) = self.position_box_mm();
         let mut list = FrameList {
-            format: FORMAT.to_owned(),
-            made_by: r.made_by.clone(),
-            size_px: r.size_px,
-            camera: self.pinhole(),
-            target_mm: self.target_mm.coords.into(),
             linear_max: Some(LINEAR_MAX),
-            positions: Some(Positions {
-                low_mm,
-                high_mm,
-                factor: r.factor,
-            }),
-            frames: Vec::new(),
+            positions: Some(self.positions()),
+            ..FrameList::new(&r.made_by, r.size_px, self.pinhole(), self.target_mm.coords.into())
         };
-        let boxes: Vec<Option<BoxPx>> = (0..r.viewpoints.len()).map(|v| self.outline(v, &list)).collect();
-        for frame in self.frames() {
-            list.frames.push(self.frame(&frame, boxes[frame.viewpoint]));
-        }
-        Ok(list)
-    }
-
-    fn frame(&self, frame: &PlannedFrame, box_xyxy_px: Option<BoxPx>) -> Frame {
-        let (name, view) = (self.frame_name(frame), self.view_name(frame.viewpoint));
-        let light = &self.request.lights[frame.light];
-        Frame {
-            rgb: format!("rgb/{name}.png"),
-            linear: Some(format!("linear/{name}.png")),
-            object_mask: format!("views/{view}_object.png"),
-            paint_mask: format!("views/{view}_paint.png"),
-            positions: Some(format!("views/{view}_positions.png")),
-            sides: Some(format!("views/{view}_sides.png")),
-            t_camera_model: rigid::rows(&self.pose(frame.viewpoint)),
-            paint: self.request.colours[frame.colour].paint(),
-            light: light.name.clone(),
-            place: light.place(),
-            box_xyxy_px,
-            name,
-        }
-    }
-
-    /// The box of the whole mesh, exactly: of its projected corners, clipped to the image.
-    fn outline(&self, viewpoint: usize, list: &FrameList) -> Option<BoxPx> {
-        let [width, height] = list.size_px.map(f64::from);
-        let clipped = self.projected(viewpoint)?.clipped(width, height);
-        clipped.is_solid().then_some(clipped)
+        // The boxes of the whole mesh, exactly: of its projected corners, clipped to the image.
+        let outline = |viewpoint| seen_box(&self.projected(viewpoint)?, r.size_px);
+        let boxes: Vec<Option<BoxPx>> = (0..r.viewpoints.len()).map(outline).collect();
+        let frame = |frame: PlannedFrame| {
+            let (name, shape) = (
+                self.frame_name(&frame),
+                format!("views/{}", self.view_name(frame.viewpoint)),
+            );
+            let (pose, paint) = (self.pose(frame.viewpoint), r.colours[frame.colour].paint());
+            Frame {
+                linear: Some(format!("linear/{name}.png")),
+                light: r.lights[frame.light].name.clone(),
+                place: r.lights[frame.light].place(),
+                box_xyxy_px: boxes[frame.viewpoint],
+                ..Frame::new(&name, &shape, &pose, paint)
+            }
+        };
+        list.frames = self.frames().into_iter().map(frame).collect();
+        list
     }
 
     /// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the
@@ -336,22 +282,8 @@ impl RenderPlan {
         let whole = self
             .projected(viewpoint)
             .map(|b| BoxPx::new(b.x1 + 0.5, b.y1 + 0.5, b.x2 + 0.5, b.y2 + 0.5));
-        whole.filter(|b| *b == b.clipped(width, height)).ok_or_else(|| {
-            let view = &self.request.viewpoints[viewpoint];
-            RenderError::CutOff {
-                azimuth_deg: view.azimuth_deg,
-                pitch_deg: view.pitch_deg,
-                distance_mm: view.distance_mm,
-            }
-        })
-    }
-
-    fn pinhole(&self) -> Pinhole {
-        let [width, height] = self.request.size_px.map(f64::from);
-        Pinhole {
-            focal_length_px: self.focal_length_px(),
-            centre_px: [0.5 * (width - 1.0), 0.5 * (height - 1.0)],
-        }
+        let cut_off = || RenderError::CutOff(self.request.viewpoints[viewpoint]);
+        whole.filter(|b| *b == b.clipped(width, height)).ok_or_else(cut_off)
     }
 
     pub fn request(&self) -> &RenderRequest {
@@ -368,56 +300,32 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
     if let Some((_, what)) = nothing.into_iter().find(|(is_missing, _)| *is_missing) {
         return Err(RenderError::Nothing { what });
     }
-    let number = |what, value: f64, wanted, is_fine: bool| {
-        if is_fine {
-            Ok(())
-        } else {
-            Err(RenderError::BadNumber { what, value, wanted })
-        }
-    };
-    for px in request.size_px.map(f64::from) {
-        number(
-            "a side of the frames",
-            px,
-            "16 to 2048 px",
-            (16.0..=2048.0).contains(&px),
-        )?;
+    let number = |what, value, wanted, is_fine| require(is_fine, || RenderError::BadNumber { what, value, wanted });
+    let within =
+        |what, value: f64, range: RangeInclusive<f64>, wanted| number(what, value, wanted, range.contains(&value));
+    for px in request.size_px {
+        within("a side of the frames", px.into(), 16.0..=2048.0, "16 to 2048 px")?;
     }
-    let fov = request.field_of_view_deg;
-    number(
+    within(
         "the field of view",
-        fov,
+        request.field_of_view_deg,
+        5.0..=120.0,
         "5 to 120 degrees",
-        (5.0..=120.0).contains(&fov),
     )?;
-    number(
-        "the roughness",
-        request.roughness,
-        "0 to 1",
-        (0.0..=1.0).contains(&request.roughness),
-    )?;
-    let samples = f64::from(request.samples);
-    number("samples", samples, "1 to 65536", (1.0..=65536.0).contains(&samples))?;
-    let factor = f64::from(request.factor);
-    number(
+    within("the roughness", request.roughness, 0.0..=1.0, "0 to 1")?;
+    within("samples", request.samples.into(), 1.0..=65536.0, "1 to 65536")?;
+    within(
         "the positions in a pixel",
-        factor,
+        request.factor.into(),
+        1.0..=8.0,
         "1 to 8 along a side",
-        (1.0..=8.0).contains(&factor),
     )?;
     for view in &request.viewpoints {
-        number(
-            "a pitch",
-            view.pitch_deg,
-            "an angle from -89.9 to 89.9 degrees: straight from above no side of the image is up",
-            view.pitch_deg.abs() <= 89.9,
-        )?;
-        number(
-            "a distance",
-            view.distance_mm,
-            "a distance above 0 and up to 1000000 mm",
-            view.is_possible() && view.distance_mm <= 1e6,
-        )?;
+        let wanted = "an angle from -89.9 to 89.9 degrees: straight from above no side of the image is up";
+        within("a pitch", view.pitch_deg, -89.9..=89.9, wanted)?;
+        let is_possible = view.is_possible() && view.distance_mm <= 1e6;
+        let wanted = "a distance above 0 and up to 1000000 mm";
+        number("a distance", view.distance_mm, wanted, is_possible)?;
     }
     for colour in &request.colours {
         if let RenderPaint::Pattern(name, ..) | RenderPaint::Texture(name, _) = colour
@@ -427,12 +335,8 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
             return Err(RenderError::BadName { name: name.clone() });
         }
         if let RenderPaint::Pattern(_, _, tile) = colour {
-            number(
-                "a tile",
-                *tile,
-                "its width on the model, above 0 and up to 100000 mm",
-                *tile > 0.0 && *tile <= 1e5,
-            )?;
+            let wanted = "its width on the model, above 0 and up to 100000 mm";
+            number("a tile", *tile, wanted, *tile > 0.0 && *tile <= 1e5)?;
         }
     }
     Ok(())

@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 use serde_json::{Value, json};
 
 use super::Panorama;
-use crate::frames::{FramePaint, FramesError, PatternPaint, TexturePaint, encode_rgb, light};
+use crate::frames::{FramePaint, FramesError, encode_rgb, light};
 use scaleproof_core::files;
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_surface::mesh::{Mesh, Wrap};
@@ -70,15 +70,14 @@ impl RenderPaint {
     }
 
     pub(super) fn paint(&self) -> FramePaint {
+        let file = self.file().unwrap_or_default();
         match self {
             Self::Flat(rgb) => FramePaint::FlatRgb(*rgb),
-            Self::Pattern(_, _, tile_mm) => FramePaint::Pattern(PatternPaint {
-                file: self.file().unwrap_or_default(),
+            Self::Pattern(_, _, tile_mm) => FramePaint::Pattern {
+                file,
                 tile_mm: *tile_mm,
-            }),
-            Self::Texture(..) => FramePaint::Texture(TexturePaint {
-                file: self.file().unwrap_or_default(),
-            }),
+            },
+            Self::Texture(..) => FramePaint::Texture { file },
             Self::Original => FramePaint::Original,
         }
     }
@@ -121,23 +120,17 @@ impl RenderPaint {
             Self::Original => return Value::Null,
             Self::Texture(_, texture) => {
                 let file = absolute(&folder.join(self.file().unwrap_or_default()));
-                let uv: Vec<_> = triangles
-                    .iter()
-                    .map(|t| texture.coordinates[*t].unwrap_or_default())
-                    .collect();
-                let texture = json!({
-                    "file": file, "extension": extension(texture.wrap), "uv": uv,
-                });
+                let uv = triangles.iter().map(|t| texture.coordinates[*t].unwrap_or_default());
+                let uv: Vec<_> = uv.collect();
+                let texture = json!({"file": file, "extension": extension(texture.wrap), "uv": uv});
                 return json!({"cells": null, "tile_mm": null, "texture": texture});
             }
             Self::Flat(rgb) => (vec![vec![light::linear_of(*rgb)]], [1.0, 1.0]),
             Self::Pattern(_, pattern, tile_mm) => {
-                let row = |y| (0..pattern.columns()).map(move |x| light::linear_of(pattern.cells().get_pixel(x, y).0));
+                let rows = pattern.cells().rows();
                 let height_mm = tile_mm * f64::from(pattern.rows()) / f64::from(pattern.columns());
-                (
-                    (0..pattern.rows()).map(|y| row(y).collect()).collect(),
-                    [*tile_mm, height_mm],
-                )
+                let cells = rows.map(|row| row.map(|p| light::linear_of(p.0)).collect());
+                (cells.collect(), [*tile_mm, height_mm])
             }
         };
         json!({"cells": cells, "tile_mm": tile_mm, "texture": null})

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use image::RgbImage;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
@@ -32,7 +31,7 @@ pub struct PaintPixels {
 }
 
 impl PaintPixels {
-    pub fn of(mask: &Coverage) -> Self {
+    pub fn covered(mask: &Coverage) -> Self {
         let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
         let at: Vec<[u32; 2]> = covered.map(|(x, y, _)| [x, y]).collect();
         let range = |axis: usize| {
@@ -195,10 +194,8 @@ impl TrainingView {
 
     /// Another image from the same place, whose light can be added to this one's.
     fn is_same_pose(&self, other: &Self) -> bool {
-        let (Source::Light(_), Source::Light(_)) = (&self.source, &other.source) else {
-            return false;
-        };
-        !std::ptr::eq(self, other) && self.paint == other.paint
+        let is_light = |view: &Self| matches!(view.source, Source::Light(_));
+        is_light(self) && is_light(other) && !std::ptr::eq(self, other) && self.paint == other.paint
     }
 
     /// A colour to learn from.
@@ -206,14 +203,12 @@ impl TrainingView {
         match &self.source {
             Source::Light(_) => std::array::from_fn(|_| rng.random()),
             Source::Images(all) => {
-                let seen: Vec<[u8; 3]> = all
-                    .iter()
-                    .map(|(c, _)| *c)
-                    .filter(|c| !set.unseen.contains(c))
-                    .collect();
-                match seen.len() {
-                    0 => all[0].0,
-                    count => seen[rng.random_range(0..count)],
+                let colours = all.iter().map(|(c, _)| *c);
+                let seen: Vec<[u8; 3]> = colours.filter(|c| !set.unseen.contains(c)).collect();
+                if seen.is_empty() {
+                    all[0].0
+                } else {
+                    seen[rng.random_range(0..seen.len())]
                 }
             }
         }
@@ -224,9 +219,8 @@ impl TrainingView {
         match &self.source {
             Source::Light(_) => {
                 let mut rng = Pcg32::seed_from_u64(77);
-                (0..VALIDATION_COLOURS)
-                    .map(|_| std::array::from_fn(|_| rng.random()))
-                    .collect()
+                let mut colour = |_| std::array::from_fn(|_| rng.random());
+                (0..VALIDATION_COLOURS).map(&mut colour).collect()
             }
             Source::Images(all) => all.iter().map(|(c, _)| *c).filter(|c| set.unseen.contains(c)).collect(),
         }
@@ -265,11 +259,12 @@ impl TrainingSet {
         references: &[[u8; 3]],
         on_view: impl Fn(),
     ) -> Result<Self, DtnError> {
-        let mut known = String::new();
+        let mut known: String = folders
+            .iter()
+            .chain(validation)
+            .map(|set| set.sha256.as_str())
+            .collect();
         let mut all = Vec::new();
-        for set in folders.iter().chain(validation) {
-            known += &set.sha256;
-        }
         for set in folders {
             all.extend(read(set, width_px, references, &on_view)?);
         }
@@ -330,36 +325,29 @@ fn training_view(
     let [width, height] = set.list.size_px;
     let mask = set.paint_mask(view[0])?;
     let levels: Vec<[f32; 3]> = mask.pixels().map(|p| [f32::from(p.0[0]); 3]).collect();
-    let reduced_mask = reduced(&levels, width as usize, factor as usize);
-    let mask = Coverage::from_raw(
-        width / factor,
-        height / factor,
-        reduced_mask.iter().map(|p| p[0].round() as u8).collect(),
-    )
-    .unwrap_or_default();
-    let paint = PaintPixels::of(&mask);
+    let levels = reduced(&levels, width as usize, factor as usize);
+    let levels = levels.iter().map(|p| p[0].round() as u8).collect();
+    let mask = Coverage::from_raw(width / factor, height / factor, levels).unwrap_or_default();
+    let paint = PaintPixels::covered(&mask);
     let of_paint = |linear: &[[f32; 3]]| -> Vec<[f32; 3]> {
         let image = reduced(linear, width as usize, factor as usize);
         let pixel = |[x, y]: &[u32; 2]| image[(y * (width / factor) + x) as usize];
         paint.at.iter().map(pixel).collect()
     };
-    let has_linear = view
-        .iter()
-        .filter(|f| f.linear.is_some() && f.flat_rgb().is_some())
-        .count()
-        >= 3;
-    let additive = if has_linear {
-        Additive::of_view(set, view).ok()
-    } else {
-        None
-    };
-    let source = match additive {
+    let linear = view.iter().filter(|f| f.linear.is_some() && f.flat_rgb().is_some());
+    let has_linear = linear.count() >= 3;
+    let source = match has_linear.then(|| Additive::of_view(set, view).ok()).flatten() {
         Some(additive) => Source::Light(additive.mapped(of_paint)),
         None => {
             let mut all = Vec::new();
             for frame in view {
                 let Some(rgb) = frame.flat_rgb() else { continue };
-                let image = of_paint(&linear_of(&set.rgb(frame)?));
+                let image = set.rgb(frame)?;
+                let linear: Vec<_> = image
+                    .pixels()
+                    .map(|p| light::linear_of(p.0).map(|v| v as f32))
+                    .collect();
+                let image = of_paint(&linear);
                 let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
                 all.push((rgb, image.iter().map(srgb).collect()));
             }
@@ -376,13 +364,6 @@ fn training_view(
         paint,
         source,
     }))
-}
-
-fn linear_of(image: &RgbImage) -> Vec<[f32; 3]> {
-    image
-        .pixels()
-        .map(|p| light::linear_of(p.0).map(|v| v as f32))
-        .collect()
 }
 
 /// The mean of each square of pixels: what a camera with fewer pixels would see, in linear light.
@@ -406,18 +387,15 @@ fn divide(all: Vec<TrainingView>) -> (Vec<TrainingView>, Vec<TrainingView>, Stri
     let places: BTreeSet<String> = all.iter().map(|v| v.place.clone()).collect();
     let azimuths: BTreeSet<i64> = all.iter().map(azimuth_key).collect();
     let place = if places.len() > 1 { places.last().cloned() } else { None };
-    let kept: BTreeSet<i64> = match azimuths.len() {
-        0 | 1 => BTreeSet::new(),
-        _ => azimuths.into_iter().skip(1).step_by(EVERY).collect(),
-    };
+    // A single azimuth is learnt from.
+    let kept: BTreeSet<i64> = azimuths.into_iter().skip(1).step_by(EVERY).collect();
     let split = match (&place, kept.is_empty()) {
         (Some(place), false) => format!("unseen place {place} at unseen azimuths"),
         (Some(place), true) => format!("unseen place {place}"),
         (None, false) => "unseen azimuths, of the only place".to_owned(),
         (None, true) => {
-            let split =
-                "the views it learns from, in unseen colours: there is only one place and one azimuth".to_owned();
-            return (all.clone(), all, split);
+            let split = "the views it learns from, in unseen colours: there is only one place and one azimuth";
+            return (all.clone(), all, split.to_owned());
         }
     };
     let is_kept = |v: &TrainingView| {
@@ -450,8 +428,5 @@ fn unseen(training: &[TrainingView], validation: &[TrainingView], references: &[
         }
     }
     // A single colour must be learnt from.
-    if colours.len() < 2 {
-        return BTreeSet::new();
-    }
     colours.into_iter().skip(1).step_by(EVERY).collect()
 }

@@ -22,9 +22,8 @@ pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
 pub fn load(path: &Path) -> Result<TrainingState, DtnError> {
     let bytes = files::read(path)?;
     let path = || path.to_owned();
-    let rest = bytes
-        .strip_prefix(MAGIC.as_bytes())
-        .ok_or_else(|| DtnError::NotANetwork { path: path() })?;
+    let rest = bytes.strip_prefix(MAGIC.as_bytes());
+    let rest = rest.ok_or_else(|| DtnError::NotANetwork { path: path() })?;
     let end = rest.iter().take(100).position(|b| *b == b'\n');
     let whole = end.map(|end| (&rest[..end], &rest[end + 1..]));
     whole

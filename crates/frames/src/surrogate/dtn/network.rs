@@ -238,13 +238,15 @@ impl LayerShapes {
 
 /// Weights as tensors; lists of another length than their shapes give `None`.
 pub(super) fn tensors(lists: &[Vec<f32>], shapes: &[[usize; 4]], device: &Device) -> Option<Vec<Tensor<4>>> {
-    let is_right = |(list, shape): (&Vec<f32>, &[usize; 4])| list.len() == shape.iter().product::<usize>();
-    if lists.len() != shapes.len() || !lists.iter().zip(shapes).all(is_right) {
-        return None;
-    }
     let tensor =
         |(list, shape): (&Vec<f32>, &[usize; 4])| Tensor::from_data(TensorData::new(list.clone(), *shape), device);
-    Some(lists.iter().zip(shapes).map(tensor).collect())
+    fits(lists, shapes).then(|| lists.iter().zip(shapes).map(tensor).collect())
+}
+
+/// Whether lists have the lengths of these shapes.
+pub(super) fn fits(lists: &[Vec<f32>], shapes: &[[usize; 4]]) -> bool {
+    let lengths = shapes.iter().map(|shape| shape.iter().product::<usize>());
+    lists.iter().map(Vec::len).eq(lengths)
 }
 
 /// A tensor's values, the last dimension fastest.

@@ -34,16 +34,9 @@ impl DtnNetwork {
         let input = Tensor::<4>::from_data(TensorData::new(input, shape), &self.device);
         let maps = values(self.layout.forward(&self.weights, input))?;
         let channels = self.architecture.transformer.channels();
-        let places: Vec<usize> = window.places(paint, at).collect();
-        let of_pixel = |place: &usize| {
-            let (place, pixels) = (*place, window.pixels());
-            (0..channels).map(move |c| (c, place, pixels))
-        };
-        Ok(places
-            .iter()
-            .flat_map(of_pixel)
-            .map(|(c, place, pixels)| maps[c * pixels + place])
-            .collect())
+        let (maps, pixels) = (&maps, window.pixels());
+        let of_pixel = |place: usize| (0..channels).map(move |c| maps[c * pixels + place]);
+        Ok(window.places(paint, at).flat_map(of_pixel).collect())
     }
 
     /// The surrogate renderer of a view, from its image in a reference colour.
@@ -51,14 +44,10 @@ impl DtnNetwork {
     /// # Errors
     /// Only if the tensors cannot be computed.
     pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<DtnView, DtnError> {
-        let paint = PaintPixels::of(mask);
+        let paint = PaintPixels::covered(mask);
         let image: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
-        let width = mask.width() as usize;
-        let index: Vec<usize> = paint
-            .at
-            .iter()
-            .map(|[x, y]| *y as usize * width + *x as usize)
-            .collect();
+        let number = |[x, y]: &[u32; 2]| (y * mask.width() + x) as usize;
+        let index: Vec<usize> = paint.at.iter().map(number).collect();
         let seen: Vec<[f32; 3]> = index.iter().map(|i| image[*i].map(|v| v as f32)).collect();
         let maps = if index.is_empty() {
             Vec::new()
@@ -88,10 +77,8 @@ impl NeuralRenderer for DtnNetwork {
     }
 
     fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, NotComputed> {
-        match self.view(reference, mask) {
-            Ok(view) => Ok(Box::new(view)),
-            Err(e) => Err(NotComputed(e.to_string())),
-        }
+        let view = self.view(reference, mask).map_err(|e| NotComputed(e.to_string()))?;
+        Ok(Box::new(view))
     }
 }
 
@@ -117,10 +104,8 @@ impl Renderer for DtnView {
         let mut image = self.image.clone();
         for (pixel, &at) in self.index.iter().enumerate() {
             image[at] = std::array::from_fn(|channel| {
-                let eta = light::encode(paint[at][channel]);
-                self.transformer
-                    .value(self.maps_of(pixel, channel), eta)
-                    .clamp(0.0, 1.0)
+                let (maps, eta) = (self.maps_of(pixel, channel), light::encode(paint[at][channel]));
+                self.transformer.value(maps, eta).clamp(0.0, 1.0)
             });
         }
         image

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The maps of one pixel and channel, in the order in which they are applied; NTR has only the last two.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Maps {
     /// s: what darkness swallows.
     pub subtract: f64,
@@ -37,69 +37,50 @@ impl Transformer {
         }
     }
 
+    /// How many of the four maps are not there, and 0.
+    fn missing(self) -> usize {
+        match self {
+            Self::Texture => 0,
+            Self::MultiplyAdd => 2,
+        }
+    }
+
     /// Channels of TF.
     pub fn channels(self) -> usize {
-        match self {
-            Self::Texture => 12,
-            Self::MultiplyAdd => 6,
-        }
+        3 * (4 - self.missing())
     }
 
     /// Maps with which both ReLUs are open for every η from 0 to 1, and x = η·m for the m that is added to this one, 0.
     pub fn open(self) -> Maps {
-        let open = 0.05;
-        let (subtract, add) = match self {
-            Self::Texture => (-open, -open),
-            Self::MultiplyAdd => (0.0, 0.0),
-        };
+        let open = if self.missing() == 0 { -0.05 } else { 0.0 };
         Maps {
-            subtract,
-            add,
-            multiply: 0.0,
-            bias: 0.0,
+            subtract: open,
+            add: open,
+            ..Maps::default()
         }
     }
 
     /// The number of a channel's m in TF.
     pub fn multiplying(self, channel: usize) -> usize {
-        match self {
-            Self::Texture => 6 + channel,
-            Self::MultiplyAdd => channel,
-        }
+        3 * (2 - self.missing()) + channel
     }
 
     /// The maps of a channel (0 to 2) of a pixel, whose values of TF `at` gives by their number.
     pub fn maps(self, channel: usize, at: impl Fn(usize) -> f64) -> Maps {
-        match self {
-            Self::Texture => Maps {
-                subtract: at(channel),
-                add: at(3 + channel),
-                multiply: at(6 + channel),
-                bias: at(9 + channel),
-            },
-            Self::MultiplyAdd => Maps {
-                subtract: 0.0,
-                add: 0.0,
-                multiply: at(channel),
-                bias: at(3 + channel),
-            },
+        let map = |i: usize| i.checked_sub(self.missing()).map_or(0.0, |i| at(3 * i + channel));
+        Maps {
+            subtract: map(0),
+            add: map(1),
+            multiply: map(2),
+            bias: map(3),
         }
     }
 
     /// The other way round: what [`Transformer::maps`] took from TF, by number of the value.
     pub fn spread(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
-        match self {
-            Self::Texture => {
-                let values = [maps.subtract, maps.add, maps.multiply, maps.bias];
-                values
-                    .into_iter()
-                    .enumerate()
-                    .for_each(|(i, value)| put(3 * i + channel, value));
-            }
-            Self::MultiplyAdd => {
-                put(channel, maps.multiply);
-                put(3 + channel, maps.bias);
-            }
+        let values = [maps.subtract, maps.add, maps.multiply, maps.bias];
+        for (i, value) in values.into_iter().skip(self.missing()).enumerate() {
+            put(3 * i + channel, value);
         }
     }
 
@@ -124,22 +105,16 @@ impl Transformer {
     /// Where a ReLU is shut the derivative is 0, and a pixel could never leave it. So a shut ReLU passes a cotangent that would open it, and no other:
     /// the formula that is learnt stays as it stands, only the steps of its training differ.
     pub fn vjp(self, maps: Maps, eta: f64, cotangent: f64) -> Maps {
-        let none = Maps {
-            subtract: 0.0,
-            add: 0.0,
-            multiply: 0.0,
-            bias: 0.0,
-        };
         let Self::Texture = self else {
             return Maps {
                 multiply: cotangent * eta,
                 bias: cotangent,
-                ..none
+                ..Maps::default()
             };
         };
         let inner = (eta - maps.subtract).max(0.0) + maps.add;
         if inner * maps.multiply + maps.bias <= 0.0 && cotangent >= 0.0 {
-            return none;
+            return Maps::default();
         }
         let inner_cotangent = cotangent * maps.multiply;
         let passes = eta > maps.subtract || inner_cotangent < 0.0;

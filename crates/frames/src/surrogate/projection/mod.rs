@@ -18,12 +18,12 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid of a pattern whose repeat is `tile_mm` wide.
-    pub fn of(pattern: &scaleproof_surface::pattern::Pattern, tile_mm: f64) -> Self {
+    /// A grid of so many columns and rows, whose repeat is `tile_mm` wide.
+    pub fn new([columns, rows]: [u32; 2], tile_mm: f64) -> Self {
         Self {
-            columns: pattern.columns(),
-            rows: pattern.rows(),
-            cell_mm: tile_mm / f64::from(pattern.columns()),
+            columns,
+            rows,
+            cell_mm: tile_mm / f64::from(columns),
         }
     }
 

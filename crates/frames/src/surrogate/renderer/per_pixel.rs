@@ -1,12 +1,12 @@
 //! A polynomial per pixel and channel, in sRGB or in light.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::DMatrix;
 
 use super::tone::{Tone, least};
 use super::{ClosedForm, FitError, FlatImage, Renderer};
-use crate::frames::light;
+use crate::frames::{light, require};
 
 /// More images than bits in [`Used`] would not fit, and are of no use.
 const MOST_IMAGES: usize = 32;
@@ -38,19 +38,11 @@ impl PerPixel {
     pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
         let needed = kind.least_colours();
         let found = (0..3).map(|c| distinct(flats, c)).min().unwrap_or(0);
-        if found < needed {
-            let model = kind.name();
-            return Err(FitError::TooFew { model, needed, found });
-        }
-        if flats.len() > MOST_IMAGES {
-            return Err(FitError::TooMany { most: MOST_IMAGES });
-        }
-        if flats
-            .iter()
-            .any(|s| s.image.dimensions() != flats[0].image.dimensions())
-        {
-            return Err(FitError::Sizes);
-        }
+        let model = kind.name();
+        require(found >= needed, || FitError::TooFew { model, needed, found })?;
+        require(flats.len() <= MOST_IMAGES, || FitError::TooMany { most: MOST_IMAGES })?;
+        let size = flats[0].image.dimensions();
+        require(flats.iter().all(|s| s.image.dimensions() == size), || FitError::Sizes)?;
         let has_curve = matches!(kind, ClosedForm::AffineCurve | ClosedForm::QuadraticCurve);
         let tone = has_curve.then(|| fitted_tone(flats, found));
         Ok(polynomial(kind.degree(), tone, flats, 1))
@@ -99,20 +91,15 @@ impl Renderer for PerPixel {
     }
 
     fn derivative(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        paint
-            .iter()
-            .enumerate()
-            .map(|(i, p)| self.pixel_derivative(i, *p))
-            .collect()
+        let derivative = |(i, p): (usize, &[f64; 3])| self.pixel_derivative(i, *p);
+        paint.iter().enumerate().map(derivative).collect()
     }
 }
 
 /// Different values of a channel among the images' colours.
-fn distinct(flats: &[FlatImage], channel: usize) -> usize {
-    let mut values: Vec<u8> = flats.iter().map(|s| s.flat_rgb[channel]).collect();
-    values.sort_unstable();
-    values.dedup();
-    values.len()
+fn distinct<'a>(flats: impl IntoIterator<Item = &'a FlatImage>, channel: usize) -> usize {
+    let values = flats.into_iter().map(|flat| flat.flat_rgb[channel]);
+    values.collect::<BTreeSet<u8>>().len()
 }
 
 fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
@@ -128,9 +115,8 @@ fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
             let paint = light::linear_of(flat.flat_rgb);
             for (i, (_, pixel)) in chosen(flat, every).enumerate() {
                 let predicted = model.pixel(i, paint);
-                sum += (0..3)
-                    .map(|c| (predicted[c] - f64::from(pixel[c]) / 255.0).powi(2))
-                    .sum::<f64>();
+                let squared = |c: usize| (predicted[c] - f64::from(pixel[c]) / 255.0).powi(2);
+                sum += (0..3).map(squared).sum::<f64>();
             }
         }
         sum
@@ -147,22 +133,16 @@ fn chosen(flat: &FlatImage, every: usize) -> impl Iterator<Item = (usize, [u8; 3
 
 /// The polynomial of every so many pixels, in their order.
 fn polynomial(degree: usize, tone: Option<Tone>, flats: &[FlatImage], every: usize) -> PerPixel {
+    // 256 values have 256 lights.
+    let srgb = (0..=255_u8).map(|v| f64::from(v) / 255.0);
+    let values: Vec<f64> = srgb.map(|v| tone.map_or(v, |tone| tone.light(v))).collect();
     let argument = |v: u8| {
         let srgb = f64::from(v) / 255.0;
         if tone.is_some() { light::decode(srgb) } else { srgb }
     };
-    // 256 values have 256 lights.
-    let values: Vec<f64> = (0..=255_u8)
-        .map(|v| {
-            let srgb = f64::from(v) / 255.0;
-            tone.map_or(srgb, |tone| tone.light(srgb))
-        })
-        .collect();
     let mut solvers: [BTreeMap<(Used, usize), DMatrix<f64>>; 3] = Default::default();
-    let columns: Vec<Vec<[u8; 3]>> = flats
-        .iter()
-        .map(|s| chosen(s, every).map(|(_, p)| p).collect())
-        .collect();
+    let column = |flat| chosen(flat, every).map(|(_, p)| p).collect();
+    let columns: Vec<Vec<[u8; 3]>> = flats.iter().map(column).collect();
     let fit = |pixel: usize| {
         std::array::from_fn(|channel| {
             let seen: Vec<u8> = columns.iter().map(|column| column[pixel][channel]).collect();
@@ -189,10 +169,7 @@ fn usable(seen: &[u8], flats: &[FlatImage], channel: usize, degree: usize, is_li
         return (all, degree);
     }
     let fine = (0..flats.len()).filter(|i| seen[*i] < CLIPPED);
-    let mut levels: Vec<u8> = fine.clone().map(|i| flats[i].flat_rgb[channel]).collect();
-    levels.sort_unstable();
-    levels.dedup();
-    let given = degree.min(levels.len().saturating_sub(1));
+    let given = degree.min(distinct(fine.clone().map(|i| &flats[i]), channel).saturating_sub(1));
     if given == degree || is_light && given > 0 {
         (fine.fold(0, |bits, i| bits | 1 << i), given)
     } else {
@@ -204,15 +181,14 @@ fn usable(seen: &[u8], flats: &[FlatImage], channel: usize, degree: usize, is_li
 fn pseudo_inverse(degree: usize, used: Used, arguments: impl Iterator<Item = f64>) -> DMatrix<f64> {
     let arguments: Vec<f64> = arguments.collect();
     let design = DMatrix::from_fn(arguments.len(), degree + 1, |flat, power| {
-        if used >> flat & 1 == 1 {
+        let is_used = used >> flat & 1 == 1;
+        if is_used {
             arguments[flat].powi(power as i32)
         } else {
             0.0
         }
     });
-    let (rows, columns) = (degree + 1, arguments.len());
     // Fails only for a matrix that is not finite, which arguments from 0 to 1 do not make.
-    design
-        .pseudo_inverse(1e-12)
-        .unwrap_or_else(|_| DMatrix::zeros(rows, columns))
+    let inverse = design.pseudo_inverse(1e-12);
+    inverse.unwrap_or_else(|_| DMatrix::zeros(degree + 1, arguments.len()))
 }
