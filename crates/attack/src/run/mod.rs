@@ -7,20 +7,21 @@
 //! - [`printer`]: what comes out of the printer for the cells;
 //! - [`judge`]: how often a pattern is still detected in the views held out;
 //! - [`weights`]: how much each of several detectors counts;
-//! - `difficulty`: which views a step looks at;
+//! - [`difficulty`]: which views a step looks at;
+//! - [`resample`]: images made larger or smaller, and moved;
 //! - `together`: images looked at in parallel;
 //! - [`history`], [`checkpoint`]: what is kept of a run.
 
 pub mod adam;
 pub mod augmentation;
 pub mod checkpoint;
-mod difficulty;
+pub mod difficulty;
 pub mod history;
 pub mod judge;
 pub mod loss;
 pub mod penalty;
 pub mod printer;
-mod resample;
+pub mod resample;
 mod together;
 pub mod view_set;
 pub mod weights;

@@ -4,21 +4,22 @@ use super::Rgb;
 use scaleproof_gradients::separable::{Separable, Tap};
 
 /// What surrounds an image that was made smaller: the grey that detectors pad with.
-const AROUND: f64 = 114.0 / 255.0;
+pub const AROUND: f64 = 114.0 / 255.0;
 
 /// A separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias.
 #[derive(Debug, Clone)]
-pub(super) struct Resample(Separable);
+pub struct Resample(Separable);
 
 impl Resample {
     /// `scale` above 1 enlarges; `offset_px` moves right and down.
-    pub(super) fn new(size_px: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
+    pub fn new(size_px: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
         let size = size_px.map(|side| side as usize);
         let [columns, rows] = [0, 1].map(|axis| taps(size[axis], scale, offset_px[axis]));
         Self(Separable::new(size, columns, rows))
     }
 
-    pub(super) fn forward(&self, image: &[Rgb]) -> Vec<Rgb> {
+    /// The image, made larger or smaller and moved.
+    pub fn forward(&self, image: &[Rgb]) -> Vec<Rgb> {
         let from_grey: Vec<Rgb> = image.iter().map(|rgb| rgb.map(|v| v - AROUND)).collect();
         let mut augmented = self.0.forward(&from_grey);
         augmented.iter_mut().flatten().for_each(|v| *v += AROUND);
@@ -26,7 +27,7 @@ impl Resample {
     }
 
     /// The transposed map.
-    pub(super) fn transposed(&self, image: &[Rgb]) -> Vec<Rgb> {
+    pub fn transposed(&self, image: &[Rgb]) -> Vec<Rgb> {
         self.0.transposed(image)
     }
 }

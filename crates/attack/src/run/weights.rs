@@ -31,7 +31,7 @@ impl Against {
 const NEWEST: f64 = 0.1;
 
 /// Losses that differ by so much get weights that differ by the factor e. Losses go up to some 10 (`ln(odds / odds of the floor)`).
-const TEMPERATURE: f64 = 0.5;
+pub const TEMPERATURE: f64 = 0.5;
 
 /// The mean losses of the last steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ const LEAST: f64 = 0.05;
 
 /// True unless a lighter colour looks darker than another one, or the same. Each image comes with its colour, 8-bit sRGB of the paint's reflectance;
 /// all are of one view and exposure.
-pub(super) fn is_in_order(images: &[([u8; 3], &RgbImage)], paint: &GrayImage) -> bool {
+pub fn is_in_order(images: &[([u8; 3], &RgbImage)], paint: &GrayImage) -> bool {
     let shade = |(flat_rgb, image): &([u8; 3], &RgbImage)| (luminance(*flat_rgb), mean_luminance(image, paint));
     let mut shades: Vec<(f64, f64)> = images.iter().map(shade).collect();
     shades.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -10,7 +10,7 @@
 //! from beside it has strayed in, looks like the paint beside it in the same pixel. Where that pixel has none it is taken out of the mask, and looks
 //! like the neighbours' paint, or else as in the reference photo.
 
-mod contrast;
+pub mod contrast;
 mod draw;
 pub mod exposure;
 mod light_image;

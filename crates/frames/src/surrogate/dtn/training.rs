@@ -64,7 +64,8 @@ pub struct TrainingState {
     pub history: Vec<TrainingProgress>,
     /// Sum and number of the losses since the last entry of the history.
     losses: (f64, u64),
-    weights: Vec<Vec<f32>>,
+    /// Kernel and bias of each convolution in turn.
+    pub weights: Vec<Vec<f32>>,
     mean: Vec<Vec<f32>>,
     /// Adam's two moments of each list of weights; none before the first step.
     moments: Vec<(Vec<f32>, Vec<f32>)>,
