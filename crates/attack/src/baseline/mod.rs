@@ -162,9 +162,9 @@ impl<'a> BlackBox<'a> {
             step: self.noted as u32,
             queries: self.asked as u64,
             wall_s: self.wall_s(),
-            loss: None,
             confidence: score,
             held_out,
+            ..Entry::default()
         });
         Ok(())
     }

@@ -16,9 +16,8 @@ use serde_json::Value;
 
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_frames::frames::FramesError;
 use scaleproof_frames::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
-use scaleproof_pose::scene::{Classes, Viewpoint};
+use scaleproof_pose::scene::Classes;
 use scaleproof_session::session::{self, Conditions, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
@@ -27,8 +26,6 @@ use scaleproof_session::session::{self, Conditions, PhotoEntry, SessionError};
 pub enum EvaluateError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error(transparent)]
-    Frames(#[from] FramesError),
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
@@ -69,28 +66,14 @@ pub enum EvaluateError {
     },
 }
 
-/// A rendered photo and the truth about it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RenderedPhoto {
-    /// PNG below the evaluation's folder.
-    pub file: PathBuf,
-    /// Which paint is on the model.
-    pub variant: String,
-    /// The light: views under one light are one place.
-    pub place: String,
-    pub viewpoint: Viewpoint,
-    /// Of the whole mesh, exactly.
-    pub box_xyxy_px: BoxPx,
-}
-
 /// Every paint from every viewpoint under every light.
 #[derive(Debug)]
 pub struct RenderedSet {
     plan: RenderPlan,
     /// What the request's paints are called, in its order.
     variants: Vec<String>,
-    /// In the order of `plan.frames()`.
-    photos: Vec<RenderedPhoto>,
+    /// In the order of `plan.frames()`; their files lie below the evaluation's folder. Views under one light are one place.
+    photos: Vec<PhotoEntry>,
 }
 
 impl RenderedSet {
@@ -113,12 +96,14 @@ impl RenderedSet {
             let (request, variant) = (plan.request(), &variants[frame.colour]);
             let place = request.lights[frame.light].place();
             let name = format!("{place}_{}.png", plan.view_name(frame.viewpoint));
-            RenderedPhoto {
-                file: folder_of(variant).join(name),
+            PhotoEntry {
+                file: folder_of(variant).join(name).to_string_lossy().into_owned(),
                 variant: variant.clone(),
-                place,
-                viewpoint: request.viewpoints[frame.viewpoint],
-                box_xyxy_px: boxes[frame.viewpoint],
+                place: Some(place),
+                taken: None,
+                box_xyxy_px: Some(boxes[frame.viewpoint]),
+                viewpoint: Some(request.viewpoints[frame.viewpoint]),
+                conditions: Conditions::new(),
             }
         };
         let photos = plan.frames().iter().map(photo).collect();
@@ -126,7 +111,7 @@ impl RenderedSet {
     }
 
     /// Those of one paint together, in the order of the paints.
-    pub fn photos(&self) -> Vec<RenderedPhoto> {
+    pub fn photos(&self) -> Vec<PhotoEntry> {
         let mut photos = self.photos.clone();
         photos.sort_by_key(|photo| self.variants.iter().position(|v| *v == photo.variant));
         photos
@@ -141,17 +126,8 @@ impl RenderedSet {
         let request = self.plan.request();
         let scene = scene::scene(&request.mesh, &request.viewpoints, model);
         files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
-        let photos = self.photos().into_iter().map(|photo| PhotoEntry {
-            file: photo.file.to_string_lossy().into_owned(),
-            variant: photo.variant,
-            place: Some(photo.place),
-            taken: None,
-            box_xyxy_px: Some(photo.box_xyxy_px),
-            viewpoint: Some(photo.viewpoint),
-            conditions: Conditions::new(),
-        });
         let path = folder.join("session.json");
-        let text = session::text(&path, "scene.toml", None, photos.collect())?;
+        let text = session::text(&path, "scene.toml", None, self.photos())?;
         Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 
@@ -174,14 +150,12 @@ impl RenderedSet {
     /// Writes what the folder and each paint's folder are for, or refuses those that are for something else.
     fn reserve(&self, folder: &Path) -> Result<(), EvaluateError> {
         let views = (folder.join("render.json"), as_file(&self.plan.view_identity()));
+        let own_folder = folder.to_owned();
         if folder.join("session.json").exists() && !views.0.is_file() {
-            let folder = folder.to_owned();
-            return Err(EvaluateError::OtherSession { folder });
+            return Err(EvaluateError::OtherSession { folder: own_folder });
         }
-        let begun = std::fs::read_dir(folder.join("photos")).into_iter().flatten().flatten();
-        if begun.map(|entry| entry.path()).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
-            let folder = folder.to_owned();
-            return Err(RenderError::OtherRender { folder }.into());
+        if entries(&folder.join("photos")).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
+            return Err(RenderError::OtherRender { folder: own_folder }.into());
         }
         let mut notes = vec![views];
         for (variant, paint) in self.variants.iter().zip(&self.plan.request().colours) {
@@ -200,8 +174,13 @@ impl RenderedSet {
 
 /// What was refused before its first photo leaves the folder free.
 fn has_photos(folder: &Path) -> bool {
-    let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.any(|entry| entry.path().extension().is_some_and(|e| e == "png"))
+    entries(folder).any(|path| path.extension().is_some_and(|e| e == "png"))
+}
+
+/// What lies in a folder that may not be there.
+fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path())
 }
 
 /// True when the note is not there, or says something else.

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 
-use super::{EvaluateError, RenderedPhoto, RenderedSet};
+use super::{EvaluateError, RenderedSet};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
 use scaleproof_photo::photo::{Budget, open_png};
+use scaleproof_session::session::PhotoEntry;
 
 /// Renders the missing photos into `folder`.
 pub(super) fn render(
@@ -28,7 +29,7 @@ pub(super) fn render(
     let python = python()?;
     let plan = &evaluation.plan;
     let (work, size_px) = (&blender::work_folder(folder), plan.request().size_px);
-    let named = |(frame, photo): (&PlannedFrame, &RenderedPhoto)| (plan.frame_name(frame), folder.join(&photo.file));
+    let named = |(frame, photo): (&PlannedFrame, &PhotoEntry)| (plan.frame_name(frame), folder.join(&photo.file));
     let places: HashMap<String, PathBuf> = plan.frames().iter().zip(&evaluation.photos).map(named).collect();
     let finished = blender::run(&python, &plan.to_script(&missing, folder), work, |event| {
         if let blender::BlenderEvent::Frame(name) = event

@@ -15,7 +15,7 @@ use scaleproof_pose::scene::Classes;
 pub const FILE: &str = "history.json";
 
 /// After a step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     pub step: u32,
     /// Images looked at so far, those of judging not counted.
@@ -29,28 +29,11 @@ pub struct Entry {
     pub held_out: Option<HeldOutFigures>,
 }
 
-/// Figures with their names, and what they can be.
-type Bounded = (&'static str, f64, RangeInclusive<f64>);
-
 /// Widths of a repeat on the model, mm.
 pub const TILES_MM: RangeInclusive<f64> = 0.1..=100_000.0;
 const SHARES: RangeInclusive<f64> = 0.0..=1.0;
 /// Up to thirty years.
 const SECONDS: RangeInclusive<f64> = 0.0..=1e9;
-
-impl Entry {
-    fn figures(&self) -> impl Iterator<Item = Bounded> {
-        let of_held_out = |figures: HeldOutFigures| {
-            [
-                ("ap50", figures.ap50, SHARES),
-                ("hit_rate", figures.hit_rate, SHARES),
-                ("mean_confidence", figures.mean_confidence, SHARES),
-            ]
-        };
-        let held_out = self.held_out.into_iter().flat_map(of_held_out);
-        std::iter::once(("wall_s", self.wall_s, SECONDS)).chain(held_out)
-    }
-}
 
 /// The history of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -82,12 +65,21 @@ impl History {
 
     /// A figure that no run has.
     fn fault(&self) -> Option<String> {
-        let of_entries = self.entries.iter().flat_map(Entry::figures);
-        [("tile_mm", self.tile_mm, TILES_MM)]
-            .into_iter()
-            .chain(of_entries)
-            .find(|(_, value, possible)| !possible.contains(value))
-            .map(|(name, value, _)| format!("its {name} is {value}"))
+        let of_entry = |entry: &Entry| {
+            let of_held_out = |f: HeldOutFigures| {
+                [
+                    ("ap50", f.ap50, SHARES),
+                    ("hit_rate", f.hit_rate, SHARES),
+                    ("mean_confidence", f.mean_confidence, SHARES),
+                ]
+            };
+            let held_out = entry.held_out.into_iter().flat_map(of_held_out);
+            std::iter::once(("wall_s", entry.wall_s, SECONDS)).chain(held_out)
+        };
+        let mut figures =
+            std::iter::once(("tile_mm", self.tile_mm, TILES_MM)).chain(self.entries.iter().flat_map(of_entry));
+        let impossible = figures.find(|(_, value, possible)| !possible.contains(value));
+        impossible.map(|(name, value, _)| format!("its {name} is {value}"))
     }
 
     /// The history as a file of the folder.

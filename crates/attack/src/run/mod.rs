@@ -392,10 +392,9 @@ impl<'a> Attack<'a> {
         Ok(Entry {
             step: step + 1,
             queries: u64::from(step + 1) * count as u64,
-            wall_s: 0.0,
             loss: Some(losses.iter().sum()),
             confidence: Some(confidence),
-            held_out: None,
+            ..Entry::default()
         })
     }
 }

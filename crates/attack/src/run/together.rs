@@ -12,19 +12,10 @@ pub(super) fn on_each<T: Sync, R: Send>(
     look: impl Fn(&[&dyn WhiteBox], &T) -> Result<R, RunError> + Sync,
 ) -> Result<Vec<R>, RunError> {
     let shared: Option<Vec<&(dyn WhiteBox + Sync)>> = detectors.iter().map(|detector| detector.shared()).collect();
-    match shared {
-        Some(shared) => {
-            let own = || {
-                Ok(shared
-                    .iter()
-                    .map(|detector| *detector as &dyn WhiteBox)
-                    .collect::<Vec<_>>())
-            };
-            workers::map_over(threads, items, own, |detectors, item| look(detectors, item), || {})
-        }
-        None => {
-            let detectors: Vec<&dyn WhiteBox> = detectors.iter().map(AsRef::as_ref).collect();
-            items.iter().map(|item| look(&detectors, item)).collect()
-        }
-    }
+    let Some(shared) = shared else {
+        let detectors: Vec<&dyn WhiteBox> = detectors.iter().map(AsRef::as_ref).collect();
+        return items.iter().map(|item| look(&detectors, item)).collect();
+    };
+    let own = || Ok(Vec::from_iter(shared.iter().map(|detector| *detector as &dyn WhiteBox)));
+    workers::map_over(threads, items, own, |detectors, item| look(detectors, item), || {})
 }

@@ -42,7 +42,6 @@ pub mod photos;
 pub mod raster;
 mod read;
 pub mod render;
-mod reprojection;
 pub mod shaded;
 
 pub use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};

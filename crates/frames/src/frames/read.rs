@@ -4,13 +4,13 @@ use std::collections::HashSet;
 use std::path::{Component, Path};
 
 use image::{ColorType, RgbImage};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Point3};
 
 use super::images::{Coverage, Linear16, read_png};
-use super::reprojection::{MOST_OFF_PX, median_off_px};
 use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint, require};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::statistics::upper_median;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -20,6 +20,8 @@ const MAX_SIDE_PX: u32 = 8192;
 const MAX_CAMERA_PX: f64 = 1e6;
 /// Cameras further from the model are no cameras, mm.
 const MAX_DISTANCE_MM: f64 = 1e8;
+/// How far points may be off in the middle, px: they are stored to a fraction of a millimetre, at the centres of parts of pixels.
+const MOST_OFF_PX: f64 = 1.0;
 /// Rotations may be off by rounding.
 const RIGID_TOLERANCE: f64 = 1e-4;
 
@@ -180,6 +182,21 @@ pub fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
         message => message,
     };
     FileError::syntax(path, e.line(), message.to_owned())
+}
+
+/// The median distance between where points of the paint are seen and where camera and pose project them to, px; a point behind the camera is
+/// infinitely far off. `None` without any paint. `points`: row by row of the image, `factor` times as fine along each side.
+fn median_off_px(list: &FrameList, frame: &Frame, points: &[SurfacePoint], factor: u32) -> Option<f64> {
+    let (camera, pose) = (list.camera(), frame.pose());
+    let (width, factor) = ((list.size_px[0] * factor) as usize, f64::from(factor));
+    let off = |i: usize, point: &SurfacePoint| {
+        let projected = camera.project(&(pose * Point3::from(point.place_mm)));
+        let [x, y] = [i % width, i / width].map(|v| (v as f64 + 0.5) / factor - 0.5);
+        projected.map_or(f64::INFINITY, |[u, v]| (u - x).hypot(v - y))
+    };
+    let painted = points.iter().enumerate().filter(|(_, point)| point.side.is_some());
+    let all: Vec<f64> = painted.map(|(i, point)| off(i, point)).collect();
+    upper_median(&all)
 }
 
 fn check(set: &FrameSet) -> Result<(), String> {

@@ -88,73 +88,56 @@ struct PatternTest {
     repeated: Vec<[f64; 3]>,
 }
 
+/// A model, its tone curve's exponent, milliseconds.
+type Fitted = Result<(Box<dyn Renderer>, Option<f64>, f64), SurrogateChartError>;
+
 /// A model and what it is given.
-enum Method<'a> {
-    /// The first so many references.
-    ClosedForm(ClosedForm, usize),
-    /// One reference, by its index.
-    Trained(&'a dyn NeuralRenderer, usize),
+struct Method<'a> {
+    name: String,
+    /// Images of a view that it is given.
+    references: usize,
+    network: Option<&'a dyn NeuralRenderer>,
+    /// The model of a view.
+    fit: Box<dyn Fn(&View) -> Fitted + 'a>,
 }
 
-/// A model, its tone curve's exponent, milliseconds.
-type Fit = (Box<dyn Renderer>, Option<f64>, f64);
-
 impl<'a> Method<'a> {
-    fn all(references: &[[u8; 3]], networks: &'a [&'a dyn NeuralRenderer]) -> Result<Vec<Self>, SurrogateChartError> {
-        let closed = ClosedForm::ALL.into_iter().flat_map(|kind| {
-            (kind.least_colours()..=references.len()).map(move |count| Ok(Self::ClosedForm(kind, count)))
-        });
-        let trained = networks.iter().map(|network| {
-            let wanted = network.references();
-            let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
-            let missing = || SurrogateChartError::OtherReference {
-                network: network.name(),
-                wanted: Vec::from_iter(wanted.iter().map(|rgb| light::to_hex(*rgb))).join(" or "),
-            };
-            Ok(Self::Trained(*network, found.ok_or_else(missing)?))
-        });
-        closed.chain(trained).collect()
-    }
-
-    fn name(&self) -> String {
-        match self {
-            Self::ClosedForm(kind, _) => kind.name().to_owned(),
-            Self::Trained(network, _) => network.name(),
+    /// A closed form, given the first so many references.
+    fn closed_form(kind: ClosedForm, references: usize) -> Self {
+        let fit = move |view: &View| {
+            let (model, ms) = fastest(|| PerPixel::fit(kind, &view.flats[..references]));
+            let model = model?;
+            let power = model.tone().map(|tone| tone.power);
+            Ok((Box::new(model) as Box<dyn Renderer>, power, ms))
+        };
+        Self {
+            name: kind.name().to_owned(),
+            references,
+            network: None,
+            fit: Box::new(fit),
         }
     }
 
-    fn network(&self) -> Option<&'a dyn NeuralRenderer> {
-        match self {
-            Self::ClosedForm(..) => None,
-            Self::Trained(network, _) => Some(*network),
-        }
-    }
-
-    fn references(&self) -> usize {
-        match self {
-            Self::ClosedForm(_, count) => *count,
-            Self::Trained(..) => 1,
-        }
-    }
-
-    /// The model of a view, its tone curve's exponent, and the milliseconds it took.
-    fn fit(&self, view: &View) -> Result<Fit, SurrogateChartError> {
-        match self {
-            Self::ClosedForm(kind, count) => {
-                let (model, ms) = fastest(|| PerPixel::fit(*kind, &view.flats[..*count]));
-                let model = model?;
-                let power = model.tone().map(|tone| tone.power);
-                Ok((Box::new(model), power, ms))
-            }
-            Self::Trained(network, reference) => {
-                let (model, ms) = fastest(|| network.of_view(&view.flats[*reference].image, &view.mask));
-                let failed = |reason| SurrogateChartError::Network {
-                    network: network.name(),
-                    reason,
-                };
-                Ok((model.map_err(failed)?, None, ms))
-            }
-        }
+    /// A network, given the first of these references that it was trained to start from.
+    fn trained(network: &'a dyn NeuralRenderer, references: &[[u8; 3]]) -> Result<Self, SurrogateChartError> {
+        let (name, wanted) = (network.name(), network.references());
+        let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
+        let reference = found.ok_or_else(|| SurrogateChartError::OtherReference {
+            network: name.clone(),
+            wanted: Vec::from_iter(wanted.iter().map(|rgb| light::to_hex(*rgb))).join(" or "),
+        })?;
+        let fit = move |view: &View| {
+            let (model, ms) = fastest(|| network.of_view(&view.flats[reference].image, &view.mask));
+            let network = network.name();
+            let model = model.map_err(|reason| SurrogateChartError::Network { network, reason })?;
+            Ok((model, None, ms))
+        };
+        Ok(Self {
+            name,
+            references: 1,
+            network: Some(network),
+            fit: Box::new(fit),
+        })
     }
 }
 
@@ -169,7 +152,12 @@ pub fn measure(
     networks: &[&dyn NeuralRenderer],
     on_view: impl Fn(),
 ) -> Result<Vec<SurrogateFigures>, SurrogateChartError> {
-    let methods = Method::all(references, networks)?;
+    let closed = ClosedForm::ALL.into_iter().flat_map(|kind| {
+        let counts = kind.least_colours()..=references.len();
+        counts.map(move |count| Ok(Method::closed_form(kind, count)))
+    });
+    let trained = networks.iter().map(|network| Method::trained(*network, references));
+    let methods = closed.chain(trained).collect::<Result<Vec<_>, _>>()?;
     let mut measured: Vec<Measured> = methods.iter().map(|_| Measured::default()).collect();
     for frames in views(&set.list.frames) {
         let view = load(set, &frames, references)?;
@@ -179,11 +167,11 @@ pub fn measure(
         on_view();
     }
     let rows = methods.into_iter().zip(measured).map(|(method, m)| {
-        let network = method.network();
+        let network = method.network;
         Some(SurrogateFigures {
-            model: method.name(),
+            model: method.name,
             training_seconds: network.map(|n| n.training_seconds()),
-            references: method.references(),
+            references: method.references,
             trained_references: network.map(|n| n.references().len()),
             views: m.fit_ms.len(),
             frames: m.paint.len(),
@@ -245,7 +233,7 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
 }
 
 fn add(method: &Method, view: &View, measured: &mut Measured) -> Result<(), SurrogateChartError> {
-    let (model, power, ms) = method.fit(view)?;
+    let (model, power, ms) = (method.fit)(view)?;
     measured.fit_ms.push(ms);
     measured.power.extend(power);
     for test in &view.tests {

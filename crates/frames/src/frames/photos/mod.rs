@@ -118,6 +118,13 @@ pub struct PhotoFrames {
     pub left_out: Vec<LeftOutPhoto>,
 }
 
+impl LeftOutPhoto {
+    pub fn new(what: String, reason: impl Into<String>) -> Self {
+        let reason = reason.into();
+        Self { what, reason }
+    }
+}
+
 impl FlatPhoto {
     /// The photo's file name.
     pub fn name(&self) -> String {
@@ -176,13 +183,12 @@ pub fn make(
         match images {
             Ok(done) => {
                 made.files.extend(done.files);
-                made.views.push(about(view, done.kept));
+                made.views.push(done.view);
                 list.frames.extend(done.frames);
             }
-            Err(reason) => made.left_out.push(LeftOutPhoto {
-                what: view.reference.view_name(),
-                reason: reason.to_owned(),
-            }),
+            Err(reason) => made
+                .left_out
+                .push(LeftOutPhoto::new(view.reference.view_name(), reason)),
         }
     }
     made.frames = list.frames.len();
@@ -207,23 +213,23 @@ fn common_pinhole(
                 shared = longer;
                 kept.push(photo.clone());
             }
-            None => left_out.push(LeftOutPhoto {
-                what: photo.name(),
-                reason: format!(
+            None => {
+                let reason = format!(
                     "its image shows too little of what {} shows: hold the camera the same way, and do not zoom",
                     photos[0].name()
-                ),
-            }),
+                );
+                left_out.push(LeftOutPhoto::new(photo.name(), reason));
+            }
         }
     }
     Ok((shared, kept, left_out))
 }
 
-/// A view's files, its frames, and the share of the paint that is kept.
+/// A view's files and frames.
 struct Done {
     files: Vec<(PathBuf, Vec<u8>)>,
     frames: Vec<Frame>,
-    kept: f64,
+    view: PhotoView,
 }
 
 /// `Err` inside is why the view has no frames.
@@ -270,16 +276,12 @@ fn images(
         files.push((folder.join(&frame.rgb), encode_rgb(image)?));
         frames.push(frame);
     }
-    let kept = drawn.kept;
-    Ok(Ok(Done { files, frames, kept }))
-}
-
-fn about(view: &PhotosOfView, kept: f64) -> PhotoView {
     let others = view.others.iter().map(|o| (o.photo.name(), o.turn_deg, o.gain));
-    PhotoView {
+    let view = PhotoView {
         name: view.reference.view_name(),
         reference: view.reference.name(),
         others: others.collect(),
-        kept,
-    }
+        kept: drawn.kept,
+    };
+    Ok(Ok(Done { files, frames, view }))
 }

@@ -134,10 +134,9 @@ pub fn locate_flats(
                 located.photos.push(photo);
                 located.notes.extend(notes);
             }
-            Err(reason) => located.left_out.push(LeftOutPhoto {
-                what: entry.entry.file.clone(),
-                reason,
-            }),
+            Err(reason) => located
+                .left_out
+                .push(LeftOutPhoto::new(entry.entry.file.clone(), reason)),
         }
     }
     Ok(located)

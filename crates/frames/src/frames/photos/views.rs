@@ -42,10 +42,7 @@ pub fn views<'a>(
     for group in groups.values() {
         match best(group, flats, target_mm) {
             Ok(view) => found.push(view),
-            Err(reason) => left_out.push(LeftOutPhoto {
-                what: group[0].view_name(),
-                reason,
-            }),
+            Err(reason) => left_out.push(LeftOutPhoto::new(group[0].view_name(), reason)),
         }
     }
     (found, left_out)

@@ -40,12 +40,8 @@ pub enum BlenderEvent {
 pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError> {
     let program = files::environment::text("SCALEPROOF_PYTHON").unwrap_or_else(|| format!("python{PYTHON}"));
     let version = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"];
-    let answer = Command::new(&program)
-        .args(version)
-        .output()
-        .ok()
-        .filter(|o| o.status.success());
-    let Some(answer) = answer else {
+    let answer = Command::new(&program).args(version).output().ok();
+    let Some(answer) = answer.filter(|o| o.status.success()) else {
         return Err(RenderError::NoPython { program });
     };
     let version = String::from_utf8_lossy(&answer.stdout).trim().to_owned();

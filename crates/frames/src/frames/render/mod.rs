@@ -20,7 +20,6 @@ use std::path::{Path, PathBuf};
 use crate::frames::FramesError;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::scene::Viewpoint;
-use scaleproof_surface::mesh::MeshError;
 
 /// Why nothing, or not everything, was rendered.
 #[derive(Debug, thiserror::Error)]
@@ -30,8 +29,6 @@ pub enum RenderError {
     File(#[from] FileError),
     #[error(transparent)]
     Frames(#[from] FramesError),
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
     #[error("{what} cannot be {value}; give {wanted}")]
     BadNumber {
         what: &'static str,

@@ -95,17 +95,20 @@ impl RenderPlan {
 
     /// Every frame, those of one view together.
     pub fn frames(&self) -> Vec<PlannedFrame> {
-        let r = &self.request;
-        let (lights, viewpoints, colours) = (0..r.lights.len(), 0..r.viewpoints.len(), 0..r.colours.len());
-        let view = lights.flat_map(|light| viewpoints.clone().map(move |viewpoint| (light, viewpoint)));
-        view.flat_map(|(light, viewpoint)| {
-            colours.clone().map(move |colour| PlannedFrame {
+        let frames = self.views().flat_map(|(light, viewpoint)| {
+            (0..self.request.colours.len()).map(move |colour| PlannedFrame {
                 light,
                 viewpoint,
                 colour,
             })
-        })
-        .collect()
+        });
+        frames.collect()
+    }
+
+    /// Every viewpoint under every light, as indices.
+    fn views(&self) -> impl Iterator<Item = (usize, usize)> {
+        let viewpoints = self.request.viewpoints.len();
+        (0..self.request.lights.len()).flat_map(move |light| (0..viewpoints).map(move |viewpoint| (light, viewpoint)))
     }
 
     /// All of it, as if nothing were there yet.
@@ -171,11 +174,11 @@ impl RenderPlan {
 
     /// The patterns and textures, as files below the folder of the frames.
     pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
-        let files = self.request.colours.iter().map(|colour| {
-            let file = colour.file().map(|file| folder.join(file));
-            Ok(file.zip(colour.png()?))
-        });
-        files.filter_map(Result::transpose).collect()
+        let in_folder = |(file, png): (String, Vec<u8>)| (folder.join(file), png);
+        let stored = self.request.colours.iter().map(RenderPaint::stored);
+        stored
+            .filter_map(|paint| paint.map(|stored| stored.map(in_folder)).transpose())
+            .collect()
     }
 
     /// What `render_frames.py` gets: only what is missing in the folder.
@@ -186,28 +189,25 @@ impl RenderPlan {
             let file = l.file.as_deref().map(absolute);
             (l.place(), json!({"name": l.name, "file": file, "turn_deg": l.turn_deg}))
         });
-        let mut views = Vec::new();
-        for light in 0..r.lights.len() {
-            for viewpoint in 0..r.viewpoints.len() {
-                let frames: Vec<Value> = missing
-                    .frames
-                    .iter()
-                    .filter(|f| (f.light, f.viewpoint) == (light, viewpoint))
-                    .map(|f| json!({"name": self.frame_name(f), "paint": r.colours[f.colour].name()}))
-                    .collect();
-                // The shape is the same under every light: it comes with the first.
-                let needs_geometry = light == 0 && missing.viewpoints.contains(&viewpoint);
-                if needs_geometry || !frames.is_empty() {
-                    views.push(json!({
-                        "name": self.view_name(viewpoint),
-                        "light": r.lights[light].place(),
-                        "T_model_camera": rigid::rows(&self.pose(viewpoint).inverse()),
-                        "needs_geometry": needs_geometry,
-                        "frames": frames,
-                    }));
-                }
-            }
-        }
+        let view = |(light, viewpoint): (usize, usize)| {
+            let of_view = missing
+                .frames
+                .iter()
+                .filter(|f| (f.light, f.viewpoint) == (light, viewpoint));
+            let frame = |f: &PlannedFrame| json!({"name": self.frame_name(f), "paint": r.colours[f.colour].name()});
+            let frames: Vec<Value> = of_view.map(frame).collect();
+            // The shape is the same under every light: it comes with the first.
+            let needs_geometry = light == 0 && missing.viewpoints.contains(&viewpoint);
+            (needs_geometry || !frames.is_empty()).then(|| {
+                json!({
+                    "name": self.view_name(viewpoint),
+                    "light": r.lights[light].place(),
+                    "T_model_camera": rigid::rows(&self.pose(viewpoint).inverse()),
+                    "needs_geometry": needs_geometry,
+                    "frames": frames,
+                })
+            })
+        };
         let (low, high) = r.mesh.bounds_mm();
         let turn: Vec<[f64; 3]> = (0..3).map(|i| std::array::from_fn(|j| r.turn[(i, j)])).collect();
         json!({
@@ -227,7 +227,7 @@ impl RenderPlan {
             "geometry_factor": r.factor,
             "lights": lights.collect::<serde_json::Map<_, _>>(),
             "paints": r.colours.iter().map(colour).collect::<serde_json::Map<_, _>>(),
-            "views": views,
+            "views": self.views().filter_map(view).collect::<Vec<_>>(),
             // Linear light of the levels of 8-bit images.
             "levels": (0..=u8::MAX).map(|v| light::decode(f64::from(v) / 255.0)).collect::<Vec<_>>(),
             "raw": absolute(&work_folder(folder)),

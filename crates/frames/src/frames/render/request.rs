@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
 
-use super::Panorama;
+use super::{Panorama, RenderError};
 use crate::frames::{FramePaint, FramesError, encode_rgb, light};
 use scaleproof_core::files;
 use scaleproof_pose::scene::Viewpoint;
@@ -91,13 +91,14 @@ impl RenderPaint {
         Some(format!("{folder}/{}.png", self.name()))
     }
 
-    /// What the file holds.
-    pub(super) fn png(&self) -> Result<Option<Vec<u8>>, FramesError> {
-        match self {
-            Self::Pattern(_, pattern, _) => Ok(Some(pattern.to_png()?)),
-            Self::Texture(_, texture) => Ok(Some(encode_rgb(&texture.image)?)),
-            Self::Flat(_) | Self::Original => Ok(None),
-        }
+    /// The pattern or texture: the file below the folder of the frames, and what it holds.
+    pub(super) fn stored(&self) -> Result<Option<(String, Vec<u8>)>, RenderError> {
+        let png = match self {
+            Self::Pattern(_, pattern, _) => pattern.to_png().map_err(FramesError::from)?,
+            Self::Texture(_, texture) => encode_rgb(&texture.image)?,
+            Self::Flat(_) | Self::Original => return Ok(None),
+        };
+        Ok(self.file().map(|file| (file, png)))
     }
 
     /// What tells this paint from others.

@@ -98,22 +98,22 @@ struct Sample<'a> {
 impl TrainingPlan {
     /// What it says otherwise than another.
     fn differences(&self, other: &Self) -> String {
-        let mut words = Vec::new();
-        if self.architecture != other.architecture {
-            words.push(self.architecture.name());
-        }
-        if self.references != other.references {
-            let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
-            words.push(format!("the reference {}", colours.join(" ")));
-        }
-        if self.seed != other.seed {
-            words.push(format!("seed {}", self.seed));
-        }
-        if self.data_sha256 != other.data_sha256 {
-            let sha256 = &self.data_sha256;
-            words.push(format!("the frames {}", sha256.get(..8).unwrap_or(sha256)));
-        }
-        words.join(", ")
+        let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
+        let sha256 = &self.data_sha256;
+        let words = [
+            (self.architecture != other.architecture, self.architecture.name()),
+            (
+                self.references != other.references,
+                format!("the reference {}", colours.join(" ")),
+            ),
+            (self.seed != other.seed, format!("seed {}", self.seed)),
+            (
+                self.data_sha256 != other.data_sha256,
+                format!("the frames {}", sha256.get(..8).unwrap_or(sha256)),
+            ),
+        ];
+        let differing = words.into_iter().filter(|(differs, _)| *differs);
+        Vec::from_iter(differing.map(|(_, words)| words)).join(", ")
     }
 }
 
