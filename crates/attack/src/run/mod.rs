@@ -385,8 +385,7 @@ impl<'a> Attack<'a> {
         if let Some(printer) = &config.printer {
             gradient = printer.vjp(&state.cells, &gradient);
         }
-        let (_, penalties) = penalties(&state.cells, config);
-        add(&mut gradient, &penalties, 1.0);
+        add(&mut gradient, &penalties(&state.cells, config), 1.0);
         let (rate, range) = (learning_rate(config, step), config.range.map(|v| f64::from(v) / 255.0));
         state.adam.step(&mut state.cells, &gradient, rate, range);
         Ok(Entry {
@@ -439,21 +438,18 @@ pub fn loss_and_gradient<'a>(
     })
 }
 
-/// What a pattern is to be besides adversarial: the weighted sum, and its derivative.
-pub fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>) {
-    let mut value = 0.0;
+/// The derivative of what a pattern is to be besides adversarial: of the weighted sum.
+fn penalties(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
     let mut gradient = vec![[0.0; 3]; cells.len()];
-    let mut include = |weight: f64, (part, derivative): (f64, Vec<Rgb>)| {
-        value += weight * part;
-        add(&mut gradient, &derivative, weight);
-    };
     if config.smooth > 0.0 {
-        include(config.smooth, penalty::smooth(cells, config.cells as usize));
+        let (_, derivative) = penalty::smooth(cells, config.cells as usize);
+        add(&mut gradient, &derivative, config.smooth);
     }
     if let Some(near) = &config.near {
-        include(near.weight, penalty::distance(cells, &near.cells));
+        let (_, derivative) = penalty::distance(cells, &near.cells);
+        add(&mut gradient, &derivative, near.weight);
     }
-    (value, gradient)
+    gradient
 }
 
 /// The cells as they are on the model: as the printer makes them, or in their colours.

@@ -40,11 +40,7 @@ impl TextureMapping {
 
     /// Its name in files and options.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::World => "world",
-            Self::Sides => "sides",
-            Self::Repeated => "repeated",
-        }
+        ["world", "sides", "repeated"][self as usize]
     }
 
     /// Columns and rows of a pattern of so many cells a side: the sides' patterns lie below each other, in the order left, right, roof, front, rear, bottom.
@@ -304,13 +300,8 @@ fn load(
     if !mask.pixels().any(|p| p.0[0] >= 128) {
         return Ok(None);
     }
-    let mut flats = Vec::new();
-    for frame in frames {
-        if let Some(flat_rgb) = frame.flat_rgb() {
-            let image = set.rgb(frame)?;
-            flats.push(FlatImage { flat_rgb, image });
-        }
-    }
+    let flats = frames.iter().map(|frame| FlatImage::read(set, frame));
+    let flats: Vec<FlatImage> = flats.filter_map(Result::transpose).collect::<Result<_, _>>()?;
     let (name, default) = (|| frame.name.clone(), ClosedForm::default());
     let fitted = PerPixel::fit(default, &flats);
     let mut renderers = vec![fitted.map_err(|reason| RunError::Fit { view: name(), reason })?];

@@ -20,10 +20,7 @@ impl Against {
 
     /// Its name in files and options.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "mean",
-            Self::Worst => "worst",
-        }
+        ["mean", "worst"][self as usize]
     }
 }
 

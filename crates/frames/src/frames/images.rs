@@ -10,8 +10,6 @@ use super::{FramesError, require};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_photo::photo::{Budget, open_png};
 
-/// Linear light in 16 bits.
-pub type Linear16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
 /// The share of each pixel that something covers, 255 is all of it.
 pub type Coverage = GrayImage;
 

@@ -6,7 +6,7 @@ use std::path::{Component, Path};
 use image::{ColorType, RgbImage};
 use nalgebra::{Matrix3, Point3};
 
-use super::images::{Coverage, Linear16, read_png};
+use super::images::{Coverage, read_png};
 use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint, require};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
@@ -75,7 +75,7 @@ impl FrameSet {
         let (Some(file), Some(max)) = (&frame.linear, self.list.linear_max) else {
             return Ok(None);
         };
-        let image: Linear16 = self.image(file, "linear image", ColorType::Rgb16)?.into_rgb16();
+        let image = self.image(file, "linear image", ColorType::Rgb16)?.into_rgb16();
         let value = |level: u16| (f64::from(level) / 65535.0 * max) as f32;
         Ok(Some(image.pixels().map(|p| p.0.map(value)).collect()))
     }

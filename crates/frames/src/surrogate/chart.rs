@@ -192,12 +192,6 @@ pub fn measure(
 fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, SurrogateChartError> {
     let first = frames[0];
     let mask = set.paint_mask(first)?;
-    let flat = |frame: &Frame, flat_rgb: [u8; 3]| -> Result<FlatImage, FramesError> {
-        Ok(FlatImage {
-            flat_rgb,
-            image: set.rgb(frame)?,
-        })
-    };
     let mut flats = Vec::new();
     for colour in references {
         let found = frames.iter().find(|f| f.flat_rgb() == Some(*colour));
@@ -205,12 +199,12 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
             frame: first.name.clone(),
             colour: light::to_hex(*colour),
         })?;
-        flats.push(flat(frame, *colour)?);
+        flats.extend(FlatImage::read(set, frame)?);
     }
     let (mut tests, mut patterns) = (Vec::new(), Vec::new());
     for frame in frames {
-        if let Some(rgb) = frame.flat_rgb().filter(|rgb| !references.contains(rgb)) {
-            tests.push(flat(frame, rgb)?);
+        if frame.flat_rgb().is_some_and(|rgb| !references.contains(&rgb)) {
+            tests.extend(FlatImage::read(set, frame)?);
         }
         if let Some((pattern, tile_mm)) = set.pattern(frame)? {
             let grid = Grid::new([pattern.columns(), pattern.rows()], tile_mm);

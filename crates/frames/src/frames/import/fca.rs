@@ -69,12 +69,9 @@ struct Shot {
 /// # Errors
 /// No or too many files, broken archives, arrays of other shapes or kinds, poses that are no numbers or do not show the mesh.
 pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaFrames, FrameImportError> {
-    let (field_of_view_deg, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
-    require(FIELDS_OF_VIEW_DEG.contains(&field_of_view_deg), || {
-        FrameImportError::FieldOfView {
-            value: field_of_view_deg,
-        }
-    })?;
+    let (value, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
+    let is_view = FIELDS_OF_VIEW_DEG.contains(&value);
+    require(is_view, || FrameImportError::FieldOfView { value })?;
     require(DROPS_M.contains(&drop_m), || FrameImportError::Drop { value: drop_m })?;
     require(SCALES.contains(&scale), || FrameImportError::Scale { value: scale })?;
     let paths = archives(folder)?;
@@ -82,28 +79,23 @@ pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaF
     let sides = paint_sides(&request.mesh, &request.materials);
     let (_, high) = request.mesh.bounds_mm();
     let size_px = first.image.dimensions().into();
-    let camera = Pinhole::with_field_of_view(size_px, field_of_view_deg);
+    let camera = Pinhole::with_field_of_view(size_px, request.field_of_view_deg);
     let positions = Positions::around(&request.mesh, FACTOR);
     let work = |(): &mut (), path: &PathBuf| {
+        let wrong = |message: String| FileError::content(path, message);
         let shot = read(path)?;
         require(shot.image.dimensions() == first.image.dimensions(), || {
             let first = &first.name;
-            FileError::content(
-                path,
-                format!("its image has another size than that of {first}: frames have one camera"),
-            )
+            wrong(format!(
+                "its image has another size than that of {first}: frames have one camera"
+            ))
         })?;
         let pose = model_pose(&shot, request);
-        let what_to_check = "check the poses of both, and the mesh's length and scale";
-        let drawn = draw((&request.mesh, &sides), &pose, &camera, size_px, FACTOR).ok_or_else(|| {
-            FileError::content(
-                path,
-                format!("part of the car is not before the camera: {what_to_check}"),
-            )
-        })?;
-        require(drawn.object_mask.pixels().any(|p| p.0[0] > 0), || {
-            FileError::content(path, format!("the car is not in the image: {what_to_check}"))
-        })?;
+        let check = "check the poses of both, and the mesh's length and scale";
+        let behind = || wrong(format!("part of the car is not before the camera: {check}"));
+        let drawn = draw((&request.mesh, &sides), &pose, &camera, size_px, FACTOR).ok_or_else(behind)?;
+        let is_seen = drawn.object_mask.pixels().any(|p| p.0[0] > 0);
+        require(is_seen, || wrong(format!("the car is not in the image: {check}")))?;
         let shape = format!("masks/{}", shot.name);
         let frame = Frame {
             box_xyxy_px: drawn.box_xyxy_px,

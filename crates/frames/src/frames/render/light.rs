@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::RenderError;
+use crate::frames::require;
 
 /// The panoramas that come with Blender 4.5.
 const OWN: &str = "city courtyard forest interior night studio sunrise sunset";
@@ -29,17 +30,11 @@ impl FromStr for Panorama {
         let path = PathBuf::from(source);
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let file = extension.is_some_and(|e| e == "exr" || e == "hdr");
-        let name = if file {
-            path.file_stem().map(|s| s.to_string_lossy().into_owned())
-        } else {
-            Some(source.to_owned())
-        };
-        let name = name.ok_or_else(bad)?;
+        let stem = if file { path.file_stem() } else { Some(source.as_ref()) };
+        let name = stem.ok_or_else(bad)?.to_string_lossy().into_owned();
         let is_known = file || OWN.split(' ').any(|own| own == source);
+        require(is_known && (0.0..360.0).contains(&turn_deg), bad)?;
         let is_plain = name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c)) && !name.starts_with('.');
-        if !is_known || !(0.0..360.0).contains(&turn_deg) {
-            return Err(bad());
-        }
         if !is_plain {
             return Err(RenderError::BadLightName { name });
         }

@@ -35,9 +35,9 @@ impl PaintPixels {
         let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
         let at: Vec<[u32; 2]> = covered.map(|(x, y, _)| [x, y]).collect();
         let range = |axis: usize| {
-            let low = at.iter().map(|p| p[axis]).min().unwrap_or(0);
-            let high = at.iter().map(|p| p[axis]).max().unwrap_or(0);
-            (low, (high - low) as usize + 1)
+            let along = || at.iter().map(|p| p[axis]);
+            let low = along().min().unwrap_or(0);
+            (low, (along().max().unwrap_or(0) - low) as usize + 1)
         };
         let ((x, width), (y, height)) = (range(0), range(1));
         Self {
@@ -259,11 +259,8 @@ impl TrainingSet {
         references: &[[u8; 3]],
         on_view: impl Fn(),
     ) -> Result<Self, DtnError> {
-        let mut known: String = folders
-            .iter()
-            .chain(validation)
-            .map(|set| set.sha256.as_str())
-            .collect();
+        let sets = folders.iter().chain(validation);
+        let mut known: String = sets.map(|set| set.sha256.as_str()).collect();
         let mut all = Vec::new();
         for set in folders {
             all.extend(read(set, width_px, references, &on_view)?);

@@ -31,11 +31,7 @@ impl Encoder {
     pub const ALL: [Self; 3] = [Self::ResNet, Self::DenseNet, Self::ConvNet];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::ResNet => "resnet",
-            Self::DenseNet => "densenet",
-            Self::ConvNet => "convnet",
-        }
+        ["resnet", "densenet", "convnet"][self as usize]
     }
 }
 
@@ -62,6 +58,10 @@ impl Architecture {
         format!("{} k={}{formula}", self.encoder.name(), self.depth)
     }
 
+    fn halvings(&self) -> usize {
+        self.depth.clamp(1, Self::MAX_DEPTH)
+    }
+
     pub(super) fn is_possible(&self) -> bool {
         (1..=Self::MAX_DEPTH).contains(&self.depth)
     }
@@ -75,10 +75,9 @@ const FULL_SIZE_WIDTH: usize = 24;
 /// A darker reference shows too little for a first guess, sRGB.
 const DARKEST_REFERENCE: f32 = 0.25;
 
-/// A convolution: where its kernel and bias are among the weights.
+/// The shape of a convolution.
 #[derive(Debug, Clone, Copy)]
 struct Conv {
-    at: usize,
     ins: usize,
     outs: usize,
     kernel: usize,
@@ -94,72 +93,48 @@ impl Conv {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Stage {
-    down: Conv,
-    block: [Conv; 2],
-    /// Brings DenseNet's features together again.
-    join: Option<Conv>,
-}
-
-/// The convolutions of an architecture. Its weights are kept apart, in one list: kernel and bias of each convolution in turn.
+/// The convolutions of an architecture, in the order in which an image passes them. Its weights are kept apart, in one list: kernel and bias of
+/// each convolution in turn.
 #[derive(Debug, Clone)]
 pub(super) struct LayerShapes {
     architecture: Architecture,
     convs: Vec<Conv>,
-    stages: Vec<Stage>,
-    ups: Vec<Conv>,
-    out: Conv,
 }
 
 impl LayerShapes {
     pub(super) fn new(architecture: Architecture) -> Self {
         let mut convs = Vec::new();
-        let mut conv = |ins: usize, outs: usize, kernel: usize, stride: usize, gain: f32| {
-            let at = convs.len();
-            let conv = Conv {
-                at,
+        let mut conv = |ins, outs, kernel, stride, gain| {
+            convs.push(Conv {
                 ins,
                 outs,
                 kernel,
                 stride,
                 gain,
-            };
-            convs.push(conv);
-            conv
+            });
         };
-        let depth = architecture.depth.clamp(1, Architecture::MAX_DEPTH);
         let below = |i: usize| if i == 0 { 3 } else { WIDTHS[i - 1] };
-        let stages = (0..depth)
-            .map(|i| {
-                let width = WIDTHS[i];
-                let down = conv(below(i), width, 3, 2, 1.0);
-                let (block, join) = match architecture.encoder {
-                    Encoder::ConvNet => ([conv(width, width, 3, 1, 1.0), conv(width, width, 3, 1, 1.0)], None),
-                    // A small second convolution: the stage starts as the identity.
-                    Encoder::ResNet => ([conv(width, width, 3, 1, 1.0), conv(width, width, 3, 1, 0.1)], None),
-                    Encoder::DenseNet => {
-                        let growth = width / 2;
-                        let block = [conv(width, growth, 3, 1, 1.0), conv(width + growth, growth, 3, 1, 1.0)];
-                        (block, Some(conv(width + 2 * growth, width, 1, 1, 1.0)))
-                    }
-                };
-                Stage { down, block, join }
-            })
-            .collect();
-        let wide = |i: usize| if i == 0 { FULL_SIZE_WIDTH } else { WIDTHS[i - 1] };
-        let ups = (0..depth)
-            .rev()
-            .map(|i| conv(WIDTHS[i] + below(i), wide(i), 3, 1, 1.0))
-            .collect();
-        let out = conv(FULL_SIZE_WIDTH, architecture.transformer.channels(), 1, 1, 0.1);
-        Self {
-            architecture,
-            convs,
-            stages,
-            ups,
-            out,
+        for (i, width) in WIDTHS.into_iter().enumerate().take(architecture.halvings()) {
+            conv(below(i), width, 3, 2, 1.0);
+            if architecture.encoder == Encoder::DenseNet {
+                let growth = width / 2;
+                conv(width, growth, 3, 1, 1.0);
+                conv(width + growth, growth, 3, 1, 1.0);
+                // Brings the features together again.
+                conv(width + 2 * growth, width, 1, 1, 1.0);
+            } else {
+                conv(width, width, 3, 1, 1.0);
+                // A small second convolution of ResNet: the stage starts as the identity.
+                let is_small = architecture.encoder == Encoder::ResNet;
+                conv(width, width, 3, 1, if is_small { 0.1 } else { 1.0 });
+            }
         }
+        let wide = |i: usize| if i == 0 { FULL_SIZE_WIDTH } else { WIDTHS[i - 1] };
+        for i in (0..architecture.halvings()).rev() {
+            conv(WIDTHS[i] + below(i), wide(i), 3, 1, 1.0);
+        }
+        conv(FULL_SIZE_WIDTH, architecture.transformer.channels(), 1, 1, 0.1);
+        Self { architecture, convs }
     }
 
     /// Shapes of the weights in their order: kernels `[out, in, k, k]`, biases `[1, out, 1, 1]`.
@@ -177,25 +152,23 @@ impl LayerShapes {
         for conv in &self.convs {
             // Uniform with He's variance, 2 / count.
             let most = conv.gain * (6.0 / conv.count() as f32).sqrt();
-            let kernel = (0..conv.outs * conv.count())
-                .map(|_| rng.random_range(-most..most))
-                .collect();
-            weights.push(kernel);
+            let mut random = |_| rng.random_range(-most..most);
+            weights.push((0..conv.outs * conv.count()).map(&mut random).collect());
             weights.push(vec![0.0; conv.outs]);
         }
-        let transformer = self.architecture.transformer;
-        let (last, out) = (self.ups[self.ups.len() - 1], self.out);
+        let (transformer, out_at) = (self.architecture.transformer, self.convs.len() - 1);
+        let (last, out) = (self.convs[out_at - 1], self.convs[out_at]);
         for channel in 0..3 {
-            let feature = &mut weights[2 * last.at][channel * last.count()..][..last.count()];
+            let feature = &mut weights[2 * (out_at - 1)][channel * last.count()..][..last.count()];
             feature.fill(0.0);
             // The middle of the 3×3 window of x_ref's channel, which follows the features from below.
             feature[9 * (last.ins - 3 + channel) + 4] = 1.0;
             let levels = references.iter().map(|rgb| f32::from(rgb[channel]) / 255.0);
             let eta = (levels.sum::<f32>() / references.len().max(1) as f32).max(DARKEST_REFERENCE);
             transformer.spread(channel, transformer.open(), |map, bias| {
-                weights[2 * out.at + 1][map] = bias as f32;
+                weights[2 * out_at + 1][map] = bias as f32;
                 if map == transformer.multiplying(channel) {
-                    weights[2 * out.at][map * out.ins + channel] = 1.0 / eta;
+                    weights[2 * out_at][map * out.ins + channel] = 1.0 / eta;
                 }
             });
         }
@@ -205,34 +178,34 @@ impl LayerShapes {
     /// `reference`: `[batch, 3, height, width]`, sRGB 0 to 1, 0 outside the paint; both sizes multiples of [`Architecture::ALIGN_PX`].
     /// The result is TF, `[batch, channels, height, width]`.
     pub(super) fn forward(&self, weights: &[Tensor<4>], reference: Tensor<4>) -> Tensor<4> {
-        let apply = |conv: Conv, x: Tensor<4>| convolved(conv, weights, x);
+        let mut layers = self.convs.iter().zip(weights.chunks_exact(2));
+        // The next of the convolutions.
+        let mut next = |x: Tensor<4>| match layers.next() {
+            Some((conv, weights)) => convolved(conv, weights, x),
+            None => x,
+        };
         let mut sizes = vec![reference.clone()];
         let mut x = reference;
-        for stage in &self.stages {
-            x = relu(apply(stage.down, x));
-            let [first, second] = stage.block;
-            x = match (self.architecture.encoder, stage.join) {
-                (Encoder::ResNet, _) => {
-                    let change = apply(second, relu(apply(first, x.clone())));
-                    relu(x + change)
-                }
-                (Encoder::DenseNet, Some(join)) => {
-                    let grown = relu(apply(first, x.clone()));
+        for _ in 0..self.architecture.halvings() {
+            x = relu(next(x));
+            let grown = relu(next(x.clone()));
+            x = match self.architecture.encoder {
+                Encoder::ConvNet => relu(next(grown)),
+                Encoder::ResNet => relu(x + next(grown)),
+                Encoder::DenseNet => {
                     let x = Tensor::cat(vec![x, grown], 1);
-                    let grown = relu(apply(second, x.clone()));
-                    relu(apply(join, Tensor::cat(vec![x, grown], 1)))
+                    let grown = relu(next(x.clone()));
+                    relu(next(Tensor::cat(vec![x, grown], 1)))
                 }
-                _ => relu(apply(second, relu(apply(first, x)))),
             };
             sizes.push(x.clone());
         }
         sizes.pop();
-        for up in &self.ups {
-            let beside = sizes.pop();
-            let all = std::iter::once(doubled(x)).chain(beside).collect();
-            x = relu(apply(*up, Tensor::cat(all, 1)));
+        for _ in 0..self.architecture.halvings() {
+            let all = std::iter::once(doubled(x)).chain(sizes.pop()).collect();
+            x = relu(next(Tensor::cat(all, 1)));
         }
-        apply(self.out, x)
+        next(x)
     }
 }
 
@@ -254,8 +227,9 @@ pub(super) fn values(tensor: Tensor<4>) -> Result<Vec<f32>, DtnError> {
     tensor.try_into_vec_as().map_err(|e| DtnError::Tensor(format!("{e:?}")))
 }
 
-fn convolved(conv: Conv, weights: &[Tensor<4>], x: Tensor<4>) -> Tensor<4> {
-    let (kernel, bias) = (weights[2 * conv.at].clone(), weights[2 * conv.at + 1].clone());
+/// `weights`: kernel and bias.
+fn convolved(conv: &Conv, weights: &[Tensor<4>], x: Tensor<4>) -> Tensor<4> {
+    let (kernel, bias) = (weights[0].clone(), weights[1].clone());
     let pad = conv.kernel / 2;
     let options = ConvOptions::new([conv.stride; 2], [pad; 2], [1; 2], 1);
     conv2d(x, kernel, Some(bias.reshape([conv.outs])), options)

@@ -31,10 +31,7 @@ impl Transformer {
     pub const ALL: [Self; 2] = [Self::Texture, Self::MultiplyAdd];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Texture => "texture",
-            Self::MultiplyAdd => "multiply-add",
-        }
+        ["texture", "multiply-add"][self as usize]
     }
 
     /// How many of the four maps are not there, and 0.

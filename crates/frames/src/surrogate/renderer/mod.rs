@@ -19,7 +19,7 @@ pub use tone::Tone;
 
 use image::RgbImage;
 
-use crate::frames::Coverage;
+use crate::frames::{Coverage, Frame, FrameSet, FramesError};
 
 /// An image of the view in a flat colour.
 #[derive(Debug, Clone)]
@@ -27,6 +27,17 @@ pub struct FlatImage {
     /// 8-bit sRGB of the paint's reflectance.
     pub flat_rgb: [u8; 3],
     pub image: RgbImage,
+}
+
+impl FlatImage {
+    /// The image of a frame; `None` where its paint is not of one colour.
+    ///
+    /// # Errors
+    /// An image that cannot be read.
+    pub fn read(set: &FrameSet, frame: &Frame) -> Result<Option<Self>, FramesError> {
+        let read = |flat_rgb| set.rgb(frame).map(|image| Self { flat_rgb, image });
+        frame.flat_rgb().map(read).transpose()
+    }
 }
 
 /// Predicts the image of one view.
@@ -75,23 +86,14 @@ impl ClosedForm {
     pub const ALL: [Self; 4] = [Self::Affine, Self::Quadratic, Self::AffineCurve, Self::QuadraticCurve];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Affine => "affine",
-            Self::Quadratic => "quadratic",
-            Self::AffineCurve => "affine-curve",
-            Self::QuadraticCurve => "quadratic-curve",
-        }
+        ["affine", "quadratic", "affine-curve", "quadratic-curve"][self as usize]
     }
 
     /// Fewest colours, different in all three channels.
     pub fn least_colours(self) -> usize {
-        self.degree() + 1
-    }
-
-    fn degree(self) -> usize {
         match self {
-            Self::Affine | Self::AffineCurve => 1,
-            Self::Quadratic | Self::QuadraticCurve => 2,
+            Self::Affine | Self::AffineCurve => 2,
+            Self::Quadratic | Self::QuadraticCurve => 3,
         }
     }
 }

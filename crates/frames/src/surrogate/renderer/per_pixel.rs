@@ -45,7 +45,7 @@ impl PerPixel {
         require(flats.iter().all(|s| s.image.dimensions() == size), || FitError::Sizes)?;
         let has_curve = matches!(kind, ClosedForm::AffineCurve | ClosedForm::QuadraticCurve);
         let tone = has_curve.then(|| fitted_tone(flats, found));
-        Ok(polynomial(kind.degree(), tone, flats, 1))
+        Ok(polynomial(needed - 1, tone, flats, 1))
     }
 
     /// The tone curve, where the model has one.
