@@ -35,19 +35,17 @@ pub enum EvaluateError {
     )]
     BadName { name: String },
     #[error(
-        "{folder} holds photos of another pattern, texture or tile than `{variant}` has now; give it another name, or remove that folder",
-        folder = folder.display()
+        "{folder} holds photos of another pattern, texture or tile than `{variant}` has now; give it another name, or remove that folder"
     )]
     OtherPaint { folder: PathBuf, variant: String },
-    #[error("{folder} holds a session that no evaluation made, which would be written over; give another folder", folder = folder.display())]
+    #[error("{folder} holds a session that no evaluation made, which would be written over; give another folder")]
     OtherSession { folder: PathBuf },
-    #[error("{path} is damaged ({reason}): remove it, and the same command renders it again", path = path.display())]
+    #[error("{path} is damaged ({reason}): remove it, and the same command renders it again")]
     Damaged { path: PathBuf, reason: String },
-    #[error("{path} is not of a finished evaluation ({reason})", path = path.display())]
+    #[error("{path} is not of a finished evaluation ({reason})")]
     NotFinished { path: PathBuf, reason: String },
     #[error(
-        "{evaluation} has no photos of {pattern} repeated every {tile_mm} mm: add the pattern to the evaluation first",
-        evaluation = evaluation.display(), pattern = pattern.display()
+        "{evaluation} has no photos of {pattern} repeated every {tile_mm} mm: add the pattern to the evaluation first"
     )]
     NotRendered {
         evaluation: PathBuf,
@@ -55,8 +53,7 @@ pub enum EvaluateError {
         tile_mm: f64,
     },
     #[error(
-        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it for the same",
-        evaluation = evaluation.display(), pattern = pattern.display()
+        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it for the same"
     )]
     OtherClasses {
         evaluation: PathBuf,

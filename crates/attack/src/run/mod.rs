@@ -90,11 +90,13 @@ pub enum RunError {
          what was reached is kept"
     )]
     NotANumber { detector: String, view: String, step: u32 },
-    #[error("{path} is the checkpoint of a run with other settings, frames, detectors or classes: give another folder, or remove it", path = path.display())]
+    #[error(
+        "{path} is the checkpoint of a run with other settings, frames, detectors or classes: give another folder, or remove it"
+    )]
     OtherRun { path: PathBuf },
-    #[error("{path} is damaged: remove it, and the run begins anew", path = path.display())]
+    #[error("{path} is damaged: remove it, and the run begins anew")]
     Damaged { path: PathBuf },
-    #[error("{path} is no history of a pattern ({reason}): make it again", path = path.display())]
+    #[error("{path} is no history of a pattern ({reason}): make it again")]
     NotAHistory { path: PathBuf, reason: String },
     #[error("the run could not be saved ({0})")]
     Encode(String),

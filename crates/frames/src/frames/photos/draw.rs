@@ -43,17 +43,6 @@ struct Source<'a> {
     gain: [f64; 3],
 }
 
-/// One place of the finer image, with the light that the reference photo has there.
-enum Place {
-    Beside([f64; 3]),
-    /// The model, but not its paint.
-    Other([f64; 3]),
-    /// Paint that some photo does not see.
-    Hidden([f64; 3]),
-    /// Paint, and its light in every colour, the reference's first.
-    Paint(Side, Point3<f64>, Vec<[f64; 3]>),
-}
-
 impl<'a> Canvas<'a> {
     pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
         let sides = paint_sides(&request.mesh, &request.materials);
@@ -96,19 +85,14 @@ impl<'a> Canvas<'a> {
                 let pixel = reference.camera.project(&ray(&pinhole, [x as f64, y as f64]));
                 // The frame lies inside the photo; only rounding can leave it.
                 let light = pixel.and_then(|p| own.at(p)).unwrap_or_default();
-                let place = match raster.at(x, y) {
-                    None => Place::Beside(light),
-                    Some(hit) => match self.sides[hit.triangle] {
-                        None => Place::Other(light),
-                        Some(side) => {
-                            let point = raster.point(x, y, &hit);
-                            let found = sources.iter().map(|s| self.look_up(s, &point, hit.triangle, &centre));
-                            let lights: Option<Vec<_>> = std::iter::once(Some(light)).chain(found).collect();
-                            lights.map_or(Place::Hidden(light), |lights| Place::Paint(side, point, lights))
-                        }
-                    },
-                };
-                sums.add(x as usize, y as usize, place);
+                let hit = raster.at(x, y);
+                let paint = hit.and_then(|hit| {
+                    let side = self.sides[hit.triangle]?;
+                    let point = raster.point(x, y, &hit);
+                    let found = sources.iter().map(|s| self.look_up(s, &point, hit.triangle, &centre));
+                    Some((side, point, std::iter::once(Some(light)).chain(found).collect()))
+                });
+                sums.add([x, y].map(|v| v as usize), hit.is_some(), light, paint);
             }
         }
         let around = outline(mesh, &reference.pose, &self.pinhole);
@@ -143,6 +127,8 @@ impl<'a> Canvas<'a> {
         ))
     }
 }
+
+type PaintPlace = (Side, Point3<f64>, Option<Vec<[f64; 3]>>);
 
 /// The images while they are added up.
 struct Sums {
@@ -188,18 +174,20 @@ impl Sums {
         }
     }
 
-    fn add(&mut self, x: usize, y: usize, place: Place) {
+    /// Adds a place of the finer image: the light that the reference photo has there, whether it shows the model, and of its paint the side, the
+    /// point and the light in every colour, the reference's first; `None` where some photo does not see it.
+    fn add(&mut self, [x, y]: [usize; 2], is_object: bool, light: [f64; 3], paint: Option<PaintPlace>) {
         let factor = FACTOR as usize;
         let index = y / factor * self.size_px[0] + x / factor;
         let pixel = &mut self.pixels[index];
-        pixel.object += u32::from(!matches!(place, Place::Beside(_)));
-        match place {
-            Place::Beside(light) | Place::Other(light) => add(&mut pixel.rest, &light, 1.0),
-            Place::Hidden(light) => {
+        pixel.object += u32::from(is_object);
+        match paint {
+            None => add(&mut pixel.rest, &light, 1.0),
+            Some((_, _, None)) => {
                 pixel.hidden += 1;
                 add(&mut pixel.hidden_light, &light, 1.0);
             }
-            Place::Paint(side, point, lights) => {
+            Some((side, point, Some(lights))) => {
                 pixel.seen += 1;
                 let fine = y * self.size_px[0] * factor + x;
                 self.positions[fine] = point.coords.into();

@@ -43,7 +43,7 @@ pub enum PhotosError {
     Photo(#[from] PhotoError),
     #[error(transparent)]
     Frames(#[from] FramesError),
-    #[error("{photo} is of another size than it was a moment ago: leave the photos as they are", photo = photo.display())]
+    #[error("{photo} is of another size than it was a moment ago: leave the photos as they are")]
     Changed { photo: PathBuf },
     #[error("no pinhole camera of {width}×{height} px lies inside the images of the camera; calibrate it again")]
     NoPinhole { width: u32, height: u32 },

@@ -46,7 +46,7 @@ pub enum RenderError {
     Nothing { what: &'static str },
     #[error("a pattern or texture cannot be called {name:?}; rename its file to plain letters and digits")]
     BadName { name: String },
-    #[error("Blender cannot write below {folder}: give a folder whose path is UTF-8 text without a backslash", folder = folder.display())]
+    #[error("Blender cannot write below {folder}: give a folder whose path is UTF-8 text without a backslash")]
     BadFolder { folder: PathBuf },
     #[error("the frame {name} would be rendered twice; give each light, viewpoint and paint once")]
     Twice { name: String },
@@ -63,7 +63,7 @@ pub enum RenderError {
         .0.azimuth_deg, .0.pitch_deg, .0.distance_mm
     )]
     CutOff(Viewpoint),
-    #[error("{folder} holds frames of another render; give an empty folder, or the same arguments to go on", folder = folder.display())]
+    #[error("{folder} holds frames of another render; give an empty folder, or the same arguments to go on")]
     OtherRender { folder: PathBuf },
     #[error(
         "rendering needs Python 3.11, for which Blender's package bpy 4.5 is built, and `{program}` does not start; install it (on Debian: \
@@ -81,9 +81,11 @@ pub enum RenderError {
     Install { command: String, reason: String },
     #[error("{0}")]
     Refused(String),
-    #[error("Blender stopped after {done} of {wanted} frames; what it said is in {log}; the same command goes on where it stopped", log = log.display())]
+    #[error(
+        "Blender stopped after {done} of {wanted} frames; what it said is in {log}; the same command goes on where it stopped"
+    )]
     Stopped { done: usize, wanted: usize, log: PathBuf },
-    #[error("Blender made {path} with {found} bytes instead of {wanted}; run the command again", path = path.display())]
+    #[error("Blender made {path} with {found} bytes instead of {wanted}; run the command again")]
     Torn { path: PathBuf, found: usize, wanted: usize },
 }
 

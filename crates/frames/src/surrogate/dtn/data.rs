@@ -124,15 +124,10 @@ pub struct TrainingView {
     place: String,
     azimuth_deg: f64,
     pub paint: PaintPixels,
-    source: Source,
-}
-
-#[derive(Debug, Clone)]
-enum Source {
     /// Linear light, from which any colour is made.
-    Light(Additive),
-    /// sRGB 0 to 1 of the paint's pixels in these colours and no other.
-    Images(Vec<([u8; 3], Vec<[f32; 3]>)>),
+    light: Option<Additive>,
+    /// Without linear light: sRGB 0 to 1 of the paint's pixels in these colours and no other.
+    images: Vec<([u8; 3], Vec<[f32; 3]>)>,
 }
 
 /// Each channel of all light by a factor.
@@ -146,7 +141,7 @@ fn exposure(rng: &mut impl Rng) -> Exposure {
 /// A light that has not been there: the view's own, brighter or darker and tinted, and now and then another's of the same pose added to it.
 pub(super) struct NewLight<'a> {
     own: Exposure,
-    added: Option<(&'a TrainingView, Exposure)>,
+    added: Option<(&'a Additive, Exposure)>,
 }
 
 impl<'a> NewLight<'a> {
@@ -157,20 +152,19 @@ impl<'a> NewLight<'a> {
     };
 
     pub(super) fn random(set: &'a TrainingSet, view: &TrainingView, rng: &mut impl Rng) -> Self {
-        let mut own = exposure(rng);
-        let fellows: Vec<&TrainingView> = set.training.iter().filter(|other| view.is_same_pose(other)).collect();
+        let own = exposure(rng);
+        let fellows = set.training.iter().filter(|other| view.is_same_pose(other));
+        let fellows: Vec<&Additive> = fellows.filter_map(|other| other.light.as_ref()).collect();
         // Drawn in any case, so that a step's later numbers do not depend on the frames.
         let (share, which): (f64, f64) = (rng.random_range(-1.0..1.0), rng.random());
-        let mut other = exposure(rng);
+        let other = exposure(rng);
         if fellows.is_empty() || share < 0.0 {
             return Self { own, added: None };
         }
-        own.iter_mut().for_each(|v| *v *= 1.0 - share);
-        other.iter_mut().for_each(|v| *v *= share);
         let fellow = fellows[((which * fellows.len() as f64) as usize).min(fellows.len() - 1)];
         Self {
-            own,
-            added: Some((fellow, other)),
+            own: own.map(|v| v * (1.0 - share)),
+            added: Some((fellow, other.map(|v| v * share))),
         }
     }
 }
@@ -178,52 +172,49 @@ impl<'a> NewLight<'a> {
 impl TrainingView {
     /// sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Images without linear light keep their exposure.
     pub(super) fn image(&self, rgb: [u8; 3], new: &NewLight) -> Option<Vec<[f32; 3]>> {
-        match &self.source {
-            Source::Light(additive) => {
-                let mut light = exposed(additive, rgb, new.own);
-                if let Some((Source::Light(other), exposure)) = new.added.as_ref().map(|(v, e)| (&v.source, *e)) {
-                    for (sum, more) in light.iter_mut().zip(exposed(other, rgb, exposure)) {
-                        (0..3).for_each(|c| sum[c] += more[c]);
-                    }
-                }
-                Some(light.iter().map(|p| p.map(|v| light::encode(v) as f32)).collect())
+        let Some(additive) = &self.light else {
+            let image = self.images.iter().find(|(colour, _)| *colour == rgb);
+            return image.map(|(_, pixels)| pixels.clone());
+        };
+        let mut light = exposed(additive, rgb, new.own);
+        if let Some((other, exposure)) = new.added {
+            for (sum, more) in light.iter_mut().zip(exposed(other, rgb, exposure)) {
+                (0..3).for_each(|c| sum[c] += more[c]);
             }
-            Source::Images(all) => all.iter().find(|(colour, _)| *colour == rgb).map(|(_, p)| p.clone()),
         }
+        Some(light.iter().map(|p| p.map(|v| light::encode(v) as f32)).collect())
     }
 
     /// Another image from the same place, whose light can be added to this one's.
     fn is_same_pose(&self, other: &Self) -> bool {
-        let is_light = |view: &Self| matches!(view.source, Source::Light(_));
-        is_light(self) && is_light(other) && !std::ptr::eq(self, other) && self.paint == other.paint
+        let is_of_light = self.light.is_some() && other.light.is_some();
+        is_of_light && !std::ptr::eq(self, other) && self.paint == other.paint
+    }
+
+    fn colours(&self) -> impl Iterator<Item = [u8; 3]> {
+        self.images.iter().map(|(colour, _)| *colour)
     }
 
     /// A colour to learn from.
     pub(super) fn colour(&self, set: &TrainingSet, rng: &mut impl Rng) -> [u8; 3] {
-        match &self.source {
-            Source::Light(_) => std::array::from_fn(|_| rng.random()),
-            Source::Images(all) => {
-                let colours = all.iter().map(|(c, _)| *c);
-                let seen: Vec<[u8; 3]> = colours.filter(|c| !set.unseen.contains(c)).collect();
-                if seen.is_empty() {
-                    all[0].0
-                } else {
-                    seen[rng.random_range(0..seen.len())]
-                }
-            }
+        if self.light.is_some() {
+            return std::array::from_fn(|_| rng.random());
+        }
+        let seen: Vec<[u8; 3]> = self.colours().filter(|c| !set.unseen.contains(c)).collect();
+        match seen.len() {
+            0 => self.images[0].0,
+            count => seen[rng.random_range(0..count)],
         }
     }
 
     /// The colours it is validated in.
     pub(super) fn validation_colours(&self, set: &TrainingSet) -> Vec<[u8; 3]> {
-        match &self.source {
-            Source::Light(_) => {
-                let mut rng = Pcg32::seed_from_u64(77);
-                let mut colour = |_| std::array::from_fn(|_| rng.random());
-                (0..VALIDATION_COLOURS).map(&mut colour).collect()
-            }
-            Source::Images(all) => all.iter().map(|(c, _)| *c).filter(|c| set.unseen.contains(c)).collect(),
+        if self.light.is_none() {
+            return self.colours().filter(|c| set.unseen.contains(c)).collect();
         }
+        let mut rng = Pcg32::seed_from_u64(77);
+        let mut colour = |_| std::array::from_fn(|_| rng.random());
+        (0..VALIDATION_COLOURS).map(&mut colour).collect()
     }
 }
 
@@ -332,34 +323,32 @@ fn training_view(
         paint.at.iter().map(pixel).collect()
     };
     let linear = view.iter().filter(|f| f.linear.is_some() && f.flat_rgb().is_some());
-    let has_linear = linear.count() >= 3;
-    let source = match has_linear.then(|| Additive::of_view(set, view).ok()).flatten() {
-        Some(additive) => Source::Light(additive.mapped(of_paint)),
-        None => {
-            let mut all = Vec::new();
-            for frame in view {
-                let Some(rgb) = frame.flat_rgb() else { continue };
-                let image = set.rgb(frame)?;
-                let linear: Vec<_> = image
-                    .pixels()
-                    .map(|p| light::linear_of(p.0).map(|v| v as f32))
-                    .collect();
-                let image = of_paint(&linear);
-                let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
-                all.push((rgb, image.iter().map(srgb).collect()));
-            }
-            let has = |rgb: &[u8; 3]| all.iter().any(|(colour, _)| colour == rgb);
-            if all.len() < 2 || !references.iter().all(has) {
-                return Ok(None);
-            }
-            Source::Images(all)
+    let has_light = linear.count() >= 3;
+    let light = has_light.then(|| Additive::of_view(set, view).ok()).flatten();
+    let mut images = Vec::new();
+    if light.is_none() {
+        for frame in view {
+            let Some(rgb) = frame.flat_rgb() else { continue };
+            let image = set.rgb(frame)?;
+            let linear: Vec<_> = image
+                .pixels()
+                .map(|p| light::linear_of(p.0).map(|v| v as f32))
+                .collect();
+            let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
+            images.push((rgb, of_paint(&linear).iter().map(srgb).collect()));
         }
-    };
+        let has = |rgb: &[u8; 3]| images.iter().any(|(colour, _)| colour == rgb);
+        if images.len() < 2 || !references.iter().all(has) {
+            return Ok(None);
+        }
+    }
+    let light = light.map(|additive| additive.mapped(of_paint));
     Ok((!paint.at.is_empty()).then(|| TrainingView {
         place: view[0].place.clone(),
         azimuth_deg: set.list.viewpoint(view[0]).azimuth_deg,
+        light,
+        images,
         paint,
-        source,
     }))
 }
 
@@ -395,19 +384,17 @@ fn divide(all: Vec<TrainingView>) -> (Vec<TrainingView>, Vec<TrainingView>, Stri
             return (all.clone(), all, split.to_owned());
         }
     };
-    let is_kept = |v: &TrainingView| {
-        let of_place = place.as_ref().map(|p| v.place == *p);
-        let of_azimuth = (!kept.is_empty()).then(|| kept.contains(&azimuth_key(v)));
-        (of_place, of_azimuth)
-    };
     let (mut training, mut validation) = (Vec::new(), Vec::new());
     for view in all {
-        match is_kept(&view) {
-            (None | Some(true), None | Some(true)) => validation.push(view),
-            (None | Some(false), None | Some(false)) => training.push(view),
-            // Half unseen: neither.
-            _ => {}
+        let of_place = place.as_ref().map(|place| view.place == *place);
+        let of_azimuth = (!kept.is_empty()).then(|| kept.contains(&azimuth_key(&view)));
+        let mut is_kept = of_place.into_iter().chain(of_azimuth);
+        if is_kept.clone().all(|kept| kept) {
+            validation.push(view);
+        } else if !is_kept.any(|kept| kept) {
+            training.push(view);
         }
+        // Half unseen is neither.
     }
     (training, validation, split)
 }
@@ -418,12 +405,9 @@ fn azimuth_key(view: &TrainingView) -> i64 {
 
 /// Of colours that cannot be made, every fourth is kept for validation.
 fn unseen(training: &[TrainingView], validation: &[TrainingView], references: &[[u8; 3]]) -> BTreeSet<[u8; 3]> {
-    let mut colours = BTreeSet::new();
-    for view in training.iter().chain(validation) {
-        if let Source::Images(all) = &view.source {
-            colours.extend(all.iter().map(|(c, _)| *c).filter(|c| !references.contains(c)));
-        }
-    }
+    let views = training.iter().chain(validation);
+    let colours: BTreeSet<[u8; 3]> = views.flat_map(TrainingView::colours).collect();
+    let colours = colours.into_iter().filter(|c| !references.contains(c));
     // A single colour must be learnt from.
-    colours.into_iter().skip(1).step_by(EVERY).collect()
+    colours.skip(1).step_by(EVERY).collect()
 }

@@ -54,23 +54,23 @@ pub enum DtnError {
     File(#[from] FileError),
     #[error(
         "{folder}: no view has paint, the reference colour {colour} and another flat colour; render flat colours, or name another \
-         reference", folder = folder.display()
+         reference"
     )]
     NoViews { folder: PathBuf, colour: String },
     #[error(
         "{folder}: images of {}×{} pixels cannot be reduced to a width of {asked} by a whole factor of both sides; widths that can be had: {}",
-        found[0], found[1], widths(*found), folder = folder.display()
+        found[0], found[1], widths(*found)
     )]
     Width {
         folder: PathBuf,
         found: [u32; 2],
         asked: u32,
     },
-    #[error("{path} is no network of this program; give a file that attack train-dtn wrote", path = path.display())]
+    #[error("{path} is no network of this program; give a file that attack train-dtn wrote")]
     NotANetwork { path: PathBuf },
-    #[error("{path} is damaged: delete it and train again", path = path.display())]
+    #[error("{path} is damaged: delete it and train again")]
     Damaged { path: PathBuf },
-    #[error("{path} was trained with {found}, and not with {asked}: give the same again, or another file", path = path.display())]
+    #[error("{path} was trained with {found}, and not with {asked}: give the same again, or another file")]
     OtherTraining {
         path: PathBuf,
         found: String,
