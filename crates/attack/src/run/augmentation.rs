@@ -218,14 +218,9 @@ impl Augmentation {
         let mut slopes = vec![[0.0; 3]; image.len()];
         for (pixel, slopes) in image.iter_mut().zip(&mut slopes) {
             for ((value, slope), balance) in pixel.iter_mut().zip(slopes).zip(self.white_balance) {
-                let is_noisy = self.noise > 0.0;
-                let noise = if is_noisy {
-                    self.noise * normal::draw(&mut rng)
-                } else {
-                    0.0
-                };
+                let noise = (self.noise > 0.0).then(|| self.noise * normal::draw(&mut rng));
                 let (toned, derivative) = toned(*value, self.tone);
-                *value = self.contrast * (balance * toned - 0.5) + 0.5 + self.brightness + noise;
+                *value = self.contrast * (balance * toned - 0.5) + 0.5 + self.brightness + noise.unwrap_or(0.0);
                 if (0.0..=1.0).contains(value) {
                     *slope = balance * self.contrast * derivative;
                 }
@@ -233,7 +228,9 @@ impl Augmentation {
             }
         }
         if self.jpeg_quality < 100 {
-            image = compressed(image, size_px[0], self.jpeg_quality);
+            // It stays as it is where it cannot be encoded.
+            let lossy = as_jpeg(&to_image(&image, size_px[0]), self.jpeg_quality);
+            image = lossy.map_or(image, |lossy| of_image(&lossy));
         }
         AugmentedImage {
             image,
@@ -307,12 +304,6 @@ fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
     };
     let [columns, rows] = size_px.map(taps);
     Separable::new(size_px.map(|side| side as usize), columns, rows)
-}
-
-/// As it comes back from a JPEG; as it is where it cannot be encoded.
-fn compressed(image: Vec<Rgb>, columns: u32, quality: u8) -> Vec<Rgb> {
-    let lossy = as_jpeg(&to_image(&image, columns), quality);
-    lossy.map_or(image, |lossy| of_image(&lossy))
 }
 
 /// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is

@@ -262,8 +262,12 @@ impl<'a> Attack<'a> {
                 (found, whole.ok_or(RunError::Damaged { path })?)
             }
             None => {
-                let first = Pattern::random_grid(config.mapping.grid(config.cells), config.seed)?;
-                let cells = clipped(of_pattern(&first), config.range);
+                let first = Pattern::random_of(config.mapping.grid(config.cells), config.seed)?;
+                let [low, high] = config.range.map(|v| f64::from(v) / 255.0);
+                let cells = of_pattern(&first)
+                    .into_iter()
+                    .map(|cell| cell.map(|v| v.clamp(low, high)));
+                let cells: Vec<Rgb> = cells.collect();
                 let state = AttackState {
                     adam: Adam::new(cells.len()),
                     weights: DetectorWeights::new(detectors.len()),
@@ -387,7 +391,17 @@ impl<'a> Attack<'a> {
         if let Some(printer) = &config.printer {
             gradient = printer.vjp(&state.cells, &gradient);
         }
-        add(&mut gradient, &penalties(&state.cells, config), 1.0);
+        // What the pattern is to be besides adversarial.
+        let mut penalties = vec![[0.0; 3]; state.cells.len()];
+        if config.smooth > 0.0 {
+            let (_, derivative) = penalty::smooth(&state.cells, config.cells as usize);
+            add(&mut penalties, &derivative, config.smooth);
+        }
+        if let Some(near) = &config.near {
+            let (_, derivative) = penalty::distance(&state.cells, &near.cells);
+            add(&mut penalties, &derivative, near.weight);
+        }
+        add(&mut gradient, &penalties, 1.0);
         let (rate, range) = (learning_rate(config, step), config.range.map(|v| f64::from(v) / 255.0));
         state.adam.step(&mut state.cells, &gradient, rate, range);
         Ok(Entry {
@@ -438,20 +452,6 @@ pub fn loss_and_gradient<'a>(
         confidence,
         gradient,
     })
-}
-
-/// The derivative of what a pattern is to be besides adversarial: of the weighted sum.
-fn penalties(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
-    let mut gradient = vec![[0.0; 3]; cells.len()];
-    if config.smooth > 0.0 {
-        let (_, derivative) = penalty::smooth(cells, config.cells as usize);
-        add(&mut gradient, &derivative, config.smooth);
-    }
-    if let Some(near) = &config.near {
-        let (_, derivative) = penalty::distance(cells, &near.cells);
-        add(&mut gradient, &derivative, near.weight);
-    }
-    gradient
 }
 
 /// The cells as they are on the model: as the printer makes them, or in their colours.
@@ -542,10 +542,4 @@ pub fn to_image(cells: &[Rgb], columns: u32) -> RgbImage {
     RgbImage::from_fn(columns, cells.len() as u32 / columns, |x, y| {
         image::Rgb(cells[(y * columns + x) as usize].map(|v| (255.0 * v).round() as u8))
     })
-}
-
-fn clipped(mut cells: Vec<Rgb>, range: [u8; 2]) -> Vec<Rgb> {
-    let [low, high] = range.map(|v| f64::from(v) / 255.0);
-    cells.iter_mut().flatten().for_each(|v| *v = v.clamp(low, high));
-    cells
 }

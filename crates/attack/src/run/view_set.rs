@@ -313,7 +313,13 @@ fn load(
         TextureMapping::Repeated => Place::Repeated(mask),
         TextureMapping::World | TextureMapping::Sides => {
             let how = (Sampling::Nearest, mapping == TextureMapping::Sides);
-            let projections = world::project_misplaced(set, frame, grid, how, &misplacements(view, eot))?;
+            // The true place, and others for the view of this number, the same in every run.
+            let mut rng = Pcg32::seed_from_u64(view as u64);
+            let mut places = vec![Misplacement::NONE];
+            if eot.misplaces() {
+                places.extend((0..MISPLACED).map(|_| eot.misplaced(&mut rng)));
+            }
+            let projections = world::project_misplaced(set, frame, grid, how, &places)?;
             Place::World(projections.ok_or_else(|| RunError::NoPositions { view: name() })?)
         }
     };
@@ -327,12 +333,4 @@ fn load(
         renderers,
         place,
     }))
-}
-
-/// The true place, and others for the view of this number, the same in every run.
-fn misplacements(view: usize, eot: &Eot) -> Vec<Misplacement> {
-    let mut rng = Pcg32::seed_from_u64(view as u64);
-    let count = if eot.misplaces() { MISPLACED } else { 0 };
-    let others = (0..count).map(|_| eot.misplaced(&mut rng));
-    std::iter::once(Misplacement::NONE).chain(others).collect()
 }

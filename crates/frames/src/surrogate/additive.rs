@@ -120,7 +120,14 @@ pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<
             }
         }
         for rgb in colours {
-            let frame = in_colour(view[0], *rgb, list.frames.len());
+            let name = format!("{:05}_{}", list.frames.len(), light::to_hex(*rgb));
+            let frame = Frame {
+                rgb: format!("rgb/{name}.png"),
+                name,
+                linear: None,
+                paint: FramePaint::FlatRgb(*rgb),
+                ..view[0].clone()
+            };
             let pixels = additive.rgb(*rgb).into_iter().flatten().collect();
             let [width, height] = set.list.size_px;
             let image = RgbImage::from_raw(width, height, pixels).unwrap_or_default();
@@ -130,18 +137,6 @@ pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<
     }
     new.push(list.to_file(output)?);
     Ok((new, list.frames.len()))
-}
-
-/// A frame of the view of `of` in another flat colour, under a name and image file of its own and without linear light.
-fn in_colour(of: &Frame, rgb: [u8; 3], number: usize) -> Frame {
-    let name = format!("{number:05}_{}", light::to_hex(rgb));
-    Frame {
-        rgb: format!("rgb/{name}.png"),
-        name,
-        linear: None,
-        paint: FramePaint::FlatRgb(rgb),
-        ..of.clone()
-    }
 }
 
 /// The weights of values at `levels` in the value at `at` of the polynomial through them.

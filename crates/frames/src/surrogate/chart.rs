@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
-use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
+use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
 use scaleproof_core::workers::fastest;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 
@@ -22,7 +22,7 @@ pub enum SurrogateChartError {
     #[error("the network {network} starts from {wanted}, which is not among the references; add it")]
     OtherReference { network: String, wanted: String },
     #[error("the network {network}: {reason}")]
-    Network { network: String, reason: NotComputed },
+    Network { network: String, reason: String },
     #[error("no view has a flat colour besides the references, so there is nothing to predict: render one more")]
     NothingToPredict,
 }

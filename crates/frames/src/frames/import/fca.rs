@@ -17,7 +17,6 @@ use super::{FIELDS_OF_VIEW_DEG, FrameImportError, is_plain};
 use crate::frames::drawn::{draw, paint_sides};
 use crate::frames::{Frame, FrameList, FramePaint, Pinhole, Positions, encode_rgb, require};
 use scaleproof_core::files::FileError;
-use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::length::SCALES;
 use scaleproof_core::workers;
 use scaleproof_surface::mesh::Mesh;
@@ -90,7 +89,11 @@ pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaF
                 "its image has another size than that of {first}: frames have one camera"
             ))
         })?;
-        let pose = model_pose(&shot, request);
+        let mut stand = shot.vehicle;
+        stand.place_m[2] -= request.drop_m;
+        let mut pose = pose(&shot.camera, &stand);
+        // At model scale.
+        pose.translation.vector /= request.scale;
         let check = "check the poses of both, and the mesh's length and scale";
         let behind = || wrong(format!("part of the car is not before the camera: {check}"));
         let drawn = draw((&request.mesh, &sides), &pose, &camera, size_px, FACTOR).ok_or_else(behind)?;
@@ -197,13 +200,4 @@ fn transform(array: Array) -> Result<Transform, FrameImportError> {
     };
     require(transform.is_finite(), || not_finite)?;
     Ok(transform)
-}
-
-/// `T_camera_model` at model scale.
-fn model_pose(shot: &Shot, request: &FcaRequest) -> Rigid {
-    let mut vehicle = shot.vehicle;
-    vehicle.place_m[2] -= request.drop_m;
-    let mut pose = pose(&shot.camera, &vehicle);
-    pose.translation.vector /= request.scale;
-    pose
 }

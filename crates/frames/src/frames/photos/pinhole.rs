@@ -41,20 +41,18 @@ pub(super) fn size_px(camera: &Camera, width_px: u32) -> [u32; 2] {
 }
 
 fn is_inside(pinhole: &Pinhole, camera: &Camera, size_px: [u32; 2]) -> bool {
+    // Without distortion the frame's border is the photo's, up to rounding.
+    const ROUNDING_PX: f64 = 1e-6;
     let [width, height] = size_px.map(f64::from);
+    let within = |at: f64, side: u32| (-0.5 - ROUNDING_PX..=f64::from(side) - 0.5 + ROUNDING_PX).contains(&at);
+    let is_in_photo = |pixel: [f64; 2]| {
+        let seen = camera.project(&ray(pinhole, pixel));
+        seen.is_some_and(|[u, v]| within(u, camera.width) && within(v, camera.height))
+    };
     let along = |i: usize, side: f64| side * i as f64 / PLACES as f64 - 0.5;
     (0..=PLACES).all(|i| {
         let (x, y) = (along(i, width), along(i, height));
         let border = [[x, -0.5], [x, height - 0.5], [-0.5, y], [width - 0.5, y]];
-        border.iter().all(|pixel| is_in_photo(pinhole, camera, *pixel))
-    })
-}
-
-fn is_in_photo(pinhole: &Pinhole, camera: &Camera, pixel: [f64; 2]) -> bool {
-    // Without distortion the frame's border is the photo's, up to rounding.
-    const ROUNDING_PX: f64 = 1e-6;
-    camera.project(&ray(pinhole, pixel)).is_some_and(|[u, v]| {
-        let inside = |at: f64, side: u32| (-0.5 - ROUNDING_PX..=f64::from(side) - 0.5 + ROUNDING_PX).contains(&at);
-        inside(u, camera.width) && inside(v, camera.height)
+        border.into_iter().all(is_in_photo)
     })
 }

@@ -73,18 +73,17 @@ fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
             std::fs::rename(&temporary, packages).map_err(|e| FileError::write(packages, &e))?;
             return Ok(());
         }
-        Ok(o) => last_line(&String::from_utf8_lossy(&o.stderr)),
+        Ok(o) => {
+            let said = String::from_utf8_lossy(&o.stderr);
+            let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
+            last.unwrap_or("nothing").to_owned()
+        }
         Err(e) => files::plain(e),
     };
     // Half an installation is of no use; that it cannot be removed is no second error.
     let _ = std::fs::remove_dir_all(&temporary);
     let command = format!("{program} -m pip install {PACKAGE}");
     Err(RenderError::Install { command, reason })
-}
-
-fn last_line(text: &str) -> String {
-    let line = text.lines().rev().find(|line| !line.trim().is_empty());
-    line.unwrap_or("nothing").trim().to_owned()
 }
 
 /// Where the images of a folder, and what Blender says, lie until the images are whole.

@@ -8,7 +8,7 @@ use super::network::{Architecture, LayerShapes, values};
 use super::transformer::Maps;
 use super::{DtnError, Transformer};
 use crate::frames::{Coverage, light};
-use crate::surrogate::renderer::{NeuralRenderer, NotComputed, Renderer};
+use crate::surrogate::renderer::{NeuralRenderer, Renderer};
 
 /// A network that is trained.
 #[derive(Debug, Clone)]
@@ -76,8 +76,8 @@ impl NeuralRenderer for DtnNetwork {
         self.training_seconds
     }
 
-    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, NotComputed> {
-        let view = self.view(reference, mask).map_err(|e| NotComputed(e.to_string()))?;
+    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String> {
+        let view = self.view(reference, mask).map_err(|e| e.to_string())?;
         Ok(Box::new(view))
     }
 }

@@ -56,6 +56,8 @@ pub fn project(
         // Behind the camera the plane is not seen.
         (at.z > 1e-12).then(|| [at.x / at.z, at.y / at.z])
     };
+    let [right, down] = jitter.shift_tiles;
+    let (right, down) = (right * f64::from(grid.columns), down * f64::from(grid.rows));
     let pixel = |x: u32, y: u32| {
         if paint_mask.get_pixel(x, y).0[0] < 128 {
             return Vec::new();
@@ -64,20 +66,15 @@ pub fn project(
         let offset = |part: u32| (f64::from(part) + 0.5) / f64::from(PARTS) - 0.5;
         parts
             .filter_map(|(i, j)| see(f64::from(x) + offset(i), f64::from(y) + offset(j)))
-            .map(|uv| jittered(grid, in_cells(grid, uv), jitter))
+            .map(|uv| {
+                let [column, row] = in_cells(grid, uv).map(|cells| cells / jitter.scale);
+                [column - right, row - down]
+            })
             .collect()
     };
     let [width, height] = list.size_px;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     Projection::from_points(grid, sampling, pixels.map(|(x, y)| pixel(x, y)))
-}
-
-fn jittered(grid: &Grid, [column, row]: [f64; 2], jitter: &Jitter) -> [f64; 2] {
-    let [right, down] = jitter.shift_tiles;
-    [
-        column / jitter.scale - right * f64::from(grid.columns),
-        row / jitter.scale - down * f64::from(grid.rows),
-    ]
 }
 
 /// The homography from the plane's (u, v, 1), mm, to homogeneous pixels, positive in front of the camera.

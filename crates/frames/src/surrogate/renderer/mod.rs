@@ -62,14 +62,9 @@ pub trait NeuralRenderer {
     /// The model of a view, from its image in a reference colour and the paint's coverage, of one size.
     ///
     /// # Errors
-    /// Tensors that cannot be computed.
-    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, NotComputed>;
+    /// Why tensors cannot be computed, as a sentence.
+    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String>;
 }
-
-/// Why a network gave no model of a view.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct NotComputed(pub String);
 
 /// Which model. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
