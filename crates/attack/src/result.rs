@@ -28,7 +28,23 @@ pub fn write(
 ) -> Result<PathBuf, RunError> {
     let path = folder.join(PATTERN);
     let png = encode_rgb(&to_image(cells, columns))?;
-    let card = card(&png, (columns, mapping), history).to_file(&path)?;
+    let about = json!({
+        "made_by": format!("scaleproof {} attack, method {}", history.scaleproof, history.method),
+        "cells": mapping.grid(columns),
+        "seed": history.seed,
+        "detectors": history.detectors,
+        "classes": history.classes,
+        "frames_sha256": history.frames_sha256,
+        "queries": history.queries(),
+        "held_out_by_renderer_model": history.last_judged().map(|(_, figures)| figures),
+    });
+    let card = Card {
+        pattern_sha256: files::sha256_hex(&png),
+        tile_mm: history.tile_mm,
+        sides: mapping == TextureMapping::Sides,
+        about: about.as_object().cloned().unwrap_or_default(),
+    };
+    let card = card.to_file(&path)?;
     let mut new = vec![(path.clone(), png), card, history.to_file(folder)?];
     let config_path = folder.join(CONFIG);
     if let Some(config) = config {
@@ -40,23 +56,4 @@ pub fn write(
         files::remove(&config_path)?;
     }
     Ok(path)
-}
-
-fn card(png: &[u8], (columns, mapping): (u32, TextureMapping), history: &History) -> Card {
-    let about = json!({
-        "made_by": format!("scaleproof {} attack, method {}", history.scaleproof, history.method),
-        "cells": mapping.grid(columns),
-        "seed": history.seed,
-        "detectors": history.detectors,
-        "classes": history.classes,
-        "frames_sha256": history.frames_sha256,
-        "queries": history.queries(),
-        "held_out_by_renderer_model": history.last_judged().map(|(_, figures)| figures),
-    });
-    Card {
-        pattern_sha256: files::sha256_hex(png),
-        tile_mm: history.tile_mm,
-        sides: mapping == TextureMapping::Sides,
-        about: about.as_object().cloned().unwrap_or_default(),
-    }
 }

@@ -6,7 +6,6 @@
 
 pub mod finished;
 mod photos;
-pub mod scene;
 pub mod time_chart;
 
 use std::collections::HashSet;
@@ -17,7 +16,7 @@ use serde_json::Value;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_frames::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
-use scaleproof_pose::scene::Classes;
+use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, Viewpoint};
 use scaleproof_session::session::{self, Conditions, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
@@ -119,9 +118,34 @@ impl RenderedSet {
     ///
     /// # Errors
     /// A folder that takes no files.
-    pub fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
-        let request = self.plan.request();
-        let scene = scene::scene(&request.mesh, &request.viewpoints, model);
+    pub fn write_session(
+        &self,
+        folder: &Path,
+        (name, class, scale): (&str, &Classes, f64),
+    ) -> Result<(), EvaluateError> {
+        let RenderRequest { mesh, viewpoints, .. } = self.plan.request();
+        let each = |of: fn(&Viewpoint) -> f64| {
+            let mut values: Vec<f64> = viewpoints.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        };
+        let scene = Scene {
+            model: ScaleModel {
+                name: name.to_owned(),
+                scale,
+                class: class.clone(),
+                size_mm: mesh.size_mm(),
+                // Every photo says its box.
+                envelope: Envelope::Box,
+            },
+            bins: Bins {
+                azimuth_deg: azimuth_step(&each(|v| v.azimuth_deg)),
+                pitch_deg: each(|v| v.pitch_deg),
+                distance_mm: each(|v| v.distance_mm),
+            },
+            tags: Vec::new(),
+        };
         files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
         let path = folder.join("session.json");
         let text = session::text(&path, "scene.toml", None, self.photos())?;
@@ -167,6 +191,13 @@ impl RenderedSet {
         notes.extend(self.plan.pattern_files(folder)?);
         Ok(files::replace_all_atomically(&notes)?)
     }
+}
+
+/// The width of azimuth bins, which divides 360° and comes next to the smallest step between two azimuths (ascending).
+pub fn azimuth_step(azimuths: &[f64]) -> f64 {
+    let gaps = azimuths.windows(2).map(|pair| pair[1] - pair[0]);
+    let smallest = gaps.fold(360.0, f64::min);
+    360.0 / (360.0 / smallest).round().clamp(1.0, 360.0)
 }
 
 /// What was refused before its first photo leaves the folder free.

@@ -1,4 +1,4 @@
-use scaleproof_attack::evaluate::scene::azimuth_step;
+use scaleproof_attack::evaluate::azimuth_step;
 
 #[test]
 fn bins_are_as_fine_as_the_azimuths() {

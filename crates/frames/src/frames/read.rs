@@ -246,39 +246,24 @@ fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
     }
     let [width, height] = set.list.size_px.map(f64::from);
     let in_image = |b: BoxPx| b.clipped(width, height).is_solid();
-    let is_tile = match frame.paint {
-        FramePaint::Pattern { tile_mm, .. } => tile_mm > 0.0 && tile_mm.is_finite(),
-        _ => true,
-    };
-    let conditions = [
-        (
-            frame.linear.is_none() || set.list.linear_max.is_some(),
-            "it has a linear image, but the list has no linear_max",
-        ),
-        (
-            frame.positions.is_some() == frame.sides.is_some(),
-            "positions and sides belong together: give both or neither",
-        ),
-        (
-            frame.positions.is_none() || set.list.positions.is_some(),
-            "it has positions, but the list does not say what their values mean",
-        ),
-        (is_tile, "the tile_mm of its pattern must be above 0"),
-        (
-            frame.box_xyxy_px.is_none_or(|b| b.is_solid()),
-            "its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels",
-        ),
-        (
-            frame.box_xyxy_px.is_none_or(in_image),
-            "its box_xyxy_px lies outside the image: give it in pixels of the image",
-        ),
-        (
-            is_pose(&frame.t_camera_model),
-            "its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm",
-        ),
-    ];
-    let broken = conditions.into_iter().find(|(holds, _)| !holds);
-    broken.map_or(Ok(()), |(_, reason)| Err(reason.to_owned()))
+    let check = |holds: bool, reason: &str| require(holds, || reason.to_owned());
+    let has_max = frame.linear.is_none() || set.list.linear_max.is_some();
+    check(has_max, "it has a linear image, but the list has no linear_max")?;
+    let both = frame.positions.is_some() == frame.sides.is_some();
+    check(both, "positions and sides belong together: give both or neither")?;
+    let has_bounds = frame.positions.is_none() || set.list.positions.is_some();
+    let reason = "it has positions, but the list does not say what their values mean";
+    check(has_bounds, reason)?;
+    if let FramePaint::Pattern { tile_mm, .. } = frame.paint {
+        let is_width = tile_mm > 0.0 && tile_mm.is_finite();
+        check(is_width, "the tile_mm of its pattern must be above 0")?;
+    }
+    let is_solid = frame.box_xyxy_px.is_none_or(|b| b.is_solid());
+    check(is_solid, "its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels")?;
+    let reason = "its box_xyxy_px lies outside the image: give it in pixels of the image";
+    check(frame.box_xyxy_px.is_none_or(in_image), reason)?;
+    let reason = "its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm";
+    check(is_pose(&frame.t_camera_model), reason)
 }
 
 /// Whether a matrix is a rotation and a translation that a camera can have.

@@ -121,9 +121,9 @@ pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBu
         let paint = paint(&row.paint).map_err(wrong)?;
         let pose = carla::pose(&row.camera(), &row.vehicle());
         let target_mm = [0.0, 0.0, 1000.0 * about.target_height_m];
-        require((pose * Point3::from(target_mm)).z > 0.0, || {
-            wrong("the camera looks away from the vehicle: check the poses of both".to_owned())
-        })?;
+        let is_ahead = (pose * Point3::from(target_mm)).z > 0.0;
+        let message = "the camera looks away from the vehicle: check the poses of both";
+        require(is_ahead, || wrong(message.to_owned()))?;
         let rgb = image(folder, name)?;
         let size_px = rgb.dimensions().into();
         let list = list.get_or_insert_with(|| {
@@ -155,33 +155,21 @@ pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBu
 
 fn about(path: &Path) -> Result<About, FrameImportError> {
     let about: About = serde_json::from_str(&files::read_text(path)?).map_err(|e| syntax(path, &e))?;
-    let height_m = about.target_height_m;
-    let conditions = [
-        (
-            FIELDS_OF_VIEW_DEG.contains(&about.field_of_view_deg),
-            "field_of_view_deg must be 1 to 170, horizontal",
-        ),
-        (
-            !about.object_rgb.is_empty(),
-            "object_rgb must list the mask's colours of the model",
-        ),
-        (
-            height_m > 0.0 && height_m.is_finite(),
-            "target_height_m must be half the model's height in metres",
-        ),
-    ];
-    for (holds, message) in conditions {
-        require(holds, || FileError::content(path, message))?;
-    }
+    let check = |holds, message: &str| require(holds, || FileError::content(path, message));
+    let is_view = FIELDS_OF_VIEW_DEG.contains(&about.field_of_view_deg);
+    check(is_view, "field_of_view_deg must be 1 to 170, horizontal")?;
+    let has_colours = !about.object_rgb.is_empty();
+    check(has_colours, "object_rgb must list the mask's colours of the model")?;
+    let is_height = about.target_height_m > 0.0 && about.target_height_m.is_finite();
+    check(is_height, "target_height_m must be half the model's height in metres")?;
     Ok(about)
 }
 
 /// The lines with their numbers, each frame once.
 fn rows(path: &Path) -> Result<Vec<(usize, Row)>, FrameImportError> {
     let text = files::read_text(path)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
+    let mut reader = csv::ReaderBuilder::new();
+    let mut reader = reader.trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut names = std::collections::HashSet::new();
     let mut rows = Vec::new();
     for (index, row) in reader.deserialize::<Row>().enumerate() {
@@ -195,17 +183,13 @@ fn rows(path: &Path) -> Result<Vec<(usize, Row)>, FrameImportError> {
             _ => wrong(e.to_string()),
         })?;
         let name = &row.name;
-        require(is_plain(name), || {
-            wrong(format!(
-                "the name {name:?} may have letters, digits, '-', '_', '.' and '@' only"
-            ))
-        })?;
-        require(names.insert(name.clone()), || {
-            wrong(format!("the frame {name} is listed twice"))
-        })?;
-        require(row.camera().is_finite() && row.vehicle().is_finite(), || {
-            wrong("a pose has a number that is not finite".to_owned())
-        })?;
+        let check = |holds, message: String| require(holds, || wrong(message));
+        let message = format!("the name {name:?} may have letters, digits, '-', '_', '.' and '@' only");
+        check(is_plain(name), message)?;
+        let is_new = names.insert(name.clone());
+        check(is_new, format!("the frame {name} is listed twice"))?;
+        let is_finite = row.camera().is_finite() && row.vehicle().is_finite();
+        check(is_finite, "a pose has a number that is not finite".to_owned())?;
         rows.push((number, row));
     }
     Ok(rows)
@@ -244,11 +228,8 @@ fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], F
         GrayImage::from_fn(width, height, |x, y| Luma([level(x, y)]))
     };
     // From above, paint may be all that is seen of the model.
-    let (key, paint_rgb) = if about.paint_rgb.is_empty() {
-        ("object_rgb", &about.object_rgb)
-    } else {
-        ("paint_rgb", &about.paint_rgb)
-    };
+    let paints = [("paint_rgb", &about.paint_rgb), ("object_rgb", &about.object_rgb)];
+    let (key, paint_rgb) = paints[usize::from(about.paint_rgb.is_empty())];
     let paint = covered(paint_rgb);
     require(paint.pixels().any(|p| p.0[0] > 0), || {
         let message = format!(

@@ -13,7 +13,6 @@
 pub mod contrast;
 mod draw;
 pub mod exposure;
-mod light_image;
 mod pinhole;
 pub mod sessions;
 pub mod views;

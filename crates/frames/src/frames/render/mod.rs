@@ -8,7 +8,6 @@ mod collect;
 mod light;
 mod plan;
 mod request;
-mod surface;
 
 pub use collect::{srgb, triples};
 pub use light::Panorama;

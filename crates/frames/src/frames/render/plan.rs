@@ -8,14 +8,14 @@ use serde_json::{Value, json};
 
 use super::blender::work_folder;
 use super::request::{RenderPaint, RenderRequest, absolute};
-use super::surface::surface;
 use super::{Panorama, RenderError};
-use crate::frames::drawn::seen_box;
+use crate::frames::drawn::{number, paint_sides, seen_box};
 use crate::frames::{Frame, FrameList, Pinhole, Positions, light, require};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::geometry::rigid::{self, Rigid};
 use scaleproof_pose::simulate::looking_at;
+use scaleproof_surface::mesh::doubled_area;
 
 /// The linear light that the highest level of a linear image stands for: two stops above white.
 pub(super) const LINEAR_MAX: f64 = 4.0;
@@ -64,11 +64,8 @@ impl RenderPlan {
         check(&request)?;
         let hash = |file: &Path| files::read(file).map(|bytes| files::sha256_hex(&bytes));
         let mesh_sha256 = hash(&request.mesh_file)?;
-        let of_lights = request
-            .lights
-            .iter()
-            .map(|light| light.file.as_deref().map(hash).transpose());
-        let lights_sha256 = of_lights.collect::<Result<_, _>>()?;
+        let of_light = |light: &Panorama| light.file.as_deref().map(hash).transpose();
+        let lights_sha256 = request.lights.iter().map(of_light).collect::<Result<_, _>>()?;
         let (low, high) = request.mesh.bounds_mm();
         let target_mm = Point3::new(0.0, 0.0, 0.5 * high.z);
         for view in &request.viewpoints {
@@ -174,10 +171,10 @@ impl RenderPlan {
 
     /// The patterns and textures, as files below the folder of the frames.
     pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
-        let in_folder = |(file, png): (String, Vec<u8>)| (folder.join(file), png);
         let stored = self.request.colours.iter().map(RenderPaint::stored);
+        let stored = stored.filter_map(Result::transpose);
         stored
-            .filter_map(|paint| paint.map(|stored| stored.map(in_folder)).transpose())
+            .map(|file| file.map(|(name, png)| (folder.join(name), png)))
             .collect()
     }
 
@@ -190,12 +187,9 @@ impl RenderPlan {
             (l.place(), json!({"name": l.name, "file": file, "turn_deg": l.turn_deg}))
         });
         let view = |(light, viewpoint): (usize, usize)| {
-            let of_view = missing
-                .frames
-                .iter()
-                .filter(|f| (f.light, f.viewpoint) == (light, viewpoint));
+            let is_of_view = |f: &&PlannedFrame| (f.light, f.viewpoint) == (light, viewpoint);
             let frame = |f: &PlannedFrame| json!({"name": self.frame_name(f), "paint": r.colours[f.colour].name()});
-            let frames: Vec<Value> = of_view.map(frame).collect();
+            let frames: Vec<Value> = missing.frames.iter().filter(is_of_view).map(frame).collect();
             // The shape is the same under every light: it comes with the first.
             let needs_geometry = light == 0 && missing.viewpoints.contains(&viewpoint);
             (needs_geometry || !frames.is_empty()).then(|| {
@@ -246,10 +240,8 @@ impl RenderPlan {
         let outline = |viewpoint| seen_box(&self.projected(viewpoint)?, r.size_px);
         let boxes: Vec<Option<BoxPx>> = (0..r.viewpoints.len()).map(outline).collect();
         let frame = |frame: PlannedFrame| {
-            let (name, shape) = (
-                self.frame_name(&frame),
-                format!("views/{}", self.view_name(frame.viewpoint)),
-            );
+            let name = self.frame_name(&frame);
+            let shape = format!("views/{}", self.view_name(frame.viewpoint));
             let (pose, paint) = (self.pose(frame.viewpoint), r.colours[frame.colour].paint());
             Frame {
                 linear: Some(format!("linear/{name}.png")),
@@ -297,8 +289,8 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
         (request.viewpoints.is_empty(), "viewpoint"),
         (request.colours.is_empty(), "flat colour, pattern or texture"),
     ];
-    if let Some((_, what)) = nothing.into_iter().find(|(is_missing, _)| *is_missing) {
-        return Err(RenderError::Nothing { what });
+    for (is_missing, what) in nothing {
+        require(!is_missing, || RenderError::Nothing { what })?;
     }
     let number = |what, value, wanted, is_fine| require(is_fine, || RenderError::BadNumber { what, value, wanted });
     let within =
@@ -306,20 +298,12 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
     for px in request.size_px {
         within("a side of the frames", px.into(), 16.0..=2048.0, "16 to 2048 px")?;
     }
-    within(
-        "the field of view",
-        request.field_of_view_deg,
-        5.0..=120.0,
-        "5 to 120 degrees",
-    )?;
+    let (fov, samples, factor) = (request.field_of_view_deg, request.samples, request.factor);
+    within("the field of view", fov, 5.0..=120.0, "5 to 120 degrees")?;
     within("the roughness", request.roughness, 0.0..=1.0, "0 to 1")?;
-    within("samples", request.samples.into(), 1.0..=65536.0, "1 to 65536")?;
-    within(
-        "the positions in a pixel",
-        request.factor.into(),
-        1.0..=8.0,
-        "1 to 8 along a side",
-    )?;
+    within("samples", samples.into(), 1.0..=65536.0, "1 to 65536")?;
+    let wanted = "1 to 8 along a side";
+    within("the positions in a pixel", factor.into(), 1.0..=8.0, wanted)?;
     for view in &request.viewpoints {
         let wanted = "an angle from -89.9 to 89.9 degrees: straight from above no side of the image is up";
         within("a pitch", view.pitch_deg, -89.9..=89.9, wanted)?;
@@ -340,4 +324,35 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
         }
     }
     Ok(())
+}
+
+/// The paint's triangles with the side and the place in the pattern of each corner, in repeats, as the printed panels have them
+/// ([`Side`](scaleproof_surface::pattern::world_aligned::Side)); and which triangles of the mesh these are. Those without area show nothing and are
+/// left out.
+fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), RenderError> {
+    let mesh = &request.mesh;
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut index = std::collections::HashMap::new();
+    let (mut triangles, mut sides, mut uv_mm, mut indices) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (i, side) in paint_sides(mesh, &request.materials).into_iter().enumerate() {
+        let triangle = &mesh.triangles()[i];
+        let corners = mesh.corners_mm(triangle);
+        let Some(side) = side.filter(|_| doubled_area(&corners).norm() >= 1e-9) else {
+            continue;
+        };
+        indices.push(i);
+        sides.push(number(side));
+        uv_mm.push(corners.map(|p| side.project(&p)));
+        triangles.push(std::array::from_fn::<usize, 3, _>(|i| {
+            *index.entry(triangle.corners[i]).or_insert_with(|| {
+                points.push(corners[i].coords.into());
+                points.len() - 1
+            })
+        }));
+    }
+    if triangles.is_empty() {
+        return Err(RenderError::NoPaint);
+    }
+    let surface = json!({"points_mm": points, "triangles": triangles, "sides": sides, "uv_mm": uv_mm});
+    Ok((surface, indices))
 }
