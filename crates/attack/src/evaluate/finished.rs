@@ -75,7 +75,13 @@ pub fn figures_of(
         .results
         .into_iter()
         .filter(|row| Some(&row.variant) == variant.as_ref());
-    let figures: Vec<RenderedFigures> = rows.map(figures).collect();
+    let figures = rows.map(|row| RenderedFigures {
+        detector: row.detector,
+        photos: row.overall.photos,
+        ap50: row.overall.ap50,
+        hit_rate: row.overall.hit_rate.rate,
+    });
+    let figures: Vec<RenderedFigures> = figures.collect();
     if figures.is_empty() {
         return Err(EvaluateError::NotRendered {
             evaluation: evaluation.to_owned(),
@@ -109,13 +115,4 @@ fn variant(evaluation: &Path, sha256: &str, tile_mm: f64) -> Option<String> {
     });
     let mut same = paints.filter(|paint| paint.sha256 == sha256 && paint.tile_mm == tile_mm);
     same.next().map(|paint| paint.name)
-}
-
-fn figures(row: SummaryRow) -> RenderedFigures {
-    RenderedFigures {
-        detector: row.detector,
-        photos: row.overall.photos,
-        ap50: row.overall.ap50,
-        hit_rate: row.overall.hit_rate.rate,
-    }
 }

@@ -130,17 +130,20 @@ impl ViewSet {
     /// # Errors
     /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
     /// model in it.
-    pub fn open<'a>(
-        sets: &'a [FrameSet],
+    pub fn open(
+        sets: &[FrameSet],
         grid: Grid,
         (mapping, eot): (TextureMapping, &Eot),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
-        let of_set =
-            |(i, set): (usize, &'a FrameSet)| views(&set.list.frames).into_iter().map(move |frames| (i, frames));
-        let all: Vec<_> = sets.iter().enumerate().flat_map(of_set).enumerate().collect();
-        let load = |(): &mut (), (view, (i, frames)): &(usize, (usize, Vec<&Frame>))| {
-            load((*i, &sets[*i]), (*view, frames), &grid, (mapping, eot))
+        let of_set = |list: usize| {
+            views(&sets[list].list.frames)
+                .into_iter()
+                .map(move |frames| (list, frames))
+        };
+        let all: Vec<_> = (0..sets.len()).flat_map(of_set).enumerate().collect();
+        let load = |(): &mut (), (view, (list, frames)): &(usize, (usize, Vec<&Frame>))| {
+            load((*list, &sets[*list]), (*view, frames), &grid, (mapping, eot))
         };
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
         let count = loaded.len();

@@ -139,20 +139,17 @@ impl FrameSet {
         let (object, paint) = (self.object_mask(frame)?, self.paint_mask(frame)?);
         let content = |file: &String, message: &str| FileError::content(&self.folder.join(file), message);
         // Coverage is sampled, so that the two may differ by a few hundredths.
-        let mut pixels = paint.enumerate_pixels();
-        if let Some((x, y, _)) =
-            pixels.find(|(x, y, p)| u16::from(p.0[0]) > u16::from(object.get_pixel(*x, *y).0[0]) + 16)
-        {
+        let is_outside =
+            |(x, y, p): &(u32, u32, &image::Luma<u8>)| p.0[0] > object.get_pixel(*x, *y).0[0].saturating_add(16);
+        if let Some((x, y, _)) = paint.enumerate_pixels().find(is_outside) {
             let message =
                 format!("the paint at column {x}, row {y} is outside the object: one of the masks is of another frame");
             return Err(content(&frame.paint_mask, &message).into());
         }
         let no_paint = || content(&frame.paint_mask, "no paint is seen: take the frame out of the list");
         require(paint.pixels().any(|p| p.0[0] > 0), no_paint)?;
-        let meets = frame
-            .box_xyxy_px
-            .zip(outline(&object))
-            .is_none_or(|(stated, seen)| stated.iou(&seen) != 0.0);
+        let both = frame.box_xyxy_px.zip(outline(&object));
+        let meets = both.is_none_or(|(stated, seen)| stated.iou(&seen) != 0.0);
         require(meets, || {
             let message = "the object does not meet the frame's box_xyxy_px: one of them is of another frame";
             content(&frame.object_mask, message)

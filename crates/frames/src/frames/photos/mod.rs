@@ -245,10 +245,8 @@ fn images(
         return Ok(Err("no paint is seen in every photo"));
     }
     let bin = &view.reference.bin;
-    let name = format!(
-        "{number:03}_az{}_p{}_d{}",
-        bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
-    );
+    let (azimuth, pitch, distance) = (bin.azimuth_deg, bin.pitch_deg, bin.distance_mm);
+    let name = format!("{number:03}_az{azimuth}_p{pitch}_d{distance}");
     let photos = std::iter::once(view.reference).chain(view.others.iter().map(|o| o.photo));
     let mut coloured: Vec<(&FlatPhoto, &image::RgbImage)> = photos.zip(&drawn.images).collect();
     let shown: Vec<_> = coloured.iter().map(|(photo, image)| (photo.flat_rgb, *image)).collect();

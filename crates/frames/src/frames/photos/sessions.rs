@@ -63,9 +63,8 @@ pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
         let no_mesh = || SessionsError::NoMesh { session: name() };
         let path = session.mesh_path.as_ref().ok_or_else(no_mesh)?;
         session.known_camera()?;
-        require(!session.scene.tags.is_empty(), || SessionsError::NoTags {
-            session: name(),
-        })?;
+        let no_tags = || SessionsError::NoTags { session: name() };
+        require(!session.scene.tags.is_empty(), no_tags)?;
         let mesh = envelope::load(path, &session.scene.model)?;
         let (first, known) = common.get_or_insert_with(|| (session, mesh.clone()));
         let is_same = *known == mesh && first.scene.model.size_mm == session.scene.model.size_mm;

@@ -26,9 +26,8 @@ pub fn load(path: &Path) -> Result<TrainingState, DtnError> {
     let rest = rest.ok_or_else(|| DtnError::NotANetwork { path: path() })?;
     let end = rest.iter().take(100).position(|b| *b == b'\n');
     let whole = end.map(|end| (&rest[..end], &rest[end + 1..]));
-    whole
-        .filter(|(sum, content)| *sum == files::sha256_hex(content).as_bytes())
-        .and_then(|(_, content)| postcard::from_bytes(content).ok())
-        .filter(TrainingState::is_whole)
-        .ok_or_else(|| DtnError::Damaged { path: path() })
+    let whole = whole.filter(|(sum, content)| *sum == files::sha256_hex(content).as_bytes());
+    let state: Option<TrainingState> = whole.and_then(|(_, content)| postcard::from_bytes(content).ok());
+    let state = state.filter(TrainingState::is_whole);
+    state.ok_or_else(|| DtnError::Damaged { path: path() })
 }

@@ -99,18 +99,14 @@ impl TrainingPlan {
     /// What it says otherwise than another.
     fn differences(&self, other: &Self) -> String {
         let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
+        let references = format!("the reference {}", colours.join(" "));
         let sha256 = &self.data_sha256;
+        let frames = format!("the frames {}", sha256.get(..8).unwrap_or(sha256));
         let words = [
             (self.architecture != other.architecture, self.architecture.name()),
-            (
-                self.references != other.references,
-                format!("the reference {}", colours.join(" ")),
-            ),
+            (self.references != other.references, references),
             (self.seed != other.seed, format!("seed {}", self.seed)),
-            (
-                self.data_sha256 != other.data_sha256,
-                format!("the frames {}", sha256.get(..8).unwrap_or(sha256)),
-            ),
+            (self.data_sha256 != other.data_sha256, frames),
         ];
         let differing = words.into_iter().filter(|(differs, _)| *differs);
         Vec::from_iter(differing.map(|(_, words)| words)).join(", ")
@@ -209,9 +205,8 @@ impl Trainer {
 
     fn list(&self, tensor: &Tensor<4>) -> Result<Vec<f32>, DtnError> {
         let list = values(tensor.clone())?;
-        require(list.iter().all(|v| v.is_finite()), || DtnError::NotFinite {
-            step: self.steps,
-        })?;
+        let is_finite = list.iter().all(|v| v.is_finite());
+        require(is_finite, || DtnError::NotFinite { step: self.steps })?;
         Ok(list)
     }
 

@@ -90,10 +90,8 @@ impl Projection {
     /// When there are not `cells` colours.
     pub fn forward(&self, cells: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(cells.len(), self.cells, "one colour a cell");
-        let mean = scaled(
-            cells.iter().fold([0.0; 3], |sum, c| plus(sum, *c)),
-            1.0 / self.cells as f64,
-        );
+        let sum = cells.iter().fold([0.0; 3], |sum, c| plus(sum, *c));
+        let mean = scaled(sum, 1.0 / self.cells as f64);
         let pixel = |window: &[usize]| {
             let entries = &self.entries[window[0]..window[1]];
             if entries.is_empty() {

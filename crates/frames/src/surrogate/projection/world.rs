@@ -89,10 +89,8 @@ pub fn project_misplaced(
             (0.0..count as f64).contains(&at).then_some(at as usize)
         };
         let there = index(there_x, columns).zip(index(there_y, rows));
-        let point = there
-            .map(|(x, y)| &points[y * columns + x])
-            .filter(|point| point.side.is_some());
-        let point = point.unwrap_or(own);
+        let there = there.map(|(x, y)| &points[y * columns + x]);
+        let point = there.filter(|point| point.side.is_some()).unwrap_or(own);
         let side = point.side?;
         let place = in_cells(grid, misplacement.on_side(side.project(&point.place_mm.into())));
         Some(if of_sides { below(grid, side, place) } else { place })
