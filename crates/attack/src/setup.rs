@@ -72,7 +72,7 @@ impl Setup {
     }
 }
 
-/// Of the frames' lists: that of the only one, or that of all in their order.
+/// SHA-256 of the frames' lists: that of the only one, or that of all in their order.
 fn sha256(frames: &[FrameSet]) -> String {
     match frames {
         [only] => only.sha256.clone(),

@@ -36,7 +36,7 @@ const SPREAD: f64 = 0.15;
 const NOTED_EVERY: u32 = 4;
 const CHANNELS: usize = 16;
 
-/// From a pattern to its score.
+/// The network that imitates renderer and detector: from a pattern to its score.
 #[derive(Module, Debug)]
 struct Clone2d {
     first: Conv2d,

@@ -178,7 +178,7 @@ impl<'a> BlackBox<'a> {
         Ok(self.checkpoint.history)
     }
 
-    /// With the time of earlier runs.
+    /// Wall time, that of earlier runs included.
     fn wall_s(&self) -> f64 {
         self.wall_before + self.started.elapsed().as_secs_f64()
     }

@@ -12,7 +12,7 @@ use scaleproof_surface::pattern::world_aligned::Side;
 pub struct PlacedPatch {
     pub image: RgbImage,
     pub side: Side,
-    /// Its middle in the side's (u, v), mm, as `print patch` takes it.
+    /// The middle of the patch in the side's (u, v), mm, as `print patch` takes it.
     pub at_mm: [f64; 2],
     pub size_mm: [f64; 2],
 }

@@ -17,7 +17,7 @@ pub struct RenderedFigures {
     pub hit_rate: f64,
 }
 
-/// As `RenderPaint::identity` writes patterns; other paints have other keys there.
+/// A pattern as `RenderPaint::identity` writes it; other paints have other keys there.
 #[derive(Deserialize)]
 struct Paint {
     name: String,

@@ -15,7 +15,7 @@ pub struct RenderedRun {
     pub queries: u64,
     /// Wall time in all, on the machine of the run.
     pub wall_s: f64,
-    /// Of each detector.
+    /// The figures of each detector.
     pub rendered: Vec<RenderedFigures>,
 }
 

@@ -10,7 +10,7 @@ use super::RunError;
 use super::history::Entry;
 use scaleproof_core::files;
 
-/// Its name in the folder of the run.
+/// The name of the checkpoint in the folder of the run.
 pub const FILE: &str = "checkpoint";
 /// Between two of them.
 pub const AT_MOST: Duration = Duration::from_secs(20);

@@ -39,7 +39,7 @@ const SECONDS: RangeInclusive<f64> = 0.0..=1e9;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct History {
     pub scaleproof: String,
-    /// As `dta` or `er`.
+    /// Name of the method, as `dta` or `er`.
     pub method: String,
     pub seed: u64,
     pub tile_mm: f64,

@@ -1,5 +1,5 @@
 //! How often a pattern is still detected, by the surrogate renderer's images of the views held out. This guides; what
-//! counts are images rendered or photos taken anew.
+//! counts are new images, rendered or photographed.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,11 +16,11 @@ use scaleproof_gradients::{Prediction, WhiteBox, strongest};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct HeldOutFigures {
     pub views: usize,
-    /// As `score` computes it by default.
+    /// AP@0.5 as `score` computes it by default.
     pub ap50: f64,
     /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
     pub hit_rate: f64,
-    /// Of the most confident box on the model; 0 where there is none.
+    /// Mean confidence of the most confident box on the model; 0 where there is none.
     pub mean_confidence: f64,
 }
 
@@ -56,13 +56,13 @@ pub fn judge_images(
 /// What one detector makes of some views.
 #[derive(Default)]
 pub struct SeenByDetector {
-    /// Of the most confident box on the model, in each view; 0 where there is none.
+    /// Confidence of the most confident box on the model, in each view; 0 where there is none.
     pub confidences: Vec<f64>,
     boxes: Vec<ImageBoxes>,
 }
 
 impl SeenByDetector {
-    /// As `score` computes it by default.
+    /// AP@0.5 as `score` computes it by default.
     pub fn ap50(&self) -> f64 {
         average_precision(&self.boxes, HIT_IOU).map_or(0.0, |found| found.ap)
     }

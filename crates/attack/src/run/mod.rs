@@ -58,7 +58,7 @@ use scaleproof_surface::pattern::{Pattern, PatternError};
 /// A value of each channel.
 pub type Rgb = [f64; 3];
 
-/// So many times in a run the pattern is judged.
+/// How often a run judges its pattern.
 const JUDGED_TIMES: u32 = 12;
 
 /// Why there is no pattern.
@@ -119,7 +119,7 @@ impl From<postcard::Error> for RunError {
 pub struct Near {
     /// Weight of the penalty in the loss.
     pub weight: f64,
-    /// As many as the pattern has, sRGB of 0 to 1.
+    /// The cells to stay near to, as many as the pattern has, sRGB of 0 to 1.
     pub cells: Vec<Rgb>,
 }
 
@@ -131,7 +131,7 @@ pub enum CellColours {
     Free,
     /// The nearest of these, 8-bit sRGB.
     Palette(Vec<[u8; 3]>),
-    /// At most so many, which follow the cells: their clusters.
+    /// At most so many colours, which follow the cells: their clusters.
     Own(usize),
 }
 
@@ -157,7 +157,7 @@ pub struct AttackConfig {
     pub against: Against,
     /// The share of a step's views that are drawn for how well the model is still seen in them.
     pub hard: f64,
-    /// Of the first pattern, the batches and the augmentations.
+    /// Seed of the first pattern, the batches and the augmentations.
     pub seed: u64,
     /// How the pattern lies on the model.
     #[serde(rename = "laying")]
@@ -234,11 +234,11 @@ pub struct AttackState {
 /// What detectors make of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LossAndGradient {
-    /// Of each detector: [`loss::from_floor`] of the most confident box that meets the model; 0 where none does.
+    /// The loss of each detector: [`loss::from_floor`] of the most confident box that meets the model; 0 where none does.
     pub losses: Vec<f64>,
     /// `Σ C` of these boxes.
     pub confidence: f64,
-    /// Of the weighted sum, with respect to the cells.
+    /// The gradient of the weighted sum of the losses with respect to the cells.
     pub gradient: Vec<Rgb>,
 }
 
@@ -288,7 +288,7 @@ impl<'a> Attack<'a> {
         })
     }
 
-    /// With so many threads instead of one a core; to the same pattern.
+    /// Sets the number of threads, else one a core; the pattern does not depend on it.
     pub fn over_threads(self, threads: usize) -> Self {
         Self { threads, ..self }
     }
@@ -489,7 +489,7 @@ fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
     in_colours(cells, config).iter().map(in_8_bits).collect()
 }
 
-/// Views of a step: every view comes once before any comes again, in an order drawn anew each time.
+/// Views of a step: every view comes once before any comes again, in a new random order each time.
 pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
     let size = (size as usize).min(views.len());
     let shuffled = |round: usize| {

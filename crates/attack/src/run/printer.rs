@@ -13,7 +13,7 @@ const STEP: f64 = 0.5 / 255.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrinterMap {
     gamut: Gamut,
-    /// Of the printer file.
+    /// SHA-256 of the printer file.
     sha256: String,
 }
 

@@ -25,10 +25,10 @@ const FIRST_HELD_OUT: usize = 3;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TextureMapping {
-    /// As the printed panels are.
+    /// World-aligned, as on the printed panels.
     #[default]
     World,
-    /// As the printed panels are, with a pattern of its own for each side of the model.
+    /// World-aligned, as on the printed panels, with a pattern of its own for each side of the model.
     Sides,
     /// DTA's Repeated Texture Projection.
     Repeated,
@@ -67,7 +67,7 @@ impl TextureMapping {
 /// One pose in one light.
 #[derive(Debug)]
 pub struct SurrogateView {
-    /// Of its first frame.
+    /// The first frame of the view: its pose, light and masks.
     pub frame: Frame,
     /// Which of the frame lists it is of.
     list: usize,
@@ -75,7 +75,7 @@ pub struct SurrogateView {
     pub outline: BoxPx,
     /// How much of each pixel the object covers, 0 to 1.
     object: Vec<f32>,
-    /// The default first.
+    /// The fitted renderers, the default form first.
     renderers: Vec<PerPixel>,
     place: Place,
 }
@@ -87,7 +87,7 @@ enum Place {
     Repeated(Coverage),
 }
 
-/// So many ways besides the true one in which a view's pattern is misplaced, where the augmentation asks for it.
+/// The number of misplaced patterns of a view besides the true one, where the augmentation misplaces patterns.
 const MISPLACED: usize = 3;
 
 /// One of a choice, by a share of it.

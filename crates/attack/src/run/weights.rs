@@ -9,7 +9,7 @@ pub enum Against {
     /// Their mean.
     #[default]
     Mean,
-    /// That of the detector that still sees the model best: min–max (Wang et al., NeurIPS 2021, "Adversarial Attack Generation Empowered by
+    /// The loss of the detector that still sees the model best: min–max (Wang et al., NeurIPS 2021, "Adversarial Attack Generation Empowered by
     /// Min-Max Optimization"), with weights of the softmax of the losses of the last steps instead of steps in the weights.
     Worst,
 }
@@ -24,7 +24,7 @@ impl Against {
     }
 }
 
-/// Of a mean loss over steps, what the last step counts.
+/// The share of the last step in a running mean of the losses.
 const NEWEST: f64 = 0.1;
 
 /// Losses that differ by so much get weights that differ by the factor e. Losses go up to some 10 (`ln(odds / odds of the floor)`).

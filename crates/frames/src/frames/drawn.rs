@@ -14,7 +14,7 @@ use scaleproof_surface::pattern::world_aligned::Side;
 pub struct DrawnMesh {
     pub object_mask: GrayImage,
     pub paint_mask: GrayImage,
-    /// At factor² places of each pixel, row by row of the finer image; without meaning where there is no paint.
+    /// The surface point at factor² places of each pixel, row by row of the finer image; without meaning where there is no paint.
     pub positions: Vec<[f64; 3]>,
     pub sides: GrayImage,
     pub box_xyxy_px: Option<BoxPx>,
@@ -57,7 +57,7 @@ pub fn number(side: Side) -> u8 {
     1 + side as u8
 }
 
-/// So many of a pixel's `factor`² places, in a mask.
+/// The level in a mask of a pixel of whose `factor`² places so many are covered.
 pub fn level(count: u32, factor: u32) -> u8 {
     (255.0 * f64::from(count) / f64::from(factor * factor)).round() as u8
 }

@@ -90,7 +90,7 @@ pub struct FrameSet {
     pub folder: PathBuf,
     /// What `frames.json` says.
     pub list: FrameList,
-    /// Of `frames.json`, as it was when it was opened.
+    /// SHA-256 of `frames.json` as it was when the set was opened.
     pub sha256: String,
 }
 
@@ -200,6 +200,7 @@ impl FrameList {
         Ok((folder.join(LIST), text.into_bytes()))
     }
 
+    /// The camera of all frames.
     pub fn camera(&self) -> Camera {
         self.camera.camera(self.size_px)
     }
@@ -231,7 +232,7 @@ impl Positions {
 }
 
 impl Pinhole {
-    /// With its centre in the middle of images of this size.
+    /// A pinhole camera with its principal point in the middle of images of this size.
     pub fn with_field_of_view([width, height]: [u32; 2], horizontal_deg: f64) -> Self {
         let half = 0.5 * horizontal_deg.to_radians();
         Self {

@@ -16,7 +16,7 @@ use scaleproof_surface::texture::{SurfacePoint, Texture};
 const FACTOR: u32 = 3;
 /// The share of the light that comes from everywhere.
 const AMBIENT: f64 = 0.4;
-/// From the surface to the lamp: to the right, down and along the camera's axis.
+/// The direction from the surface to the lamp, camera frame: to the right, down and along the camera's axis.
 const LAMP: [f64; 3] = [-0.4, -0.7, -0.6];
 
 /// Horizontal field of view of a view from around.
@@ -41,7 +41,7 @@ pub enum ShadedError {
 /// What is drawn.
 pub struct ShadedModel<'a> {
     pub mesh: &'a Mesh,
-    /// Of each material.
+    /// The texture of each material.
     pub textures: Vec<&'a Texture>,
 }
 

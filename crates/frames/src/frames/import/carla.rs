@@ -22,7 +22,7 @@ impl Transform {
         self.place_m.iter().chain(&angles).all(|v| v.is_finite())
     }
 
-    /// From the actor's frame into the world's, both left-handed (`carla.Transform.get_matrix`).
+    /// The rotation from the actor's frame into the world's, both left-handed (`carla.Transform.get_matrix`).
     fn rotation(&self) -> Matrix3<f64> {
         let [(sp, cp), (sy, cy), (sr, cr)] =
             [self.pitch_deg, self.yaw_deg, self.roll_deg].map(|deg| deg.to_radians().sin_cos());

@@ -33,7 +33,7 @@ const DROPS_M: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 /// What is known besides the folder.
 #[derive(Debug, Clone)]
 pub struct FcaRequest {
-    /// At model scale.
+    /// The mesh at model scale.
     pub mesh: Mesh,
     /// Indices of the materials that are the paint; all when empty.
     pub materials: Vec<usize>,

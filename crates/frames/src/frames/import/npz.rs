@@ -10,7 +10,7 @@ use super::FrameImportError;
 use crate::frames::require;
 use scaleproof_core::files::{self, FileError};
 
-/// Of a file, and of an array in it: more than twice the largest image that is read.
+/// The most bytes of a file, and of an array in it: more than twice the largest image that is read.
 const MOST_BYTES: u64 = 32 << 20;
 /// Before an array's numbers. NumPy writes 128 bytes; brackets in brackets would take a parser's stack.
 const MOST_HEADER_BYTES: usize = 512;
@@ -74,7 +74,7 @@ impl Archive {
     }
 }
 
-/// So many names are listed.
+/// The most names that a message lists.
 const LISTED: usize = 8;
 
 /// What the beginning of an array says (NumPy's format 1, 2 and 3).
@@ -100,7 +100,7 @@ impl Array {
         self.wrong(&format!("is {} and must be {wanted}", shape.join("×")))
     }
 
-    /// Of the kind `T`; its shape was looked at before.
+    /// The array's numbers, of the kind `T`; check its shape first.
     pub(super) fn numbers<T: Deserialize>(self, wanted: &str) -> Result<Vec<T>, FrameImportError> {
         let kind = self.file.dtype().descr();
         let Self { path, name, file } = self;

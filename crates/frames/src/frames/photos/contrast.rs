@@ -19,12 +19,12 @@ pub fn is_in_order(images: &[([u8; 3], &RgbImage)], paint: &GrayImage) -> bool {
     })
 }
 
-/// Of 8-bit sRGB, 0 to 1.
+/// Luminance of 8-bit sRGB, 0 to 1.
 fn luminance(rgb: [u8; 3]) -> f64 {
     light::luminance(light::linear_of(rgb))
 }
 
-/// Of the paint, weighted by how much of a pixel it covers.
+/// The mean luminance of the paint, weighted by how much of a pixel it covers.
 fn mean_luminance(image: &RgbImage, paint: &GrayImage) -> f64 {
     let (mut sum, mut covered) = (0.0, 0.0);
     for (pixel, share) in image.pixels().zip(paint.pixels()) {

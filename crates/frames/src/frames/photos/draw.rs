@@ -20,7 +20,7 @@ pub(super) struct Canvas<'a> {
     pub request: &'a PhotoFramesRequest,
     pub size_px: [u32; 2],
     pub pinhole: Pinhole,
-    /// Of each triangle; `None` for what is no paint.
+    /// The side that each triangle's paint belongs to; `None` for what is no paint.
     pub sides: Vec<Option<Side>>,
 }
 

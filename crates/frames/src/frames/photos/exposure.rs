@@ -8,7 +8,7 @@ use scaleproof_core::statistics::median;
 const CLIPPED: f64 = 250.0;
 /// Below, one level is more than 4 % of the light.
 const DARK: f64 = 60.0;
-/// So many tags must show their paper in both photos.
+/// The fewest tags that must show their paper in both photos.
 const LEAST_TAGS: usize = 2;
 /// Tags whose paper changed by more than this from the median, as the median over the tags: the light itself changed.
 const MOST_SPREAD: f64 = 0.1;

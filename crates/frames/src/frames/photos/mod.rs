@@ -71,7 +71,7 @@ pub struct FlatPhoto {
     pub camera: Camera,
     /// `T_camera_model`.
     pub pose: Rigid,
-    /// Of the tags that the pose rests on.
+    /// The white paper of the tags that the pose rests on.
     pub papers: Vec<TagPaper>,
 }
 
@@ -84,7 +84,7 @@ pub struct PhotoFramesRequest {
     pub target_mm: Point3<f64>,
     /// Every view has all of them.
     pub flats: Vec<[u8; 3]>,
-    /// Of the frames.
+    /// Width of the frames.
     pub width_px: u32,
     /// How the frames say they were made.
     pub made_by: String,
@@ -134,7 +134,7 @@ impl FlatPhoto {
         self.pose.inverse_transform_point(&Point3::origin())
     }
 
-    /// From a point to the camera, model frame.
+    /// The vector from a point to the camera, model frame.
     fn from(&self, target_mm: Point3<f64>) -> Vector3<f64> {
         self.centre_mm() - target_mm
     }

@@ -9,7 +9,7 @@ use scaleproof_pose::scene::Bin;
 
 /// Photos of one view may differ by this angle, as the model sees the cameras: gloss and what is hidden change with it.
 pub const MOST_TURN_DEG: f64 = 6.0;
-/// And by this much in distance.
+/// Photos of one view may differ by this much in their distance to the target.
 pub const MOST_CLOSER_PERCENT: f64 = 15.0;
 
 /// A photo that is brought to the reference's place and exposure.

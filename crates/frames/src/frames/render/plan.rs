@@ -27,7 +27,7 @@ const BOUNCES: u32 = 4;
 pub struct RenderPlan {
     request: RenderRequest,
     mesh_sha256: String,
-    /// Of each light's file.
+    /// SHA-256 of each light's file; `None` for Blender's own lights.
     lights_sha256: Vec<Option<String>>,
     target_mm: Point3<f64>,
     surface: Value,

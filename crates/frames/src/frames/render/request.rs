@@ -32,7 +32,7 @@ pub struct RenderRequest {
     pub size_px: [u32; 2],
     /// Horizontal.
     pub field_of_view_deg: f64,
-    /// Of the paint's coat, as in Blender's Principled BSDF: 0 reflects like glass, 1 is matt.
+    /// Roughness of the paint's coat, as in Blender's Principled BSDF: 0 reflects like glass, 1 is matt.
     pub roughness: f64,
     /// Light paths a pixel.
     pub samples: u32,

@@ -15,7 +15,7 @@ const MARGIN_PX: usize = 4;
 /// A random light is so much brighter or darker at most, as a power of two, and so much of another colour.
 const EXPOSURE: f64 = 0.7;
 const TINT: f64 = 0.2;
-/// Of the views' azimuths, and of the flat colours of frames without linear light, every so manyth is kept for validation.
+/// Every fourth of the views' azimuths, and of the flat colours of frames without linear light, is kept for validation.
 const EVERY: usize = 4;
 /// Colours a validation view is predicted in.
 const VALIDATION_COLOURS: usize = 8;
@@ -145,7 +145,7 @@ pub(super) struct NewLight<'a> {
 }
 
 impl<'a> NewLight<'a> {
-    /// As it was.
+    /// The view's own light, unchanged.
     pub(super) const NONE: Self = Self {
         own: [1.0; 3],
         added: None,
@@ -403,7 +403,7 @@ fn azimuth_key(view: &TrainingView) -> i64 {
     (view.azimuth_deg * 100.0).round() as i64
 }
 
-/// Of colours that cannot be made, every fourth is kept for validation.
+/// The colours kept for validation: every fourth of those that cannot be computed from linear light.
 fn unseen(training: &[TrainingView], validation: &[TrainingView], references: &[[u8; 3]]) -> BTreeSet<[u8; 3]> {
     let views = training.iter().chain(validation);
     let colours: BTreeSet<[u8; 3]> = views.flat_map(TrainingView::colours).collect();

@@ -49,7 +49,7 @@ impl Architecture {
     /// Windows are a multiple of so many pixels, for every depth.
     pub const ALIGN_PX: usize = 1 << Self::MAX_DEPTH;
 
-    /// As tables name it.
+    /// The network's name in tables.
     pub fn name(&self) -> String {
         let formula = match self.transformer {
             Transformer::Texture => "",
@@ -82,7 +82,7 @@ struct Conv {
     outs: usize,
     kernel: usize,
     stride: usize,
-    /// Of its first weights, against those that keep the variance through a ReLU (He et al. 2015).
+    /// Factor of its initial weights, against those that keep the variance through a ReLU (He et al. 2015).
     gain: f32,
 }
 

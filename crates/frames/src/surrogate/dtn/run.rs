@@ -13,9 +13,9 @@ const SAVE_EVERY_SECONDS: f64 = 30.0;
 /// When training ends, over all its runs together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TrainingBudget {
-    /// So many times all training views.
+    /// The number of passes over all training views.
     Epochs(u64),
-    /// So much time: then the result depends on the machine.
+    /// The time spent on training, s: then the result depends on the machine.
     Seconds(f64),
 }
 

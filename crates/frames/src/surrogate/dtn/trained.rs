@@ -87,7 +87,7 @@ impl NeuralRenderer for DtnNetwork {
 pub struct DtnView {
     transformer: Transformer,
     image: Vec<[f64; 3]>,
-    /// Of the paint's pixels in the image.
+    /// The index of each paint pixel in the image.
     index: Vec<usize>,
     maps: Vec<f32>,
 }

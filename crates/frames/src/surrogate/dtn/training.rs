@@ -39,7 +39,7 @@ pub struct TrainingPlan {
     /// Each view of a batch takes its reference image in one of them at random.
     pub references: Vec<[u8; 3]>,
     pub seed: u64,
-    /// Of the frames.
+    /// SHA-256 of the training data.
     pub data_sha256: String,
 }
 
@@ -400,13 +400,13 @@ fn loss(transformer: Transformer, batch: &[Sample], window: PaintWindow, maps: &
     (sum, map_gradients)
 }
 
-/// Of a prediction and a value from 0 to 1.
+/// The binary cross-entropy of a prediction and a value from 0 to 1.
 fn cross_entropy(x: f64, target: f64) -> f64 {
     let x = x.clamp(1e-4, 1.0 - 1e-4);
     -(target * x.ln() + (1.0 - target) * (1.0 - x).ln())
 }
 
-/// Its derivative, (x − t) / (x (1 − x)), bounded near 0 and 1. Beyond them it is what draws a value back that should not be there; a white that is
+/// The derivative of [`cross_entropy`], (x − t) / (x (1 − x)), bounded near 0 and 1. Beyond them it is what draws a value back that should not be there; a white that is
 /// predicted brighter than white is right.
 fn cross_entropy_derivative(x: f64, target: f64) -> f64 {
     let inside = x.clamp(0.0, 1.0);

@@ -56,7 +56,7 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// From the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells.
+    /// The map from the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells.
     fn from_points(grid: &Grid, sampling: Sampling, pixels: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
         let (mut starts, mut entries) = (vec![0], Vec::<(u32, f64)>::new());
         for points in pixels {
