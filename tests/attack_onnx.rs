@@ -18,8 +18,8 @@ use scaleproof_attack::run::{Attack, AttackConfig, CellColours};
 use scaleproof_detect::{Detector, Manifest, Runtime};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
-use scaleproof_gradients::detector::OnnxDetector;
-use scaleproof_gradients::onnx::OnnxNetwork;
+use scaleproof_gradients::network::detector::OnnxDetector;
+use scaleproof_gradients::network::onnx::OnnxNetwork;
 use scaleproof_gradients::{Boxes, Prediction, WhiteBox};
 
 use crate::common::onnx;

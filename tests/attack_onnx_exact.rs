@@ -7,7 +7,7 @@ use crate::common;
 use burn::tensor::{Device, FloatDType};
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use scaleproof_detect::Manifest;
-use scaleproof_gradients::onnx::OnnxNetwork;
+use scaleproof_gradients::network::onnx::OnnxNetwork;
 
 /// Tells the test that it runs in the process that it started.
 const ALONE: &str = "SCALEPROOF_IN_64_BITS";

@@ -95,7 +95,11 @@ impl WhiteBox for Weave {
         outline: &BoxPx,
         boxes: Boxes,
     ) -> Result<Option<ImageLoss>, WhiteBoxError> {
-        Ok(ImageLoss::of(Box::new(self.forward(picture, size_px)), outline, boxes))
+        Ok(ImageLoss::from_pass(
+            Box::new(self.forward(picture, size_px)),
+            outline,
+            boxes,
+        ))
     }
 }
 
@@ -536,7 +540,7 @@ fn all_boxes_count_by_the_sum_of_their_odds() {
             confidence: odds / (1.0 + odds),
             loss: odds.ln_1p(),
         });
-        ImageLoss::of(Box::new(Said(said.collect())), &model, boxes).unwrap()
+        ImageLoss::from_pass(Box::new(Said(said.collect())), &model, boxes).unwrap()
     };
     // The last box is not on the model.
     let odds = [0.3, 0.05, 9.0];

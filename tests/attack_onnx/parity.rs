@@ -6,7 +6,7 @@ use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use scaleproof_detect::{Manifest, Runtime};
-use scaleproof_gradients::onnx::OnnxNetwork;
+use scaleproof_gradients::network::onnx::OnnxNetwork;
 
 use crate::common::{home, shared};
 

@@ -2,9 +2,7 @@
 //!
 //! - [`WhiteBox`]: what an attack asks of a detector;
 //! - [`program`]: a program as a [`WhiteBox`], whose derivatives are held against differences first;
-//! - [`detector`] (Cargo feature `attack`): a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs;
-//! - [`onnx`] (Cargo feature `attack`): ONNX files with gradients;
-//! - [`layers`] (Cargo feature `attack`): what most of them is computed with on a processor;
+//! - [`network`] (Cargo feature `attack`): a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs;
 //! - [`device`]: what the networks run on.
 //!
 //! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
@@ -18,28 +16,16 @@
 //! ```
 
 mod derivative;
-#[cfg(feature = "attack")]
-pub mod detector;
 pub mod device;
 mod fault;
 #[cfg(feature = "attack")]
-mod layers;
-#[cfg(feature = "attack")]
-pub mod onnx;
+pub mod network;
 pub mod program;
-#[cfg(feature = "attack")]
-mod quietly;
-#[cfg(feature = "attack")]
-mod resample;
 pub mod separable;
 mod strongest;
 
-#[cfg(feature = "attack")]
-pub use quietly::is_refusing;
-
 pub use fault::NetworkFault;
-pub use strongest::Boxes;
-pub use strongest::{MEETS_IOU, strongest};
+pub use strongest::{Boxes, MEETS_IOU, strongest};
 
 use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;

@@ -58,7 +58,7 @@ impl Boxes {
 
 impl ImageLoss {
     /// Of the predictions that meet the model; `None` where none does.
-    pub fn of(pass: Box<dyn ForwardPass + '_>, outline: &BoxPx, boxes: Boxes) -> Option<ImageLoss> {
+    pub fn from_pass(pass: Box<dyn ForwardPass + '_>, outline: &BoxPx, boxes: Boxes) -> Option<ImageLoss> {
         let predictions = pass.predictions();
         let worst = strongest(predictions, outline, MEETS_IOU)?;
         let Prediction { confidence, loss, .. } = predictions[worst];

@@ -1,0 +1,201 @@
+//! Convolutions of each channel by itself.
+
+use std::sync::Arc;
+
+use super::windows::{Weights, Windows};
+use super::{Array, Back, Layer, Sums};
+
+/// Windows that are summed at a time.
+const LANES: usize = 16;
+
+pub(super) struct Depthwise {
+    pub windows: Windows,
+    pub weights: Weights,
+}
+
+/// One channel with its border, as windows meet it: of a stride of 2, even columns of a row come before its odd ones, so that the numbers
+/// which neighbouring windows have at the same place lie beside each other.
+struct Plane<'a> {
+    windows: &'a Windows,
+    rows: usize,
+    /// Numbers of one phase of a row.
+    width: usize,
+}
+
+impl<'a> Plane<'a> {
+    fn new(windows: &'a Windows) -> Self {
+        let reach = |axis: usize| {
+            (windows.count[axis] - 1) * windows.stride[axis] + (windows.kernel[axis] - 1) * windows.dilation[axis] + 1
+        };
+        Plane {
+            windows,
+            rows: reach(0),
+            width: reach(1).div_ceil(windows.stride[1]) + LANES,
+        }
+    }
+
+    fn size(&self) -> usize {
+        self.rows * self.row()
+    }
+
+    fn row(&self) -> usize {
+        self.windows.stride[1] * self.width
+    }
+
+    /// Where the numbers of the first window of a row lie, counted from where the row begins.
+    fn taps(&self) -> Vec<usize> {
+        let w = self.windows;
+        let places = (0..w.taps()).map(|tap| [tap / w.kernel[1] * w.dilation[0], tap % w.kernel[1] * w.dilation[1]]);
+        places
+            .map(|[y, x]| y * self.row() + x % w.stride[1] * self.width + x / w.stride[1])
+            .collect()
+    }
+
+    /// Calls back for each row of the image that windows meet, and each phase of it: where it begins in the image, where here, and how many
+    /// numbers it has there.
+    fn each_line(&self, mut line: impl FnMut(usize, usize, usize)) {
+        let (w, step) = (self.windows, self.windows.stride[1]);
+        let columns = w.image[1].min((self.row() - LANES * step).saturating_sub(w.before[1]));
+        for y in 0..w.image[0].min(self.rows.saturating_sub(w.before[0])) {
+            for phase in 0..step.min(columns) {
+                let (at, count) = (phase + w.before[1], (columns - phase).div_ceil(step));
+                let here = (y + w.before[0]) * self.row() + at % step * self.width + at / step;
+                line(y * w.image[1] + phase, here, count);
+            }
+        }
+    }
+
+    fn take(&self, channel: &[f32], plane: &mut [f32]) {
+        let step = self.windows.stride[1];
+        self.each_line(|from, to, count| {
+            let to = &mut plane[to..to + count];
+            match step {
+                1 => to.copy_from_slice(&channel[from..from + count]),
+                _ => (to.iter_mut().zip(channel[from..].iter().step_by(step))).for_each(|(to, v)| *to = *v),
+            }
+        });
+    }
+
+    fn add_to(&self, plane: &[f32], channel: &mut [f32]) {
+        let step = self.windows.stride[1];
+        self.each_line(|to, from, count| {
+            let to = channel[to..].iter_mut().step_by(step);
+            to.zip(&plane[from..from + count]).for_each(|(to, v)| *to += v);
+        });
+    }
+}
+
+impl Depthwise {
+    fn kernel(&self, channel: usize) -> &[f32] {
+        &self.weights.weights[channel * self.windows.taps()..][..self.windows.taps()]
+    }
+
+    fn back(&self, gradient: &[f32], sums: &mut Sums) {
+        let w = &self.windows;
+        let image = sums.sum_mut(0, w.channels * w.image_area());
+        let plane = Plane::new(w);
+        let (mut numbers, taps) = (vec![0.0; plane.size()], plane.taps());
+        for channel in 0..w.channels {
+            let gradient = &gradient[channel * w.area()..][..w.area()];
+            if gradient.iter().all(|g| *g == 0.0) {
+                continue;
+            }
+            numbers.fill(0.0);
+            pulp::Arch::new().dispatch(Rows {
+                layer: self,
+                plane: &plane,
+                taps: &taps,
+                channel,
+                numbers: &mut numbers,
+                work: Work::Spread(gradient),
+            });
+            plane.add_to(&numbers, &mut image[channel * w.image_area()..][..w.image_area()]);
+        }
+    }
+}
+
+/// What is done with one channel, compiled for this processor's vectors. (A closure as large as this is not.)
+struct Rows<'a, 'w> {
+    layer: &'w Depthwise,
+    plane: &'a Plane<'w>,
+    taps: &'a [usize],
+    channel: usize,
+    numbers: &'a mut [f32],
+    work: Work<'a>,
+}
+
+enum Work<'a> {
+    /// The windows' sums are written here.
+    Gather(&'a mut [f32]),
+    /// The transpose of it, from derivatives by these sums.
+    Spread(&'a [f32]),
+}
+
+impl pulp::WithSimd for Rows<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let columns = self.layer.windows.count[1];
+        let row = self.layer.windows.stride[0] * self.plane.row();
+        let weights = self.layer.kernel(self.channel).iter().copied();
+        let taps: Vec<(usize, f32)> = self.taps.iter().copied().zip(weights).collect();
+        match self.work {
+            Work::Gather(sums) => {
+                let bias = self.layer.weights.bias(self.channel);
+                for (i, sums) in sums.chunks_exact_mut(columns).enumerate() {
+                    gather(sums, bias, &self.numbers[i * row..], &taps);
+                }
+            }
+            Work::Spread(gradient) => {
+                for (i, gradient) in gradient.chunks_exact(columns).enumerate() {
+                    spread(gradient, &taps, &mut self.numbers[i * row..]);
+                }
+            }
+        }
+    }
+}
+
+/// A row of windows' sums.
+#[inline(always)]
+fn gather(sums: &mut [f32], bias: f32, numbers: &[f32], taps: &[(usize, f32)]) {
+    for (block, sums) in sums.chunks_mut(LANES).enumerate() {
+        let mut lanes = [bias; LANES];
+        for (at, weight) in taps {
+            let numbers = &numbers[at + block * LANES..][..LANES];
+            (lanes.iter_mut().zip(numbers)).for_each(|(sum, number)| *sum = number.mul_add(*weight, *sum));
+        }
+        sums.copy_from_slice(&lanes[..sums.len()]);
+    }
+}
+
+/// The transpose of [`gather`].
+#[inline(always)]
+fn spread(gradient: &[f32], taps: &[(usize, f32)], numbers: &mut [f32]) {
+    for (at, weight) in taps {
+        let numbers = &mut numbers[*at..][..gradient.len()];
+        (numbers.iter_mut().zip(gradient)).for_each(|(number, g)| *number = g.mul_add(*weight, *number));
+    }
+}
+
+impl Layer for Depthwise {
+    fn forward(&self, inputs: Vec<Array>, keeps: bool) -> (Array, Option<Back<'_>>) {
+        let (w, image) = (&self.windows, &inputs[0]);
+        let plane = Plane::new(w);
+        let (mut numbers, taps) = (vec![0.0; plane.size()], plane.taps());
+        let mut output = vec![0.0; w.channels * w.area()];
+        for (channel, output) in output.chunks_exact_mut(w.area()).enumerate() {
+            plane.take(&image[channel * w.image_area()..][..w.image_area()], &mut numbers);
+            pulp::Arch::new().dispatch(Rows {
+                layer: self,
+                plane: &plane,
+                taps: &taps,
+                channel,
+                numbers: &mut numbers,
+                work: Work::Gather(output),
+            });
+        }
+        let back = |gradient: Vec<f32>, sums: &mut Sums| self.back(&gradient, sums);
+        (Arc::new(output), keeps.then(|| Box::new(back) as Back))
+    }
+}

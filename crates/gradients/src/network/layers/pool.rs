@@ -1,0 +1,92 @@
+//! The largest number of each window.
+
+use std::sync::Arc;
+
+use super::windows::Windows;
+use super::{Array, Back, Layer, Sums};
+
+/// First the largest numbers of each window's columns, then the largest of these; of equals the first of the window, row by row.
+pub(crate) struct MaxPool(pub Windows);
+
+/// The larger of a number and what is largest so far, with its place. What is not a number stays.
+#[inline(always)]
+fn keep_larger((largest, place): (&mut f32, &mut u32), (number, at): (f32, u32)) {
+    let is_larger = number > *largest || (number == *largest && at < *place) || number.is_nan();
+    *largest = if is_larger { number } else { *largest };
+    *place = if is_larger { at } else { *place };
+}
+
+/// One channel on its way to its largest numbers and their places.
+struct Channel<'a> {
+    windows: &'a Windows,
+    numbers: &'a [f32],
+    largest: &'a mut [f32],
+    places: &'a mut [u32],
+}
+
+impl pulp::WithSimd for Channel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let (w, [_, columns]) = (self.windows, self.windows.image);
+        let (mut of_columns, mut their_places) = (vec![0.0; columns], vec![0_u32; columns]);
+        let rows = self
+            .largest
+            .chunks_exact_mut(w.count[1])
+            .zip(self.places.chunks_exact_mut(w.count[1]));
+        for (row, (largest, places)) in rows.enumerate() {
+            of_columns.fill(f32::NEG_INFINITY);
+            their_places.fill(u32::MAX);
+            for y in (0..w.kernel[0]).filter_map(|tap| w.place(0, row, tap)) {
+                let numbers = self.numbers[y * columns..][..columns]
+                    .iter()
+                    .zip((y * columns) as u32..);
+                let to = of_columns.iter_mut().zip(&mut their_places);
+                to.zip(numbers)
+                    .for_each(|(to, (number, at))| keep_larger(to, (*number, at)));
+            }
+            largest.fill(f32::NEG_INFINITY);
+            places.fill(u32::MAX);
+            for tap in 0..w.kernel[1] {
+                let (inside, first) = w.inside(1, tap);
+                for (i, at) in inside.enumerate() {
+                    let x = first + i * w.stride[1];
+                    keep_larger((&mut largest[at], &mut places[at]), (of_columns[x], their_places[x]));
+                }
+            }
+        }
+    }
+}
+
+impl Layer for MaxPool {
+    fn forward(&self, inputs: Vec<Array>, keeps: bool) -> (Array, Option<Back<'_>>) {
+        let w = &self.0;
+        let count = w.channels * w.area();
+        let (mut output, mut places) = (vec![0.0; count], vec![0; count]);
+        let channels = inputs[0].chunks_exact(w.image_area());
+        let outputs = output.chunks_exact_mut(w.area()).zip(places.chunks_exact_mut(w.area()));
+        for (numbers, (largest, places)) in channels.zip(outputs) {
+            pulp::Arch::new().dispatch(Channel {
+                windows: w,
+                numbers,
+                largest,
+                places,
+            });
+        }
+        let back = move |gradient: Vec<f32>, sums: &mut Sums| {
+            let image = sums.sum_mut(0, w.channels * w.image_area());
+            let channels = image.chunks_exact_mut(w.image_area());
+            let gradients = gradient.chunks_exact(w.area()).zip(places.chunks_exact(w.area()));
+            for (channel, (gradient, places)) in channels.zip(gradients) {
+                for (g, at) in gradient.iter().zip(places) {
+                    // A window that lies on the border alone has no number.
+                    if let Some(sum) = channel.get_mut(*at as usize) {
+                        *sum += g;
+                    }
+                }
+            }
+        };
+        (Arc::new(output), keeps.then(|| Box::new(back) as Back))
+    }
+}

@@ -1,0 +1,147 @@
+//! From an ONNX file to our own graph.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use burn::tensor::Device;
+use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
+
+use super::graph::{Graph, GraphStep, Slot};
+use super::operator::Operator;
+use super::value::{Integers, Value};
+use super::{arithmetic, choice, combine, convolution, elementwise, rearrange, resize, shapes};
+use crate::{NetworkFault, WhiteBoxError};
+
+/// Reads a file's bytes; `file` is only named in errors.
+pub(super) fn read(
+    bytes: &[u8],
+    file: &str,
+    photo_size: Option<[u32; 2]>,
+    device: &Device,
+) -> Result<Graph, WhiteBoxError> {
+    let unreadable = |reason: NetworkFault| WhiteBoxError::OnnxNetwork {
+        file: file.to_owned(),
+        reason,
+    };
+    let not_parsed = |said: String| unreadable(NetworkFault::Framework(said.replace('\n', " ")));
+    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
+    let own = model.opset_import.iter().find(|opset| opset.domain.is_empty());
+    let opset = own.map_or(1, |opset| opset.version);
+    // Simplified, it would have operators of the parser's own.
+    let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
+    let parsed = parsed.map_err(|e| not_parsed(e.to_string()))?;
+    let operators: Vec<Option<Operator>> = parsed.nodes.iter().map(|node| operator(node, opset)).collect();
+    let nodes = parsed.nodes.iter().zip(&operators);
+    let unknown = nodes.filter(|(node, operator)| operator.is_none() && !matches!(node, Node::Constant(_)));
+    let names: BTreeSet<String> = unknown.map(|(node, _)| kind(node)).collect();
+    if !names.is_empty() {
+        let names: Vec<String> = names.iter().map(|name| name.escape_debug().to_string()).collect();
+        let (file, names) = (file.to_owned(), names.join(", "));
+        return Err(WhiteBoxError::Operators { file, names });
+    }
+    let builder = Builder {
+        device,
+        named: BTreeMap::new(),
+        constants: BTreeMap::new(),
+        slots: 0,
+    };
+    let mut graph = builder.graph(&parsed, photo_size, operators).map_err(unreadable)?;
+    // The parser gives outputs names of its own.
+    for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {
+        name.clone_from(&written.name);
+    }
+    Ok(graph)
+}
+
+fn operator(node: &Node, opset: i64) -> Option<Operator> {
+    elementwise::read(node)
+        .or_else(|| arithmetic::read(node))
+        .or_else(|| convolution::read(node))
+        .or_else(|| rearrange::read(node))
+        .or_else(|| resize::read(node))
+        .or_else(|| combine::read(node, opset))
+        .or_else(|| choice::read(node))
+        .or_else(|| shapes::read(node))
+}
+
+/// The operator's name, for people.
+fn kind(node: &Node) -> String {
+    match node {
+        Node::Custom(n) => n.op_type.clone(),
+        other => other.node_type().to_string(),
+    }
+}
+
+struct Builder<'a> {
+    device: &'a Device,
+    named: BTreeMap<String, Slot>,
+    constants: BTreeMap<Slot, Value>,
+    slots: usize,
+}
+
+impl Builder<'_> {
+    fn graph(
+        mut self,
+        parsed: &OnnxGraph,
+        photo_size: Option<[u32; 2]>,
+        operators: Vec<Option<Operator>>,
+    ) -> Result<Graph, NetworkFault> {
+        let image = match (&parsed.inputs[..], photo_size) {
+            ([image], _) => image,
+            ([image, size], Some(photo_size)) => {
+                let (shape, data) = (vec![1, 2], photo_size.map(i64::from).to_vec());
+                let slot = self.named_slot(&size.name);
+                self.constants.insert(slot, Integers { shape, data }.into());
+                image
+            }
+            (more, _) => return Err(NetworkFault::Count("inputs", more.len(), 1)),
+        };
+        let input = self.named_slot(&image.name);
+        let mut steps = Vec::new();
+        for (node, operator) in parsed.nodes.iter().zip(operators) {
+            let Some(operator) = operator else { continue };
+            steps.push(GraphStep {
+                name: node.name().to_owned(),
+                operator,
+                inputs: node.inputs().iter().map(|a| self.slot(a)).collect::<Result<_, _>>()?,
+                outputs: node.outputs().iter().map(|a| self.named_slot(&a.name)).collect(),
+            });
+        }
+        let mut outputs = Vec::new();
+        for output in &parsed.outputs {
+            let slot = self.slot(output)?.ok_or("an output has no name")?;
+            outputs.push((output.name.clone(), slot));
+        }
+        Ok(Graph {
+            device: self.device.clone(),
+            steps,
+            constants: self.constants,
+            input,
+            outputs,
+            slots: self.slots,
+        })
+    }
+
+    /// Where an argument's value will be; its constant is put there.
+    fn slot(&mut self, argument: &Argument) -> Result<Option<Slot>, NetworkFault> {
+        if argument.is_optional() {
+            return Ok(None);
+        }
+        let Some(data) = argument.value() else {
+            return Ok(Some(self.named_slot(&argument.name)));
+        };
+        let value = Value::constant(&data, self.device)?;
+        if argument.name.is_empty() {
+            self.named.remove(""); // each constant without a name is another
+        }
+        let slot = self.named_slot(&argument.name);
+        self.constants.insert(slot, value);
+        Ok(Some(slot))
+    }
+
+    fn named_slot(&mut self, name: &str) -> Slot {
+        *self.named.entry(name.to_owned()).or_insert_with(|| {
+            self.slots += 1;
+            self.slots - 1
+        })
+    }
+}
