@@ -4,9 +4,10 @@ use image::GrayImage;
 use image::imageops::{self, FilterType};
 
 use super::way::Way;
+use crate::chart::timed_tags;
 use scaleproof_core::workers::fastest;
 use scaleproof_pose::camera::{Camera, FittedCamera};
-use scaleproof_pose::locate::{Located, locate_by, locate_luma};
+use scaleproof_pose::locate::{Located, locate_by};
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 
@@ -56,30 +57,16 @@ pub(super) fn find(
     (scene, camera): (&Scene, &Camera),
     detector: &mut dyn TagDetector,
 ) -> FoundTags {
-    let reduced;
-    let luma = match reduced_by {
-        1 => &sample.luma,
-        by => {
-            let (width, height) = sample.luma.dimensions();
-            reduced = imageops::resize(
-                &sample.luma,
-                (width / by).max(1),
-                (height / by).max(1),
-                FilterType::Triangle,
-            );
-            &reduced
-        }
-    };
-    let (tags, ms) = fastest(|| match choice {
-        // It stops where the pose says so.
-        TagDetectorChoice::Cascade => locate_luma(luma, sample.turned_deg, scene, camera, detector).seen,
-        _ => detector.find(luma),
+    let luma = &sample.luma;
+    let (width, height) = luma.dimensions();
+    let reduced = (reduced_by > 1).then(|| {
+        let [width, height] = [width, height].map(|side| (side / reduced_by).max(1));
+        imageops::resize(luma, width, height, FilterType::Triangle)
     });
-    FoundTags {
-        tags,
-        ms,
-        size: luma.dimensions(),
-    }
+    let luma = reduced.as_ref().unwrap_or(luma);
+    let (tags, ms) = timed_tags(choice, detector, (luma, sample.turned_deg), (scene, camera));
+    let size = luma.dimensions();
+    FoundTags { tags, ms, size }
 }
 
 /// The pose by a way, and how well poses without a tag predict it. `reference`: the tags that are left out one by one, where they were seen at full size.
@@ -105,14 +92,12 @@ pub(super) fn answer(
     };
     let (located, solve_ms) = fastest(|| locate(None));
     let scale = f64::from(width) / f64::from(sample.luma.width());
-    let errors: Vec<f64> = reference
-        .iter()
-        .filter_map(|left_out| {
-            let tag = scene.tag(left_out.family, left_out.id)?;
-            let without = locate(Some(left_out))?;
-            Some(distance_px(&without, tag, left_out, &camera, scale)? * camera.deg_per_px())
-        })
-        .collect();
+    let error = |left_out: &SeenTag| {
+        let tag = scene.tag(left_out.family, left_out.id)?;
+        let without = locate(Some(left_out))?;
+        Some(distance_px(&without, tag, left_out, &camera, scale)? * camera.deg_per_px())
+    };
+    let errors: Vec<f64> = reference.iter().filter_map(error).collect();
     Answer {
         ms: seen.ms + solve_ms,
         located,
@@ -122,20 +107,18 @@ pub(super) fn answer(
 
 /// The tags without one, the largest alone, and the scene as if the others were not there: otherwise a lone tag is doubted because they are not seen.
 fn limited(most: Option<usize>, seen: &[SeenTag], scene: &Scene, without: Option<&SeenTag>) -> (Vec<SeenTag>, Scene) {
-    let is_left_out = |tag: &SeenTag| without.is_some_and(|out| (out.family, out.id) == (tag.family, tag.id));
     let is_known = |tag: &SeenTag| scene.tag(tag.family, tag.id).is_some();
-    let mut tags: Vec<SeenTag> = seen.iter().filter(|tag| !is_left_out(tag)).cloned().collect();
-    let mut scene = scene.clone();
+    let (mut tags, mut scene) = (seen.to_vec(), scene.clone());
     if let Some(out) = without {
+        tags.retain(|tag| (tag.family, tag.id) != (out.family, out.id));
         scene.tags.retain(|tag| (tag.family, tag.id) != (out.family, out.id));
     }
     if let Some(most) = most {
         let (mut known, unknown): (Vec<SeenTag>, Vec<SeenTag>) = tags.into_iter().partition(is_known);
         known.sort_by(|a, b| area_px(b).total_cmp(&area_px(a)));
         known.truncate(most);
-        scene
-            .tags
-            .retain(|tag| known.iter().any(|seen| (seen.family, seen.id) == (tag.family, tag.id)));
+        let is_kept = |tag: &Tag| known.iter().any(|seen| (seen.family, seen.id) == (tag.family, tag.id));
+        scene.tags.retain(is_kept);
         tags = known.into_iter().chain(unknown).collect();
     }
     (tags, scene)
@@ -143,9 +126,8 @@ fn limited(most: Option<usize>, seen: &[SeenTag], scene: &Scene, without: Option
 
 fn area_px(tag: &SeenTag) -> f64 {
     let c = tag.corners_px;
-    let doubled: f64 = (0..4)
-        .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
-        .sum();
+    let cross = |i: usize, next: usize| c[i][0] * c[next][1] - c[next][0] * c[i][1];
+    let doubled: f64 = (0..4).map(|i| cross(i, (i + 1) % 4)).sum();
     doubled.abs() / 2.0
 }
 

@@ -78,12 +78,13 @@ pub fn measure(
 
 /// The rows that [`measure`] gives: photos by each detector, and a stream by the one that has a faster search.
 pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
-    let fitted = detectors(scene)
+    let all = detectors(scene).into_iter();
+    let fitted = all.filter(|choice| choice.corners_by() == CornersBy::Fit);
+    let photos = fitted.map(|choice| (choice, false));
+    [(TagDetectorChoice::default(), true)]
         .into_iter()
-        .filter(|choice| choice.corners_by() == CornersBy::Fit);
-    let mut ways = vec![(TagDetectorChoice::default(), true)];
-    ways.extend(fitted.map(|choice| (choice, false)));
-    ways
+        .chain(photos)
+        .collect()
 }
 
 /// Whether the frame got a pose.
@@ -124,7 +125,7 @@ pub fn draw(rows: &[CaptureRow]) -> String {
     };
     let frames = rows.first().map_or(0, |row| row.frames);
     let [median, p95] = LIMITS_MS;
-    let cloud = Cloud {
+    scatter(&Cloud {
         title: "Guided capture: from frame to advice".to_owned(),
         note: format!(
             "{frames} frames; limits {median:.0} ms (median) and {p95:.0} ms (95 %); filled share of a mark: share located"
@@ -139,8 +140,7 @@ pub fn draw(rows: &[CaptureRow]) -> String {
         shapes: vec!["running camera".to_owned(), "photos".to_owned()],
         ringed: "the default".to_owned(),
         groups: vec![(String::new(), rows.iter().map(dot).collect())],
-    };
-    scatter(&cloud)
+    })
 }
 
 /// The rows as lines of text: milliseconds a frame, median and 95 %, and the share that was located.

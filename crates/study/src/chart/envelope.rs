@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::milliseconds;
 use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_core::statistics::median;
 use scaleproof_core::workers::fastest;
@@ -55,10 +56,10 @@ pub fn measure(
     outlines: &[(&'static str, EnvelopeShape)],
     default: &str,
 ) -> Vec<EnvelopeRow> {
-    outlines
+    let rows = outlines
         .iter()
-        .map(|(name, outline)| row(samples, name, outline, *name == default))
-        .collect()
+        .map(|(name, outline)| row(samples, name, outline, *name == default));
+    rows.collect()
 }
 
 fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShape, is_default: bool) -> EnvelopeRow {
@@ -92,38 +93,31 @@ fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShap
 /// The chart: a colour an envelope, one mark for the median and one for the worst photo.
 pub fn draw(rows: &[EnvelopeRow]) -> String {
     let dots = rows.iter().enumerate().flat_map(|(series, row)| {
-        [row.iou_median, row.iou_min]
-            .into_iter()
-            .enumerate()
-            .filter_map(move |(shape, iou)| {
-                Some(Dot {
-                    x: row.ms,
-                    y: 1.0 - iou?,
-                    share: row.answered,
-                    series,
-                    shape,
-                    name: (shape == 0).then(|| row.envelope.to_owned()),
-                    is_ringed: row.is_default,
-                })
+        let dot = move |(shape, iou): (usize, Option<f64>)| {
+            Some(Dot {
+                x: row.ms,
+                y: 1.0 - iou?,
+                share: row.answered,
+                series,
+                shape,
+                name: (shape == 0).then(|| row.envelope.to_owned()),
+                is_ringed: row.is_default,
             })
+        };
+        [row.iou_median, row.iou_min].into_iter().enumerate().filter_map(dot)
     });
     let dots: Vec<Dot> = dots.collect();
     let photos = rows.first().map_or(0, |row| row.photos);
-    let cloud = Cloud {
+    scatter(&Cloud {
         title: "Truth box: error against time".to_owned(),
         note: format!("{photos} photos; filled share of a mark: share that got a truth box; lower left is better"),
-        x: PlotAxis::around(
-            "milliseconds a photo, one core",
-            Scale::Log,
-            dots.iter().map(|dot| dot.x),
-        ),
+        x: milliseconds(dots.iter().map(|dot| dot.x)),
         y: PlotAxis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
         colours: rows.iter().map(|row| row.envelope.to_owned()).collect(),
         shapes: vec!["median photo".to_owned(), "worst photo".to_owned()],
         ringed: "the default".to_owned(),
         groups: vec![(String::new(), dots)],
-    };
-    scatter(&cloud)
+    })
 }
 
 /// The rows as lines of text: each envelope's IoU with the exact box, and milliseconds a photo.

@@ -3,13 +3,13 @@
 use image::GrayImage;
 use serde::Serialize;
 
-use super::MeasureError;
+use super::{MeasureError, milliseconds, timed_tags};
 use scaleproof_core::geometry::angle;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::fastest;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
-use scaleproof_pose::camera::{Camera, FittedCamera, SizeError};
-use scaleproof_pose::locate::{self, Solver, locate_luma};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::{self, Solver};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
 
@@ -34,14 +34,13 @@ impl LensTerms {
     }
 
     /// The camera with only these coefficients left.
-    pub fn of(self, camera: &Camera) -> Camera {
+    fn applied_to(self, camera: &Camera) -> Camera {
         let kept = match self {
             Self::Pinhole => 0,
             Self::K1 => 1,
             Self::Full => 8,
         };
-        let coefficients = &camera.distortion()[..kept];
-        camera.clone().with_distortion(coefficients)
+        camera.clone().with_distortion(&camera.distortion()[..kept])
     }
 }
 
@@ -54,12 +53,6 @@ pub struct PhotoSample {
     pub turned_deg: u32,
     /// Exact.
     pub truth: Viewpoint,
-}
-
-impl PhotoSample {
-    fn fitted(&self, camera: &Camera) -> Result<FittedCamera, SizeError> {
-        camera.for_photo(self.luma.width(), self.luma.height(), self.turned_deg)
-    }
 }
 
 /// One combination and what it measured.
@@ -118,10 +111,11 @@ pub fn measure(
     camera: &Camera,
     on_done: impl Fn(),
 ) -> Result<Vec<LocateRow>, MeasureError> {
-    let fitted = samples
-        .iter()
-        .map(|sample| Ok(sample.fitted(camera)?.camera))
-        .collect::<Result<Vec<_>, MeasureError>>()?;
+    let fitted = |sample: &PhotoSample| -> Result<Camera, MeasureError> {
+        let (width, height) = sample.luma.dimensions();
+        Ok(camera.for_photo(width, height, sample.turned_deg)?.camera)
+    };
+    let fitted = samples.iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     // Times are of one core, whatever OpenCV would like.
     let _ = opencv::core::set_num_threads(1);
     let families = scene.families();
@@ -130,17 +124,12 @@ pub fn measure(
         let mut detector = choice.open(&families)?;
         let mut found = Vec::new();
         for sample in samples {
-            found.push(fastest(|| match choice {
-                // It stops where the pose says so, which is part of its time.
-                TagDetectorChoice::Cascade => {
-                    locate_luma(&sample.luma, sample.turned_deg, scene, camera, detector.as_mut()).seen
-                }
-                _ => detector.find(&sample.luma),
-            }));
+            let photo = (&sample.luma, sample.turned_deg);
+            found.push(timed_tags(choice, detector.as_mut(), photo, (scene, camera)));
             on_done();
         }
         for model in LensTerms::ALL {
-            let cameras: Vec<Camera> = fitted.iter().map(|camera| model.of(camera)).collect();
+            let cameras: Vec<Camera> = fitted.iter().map(|camera| model.applied_to(camera)).collect();
             for solver in Solver::all() {
                 rows.push(row((choice, solver, model), samples, &found, scene, &cameras));
             }
@@ -171,21 +160,21 @@ fn row(
     }
     let photos = samples.len();
     let mean = |sum: f64| sum / photos.max(1) as f64;
-    let [azimuth, pitch, distance] = [azimuth, pitch, distance].map(Spread::of);
+    let max = |values: &[f64]| values.iter().copied().max_by(f64::total_cmp);
     LocateRow {
         tag_detector: choice.name(),
         solver: solver.name(),
         camera_model,
         photos,
-        answered: mean(azimuth.count as f64),
+        answered: mean(azimuth.len() as f64),
         find_ms: mean(found.iter().map(|(_, ms)| ms).sum()),
         solve_ms: mean(solve_ms),
-        azimuth_error_median_deg: azimuth.median,
-        azimuth_error_max_deg: azimuth.max,
-        pitch_error_median_deg: pitch.median,
-        pitch_error_max_deg: pitch.max,
-        distance_error_median_mm: distance.median,
-        distance_error_max_mm: distance.max,
+        azimuth_error_median_deg: upper_median(&azimuth),
+        azimuth_error_max_deg: max(&azimuth),
+        pitch_error_median_deg: upper_median(&pitch),
+        pitch_error_max_deg: max(&pitch),
+        distance_error_median_mm: upper_median(&distance),
+        distance_error_max_mm: max(&distance),
         silently_wrong: mean(wrong as f64),
         is_on_front: false,
         is_default: choice == TagDetectorChoice::default()
@@ -200,35 +189,15 @@ pub fn is_silently_wrong(view: &Viewpoint, truth: &Viewpoint, scene: &Scene) -> 
     is_inside && scene.bins.bin_of(view).azimuth_deg != scene.bins.bin_of(truth).azimuth_deg
 }
 
-/// Middle and end of some values.
-struct Spread {
-    count: usize,
-    median: Option<f64>,
-    max: Option<f64>,
-}
-
-impl Spread {
-    fn of(values: Vec<f64>) -> Self {
-        Self {
-            count: values.len(),
-            median: upper_median(&values),
-            max: values.into_iter().max_by(f64::total_cmp),
-        }
-    }
-}
-
 /// Marks, within each camera model, the combinations that no other beats in time, error and share answered at once.
 fn mark_fronts(rows: &mut [LocateRow]) {
     let figures = |row: &LocateRow| {
-        (
-            row.ms(),
-            row.azimuth_error_median_deg.unwrap_or(f64::INFINITY),
-            -row.answered,
-        )
+        let error = row.azimuth_error_median_deg.unwrap_or(f64::INFINITY);
+        [row.ms(), error, -row.answered]
     };
     let all: Vec<_> = rows.iter().map(|row| (row.camera_model, figures(row))).collect();
     for (row, (model, own)) in rows.iter_mut().zip(&all) {
-        let beats = |other: &(f64, f64, f64)| other.0 <= own.0 && other.1 <= own.1 && other.2 <= own.2 && other != own;
+        let beats = |other: &[f64; 3]| (0..3).all(|i| other[i] <= own[i]) && other != own;
         row.is_on_front =
             row.azimuth_error_median_deg.is_some() && !all.iter().any(|(m, other)| m == model && beats(other));
     }
@@ -255,16 +224,12 @@ pub fn draw(rows: &[LocateRow]) -> String {
         (model.title().to_owned(), of_model.filter_map(dot).collect())
     };
     let photos = rows.first().map_or(0, |row| row.photos);
-    let cloud = Cloud {
+    scatter(&Cloud {
         title: "Pose: error against time".to_owned(),
         note: format!(
             "{photos} photos; filled share of a mark: share of the photos that got a pose; lower left is better"
         ),
-        x: PlotAxis::around(
-            "milliseconds a photo, one core",
-            Scale::Log,
-            rows.iter().map(LocateRow::ms),
-        ),
+        x: milliseconds(rows.iter().map(LocateRow::ms)),
         y: PlotAxis::around(
             "median azimuth error, °",
             Scale::Log,
@@ -274,18 +239,15 @@ pub fn draw(rows: &[LocateRow]) -> String {
         shapes: shapes.clone(),
         ringed: "the default".to_owned(),
         groups: LensTerms::ALL.into_iter().map(group).collect(),
-    };
-    scatter(&cloud)
+    })
 }
 
 /// The rows as lines of text, one camera model after the other, the fastest first.
 pub fn table(rows: &[LocateRow]) -> String {
     let mut sorted: Vec<&LocateRow> = rows.iter().collect();
     sorted.sort_by(|a, b| {
-        (a.camera_model as u8)
-            .cmp(&(b.camera_model as u8))
-            .reverse()
-            .then(a.ms().total_cmp(&b.ms()))
+        let by_model = (b.camera_model as u8).cmp(&(a.camera_model as u8));
+        by_model.then(a.ms().total_cmp(&b.ms()))
     });
     let mut text = format!(
         "{:<18} {:<16} {:<9} {:>9} {:>9} {:>9} {:>7} {:>18} {:>18} {:>16}\n",

@@ -3,6 +3,7 @@
 use maud::html;
 use serde::Serialize;
 
+use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::stopwatch::{Stage, StageMs};
 use scaleproof_plot::{Drawing, Explained, colour, figure};
 use scaleproof_score::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
@@ -45,7 +46,8 @@ pub fn measure(
         for poses in ways(&session) {
             let photos = fastest(&session, std::slice::from_ref(&detector), rounds, &on_photo)?;
             rows.push(row(&detector, poses, &photos));
-            session = with_truth(session, &photos);
+            // As if it had been imported with its truth: the photos that were placed, with box and viewpoint.
+            session.photos = photos.into_iter().map(|photo| photo.with_truth).collect();
         }
     }
     Ok(rows)
@@ -69,44 +71,28 @@ fn fastest(
     on_photo: &(impl Fn() + Sync),
 ) -> Result<Vec<TimedPhoto>, ScoreError> {
     let all = |ms: &StageMs| ms.iter().sum::<f64>();
-    let mut best: Vec<TimedPhoto> = Vec::new();
-    for round in timed_photos(session, detector, rounds, on_photo)? {
-        if best.is_empty() {
-            best = round;
-            continue;
-        }
-        for (best, photo) in best.iter_mut().zip(round) {
-            if all(&photo.ms) < all(&best.ms) {
-                *best = photo;
-            }
+    let mut rounds = timed_photos(session, detector, rounds, on_photo)?.into_iter();
+    let mut best = rounds.next().unwrap_or_default();
+    for (i, photo) in rounds.flat_map(|round| round.into_iter().enumerate()) {
+        if all(&photo.ms) < all(&best[i].ms) {
+            best[i] = photo;
         }
     }
     Ok(best)
 }
 
-/// The session as if it had been imported with its truth: the photos that were placed, with box and viewpoint.
-fn with_truth(mut session: Session, placed: &[TimedPhoto]) -> Session {
-    session.photos = placed.iter().map(|photo| photo.with_truth.clone()).collect();
-    session
-}
-
 fn row(detector: &EvaluatedDetector, poses: &'static str, photos: &[TimedPhoto]) -> ScoreRow {
-    let stages: Vec<StageTime> = Stage::ALL
-        .into_iter()
-        .map(|stage| {
-            let own: Vec<f64> = photos.iter().map(|photo| photo.ms[stage as usize]).collect();
-            StageTime {
-                stage,
-                ms: scaleproof_core::statistics::upper_median(&own).unwrap_or_default(),
-            }
-        })
-        .collect();
+    let stages = Stage::ALL.map(|stage| {
+        let own: Vec<f64> = photos.iter().map(|photo| photo.ms[stage as usize]).collect();
+        let ms = upper_median(&own).unwrap_or_default();
+        StageTime { stage, ms }
+    });
     ScoreRow {
         detector: detector.manifest.name.clone(),
         poses,
         photos: photos.len(),
         photos_per_second: 1e3 / stages.iter().map(|stage| stage.ms).sum::<f64>().max(1e-3),
-        stages,
+        stages: stages.to_vec(),
     }
 }
 

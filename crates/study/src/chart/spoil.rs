@@ -50,8 +50,12 @@ impl Spoil {
         match self {
             Self::Blur if amount > 0.0 => imageops::blur(photo, amount as f32),
             Self::Motion if amount > 0.0 => moved(photo, amount, rng.random_range(0.0..180.0)),
-            Self::Noise => noisy(photo, amount, rng),
-            Self::Exposure => exposed(photo, amount),
+            Self::Noise => each(photo, |value| value + amount * normal(rng)),
+            Self::Exposure => {
+                // A stop is a factor of two in light; grey levels are taken as light to the power of 1/2.2.
+                let gain = 2f64.powf(amount / 2.2);
+                each(photo, |value| value * gain)
+            }
             Self::Cover => covered(photo, amount, tags, rng),
             Self::Crop => cropped(photo, amount, rng),
             Self::Jpeg => jpeg(photo, amount as u8),
@@ -63,37 +67,26 @@ impl Spoil {
 fn moved(photo: &GrayImage, length_px: f64, direction_deg: f64) -> GrayImage {
     let (sin, cos) = direction_deg.to_radians().sin_cos();
     let steps = length_px.ceil() as i32;
-    let offsets: Vec<(i64, i64)> = (0..=steps)
-        .map(|i| length_px * (f64::from(i) / f64::from(steps) - 0.5))
+    let along = (0..=steps).map(|i| length_px * (f64::from(i) / f64::from(steps) - 0.5));
+    let offsets: Vec<(i64, i64)> = along
         .map(|t| ((t * cos).round() as i64, (t * sin).round() as i64))
         .collect();
     let (width, height) = (i64::from(photo.width()), i64::from(photo.height()));
     GrayImage::from_fn(photo.width(), photo.height(), |x, y| {
         let at = |(dx, dy): &(i64, i64)| {
-            let (x, y) = (
-                (i64::from(x) + dx).clamp(0, width - 1),
-                (i64::from(y) + dy).clamp(0, height - 1),
-            );
+            let x = (i64::from(x) + dx).clamp(0, width - 1);
+            let y = (i64::from(y) + dy).clamp(0, height - 1);
             u32::from(photo.get_pixel(x as u32, y as u32).0[0])
         };
         Luma([(offsets.iter().map(at).sum::<u32>() / offsets.len() as u32) as u8])
     })
 }
 
-fn noisy(photo: &GrayImage, sigma: f64, rng: &mut impl Rng) -> GrayImage {
-    let mut out = photo.clone();
-    for value in out.iter_mut() {
-        *value = (f64::from(*value) + sigma * normal(rng)).round().clamp(0.0, 255.0) as u8;
-    }
-    out
-}
-
-/// A stop is a factor of two in light; grey levels are taken as light to the power of 1/2.2.
-fn exposed(photo: &GrayImage, stops: f64) -> GrayImage {
-    let gain = 2f64.powf(stops / 2.2);
+/// Every grey level by itself.
+fn each(photo: &GrayImage, mut level: impl FnMut(f64) -> f64) -> GrayImage {
     let mut out = photo.clone();
     out.iter_mut()
-        .for_each(|value| *value = (f64::from(*value) * gain).round().clamp(0.0, 255.0) as u8);
+        .for_each(|value| *value = level(f64::from(*value)).round().clamp(0.0, 255.0) as u8);
     out
 }
 
@@ -120,10 +113,8 @@ fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rn
 fn fill(image: &mut GrayImage, outline: &TagCorners, grey: u8) {
     let span = |k: usize, size: u32| {
         let values = outline.iter().map(|p| p[k]);
-        let (low, high) = (
-            values.clone().fold(f64::INFINITY, f64::min),
-            values.fold(f64::NEG_INFINITY, f64::max),
-        );
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        let high = values.fold(f64::NEG_INFINITY, f64::max);
         (low.floor().max(0.0) as u32)..(high.ceil().clamp(0.0, f64::from(size)) as u32)
     };
     let side = |x: f64, y: f64, i: usize| {

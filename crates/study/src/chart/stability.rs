@@ -1,5 +1,8 @@
 //! Sweeps that drive every method from harmless to hopeless: how far off, how often answered, how often *silently wrong*.
 
+use std::convert::Infallible;
+use std::ops::Range;
+
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -13,7 +16,7 @@ use scaleproof_plot::{PlotAxis, PlotLine, PlotPanel, Scale, distinct, panels};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{self, Located, Solver, locate_luma};
 use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
-use scaleproof_pose::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
+use scaleproof_pose::simulate::{Noise, SimulatedFault, SimulatedView, Simulator, looking_at};
 use scaleproof_pose::tags::{CornersBy, StartError, TagDetectorChoice};
 
 /// Corner noise of the simulated detector: what the photos show, with tails.
@@ -38,40 +41,115 @@ fn amounts(sweeps: &'static str) -> impl Iterator<Item = SweepAmount> {
     })
 }
 
-#[derive(Debug, Clone, Copy)]
-enum SweepKind {
-    /// Corner noise of the detector, px.
-    CornerNoise,
-    /// The side of a tag of 50 mm seen from straight before it, px: the camera moves away.
-    TagSize,
-    /// One tag alone, seen under this angle to its normal, degrees.
-    Tilt,
-    /// The lens has this many times the stated camera's distortion, and the camera file none.
-    IgnoredDistortion,
-    Fault(fn(f64) -> Option<SimulatedFault>),
+/// What the views of one step are like.
+struct Conditions {
+    noise: Noise,
+    distances_mm: Range<f64>,
+    /// One tag is seen alone, under this angle to its normal.
+    tilt_deg: Option<f64>,
+    fault: Option<SimulatedFault>,
+    /// As it truly is.
+    camera: Camera,
 }
 
-impl SweepKind {
-    fn named(name: &str) -> Option<Self> {
+impl Conditions {
+    /// Those of a sweep of views at one amount; `None` for an unknown sweep.
+    fn new((name, _, amount): SweepAmount, stated: &Camera) -> Option<Self> {
         use SimulatedFault as F;
-        Some(match name {
-            "corner_noise" => Self::CornerNoise,
-            "tag_size" => Self::TagSize,
-            "tilt_of_a_single_tag" => Self::Tilt,
-            "hidden_tags" => Self::Fault(|share| Some(F::Hidden { share })),
-            "cropped_view" => Self::Fault(|share| Some(F::Cropped { share })),
-            "wrong_focal" => Self::Fault(|factor| Some(F::WrongFocal { factor })),
-            "wrong_principal_point" => Self::Fault(|px| Some(F::WrongPrincipalPoint { px })),
-            "wrong_tag_size" => Self::Fault(|factor| Some(F::WrongTagSize { factor })),
-            "moved_tag" => Self::Fault(|mm| Some(F::MovedTag { mm })),
-            "twisted_tag" => Self::Fault(|deg| Some(F::TwistedTag { deg })),
-            "wrong_corner" => Self::Fault(|px| Some(F::WrongCorner { px })),
-            "duplicated_id" => Self::Fault(|there| (there > 0.0).then_some(F::DuplicatedId)),
-            "wrong_id" => Self::Fault(|there| (there > 0.0).then_some(F::WrongId)),
-            "ignored_distortion" => Self::IgnoredDistortion,
+        let mut all = Self {
+            noise: NOISE,
+            distances_mm: 600.0..1600.0,
+            tilt_deg: None,
+            fault: None,
+            camera: stated.clone(),
+        };
+        match name {
+            "corner_noise" => all.noise.sigma_px = amount,
+            // The side of a tag of 50 mm seen from straight before it, px: the camera moves away.
+            "tag_size" => {
+                let away = stated.fx * 50.0 / amount;
+                all.distances_mm = away..1.001 * away;
+            }
+            "tilt_of_a_single_tag" => all.tilt_deg = Some(amount),
+            // The lens has this many times the stated camera's distortion, and the camera file none.
+            "ignored_distortion" => {
+                let stronger = stated.distortion().map(|k| amount * k);
+                all.camera = stated.clone().with_distortion(&stronger);
+                all.fault = Some(F::IgnoredDistortion);
+            }
+            "hidden_tags" => all.fault = Some(F::Hidden { share: amount }),
+            "cropped_view" => all.fault = Some(F::Cropped { share: amount }),
+            "wrong_focal" => all.fault = Some(F::WrongFocal { factor: amount }),
+            "wrong_principal_point" => all.fault = Some(F::WrongPrincipalPoint { px: amount }),
+            "wrong_tag_size" => all.fault = Some(F::WrongTagSize { factor: amount }),
+            "moved_tag" => all.fault = Some(F::MovedTag { mm: amount }),
+            "twisted_tag" => all.fault = Some(F::TwistedTag { deg: amount }),
+            "wrong_corner" => all.fault = Some(F::WrongCorner { px: amount }),
+            "duplicated_id" => all.fault = (amount > 0.0).then_some(F::DuplicatedId),
+            "wrong_id" => all.fault = (amount > 0.0).then_some(F::WrongId),
             _ => return None,
+        }
+        Some(all)
+    }
+
+    /// The view of a seed, if any tag is seen on it.
+    fn view(&self, scene: &Scene, seed: u64) -> Option<SimulatedView> {
+        if let Some(tilt_deg) = self.tilt_deg {
+            return self.lone_tag(scene, tilt_deg, seed);
+        }
+        let mut simulator = Simulator::new(scene, &self.camera, self.noise, seed);
+        let viewpoint = simulator.viewpoint(5.0..40.0, self.distances_mm.clone());
+        let view = simulator.view(&viewpoint, self.fault);
+        (!view.seen.is_empty()).then_some(view)
+    }
+
+    /// A view of one of the scene's tags alone, from a direction that makes the required angle with the tag's normal; the model is in
+    /// the image too.
+    fn lone_tag(&self, scene: &Scene, tilt_deg: f64, seed: u64) -> Option<SimulatedView> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let tag = &scene.tags[rng.random_range(0..scene.tags.len())];
+        let alone = Scene {
+            tags: vec![tag.clone()],
+            ..scene.clone()
+        };
+        let target = scene.model.target_mm();
+        let mut attempts = (0..LONE_TAG_ATTEMPTS).map(|_| {
+            let away = rng.random_range(600.0..1200.0);
+            let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+            let centre = tag.centre_mm + away * tilted(tag, tilt_deg, around);
+            // The camera looks at the tag; the view's own viewpoint is from the model's target.
+            let pose = looking_at(&Viewpoint::of_camera(centre, tag.centre_mm), tag.centre_mm);
+            (pose, Viewpoint::of_camera(centre, target))
+        });
+        let (pose, viewpoint) = attempts.find(|(pose, _)| shows(&self.camera, &(pose * target)))?;
+        let seen = Simulator::new(&alone, &self.camera, self.noise, seed).seen(&pose);
+        (!seen.is_empty()).then(|| SimulatedView {
+            viewpoint,
+            pose,
+            seen,
+            scene: alone,
+            camera: self.camera.clone(),
+            struck: None,
         })
     }
+}
+
+/// From so many places a view is tried that shows a tag and the model.
+const LONE_TAG_ATTEMPTS: usize = 50;
+
+/// Whether a point of the camera frame is in the image.
+fn shows(camera: &Camera, point: &nalgebra::Point3<f64>) -> bool {
+    let within = |v: f64, size: u32| (0.0..f64::from(size)).contains(&v);
+    let at = camera.project(point);
+    at.is_some_and(|[x, y]| within(x, camera.width) && within(y, camera.height))
+}
+
+/// The unit direction `tilt_deg` off a tag's normal, towards `around` (radians) in its plane.
+fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
+    let normal = tag.right.cross(&tag.up);
+    let aside = around.cos() * tag.right + around.sin() * tag.up;
+    let (sin, cos) = tilt_deg.to_radians().sin_cos();
+    cos * normal + sin * aside
 }
 
 /// What one method did at one amount of one condition.
@@ -134,16 +212,13 @@ impl Tally {
 /// same steps. `on_done` is called after each amount.
 pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done: impl Fn() + Sync) -> Vec<SweepStep> {
     let jobs: Vec<(u64, SweepAmount)> = (seed..).zip(amounts(OF_VIEWS)).collect();
-    let steps = workers::map(
+    let Ok(steps) = workers::map(
         &jobs,
-        || Ok::<_, std::convert::Infallible>(()),
-        |(), (seed, at)| Ok(sweep_step(*at, scene, camera, views, *seed)),
+        || Ok::<_, Infallible>(()),
+        |(), (seed, at)| Ok(sweep_step(*at, scene, camera, views as u64, seed << 32)),
         on_done,
     );
-    match steps {
-        Ok(steps) => steps.into_iter().flatten().collect(),
-        Err(never) => match never {},
-    }
+    steps.into_iter().flatten().collect()
 }
 
 /// How many amounts [`on_views`] goes through.
@@ -151,141 +226,19 @@ pub fn view_steps() -> usize {
     amounts(OF_VIEWS).count()
 }
 
-fn sweep_step(at: SweepAmount, scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<SweepStep> {
-    let Some(kind) = SweepKind::named(at.0) else {
+fn sweep_step(at: SweepAmount, scene: &Scene, camera: &Camera, views: u64, seed: u64) -> Vec<SweepStep> {
+    let Some(conditions) = Conditions::new(at, camera) else {
         return Vec::new();
     };
-    let mut tallies: Vec<Tally> = Solver::all().iter().map(|_| Tally::default()).collect();
-    let mut maker = Maker::new(kind, at.2, scene, camera, seed);
-    for _ in 0..views {
-        let Some(view) = maker.view() else { continue };
-        for (solver, tally) in Solver::all().into_iter().zip(&mut tallies) {
-            let answer = locate::locate_by(solver, &view.seen, &view.scene, &view.camera);
+    let mut tallies: Vec<(Solver, Tally)> = Solver::all().into_iter().map(|s| (s, Tally::default())).collect();
+    for view in (1..=views).filter_map(|number| conditions.view(scene, seed + number)) {
+        for (solver, tally) in &mut tallies {
+            let answer = locate::locate_by(*solver, &view.seen, &view.scene, &view.camera);
             tally.count(answer.ok(), &view.viewpoint, scene);
         }
     }
-    Solver::all()
-        .iter()
-        .zip(tallies)
-        .map(|(solver, tally)| tally.step(at, solver.name()))
-        .collect()
-}
-
-/// Makes the views of one step.
-struct Maker<'a> {
-    kind: SweepKind,
-    amount: f64,
-    scene: &'a Scene,
-    /// As it truly is.
-    camera: Camera,
-    stated: &'a Camera,
-    seed: u64,
-    made: u64,
-}
-
-impl<'a> Maker<'a> {
-    fn new(kind: SweepKind, amount: f64, scene: &'a Scene, stated: &'a Camera, seed: u64) -> Self {
-        let camera = match kind {
-            SweepKind::IgnoredDistortion => {
-                let stronger = stated.distortion().map(|k| amount * k);
-                stated.clone().with_distortion(&stronger)
-            }
-            _ => stated.clone(),
-        };
-        Self {
-            kind,
-            amount,
-            scene,
-            camera,
-            stated,
-            seed: seed << 32,
-            made: 0,
-        }
-    }
-
-    /// The next view, if any tag is seen on it.
-    fn view(&mut self) -> Option<SimulatedView> {
-        self.made += 1;
-        let seed = self.seed + self.made;
-        let sigma_px = match self.kind {
-            SweepKind::CornerNoise => self.amount,
-            _ => NOISE.sigma_px,
-        };
-        let noise = Noise { sigma_px, ..NOISE };
-        let view = match self.kind {
-            SweepKind::Tilt => self.lone_tag(noise, seed)?,
-            _ => self.ring(noise, seed),
-        };
-        (!view.seen.is_empty()).then_some(view)
-    }
-
-    fn ring(&self, noise: Noise, seed: u64) -> SimulatedView {
-        let mut simulator = Simulator::new(self.scene, &self.camera, noise, seed);
-        let distance_mm = match self.kind {
-            SweepKind::TagSize => {
-                let away = self.stated.fx * 50.0 / self.amount;
-                away..1.001 * away
-            }
-            _ => 600.0..1600.0,
-        };
-        let viewpoint = simulator.viewpoint(5.0..40.0, distance_mm);
-        let fault = match self.kind {
-            SweepKind::Fault(fault) => fault(self.amount),
-            SweepKind::IgnoredDistortion => Some(SimulatedFault::IgnoredDistortion),
-            SweepKind::CornerNoise | SweepKind::TagSize | SweepKind::Tilt => None,
-        };
-        simulator.view(&viewpoint, fault)
-    }
-
-    /// A view of one of the scene's tags alone, from a direction that makes the required angle with the tag's normal; the model is in
-    /// the image too.
-    fn lone_tag(&self, noise: Noise, seed: u64) -> Option<SimulatedView> {
-        let mut rng = Pcg64Mcg::seed_from_u64(seed);
-        let tag = &self.scene.tags[rng.random_range(0..self.scene.tags.len())];
-        let alone = Scene {
-            tags: vec![tag.clone()],
-            ..self.scene.clone()
-        };
-        let target = self.scene.model.target_mm();
-        let mut attempts = (0..LONE_TAG_ATTEMPTS).map(|_| {
-            let away = rng.random_range(600.0..1200.0);
-            let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
-            let centre = tag.centre_mm + away * tilted(tag, self.amount, around);
-            // The camera looks at the tag; the view's own viewpoint is from the model's target.
-            let pose =
-                scaleproof_pose::simulate::looking_at(&Viewpoint::from_camera(centre, tag.centre_mm), tag.centre_mm);
-            (pose, Viewpoint::from_camera(centre, target))
-        });
-        let (pose, viewpoint) = attempts.find(|(pose, _)| shows(&self.camera, &(pose * target)))?;
-        let seen = Simulator::new(&alone, &self.camera, noise, seed).seen(&pose);
-        (!seen.is_empty()).then(|| SimulatedView {
-            viewpoint,
-            pose,
-            seen,
-            scene: alone.clone(),
-            camera: self.camera.clone(),
-            struck: None,
-        })
-    }
-}
-
-/// From so many places a view is tried that shows a tag and the model.
-const LONE_TAG_ATTEMPTS: usize = 50;
-
-/// Whether a point of the camera frame is in the image.
-fn shows(camera: &Camera, point: &nalgebra::Point3<f64>) -> bool {
-    let within = |v: f64, size: u32| (0.0..f64::from(size)).contains(&v);
-    camera
-        .project(point)
-        .is_some_and(|[x, y]| within(x, camera.width) && within(y, camera.height))
-}
-
-/// The unit direction `tilt_deg` off a tag's normal, towards `around` (radians) in its plane.
-fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
-    let normal = tag.right.cross(&tag.up);
-    let aside = around.cos() * tag.right + around.sin() * tag.up;
-    let (sin, cos) = tilt_deg.to_radians().sin_cos();
-    cos * normal + sin * aside
+    let steps = tallies.into_iter().map(|(solver, tally)| tally.step(at, solver.name()));
+    steps.collect()
 }
 
 /// Every way to spoil the photos, with some tag detectors and the default solver. `on_done` is called after each spoiled photo.
@@ -302,16 +255,9 @@ pub fn on_photos(
 ) -> Result<Vec<SweepStep>, StartError> {
     let families = scene.families();
     let places = tags_of(samples, scene)?;
-    let spoiled = |at: SweepAmount| Some((Spoil::named(at.0)?, at));
-    let jobs: Vec<(Spoil, SweepAmount)> = amounts(OF_PHOTOS).filter_map(spoiled).collect();
-    let open = || {
-        detectors
-            .iter()
-            .map(|choice| choice.open(&families))
-            .collect::<Result<Vec<_>, _>>()
-    };
+    let open = || -> Result<Vec<_>, StartError> { detectors.iter().map(|choice| choice.open(&families)).collect() };
     let steps = workers::map(
-        &jobs,
+        &spoils().collect::<Vec<_>>(),
         open,
         |open, (spoil, at)| {
             let mut tallies: Vec<Tally> = detectors.iter().map(|_| Tally::default()).collect();
@@ -326,13 +272,17 @@ pub fn on_photos(
                 on_done();
             }
             let steps = detectors.iter().zip(tallies);
-            Ok(steps
-                .map(|(choice, tally)| tally.step(*at, choice.name()))
-                .collect::<Vec<_>>())
+            let steps = steps.map(|(choice, tally)| tally.step(*at, choice.name()));
+            Ok(steps.collect::<Vec<_>>())
         },
         || {},
     )?;
     Ok(steps.into_iter().flatten().collect())
+}
+
+/// The ways to spoil a photo, each at each of its amounts.
+fn spoils() -> impl Iterator<Item = (Spoil, SweepAmount)> {
+    amounts(OF_PHOTOS).filter_map(|at| Some((Spoil::named(at.0)?, at)))
 }
 
 /// How many spoiled photos [`on_photos`] looks at.
@@ -346,14 +296,11 @@ pub fn photo_steps(photos: usize) -> usize {
 /// # Errors
 /// A detector that does not start.
 pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -> Result<Vec<PhotoSample>, StartError> {
-    let ways: Vec<(Spoil, f64)> = amounts(OF_PHOTOS)
-        .filter_map(|(name, _, amount)| Some((Spoil::named(name)?, amount)))
-        .filter(|(spoil, _)| *spoil != Spoil::Crop)
-        .collect();
+    let ways: Vec<(Spoil, SweepAmount)> = spoils().filter(|(spoil, _)| *spoil != Spoil::Crop).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let copies_of = |(sample, tags): (&PhotoSample, &Vec<TagCorners>)| {
         let copy = || {
-            let (spoil, amount) = ways[rng.random_range(0..ways.len())];
+            let (spoil, (_, _, amount)) = ways[rng.random_range(0..ways.len())];
             PhotoSample {
                 luma: spoil.apply(&sample.luma, amount, tags, &mut rng),
                 ..sample.clone()
@@ -371,11 +318,8 @@ fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>
         samples,
         || TagDetectorChoice::default().open(&scene.families()),
         |detector, sample| {
-            Ok(detector
-                .find(&sample.luma)
-                .into_iter()
-                .map(|tag| tag.corners_px)
-                .collect())
+            let tags = detector.find(&sample.luma).into_iter();
+            Ok(tags.map(|tag| tag.corners_px).collect())
         },
         || {},
     )
@@ -395,28 +339,18 @@ pub fn draw(title: &str, steps: &[SweepStep]) -> String {
         "Silently wrong: another azimuth bin than the true one, the truth being more than 1° inside its bin."
             .to_owned(),
     ];
-    let all: Vec<PlotPanel> = sweeps
-        .iter()
-        .flat_map(|sweep| {
-            let of_sweep: Vec<&SweepStep> = steps.iter().filter(|step| step.sweep == *sweep).collect();
-            [shares(&of_sweep, &methods), errors(&of_sweep, &methods)]
-        })
-        .collect();
+    let panel = |sweep: &&str| {
+        let of_sweep: Vec<&SweepStep> = steps.iter().filter(|step| step.sweep == *sweep).collect();
+        [shares(&of_sweep, &methods), errors(&of_sweep, &methods)]
+    };
+    let all: Vec<PlotPanel> = sweeps.iter().flat_map(panel).collect();
     let names: Vec<String> = methods.iter().map(|m| (*m).to_owned()).collect();
     panels(title, &notes, &names, 4, &all)
 }
 
 fn shares(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
-    let line = |series: usize, is_dashed: bool, value: fn(&SweepStep) -> f64| PlotLine {
-        series,
-        values: of_method(steps, methods[series])
-            .map(|step| Some(value(step)))
-            .collect(),
-        is_dashed,
-    };
-    let numbers = 0..methods.len();
-    let answered = numbers.clone().map(|i| line(i, false, |step| step.answered));
-    let wrong = numbers.map(|i| line(i, true, |step| step.silently_wrong));
+    let answered = lines(steps, methods, false, |step| Some(step.answered));
+    let wrong = lines(steps, methods, true, |step| Some(step.silently_wrong));
     PlotPanel {
         title: steps.first().map_or("", |step| step.unit).to_owned(),
         steps: step_labels(steps, methods),
@@ -426,26 +360,34 @@ fn shares(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
             low: 0.0,
             high: 1.0,
         },
-        lines: answered.chain(wrong).collect(),
+        lines: [answered, wrong].concat(),
     }
 }
 
 fn errors(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
-    let line = |series: usize| PlotLine {
-        series,
-        values: of_method(steps, methods[series])
-            .map(|step| step.azimuth_error_median_deg)
-            .collect(),
-        is_dashed: false,
-    };
-    let lines: Vec<PlotLine> = (0..methods.len()).map(line).collect();
+    let lines = lines(steps, methods, false, |step| step.azimuth_error_median_deg);
     let values = lines.iter().flat_map(|line| line.values.iter().flatten().copied());
     PlotPanel {
         title: String::new(),
         steps: step_labels(steps, methods),
-        y: PlotAxis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
+        y: PlotAxis::around("median azimuth error, °", Scale::Log, values),
         lines,
     }
+}
+
+/// One line a method.
+fn lines(
+    steps: &[&SweepStep],
+    methods: &[&str],
+    is_dashed: bool,
+    value: fn(&SweepStep) -> Option<f64>,
+) -> Vec<PlotLine> {
+    let line = |(series, method): (usize, &&str)| PlotLine {
+        series,
+        values: of_method(steps, method).map(value).collect(),
+        is_dashed,
+    };
+    methods.iter().enumerate().map(line).collect()
 }
 
 fn of_method<'a>(steps: &'a [&SweepStep], method: &'a str) -> impl Iterator<Item = &'a SweepStep> {
@@ -476,12 +418,11 @@ pub fn summary(steps: &[SweepStep]) -> String {
         "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"
     );
     for (sweep, method) in distinct(steps.iter().map(|step| (step.sweep, step.method))) {
-        let of = steps.iter().filter(|s| (s.sweep, s.method) == (sweep, method));
-        let of: Vec<&SweepStep> = of.collect();
-        let views: usize = of.iter().map(|s| s.views).sum();
-        let good = of.iter().take_while(|s| s.answered >= 0.9).last();
+        let of = || steps.iter().filter(|s| (s.sweep, s.method) == (sweep, method));
+        let views: usize = of().map(|s| s.views).sum();
+        let good = of().take_while(|s| s.answered >= 0.9).last();
         let good = good.map_or("–".to_owned(), |s| s.amount.to_string());
-        let worst = of.iter().max_by(|a, b| a.silently_wrong.total_cmp(&b.silently_wrong));
+        let worst = of().max_by(|a, b| a.silently_wrong.total_cmp(&b.silently_wrong));
         let worst = worst.map_or(String::new(), |s| match s.silently_wrong {
             0.0 => "never".to_owned(),
             share => format!("{:.2} % at {}", 100.0 * share, s.amount),

@@ -90,11 +90,12 @@ fn about<T: DeserializeOwned, R>(
     })?;
     let of_photo = |file: &&str| {
         let about = truth.photos.iter().find(|about| about.file == *file);
-        let about = about.ok_or_else(|| TruthError::Missing {
-            path: path.to_owned(),
-            file: (*file).to_owned(),
-        })?;
-        Ok(read(&about.truth))
+        about
+            .map(|about| read(&about.truth))
+            .ok_or_else(|| TruthError::Missing {
+                path: path.to_owned(),
+                file: (*file).to_owned(),
+            })
     };
     files.iter().map(of_photo).collect()
 }
