@@ -39,15 +39,17 @@ pub(super) fn check(photos: &[Judged], fits: &[Fit], (scene, camera): (&Scene, &
     };
     let refitted: Vec<Answer> = photos.iter().enumerate().map(by_other_half).collect();
     let pairs = || photos.iter().map(|photo| photo.by_file).zip(&refitted);
-    let paired = PairedErrors::of(pairs());
+    let paired = PairedErrors::new(pairs());
     let [by_file, by_refitted] = paired.means();
     let better_by_95 = paired.difference_95();
-    let moved = Moved::of(pairs());
+    let moved = Moved::between(pairs());
     let is_better = better_by_95.is_some_and(|interval| interval.low > 0.0) && by_file > (1.0 + MARGIN) * by_refitted;
-    let verdict = match () {
-        () if is_better => CameraVerdict::OtherCamera,
-        () if no_camera_fits(fits) => CameraVerdict::NoCameraFits,
-        () => CameraVerdict::Fits,
+    let verdict = if is_better {
+        CameraVerdict::OtherCamera
+    } else if no_camera_fits(fits) {
+        CameraVerdict::NoCameraFits
+    } else {
+        CameraVerdict::Fits
     };
     let k1 = |camera: &Camera| camera.distortion().first().copied().unwrap_or(0.0);
     (paired.photos() >= FEWEST_PHOTOS).then(|| CameraCheck {

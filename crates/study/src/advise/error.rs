@@ -20,11 +20,8 @@ pub enum AdviseError {
 
 /// Why no photo is located, where tags say so.
 fn also(disagreeing: usize) -> String {
-    match disagreeing {
-        0 => String::new(),
-        _ => format!(
-            "; the tags disagree with scene and camera in {}",
-            count(disagreeing, "photo")
-        ),
-    }
+    let photos = (disagreeing > 0).then(|| count(disagreeing, "photo"));
+    photos.map_or(String::new(), |photos| {
+        format!("; the tags disagree with scene and camera in {photos}")
+    })
 }

@@ -38,13 +38,6 @@ pub struct FigureAdvice {
     pub box_is_enough: Option<bool>,
 }
 
-impl FigureAdvice {
-    /// How many definitions of AP were tried.
-    pub(super) fn definitions(&self) -> usize {
-        ApDefinition::ALL.len()
-    }
-}
-
 /// A drop of AP may move by this much.
 pub(super) const BOX_MARGIN: f64 = 0.01;
 
@@ -55,47 +48,39 @@ pub(super) const BOX_MARGIN: f64 = 0.01;
 pub fn advise_figures(scores: &Scores, by_box: Option<&Scores>, base: &str) -> Result<FigureAdvice, CompareError> {
     let envelope = scores.sessions[0].scene.model.envelope.name();
     let usual_way = (scores, scores.criteria.ap);
-    let mut rows = rows_of(usual_way, None, base, envelope)?;
-    for definition in ApDefinition::ALL {
-        if definition != scores.criteria.ap {
-            rows.extend(rows_of((scores, definition), Some(usual_way), base, envelope)?);
-        }
-    }
-    let usual = of(&rows, scores.criteria.ap.name());
-    let same = |own: &[&FigureRow]| own.iter().zip(&usual).all(|(a, b)| a.finding == b.finding);
-    let moves = |own: &[&FigureRow]| {
+    let usual = rows_of(usual_way, None, base, envelope)?;
+    let same = |own: &[FigureRow]| own.iter().zip(&usual).all(|(a, b)| a.finding == b.finding);
+    let moves = |own: &[FigureRow]| {
         let moved = own.iter().filter_map(|row| row.moved_by);
         moved.map(f64::abs).fold(0.0, f64::max)
     };
-    let by_definition: Vec<(&'static str, Vec<&FigureRow>)> = ApDefinition::ALL
-        .iter()
-        .map(|definition| (definition.name(), of(&rows, definition.name())))
-        .collect();
-    let same_findings = by_definition
-        .iter()
-        .filter(|(_, own)| same(own))
-        .map(|(name, _)| *name)
-        .collect();
-    let definition_moves = by_definition.iter().map(|(_, own)| moves(own)).fold(0.0, f64::max);
-    let by_box = by_box
-        .map(|scores| rows_of((scores, scores.criteria.ap), Some(usual_way), base, "box"))
-        .transpose()?;
-    let of_box = by_box.as_ref().map(|rows| {
-        let own: Vec<&FigureRow> = rows.iter().collect();
-        (moves(&own), same(&own))
-    });
-    rows.extend(by_box.into_iter().flatten());
+    let (mut same_findings, mut definition_moves, mut others) = (Vec::new(), 0.0_f64, Vec::new());
+    for definition in ApDefinition::ALL {
+        let own = if definition == scores.criteria.ap {
+            Vec::new()
+        } else {
+            rows_of((scores, definition), Some(usual_way), base, envelope)?
+        };
+        if same(&own) {
+            same_findings.push(definition.name());
+        }
+        definition_moves = definition_moves.max(moves(&own));
+        others.extend(own);
+    }
+    let by_box = by_box.map(|scores| rows_of((scores, scores.criteria.ap), Some(usual_way), base, "box"));
+    let by_box = by_box.transpose()?;
+    let of_box = by_box.as_ref().map(|own| (moves(own), same(own)));
     Ok(FigureAdvice {
         same_findings,
         definition_moves,
         box_moves: of_box.map(|(moves, _)| moves),
         box_is_enough: of_box.map(|(moves, same)| same && moves <= BOX_MARGIN),
-        rows,
+        rows: usual
+            .into_iter()
+            .chain(others)
+            .chain(by_box.into_iter().flatten())
+            .collect(),
     })
-}
-
-fn of<'a>(rows: &'a [FigureRow], definition: &str) -> Vec<&'a FigureRow> {
-    rows.iter().filter(|row| row.definition == definition).collect()
 }
 
 /// The rows of a way to measure: of these scores, by a definition of AP. `usual`: what they are held against.
@@ -105,24 +90,21 @@ fn rows_of(
     base: &str,
     envelope: &'static str,
 ) -> Result<Vec<FigureRow>, CompareError> {
-    let compared = compare(scores, base, definition)?;
-    let mut rows: Vec<FigureRow> = compared
-        .results
-        .into_iter()
-        .map(|r| FigureRow {
-            detector: r.detector,
-            variant: r.variant,
-            definition: definition.name(),
-            envelope,
-            base_ap50: r.ap50.base,
-            ap50: r.ap50.other,
-            drop: r.ap50.drop,
-            drop_95: r.ap50.interval_95,
-            finding: r.ap50.finding,
-            moved_by: None,
-            moved_by_95: None,
-        })
-        .collect();
+    let compared = compare(scores, base, definition)?.results.into_iter();
+    let rows = compared.map(|r| FigureRow {
+        detector: r.detector,
+        variant: r.variant,
+        definition: definition.name(),
+        envelope,
+        base_ap50: r.ap50.base,
+        ap50: r.ap50.other,
+        drop: r.ap50.drop,
+        drop_95: r.ap50.interval_95,
+        finding: r.ap50.finding,
+        moved_by: None,
+        moved_by_95: None,
+    });
+    let mut rows: Vec<FigureRow> = rows.collect();
     // The detectors of one variant after the other, as they were compared.
     for of_variant in rows.chunk_by_mut(|a, b| a.variant == b.variant) {
         let variant = of_variant[0].variant.clone();

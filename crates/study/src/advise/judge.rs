@@ -48,13 +48,15 @@ pub(super) fn put_together(
 
 /// Why the session cannot tell, if so, and what would help.
 fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Option<String> {
-    let remedy = match () {
-        () if disagreeing > 0 && held_out_photos + disagreeing >= FEWEST_PHOTOS => format!(
+    let remedy = if disagreeing > 0 && held_out_photos + disagreeing >= FEWEST_PHOTOS {
+        format!(
             "the tags disagree with scene and camera in {}: calibrate with the lens, zoom and focus of these photos, or check the scene's tags",
             count(disagreeing, "photo")
-        ),
-        () if photos < FEWEST_PHOTOS => "take more photos".to_owned(),
-        () => "print more tags, or take photos that show three of them".to_owned(),
+        )
+    } else if photos < FEWEST_PHOTOS {
+        "take more photos".to_owned()
+    } else {
+        "print more tags, or take photos that show three of them".to_owned()
     };
     (held_out_photos < FEWEST_PHOTOS).then(|| {
         format!(
@@ -68,8 +70,8 @@ fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Opti
 fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usize) -> Vec<Choice> {
     let lost = |answers: &[&Answer]| {
         let both = answers.iter().zip(usual);
-        both.filter(|(own, usual)| own.located.is_none() && usual.located.is_some())
-            .count()
+        let lost = both.filter(|(own, usual)| own.located.is_none() && usual.located.is_some());
+        lost.count()
     };
     let mean = |answers: &[&Answer]| {
         let errors: Vec<f64> = answers.iter().filter_map(|answer| answer.held_out_deg).collect();
@@ -80,38 +82,30 @@ fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usiz
         .filter_map(|(way, answers)| Some((mean(answers)?, way, answers)))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or(usual, |(_, _, answers)| answers.as_slice());
-    let mut choices: Vec<(f64, Choice)> = own
+    let choice = |(way, answers): &(&Way, Vec<&Answer>)| choice(way, answers, (usual, best), lost(answers));
+    let mut choices: Vec<Choice> = own.iter().map(choice).collect();
+    let costs = own
         .iter()
-        .map(|(way, answers)| {
-            let choice = choice(way, answers, (usual, best), lost(answers));
-            (way.cost(choice.ms), choice)
-        })
-        .collect();
-    let enough = choices
-        .iter_mut()
-        .filter(|(_, choice)| choice.verdict == Verdict::Enough);
+        .zip(&mut choices)
+        .map(|((way, _), choice)| (way.cost(choice.ms), choice));
+    let enough = costs.filter(|(_, choice)| choice.verdict == Verdict::Enough);
     if let Some((_, smallest)) = enough.min_by(|a, b| a.0.total_cmp(&b.0)) {
         smallest.verdict = Verdict::Advised;
     }
-    choices.into_iter().map(|(_, choice)| choice).collect()
+    choices
 }
 
 fn choice(way: &Way, answers: &[&Answer], (usual, best): (&[&Answer], &[&Answer]), lost: usize) -> Choice {
-    let paired = PairedErrors::of(answers.iter().copied().zip(best.iter().copied()));
+    let paired = PairedErrors::new(answers.iter().copied().zip(best.iter().copied()));
     let [own, of_best] = paired.means();
     let worse_by_95 = paired.difference_95();
-    let moved = Moved::of(answers.iter().copied().zip(usual.iter().copied()));
-    let both = answers
-        .iter()
-        .zip(usual)
-        .filter_map(|(own, usual)| own.located.as_ref().zip(usual.located.as_ref()));
+    let moved = Moved::between(answers.iter().copied().zip(usual.iter().copied()));
+    let both = answers.iter().zip(usual);
+    let both = both.filter_map(|(own, usual)| own.located.as_ref().zip(usual.located.as_ref()));
     let other_bin = both.filter(|(own, usual)| own.bin != usual.bin).count();
     // Without an interval every resampling says the same.
     let is_shown = worse_by_95.map_or(own > of_best, |interval| interval.low > 0.0) && paired.photos() >= FEWEST_PHOTOS;
-    let less_certain_by = match way.question {
-        Question::Tags => moved.less_certain_by,
-        _ => None,
-    };
+    let less_certain_by = moved.less_certain_by.filter(|_| way.question == Question::Tags);
     let verdict = match () {
         () if lost > 0 => Verdict::LosesPhotos,
         () if other_bin > 0 => Verdict::OtherBins,
@@ -140,9 +134,6 @@ fn choice(way: &Way, answers: &[&Answer], (usual, best): (&[&Answer], &[&Answer]
         other_pose: moved.beyond_doubt,
         less_certain_by,
         verdict,
-        viewpoints: answers
-            .iter()
-            .map(|answer| answer.located.as_ref().map(|located| located.viewpoint))
-            .collect(),
+        viewpoints: (answers.iter().map(|answer| Some(answer.located.as_ref()?.viewpoint))).collect(),
     }
 }

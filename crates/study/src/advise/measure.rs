@@ -32,17 +32,12 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    fn of(found: &LocatedPhoto) -> Fit {
-        match &found.result {
-            Ok(located) => Fit {
-                disagrees: located.warnings.contains(&Warning::PoorFit),
-                rms_px: Some(located.rms_px),
-            },
-            Err(why) => Fit {
-                disagrees: why.is_disagreement(),
-                rms_px: why.is_disagreement().then_some(f64::INFINITY),
-            },
-        }
+    fn from_photo(found: &LocatedPhoto) -> Fit {
+        let (disagrees, rms_px) = match &found.result {
+            Ok(located) => (located.warnings.contains(&Warning::PoorFit), Some(located.rms_px)),
+            Err(why) => (why.is_disagreement(), why.is_disagreement().then_some(f64::INFINITY)),
+        };
+        Fit { disagrees, rms_px }
     }
 }
 
@@ -68,16 +63,13 @@ pub(super) fn measure(
     (scene, camera): (&Scene, &Camera),
 ) -> Result<Measured, AdviseError> {
     let (width, height) = sample.luma.dimensions();
-    let fitted = camera
-        .for_photo(width, height, sample.turned_deg)
-        .map_err(|fault| AdviseError::Size {
-            file: sample.file.clone(),
-            fault,
-        })?;
-    let found = opened
-        .get_mut(&TagDetectorChoice::default())
-        .map(|tags| locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags.as_mut()));
-    let fit = found.as_ref().map(Fit::of).unwrap_or_default();
+    let fitted = camera.for_photo(width, height, sample.turned_deg).map_err(|fault| {
+        let file = sample.file.clone();
+        AdviseError::Size { file, fault }
+    })?;
+    let usual_tags = opened.get_mut(&TagDetectorChoice::default());
+    let found = usual_tags.map(|tags| locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags.as_mut()));
+    let fit = found.as_ref().map(Fit::from_photo).unwrap_or_default();
     let usual = found.and_then(|found| usual(sample, found, scene, fitted));
     let reference = usual.as_ref().map_or(&[][..], |usual| &usual.reference);
     let mut seen: BTreeMap<_, FoundTags> = BTreeMap::new();

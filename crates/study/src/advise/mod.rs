@@ -27,8 +27,7 @@ use held_out::Answer;
 pub use held_out::Sample;
 use measure::{Fit, Measured, Opened, measure};
 pub use page::page;
-pub use result::{Advice, PoseAdvice};
-pub use result::{CameraVerdict, Choice};
+pub use result::{Advice, CameraVerdict, Choice, PoseAdvice};
 pub use settings::settings;
 pub use table::table;
 pub use way::Question;
@@ -59,15 +58,11 @@ pub fn advise_poses(
     let families = scene.families();
     let reads = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
     let detectors: Vec<TagDetectorChoice> = FINDERS.into_iter().filter(reads).collect();
-    let ways: Vec<Way> = Question::ALL
-        .into_iter()
-        .flat_map(|question| Way::answers(question, &detectors, camera))
-        .collect();
-    let open = || {
-        detectors
-            .iter()
-            .map(|choice| Ok((*choice, choice.open(&families)?)))
-            .collect::<Result<Opened, AdviseError>>()
+    let answers_to = |question| Way::answers(question, &detectors, camera);
+    let ways: Vec<Way> = Question::ALL.into_iter().flat_map(answers_to).collect();
+    let open = || -> Result<Opened, AdviseError> {
+        let opened = detectors.iter().map(|choice| Ok((*choice, choice.open(&families)?)));
+        opened.collect()
     };
     let measured = workers::map(
         samples,
@@ -88,14 +83,10 @@ fn judged<'a>(samples: &'a [Sample], ways: &[Way], measured: &'a [Measured]) -> 
     let Some(usual) = ways.iter().position(Way::is_usual) else {
         return Vec::new();
     };
-    let of = |(sample, measured): (&'a Sample, &'a Measured)| {
-        let by_file = &measured.answers[usual];
+    let judged = |(sample, measured): (&'a Sample, &'a Measured)| {
+        let (pose, by_file) = (measured.usual.as_ref()?, &measured.answers[usual]);
         by_file.held_out_deg?;
-        Some(Judged {
-            sample,
-            pose: measured.usual.as_ref()?,
-            by_file,
-        })
+        Some(Judged { sample, pose, by_file })
     };
-    samples.iter().zip(measured).filter_map(of).collect()
+    samples.iter().zip(measured).filter_map(judged).collect()
 }

@@ -6,7 +6,9 @@ use super::figures::FigureAdvice;
 use super::result::{Advice, CameraVerdict, Choice, PoseAdvice, Verdict};
 use super::table::{camera, findings, in_words, unreadable};
 use super::way::Question;
+use crate::chart::milliseconds;
 use scaleproof_core::spelling::{count, digits};
+use scaleproof_core::statistics::Interval;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use scaleproof_score::score::Finding;
 
@@ -46,7 +48,10 @@ fn capital(title: &str) -> String {
     let mut letters = title.chars();
     letters
         .next()
-        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .chain(letters)
+        .collect()
 }
 
 /// Drops by each definition of AP, and by the box.
@@ -61,12 +66,9 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
                         tr {
                             td { (row.detector) } td { (row.variant) } td { (row.definition) } td { (row.envelope) }
                             td { (digits(row.base_ap50, 3)) " → " (digits(row.ap50, 3)) }
-                            td { (digits(row.drop, 3)) @if let Some(i) = row.drop_95 { " [" (digits(i.low, 3)) ", " (digits(i.high, 3)) "]" } }
-                            td { (in_words_of(row.finding)) }
-                            td {
-                                (row.moved_by.map_or("–".to_owned(), |by| digits(by, 3)))
-                                @if let Some(i) = row.moved_by_95 { " [" (digits(i.low, 3)) ", " (digits(i.high, 3)) "]" }
-                            }
+                            td { (digits(row.drop, 3)) (interval(row.drop_95, 3)) }
+                            td { (finding(row.finding)) }
+                            td { (number(row.moved_by, 3, "")) (interval(row.moved_by_95, 3)) }
                         }
                     }
                 }
@@ -75,8 +77,8 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
     }
 }
 
-fn in_words_of(finding: Finding) -> &'static str {
-    match finding {
+fn finding(of: Finding) -> &'static str {
+    match of {
         Finding::Drop => "a drop",
         Finding::Rise => "a rise",
         Finding::NoDifferenceShown => "no difference shown",
@@ -97,11 +99,18 @@ fn advised(advice: &PoseAdvice) -> Markup {
     }
 }
 
+fn number(value: Option<f64>, places: usize, unit: &str) -> String {
+    value.map_or("–".to_owned(), |value| digits(value, places) + unit)
+}
+
+fn interval(interval: Option<Interval>, places: usize) -> String {
+    interval.map_or(String::new(), |i| {
+        format!(" [{}, {}]", digits(i.low, places), digits(i.high, places))
+    })
+}
+
 fn section(advice: &PoseAdvice, question: Question) -> Markup {
-    let own: Vec<&Choice> = advice.of(question).collect();
-    let number = |value: Option<f64>, places: usize, unit: &str| {
-        value.map_or("–".to_owned(), |value| digits(value, places) + unit)
-    };
+    let own: Vec<&Choice> = advice.choices_for(question).collect();
     html! {
         div.scroll {
             table {
@@ -119,10 +128,7 @@ fn section(advice: &PoseAdvice, question: Question) -> Markup {
                             td { (digits(choice.ms, 2)) }
                             td { (choice.located) }
                             td { (number(choice.held_out_deg, 4, "°")) }
-                            td {
-                                (number(choice.worse_by_deg, 4, "°"))
-                                @if let Some(i) = choice.worse_by_95 { " [" (digits(i.low, 4)) ", " (digits(i.high, 4)) "]" }
-                            }
+                            td { (number(choice.worse_by_deg, 4, "°")) (interval(choice.worse_by_95, 4)) }
                             td { (number(choice.moved_deg, 4, "°")) }
                             td { (number(choice.moved_mm, 2, " mm")) }
                         }
@@ -136,11 +142,12 @@ fn section(advice: &PoseAdvice, question: Question) -> Markup {
 
 /// Held-out error against milliseconds.
 fn chart(question: Question, own: &[&Choice]) -> String {
+    let most_located = own.iter().map(|choice| choice.located).max().unwrap_or(1).max(1);
     let dots = own.iter().enumerate().filter_map(|(i, choice)| {
         Some(Dot {
             x: choice.ms,
             y: choice.held_out_deg?,
-            share: choice.located as f64 / own.iter().map(|c| c.located).max().unwrap_or(1).max(1) as f64,
+            share: choice.located as f64 / most_located as f64,
             series: i,
             shape: 0,
             name: Some(choice.name.clone()),
@@ -150,11 +157,7 @@ fn chart(question: Question, own: &[&Choice]) -> String {
     scatter(&Cloud {
         title: format!("Held-out error against time: {}", question.title()),
         note: "filled share of a mark: share of the photos that got a pose; lower left is better".to_owned(),
-        x: PlotAxis::around(
-            "milliseconds a photo, one core",
-            Scale::Log,
-            own.iter().map(|choice| choice.ms),
-        ),
+        x: milliseconds(own.iter().map(|choice| choice.ms)),
         y: PlotAxis::around(
             "held-out error, °",
             Scale::Log,

@@ -3,6 +3,7 @@
 use super::held_out::Answer;
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, Interval, intervals_95, upper_median};
 use scaleproof_pose::locate::Located;
+use scaleproof_pose::scene::Viewpoint;
 
 /// A held-out error may be larger than the smallest by this share of it.
 pub(super) const MARGIN: f64 = 0.05;
@@ -14,12 +15,9 @@ pub(super) const FEWEST_PHOTOS: usize = FEWEST_CLUSTERS;
 pub(super) struct PairedErrors(Vec<[f64; 2]>);
 
 impl PairedErrors {
-    pub(super) fn of<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Answer)>) -> PairedErrors {
-        PairedErrors(
-            pairs
-                .filter_map(|(a, b)| Some([a.held_out_deg?, b.held_out_deg?]))
-                .collect(),
-        )
+    pub(super) fn new<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Answer)>) -> PairedErrors {
+        let both = pairs.filter_map(|(a, b)| Some([a.held_out_deg?, b.held_out_deg?]));
+        PairedErrors(both.collect())
     }
 
     pub(super) fn photos(&self) -> usize {
@@ -42,14 +40,8 @@ impl PairedErrors {
 
     fn weighted(&self, times: &[u32]) -> [f64; 2] {
         let total: f64 = times.iter().map(|t| f64::from(*t)).sum();
-        [0, 1].map(|i| {
-            self.0
-                .iter()
-                .zip(times)
-                .map(|(pair, t)| f64::from(*t) * pair[i])
-                .sum::<f64>()
-                / total
-        })
+        let sum = |i: usize| -> f64 { self.0.iter().zip(times).map(|(pair, t)| f64::from(*t) * pair[i]).sum() };
+        [sum(0) / total, sum(1) / total]
     }
 }
 
@@ -68,7 +60,7 @@ pub(super) struct Moved {
 const MOST_SIGMAS: f64 = 5.0;
 
 impl Moved {
-    pub(super) fn of<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Answer)>) -> Moved {
+    pub(super) fn between<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Answer)>) -> Moved {
         let (mut deg, mut mm, mut beyond_doubt, mut variance) = (Vec::new(), Vec::new(), 0, 0.0);
         for (a, b) in pairs.filter_map(|(a, b)| a.located.as_ref().zip(b.located.as_ref())) {
             let moved = direction_deg(a, b);
@@ -93,10 +85,10 @@ impl Moved {
 /// Between the directions in which two viewpoints lie.
 fn direction_deg(a: &Located, b: &Located) -> f64 {
     let direction = |located: &Located| {
-        let (azimuth, pitch) = (
-            located.viewpoint.azimuth_deg.to_radians(),
-            located.viewpoint.pitch_deg.to_radians(),
-        );
+        let Viewpoint {
+            azimuth_deg, pitch_deg, ..
+        } = located.viewpoint;
+        let (azimuth, pitch) = (azimuth_deg.to_radians(), pitch_deg.to_radians());
         nalgebra::Vector3::new(azimuth.cos() * pitch.cos(), azimuth.sin() * pitch.cos(), pitch.sin())
     };
     direction(a).angle(&direction(b)).to_degrees()

@@ -135,12 +135,13 @@ pub enum CameraVerdict {
 
 impl PoseAdvice {
     /// The answers to a question.
-    pub fn of(&self, question: Question) -> impl Iterator<Item = &Choice> {
+    pub fn choices_for(&self, question: Question) -> impl Iterator<Item = &Choice> {
         self.choices.iter().filter(move |choice| choice.question == question)
     }
 
     /// The one that is advised; none where the session cannot tell.
     pub fn advised(&self, question: Question) -> Option<&Choice> {
-        self.of(question).find(|choice| choice.verdict == Verdict::Advised)
+        self.choices_for(question)
+            .find(|choice| choice.verdict == Verdict::Advised)
     }
 }

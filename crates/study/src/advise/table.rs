@@ -4,6 +4,7 @@ use super::figures::{BOX_MARGIN, FigureAdvice};
 use super::result::{Advice, CameraCheck, CameraVerdict, Choice, Verdict};
 use super::way::Question;
 use scaleproof_core::spelling::{count, digits};
+use scaleproof_score::score::ApDefinition;
 
 /// A table for each question, the answers from small to large as they were measured.
 pub fn table(all: &Advice) -> String {
@@ -17,32 +18,17 @@ pub fn table(all: &Advice) -> String {
     )];
     let asked = Question::ALL.into_iter().filter(|_| !advice.choices.is_empty());
     for question in asked {
-        lines.push(String::new());
+        let title = question.title();
         lines.push(format!(
-            "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  ",
-            question.title(),
-            "ms",
-            "located",
-            "held out °",
-            "more than the best °",
-            "moved °",
-            "moved mm"
+            "\n{title:<18}       ms  located held out °       more than the best °   moved °  moved mm  "
         ));
-        let own = advice.choices.iter().filter(|choice| choice.question == question);
-        lines.extend(own.map(line));
+        lines.extend(advice.choices_for(question).map(line));
     }
     lines.extend(advice.camera_check.iter().map(|check| format!("\n{}", camera(check))));
-    lines.extend(
-        all.figures
-            .iter()
-            .flat_map(|figures| findings(figures).into_iter().map(|line| format!("\n{line}"))),
-    );
-    lines.extend(
-        advice
-            .abstention
-            .iter()
-            .map(|why| format!("\nno advice on poses: {why}")),
-    );
+    let findings = all.figures.iter().flat_map(findings);
+    lines.extend(findings.map(|line| format!("\n{line}")));
+    let abstention = advice.abstention.iter();
+    lines.extend(abstention.map(|why| format!("\nno advice on poses: {why}")));
     lines.join("\n")
 }
 
@@ -62,17 +48,11 @@ fn line(choice: &Choice) -> String {
     };
     let usual = if choice.is_usual { " (usual)" } else { "" };
     let arrow = if choice.verdict == Verdict::Advised { "← " } else { "" };
-    format!(
-        "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  {arrow}{}{usual}",
-        choice.name,
-        digits(choice.ms, 2),
-        choice.located,
-        number(choice.held_out_deg, 4),
-        worse,
-        number(choice.moved_deg, 4),
-        number(choice.moved_mm, 2),
-        in_words(choice)
-    )
+    let (name, ms, located) = (&choice.name, digits(choice.ms, 2), choice.located);
+    let held_out = number(choice.held_out_deg, 4);
+    let (deg, mm) = (number(choice.moved_deg, 4), number(choice.moved_mm, 2));
+    let verdict = in_words(choice);
+    format!("{name:<18} {ms:>8} {located:>8} {held_out:>10} {worse:>26} {deg:>9} {mm:>9}  {arrow}{verdict}{usual}")
 }
 
 /// What speaks against a way, or that it is advised.
@@ -140,7 +120,7 @@ fn refitted(check: &CameraCheck) -> String {
 pub(super) fn findings(figures: &FigureAdvice) -> Vec<String> {
     let usual = figures.rows.first().map_or("", |row| row.definition);
     let same = figures.same_findings.len();
-    let definitions = if same == figures.definitions() {
+    let definitions = if same == ApDefinition::ALL.len() {
         format!("definition of AP: {usual}; the findings are the same by all {same}")
     } else {
         format!(

@@ -76,37 +76,21 @@ impl Way {
     pub(super) fn answers(question: Question, detectors: &[TagDetectorChoice], camera: &Camera) -> Vec<Way> {
         let usual = usual(question);
         match question {
-            Question::TagDetector => detectors
-                .iter()
-                .map(|detector| Way {
-                    detector: *detector,
-                    ..usual
-                })
-                .collect(),
+            Question::TagDetector => detectors.iter().map(|&detector| Way { detector, ..usual }).collect(),
             Question::Solver => Solver::all()
                 .into_iter()
                 .map(|solver| Way { solver, ..usual })
                 .collect(),
             Question::CameraModel => {
-                let last = camera
-                    .distortion()
-                    .iter()
-                    .rposition(|k| *k != 0.0)
-                    .map_or(0, |last| last + 1);
-                let mut kept = vec![0, 1, 2, 4, last];
-                kept.retain(|kept| *kept <= last);
-                kept.sort_unstable();
-                kept.dedup();
-                kept.pop();
-                let smaller = kept.into_iter().map(|lens_terms| Way { lens_terms, ..usual });
+                let last = camera.distortion().iter().rposition(|k| *k != 0.0);
+                let needed = last.map_or(0, |last| last + 1);
+                let kept = [0, 1, 2, 4].into_iter().filter(|kept| *kept < needed);
+                let smaller = kept.map(|lens_terms| Way { lens_terms, ..usual });
                 smaller.chain([usual]).collect()
             }
             Question::Tags => {
-                let some = (1..=MOST_TAGS).map(|most| Way {
-                    most_tags: Some(most),
-                    ..usual
-                });
-                some.chain([usual]).collect()
+                let some = (1..=MOST_TAGS).map(Some).chain([None]);
+                some.map(|most_tags| Way { most_tags, ..usual }).collect()
             }
             Question::Resolution => [8, 4, 2, 1].map(|reduced_by| Way { reduced_by, ..usual }).to_vec(),
         }
@@ -118,11 +102,8 @@ impl Way {
 
     /// Whether both do the same, whichever question they answer.
     pub(super) fn is_same(&self, other: &Way) -> bool {
-        *self
-            == Way {
-                question: self.question,
-                ..*other
-            }
+        let question = self.question;
+        *self == Way { question, ..*other }
     }
 
     /// As tables and settings name it.
@@ -131,27 +112,22 @@ impl Way {
             Question::TagDetector => self.detector.name().to_owned(),
             Question::Solver => self.solver.name().to_owned(),
             Question::CameraModel => match self.lens_terms {
-                0 => "no distortion".to_owned(),
-                1 => "k1".to_owned(),
-                2 => "k1, k2".to_owned(),
-                4 => "k1, k2, p1, p2".to_owned(),
-                _ => "as calibrated".to_owned(),
-            },
+                0 => "no distortion",
+                1 => "k1",
+                2 => "k1, k2",
+                4 => "k1, k2, p1, p2",
+                _ => "as calibrated",
+            }
+            .to_owned(),
             Question::Tags => self.most_tags.map_or("all".to_owned(), |most| most.to_string()),
-            Question::Resolution => match self.reduced_by {
-                1 => "full".to_owned(),
-                by => format!("1/{by}"),
-            },
+            Question::Resolution if self.reduced_by == 1 => "full".to_owned(),
+            Question::Resolution => format!("1/{}", self.reduced_by),
         }
     }
 
     /// The camera with the terms that are kept.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
-        if self.lens_terms >= ALL_TERMS {
-            camera.clone()
-        } else {
-            camera.clone().with_distortion(&camera.distortion()[..self.lens_terms])
-        }
+        camera.clone().with_distortion(&camera.distortion()[..self.lens_terms])
     }
 
     /// What it costs, least first: milliseconds where time is what differs, else its own size.
