@@ -286,7 +286,9 @@ fn what_is_advised_is_nearly_the_best_choice() {
             };
             let usual = advice.choices_for(question).find(|choice| choice.is_usual).unwrap();
             let own = true_error_deg(advised, &known.truths);
-            let as_many = advice.choices_for(question).filter(|choice| choice.located >= usual.located);
+            let as_many = advice
+                .choices_for(question)
+                .filter(|choice| choice.located >= usual.located);
             let best = as_many
                 .map(|choice| true_error_deg(choice, &known.truths))
                 .fold(f64::INFINITY, f64::min);

@@ -16,6 +16,9 @@ use scaleproof_capture::capture::{CameraSettings, Capture, FrameSource, LiveCame
 use scaleproof_photo::photo::{Budget, Photo};
 use scaleproof_pose::scene::Scene;
 
+/// A camera that answers at all opens within this time.
+const LIMIT: Duration = Duration::from_secs(15);
+
 /// Patches of 8 × 8 px of many colours.
 fn known() -> RgbImage {
     RgbImage::from_fn(96, 64, |x, y| {
@@ -212,7 +215,10 @@ fn fake(pictures: Vec<RawImage>, every_ms: u64, last: u32) -> (LiveCamera, Arc<A
         sent: Arc::clone(&sent),
         last,
     };
-    (LiveCamera::of(3, move || Ok(Box::new(device))).unwrap(), sent)
+    (
+        LiveCamera::from_device(3, LIMIT, move || Ok(Box::new(device))).unwrap(),
+        sent,
+    )
 }
 
 fn number(name: &str) -> u32 {
@@ -246,7 +252,7 @@ fn a_stale_picture_is_never_queued() {
 
 #[test]
 fn a_camera_that_cannot_be_used_is_one_sentence() {
-    let refused = LiveCamera::of(3, || Err(LiveCameraError::Driver("it is busy".into())))
+    let refused = LiveCamera::from_device(3, LIMIT, || Err(LiveCameraError::Driver("it is busy".into())))
         .err()
         .unwrap();
     assert_eq!(
@@ -254,10 +260,10 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
         "the camera 3 cannot be used (it is busy): see `scaleproof capture list-cameras`"
     );
     // A driver that panics, and one that says nothing.
-    let broken = LiveCamera::of(3, || panic!("driver")).err().unwrap();
+    let broken = LiveCamera::from_device(3, LIMIT, || panic!("driver")).err().unwrap();
     assert!(broken.to_string().contains("its driver failed"), "{broken}");
     let start = Instant::now();
-    let hanging = LiveCamera::of_within(3, Duration::from_secs(2), || {
+    let hanging = LiveCamera::from_device(3, Duration::from_secs(2), || {
         std::thread::sleep(Duration::from_secs(60));
         Err(LiveCameraError::Driver("nobody waits for this".into()))
     });

@@ -7,7 +7,7 @@ use super::advice::Advice;
 use super::guidance::Guidance;
 use scaleproof_core::geometry::{Rigid, distance};
 use scaleproof_core::statistics::upper_median;
-use scaleproof_pose::camera::{Camera, SizeError};
+use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma, locate_near};
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
@@ -70,21 +70,6 @@ pub struct FrameJudgement {
     pub place: Result<usize, Advice>,
     /// The target the frame may fill, or what keeps it from that.
     pub verdict: Result<usize, Advice>,
-}
-
-impl FrameJudgement {
-    /// Of a frame that the camera file does not fit.
-    fn of_misfit(seen: Vec<SeenTag>, e: SizeError) -> FrameJudgement {
-        let advice = Advice::NotLocated(Abstention::from(e));
-        FrameJudgement {
-            seen,
-            located: None,
-            measures: Measures::default(),
-            cautions: Vec::new(),
-            place: Err(advice.clone()),
-            verdict: Err(advice),
-        }
-    }
 }
 
 /// Judges frames. Holds a tag detector, so each thread needs its own.
@@ -152,11 +137,7 @@ impl Judge {
             .unwrap_or_else(|| locate_luma(luma, turned_deg, scene, camera, self.tags.as_mut()));
         let judgement = self.weigh(photo, luma, guidance);
         self.pose = judgement.located.as_ref().map(|located| located.pose);
-        self.tracked = if self.tracked < MOST_TRACKED {
-            self.tracked + 1
-        } else {
-            0
-        };
+        self.tracked = (self.tracked + 1) % (MOST_TRACKED + 1);
         self.last.clone_from(&judgement.seen);
         judgement
     }
@@ -186,7 +167,18 @@ impl Judge {
         } = photo;
         let fitted = match fitted {
             Ok(fitted) => fitted,
-            Err(e) => return FrameJudgement::of_misfit(seen, e),
+            // The camera file does not fit the frame.
+            Err(e) => {
+                let advice = Advice::NotLocated(Abstention::from(e));
+                return FrameJudgement {
+                    seen,
+                    located: None,
+                    measures: Measures::default(),
+                    cautions: Vec::new(),
+                    place: Err(advice.clone()),
+                    verdict: Err(advice),
+                };
+            }
         };
         let appearance = Appearance::measure(grey, &seen);
         let pose = located.as_ref().ok().map(|l| &l.pose);
@@ -232,19 +224,13 @@ impl Judge {
     }
 
     fn not_located(&self, abstention: Abstention, seen: &[SeenTag]) -> Advice {
+        use Abstention::{NoTags, OneTagAmbiguous, OneTagCovered, OneTagFrontal};
         match (&abstention, seen) {
-            (Abstention::NoTags, _) => Advice::NoTags,
-            (
-                Abstention::OneTagCovered { id }
-                | Abstention::OneTagFrontal { id, .. }
-                | Abstention::OneTagAmbiguous { id, .. },
-                [only],
-            ) => {
-                let tag = self.scene.tag(only.family, *id);
-                Advice::OneTag {
-                    id: *id,
-                    beside: tag.and_then(|tag| beside(tag, &self.scene)).map(|tag| tag.id),
-                }
+            (NoTags, _) => Advice::NoTags,
+            (&(OneTagCovered { id } | OneTagFrontal { id, .. } | OneTagAmbiguous { id, .. }), [only]) => {
+                let tag = self.scene.tag(only.family, id);
+                let beside = tag.and_then(|tag| beside(tag, &self.scene)).map(|tag| tag.id);
+                Advice::OneTag { id, beside }
             }
             _ => Advice::NotLocated(abstention),
         }
@@ -275,7 +261,7 @@ fn place(located: &Located, guidance: &Guidance) -> Result<usize, Advice> {
 
 /// Too dark or too bright.
 fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
-    let (dark, bright) = match measures.white_level {
+    let (is_dark, is_bright) = match measures.white_level {
         Some(white) => (white < MIN_WHITE, white > MAX_WHITE),
         None if seen.is_empty() => {
             let mean = grey.as_raw().iter().map(|v| f64::from(*v)).sum::<f64>() / grey.as_raw().len().max(1) as f64;
@@ -284,11 +270,8 @@ fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advi
         None => (false, false),
     };
     let is_clipped = measures.clipped_share.is_some_and(|share| share > MAX_CLIPPED);
-    match (dark, bright || is_clipped) {
-        (true, _) => Some(Advice::TooDark),
-        (_, true) => Some(Advice::TooBright),
-        _ => None,
-    }
+    let too_bright = (is_bright || is_clipped).then_some(Advice::TooBright);
+    is_dark.then_some(Advice::TooDark).or(too_bright)
 }
 
 /// Blurred, or too small to tell.
@@ -317,10 +300,11 @@ fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
     for y in 1..height.saturating_sub(1) as usize {
         for x in 1..width.saturating_sub(1) as usize {
             let i = y * stride + x;
-            let across = raw[i + 1]
-                .abs_diff(raw[i - 1])
-                .max(raw[i + stride].abs_diff(raw[i - stride]));
-            steep[usize::from(across)] += 1;
+            let (across, down) = (
+                raw[i + 1].abs_diff(raw[i - 1]),
+                raw[i + stride].abs_diff(raw[i - stride]),
+            );
+            steep[usize::from(across.max(down))] += 1;
             tones[usize::from(raw[i])] += 1;
         }
     }
@@ -350,14 +334,9 @@ fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera)
         low.clamp(0.0, f64::from(size)) as u32..high.clamp(0.0, f64::from(size)) as u32
     };
     let (columns, rows) = (range(0, grey.width()), range(1, grey.height()));
-    let pixels = u64::from(columns.end.saturating_sub(columns.start)) * u64::from(rows.end.saturating_sub(rows.start));
-    let in_row = |y: u32| {
-        columns
-            .clone()
-            .filter(|x| grey.get_pixel(*x, y).0[0] >= CLIPPED)
-            .count() as u64
-    };
-    let clipped: u64 = rows.map(in_row).sum();
+    let pixels = columns.len() as u64 * rows.len() as u64;
+    let is_clipped = |x: &u32, y: u32| grey.get_pixel(*x, y).0[0] >= CLIPPED;
+    let clipped: usize = rows.map(|y| columns.clone().filter(|x| is_clipped(x, y)).count()).sum();
     (pixels > 0).then(|| clipped as f64 / pixels as f64)
 }
 
@@ -374,10 +353,8 @@ fn moved_px(last: &[SeenTag], seen: &[SeenTag]) -> Option<f64> {
 /// The nearest other tag that faces a similar way.
 fn beside<'a>(tag: &Tag, scene: &'a Scene) -> Option<&'a Tag> {
     let normal = |tag: &Tag| tag.right.cross(&tag.up);
-    let others = scene
-        .tags
-        .iter()
-        .filter(|other| (other.family, other.id) != (tag.family, tag.id) && normal(other).dot(&normal(tag)) > 0.0);
+    let is_other = |other: &&Tag| (other.family, other.id) != (tag.family, tag.id);
+    let others = (scene.tags.iter()).filter(|other| is_other(other) && normal(other).dot(&normal(tag)) > 0.0);
     let away = |other: &Tag| (other.centre_mm - tag.centre_mm).norm();
     others.min_by(|a, b| away(a).total_cmp(&away(b)))
 }

@@ -75,12 +75,12 @@ impl Guidance {
     }
 
     /// Marks a target as filled by a photo.
-    pub(super) fn fill(&mut self, index: usize, photo: &str) {
+    pub fn fill(&mut self, index: usize, photo: &str) {
         self.targets[index].photo = Some(photo.to_owned());
     }
 
     /// Opens the target that a photo filled, if any.
-    pub(super) fn reopen(&mut self, photo: &str) {
+    pub fn reopen(&mut self, photo: &str) {
         for target in &mut self.targets {
             target.photo.take_if(|filled_by| filled_by == photo);
         }
@@ -102,8 +102,7 @@ impl Guidance {
     pub fn step(&self, index: usize, from: &Viewpoint) -> Option<NextMove> {
         let target = &self.targets[index];
         let parts = self.parts(index, from);
-        let is_reached = parts.iter().all(|part| part.abs() <= 1.0) && self.bins.bin_of(from) == target.bin;
-        if is_reached {
+        if parts.iter().all(|part| part.abs() <= 1.0) && self.bins.bin_of(from) == target.bin {
             return None;
         }
         let (to, sin) = (&target.viewpoint, |v: &Viewpoint| v.pitch_deg.to_radians().sin());
@@ -118,9 +117,8 @@ impl Guidance {
 
     /// How far a viewpoint is from a target, in tolerances: up to 1 within them.
     pub fn off_by(&self, index: usize, from: &Viewpoint) -> f64 {
-        self.parts(index, from)
-            .iter()
-            .fold(0.0, |most, part| part.abs().max(most))
+        let parts = self.parts(index, from);
+        parts.iter().fold(0.0, |most, part| part.abs().max(most))
     }
 
     /// What is missing of azimuth, distance and pitch, in tolerances.
@@ -160,17 +158,11 @@ const USUAL_PITCH_DEG: f64 = 15.0;
 /// nearer of two).
 pub fn usual(bins: &Bins) -> (f64, f64) {
     let from_usual = |pitch: &f64| (pitch - USUAL_PITCH_DEG).abs();
-    let pitch = bins
-        .pitch_deg
-        .iter()
-        .copied()
-        .min_by(|a, b| from_usual(a).total_cmp(&from_usual(b)));
-    let distance = bins
-        .distance_mm
-        .get(bins.distance_mm.len().saturating_sub(1) / 2)
-        .copied();
+    let pitches = bins.pitch_deg.iter().copied();
+    let pitch = pitches.min_by(|a, b| from_usual(a).total_cmp(&from_usual(b)));
+    let distance = bins.distance_mm.get(bins.distance_mm.len().saturating_sub(1) / 2);
     // Neither is ever missing: a scene without them is refused when it is read.
-    (pitch.unwrap_or(USUAL_PITCH_DEG), distance.unwrap_or(1000.0))
+    (pitch.unwrap_or(USUAL_PITCH_DEG), distance.copied().unwrap_or(1000.0))
 }
 
 impl Tolerance {
@@ -197,86 +189,4 @@ impl Tolerance {
 
 fn nearest(distances_mm: &[f64]) -> f64 {
     distances_mm.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{Point3, Vector3};
-
-    fn bins() -> Bins {
-        Bins {
-            azimuth_deg: 45.0,
-            pitch_deg: vec![0.0, 15.0, 30.0],
-            distance_mm: vec![500.0, 1000.0, 1500.0, 2000.0],
-        }
-    }
-
-    fn view(azimuth_deg: f64, pitch_deg: f64, distance_mm: f64) -> Viewpoint {
-        Viewpoint {
-            azimuth_deg,
-            pitch_deg,
-            distance_mm,
-        }
-    }
-
-    fn guidance() -> Guidance {
-        let tolerance = Tolerance::of_bins(&bins(), &[1000.0]);
-        Guidance::at(&viewpoints_of(&bins(), &[15.0], &[1000.0]), tolerance, &bins())
-    }
-
-    /// Who faces the model and walks to the right gets to a larger azimuth, from every side.
-    #[test]
-    fn a_larger_azimuth_is_to_the_right_of_somebody_who_faces_the_model() {
-        let target = Point3::new(0.0, 0.0, 64.0);
-        for azimuth in [0.0, 100.0, 200.0, 300.0] {
-            let here = view(azimuth, 15.0, 1000.0).camera_centre_mm(target);
-            let right = (target - here).cross(&Vector3::z()).normalize();
-            let there = Viewpoint::from_camera(here + 50.0 * right, target);
-            assert!(turn(azimuth, there.azimuth_deg) > 1.0);
-        }
-    }
-
-    #[test]
-    fn the_step_is_the_part_that_is_missing_most() {
-        let g = guidance();
-        let step = |v: Viewpoint| g.step(g.nearest_open(&v).unwrap(), &v);
-        assert_eq!(step(view(350.0, 15.0, 1000.0)), Some(NextMove::Azimuth(10.0)));
-        assert_eq!(step(view(102.0, 15.0, 1000.0)), Some(NextMove::Azimuth(-12.0)));
-        assert_eq!(step(view(90.0, 15.0, 1200.0)), Some(NextMove::Distance(-200.0)));
-        let Some(NextMove::Height(up)) = step(view(90.0, 5.0, 1000.0)) else {
-            panic!("the camera is 10° too low");
-        };
-        assert!((up - 171.7).abs() < 0.1, "1000 mm · (sin 15° − sin 5°), not {up}");
-        assert_eq!(step(view(94.0, 12.0, 950.0)), None);
-    }
-
-    #[test]
-    fn a_photo_of_the_next_bin_fills_nothing_however_wide_the_tolerance() {
-        let mut g = guidance();
-        g.tolerance.azimuth_deg = 40.0;
-        assert!(matches!(
-            g.step(0, &view(24.0, 15.0, 1000.0)),
-            Some(NextMove::Azimuth(_))
-        ));
-    }
-
-    #[test]
-    fn filled_targets_are_left_and_reopened_ones_wanted_again() {
-        let mut g = guidance();
-        let here = view(46.0, 15.0, 1000.0);
-        g.fill(1, "a.jpg");
-        assert_eq!(g.filled_at(&here).unwrap().bin.azimuth_deg, 45.0);
-        let next = g.nearest_open(&here).unwrap();
-        assert_eq!(g.targets()[next].bin.azimuth_deg, 90.0);
-        g.reopen("a.jpg");
-        assert_eq!(g.nearest_open(&here), Some(1));
-        (0..8).for_each(|i| g.fill(i, "b.jpg"));
-        assert!(g.is_finished() && g.nearest_open(&here).is_none());
-    }
-
-    #[test]
-    fn the_usual_pitch_and_distance_are_the_scene_s() {
-        assert_eq!(usual(&bins()), (15.0, 1000.0));
-    }
 }

@@ -31,7 +31,7 @@ use scaleproof_session::session::{Conditions, PhotoEntry};
 
 pub use advice::Advice;
 pub use gates::{Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement};
-pub use guidance::{Guidance, Target, Tolerance, usual, viewpoints_of};
+pub use guidance::{Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
 pub use live::{CameraSettings, LiveCamera};
 pub use replay::Replay;
 pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
@@ -51,19 +51,6 @@ pub struct FrameAnswer {
     pub cautions: Vec<String>,
     /// The tags that were seen, in the upright frame.
     pub tags: Vec<SeenTag>,
-}
-
-impl FrameAnswer {
-    fn refused(advice: Advice) -> FrameAnswer {
-        FrameAnswer {
-            size_px: [0, 0],
-            viewpoint: None,
-            measures: Measures::default(),
-            verdict: Err(advice),
-            cautions: Vec::new(),
-            tags: Vec::new(),
-        }
-    }
 }
 
 /// What is said of a damaged image of a running camera.
@@ -112,17 +99,16 @@ impl Capture {
 
     /// Photos of this variant at this place.
     fn own(&self) -> impl DoubleEndedIterator<Item = &Sidecar> {
-        let accepted = self.store.accepted().iter();
-        accepted
-            .filter(|Sidecar { photo, .. }| photo.variant == self.variant && photo.place.as_ref() == Some(&self.place))
+        let is_own = |photo: &PhotoEntry| photo.variant == self.variant && photo.place.as_ref() == Some(&self.place);
+        self.store
+            .accepted()
+            .iter()
+            .filter(move |sidecar| is_own(&sidecar.photo))
     }
 
     fn fill_from_store(&mut self) {
-        let photos: Vec<_> = self
-            .own()
-            .map(|s| (s.photo.file.clone(), s.target, s.viewpoint))
-            .collect();
-        for (photo, target, viewpoint) in photos {
+        let photos = self.own().map(|s| (s.photo.file.clone(), s.target, s.viewpoint));
+        for (photo, target, viewpoint) in photos.collect::<Vec<_>>() {
             let targets = self.guidance.targets();
             let same = targets.iter().position(|t| t.photo.is_none() && t.viewpoint == target);
             let near = || {
@@ -160,14 +146,23 @@ impl Capture {
     fn look(&mut self, frame: &SourceFrame, is_by_hand: bool) -> Result<FrameAnswer, StoreError> {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
-            Err(advice) => return Ok(self.refused(advice)),
+            Err(advice) => {
+                self.held = None;
+                return Ok(FrameAnswer {
+                    size_px: [0, 0],
+                    viewpoint: None,
+                    measures: Measures::default(),
+                    verdict: Err(advice),
+                    cautions: Vec::new(),
+                    tags: Vec::new(),
+                });
+            }
         };
         let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
         let held = self.hold(&judgement.verdict);
         if is_by_hand || held.is_ok() {
-            judgement = self
-                .judge
-                .confirm(judgement, &luma, turned_deg, &self.camera, &self.guidance);
+            let (camera, guidance) = (&self.camera, &self.guidance);
+            judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
         }
         let target = match (is_by_hand, held) {
             (true, _) => judgement.place,
@@ -189,11 +184,6 @@ impl Capture {
         })
     }
 
-    fn refused(&mut self, advice: Advice) -> FrameAnswer {
-        self.held = None;
-        FrameAnswer::refused(advice)
-    }
-
     /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
@@ -205,24 +195,16 @@ impl Capture {
                     return Err(known);
                 }
                 let luma = photo.and_then(|photo| Ok((photo.luma()?, photo.turned_deg)));
-                luma.map_err(|e| {
-                    if self.judge.is_stream() {
-                        Advice::Unreadable(DAMAGED.into())
-                    } else {
-                        Advice::Unreadable(e.to_string())
-                    }
-                })
+                let is_stream = self.judge.is_stream();
+                luma.map_err(|e| Advice::Unreadable(if is_stream { DAMAGED.into() } else { e.to_string() }))
             }
         }
     }
 
     fn known(&self, sha256: &str) -> Option<Advice> {
-        if let Some(photo) = self.store.named(sha256) {
-            return Some(Advice::Repeated {
-                photo: photo.to_owned(),
-            });
-        }
-        self.store.was_taken_back(sha256).then_some(Advice::TakenBack)
+        let taken_back = self.store.was_taken_back(sha256).then_some(Advice::TakenBack);
+        let photo = self.store.named(sha256).map(str::to_owned);
+        photo.map(|photo| Advice::Repeated { photo }).or(taken_back)
     }
 
     /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.

@@ -34,20 +34,12 @@ pub enum PairError {
 pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpoint>, Vec<String>), PairError> {
     let session = Session::open(session)?;
     let variants: BTreeSet<&str> = session.photos.iter().map(|photo| photo.variant.as_str()).collect();
-    let variant = match variants.len() {
-        1 => variants.first().copied(),
-        _ => variants.get(NORMAL).copied(),
-    };
-    let variant = variant.ok_or_else(|| PairError::Variants {
+    let only = variants.first().filter(|_| variants.len() == 1);
+    let variant = *only.or(variants.get(NORMAL)).ok_or_else(|| PairError::Variants {
         name: session.name.clone(),
         variants: variants.iter().copied().collect::<Vec<_>>().join(", "),
     })?;
-    let photos: Vec<PhotoEntry> = session
-        .photos
-        .iter()
-        .filter(|photo| photo.variant == variant)
-        .cloned()
-        .collect();
+    let photos: Vec<&PhotoEntry> = session.photos.iter().filter(|photo| photo.variant == variant).collect();
     let found = workers::map(
         &photos,
         || tags.open(&session.scene.families()),
@@ -62,10 +54,10 @@ pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpo
         }
     }
     match faults.first() {
-        Some(reason) if viewpoints.is_empty() => Err(PairError::NoViewpoint {
-            name: session.name,
-            reason: reason.clone(),
-        }),
+        Some(reason) if viewpoints.is_empty() => {
+            let (name, reason) = (session.name.clone(), reason.clone());
+            Err(PairError::NoViewpoint { name, reason })
+        }
         _ => Ok((viewpoints, faults)),
     }
 }

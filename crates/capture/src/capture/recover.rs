@@ -21,71 +21,61 @@ impl Store {
     /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
     pub fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
         let mut store = Store::begin(folder, scene, camera)?;
-        recover(&mut store, variant)?;
+        store.recover(variant)?;
         Ok(store)
     }
-}
 
-fn recover(store: &mut Store, variant: &str) -> Result<(), StoreError> {
-    let folder = store.folder.clone();
-    let mut there = names(&folder)?;
-    for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {
-        files::remove(&folder.join(partial))?;
-    }
-    let listed: Vec<String> = if folder.join(SESSION).exists() {
-        Session::open(&folder)?
-            .photos
-            .into_iter()
-            .map(|photo| photo.file)
-            .collect()
-    } else {
-        Vec::new()
-    };
-    let mut valid = sidecars(&folder)?;
-    let away = sidecars(&folder.join(TAKEN_BACK))?;
-    let put_away = names(&folder.join(TAKEN_BACK))?;
-    for photo in listed.iter().filter(|photo| !valid.contains_key(*photo)) {
-        if !away.contains_key(photo) {
+    fn recover(&mut self, variant: &str) -> Result<(), StoreError> {
+        let folder = self.folder.clone();
+        let mut there = names(&folder)?;
+        for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {
+            files::remove(&folder.join(partial))?;
+        }
+        let mut listed = Vec::new();
+        if folder.join(SESSION).exists() {
+            let photos = Session::open(&folder)?.photos;
+            listed.extend(photos.into_iter().map(|photo| photo.file));
+        }
+        let mut valid = sidecars(&folder)?;
+        let away = sidecars(&folder.join(TAKEN_BACK))?;
+        let put_away = names(&folder.join(TAKEN_BACK))?;
+        let is_known = |photo: &&String| valid.contains_key(*photo) || away.contains_key(*photo);
+        if let Some(photo) = listed.iter().find(|photo| !is_known(photo)) {
             let sidecar = sidecar_of(photo);
             let message =
                 format!("{photo} has no {sidecar}: no capture made this session, so capture into a new folder");
             return Err(FileError::content(&folder.join(SESSION), message).into());
         }
-    }
-    // A sidecar without photo: somebody removed the photo. One that is listed is missed.
-    for photo in valid.keys().filter(|photo| !there.contains(photo)) {
-        if listed.contains(photo) {
+        // A sidecar without photo: somebody removed the photo. One that is listed is missed.
+        let is_missed = |photo: &&String| !there.contains(photo) && listed.contains(photo);
+        if let Some(photo) = valid.keys().find(is_missed) {
             let why = "this accepted photo is gone: bring it back, or remove its line from session.json";
             return Err(FileError::content(&folder.join(photo), why).into());
         }
-    }
-    valid.retain(|photo, _| there.contains(photo));
-    for (photo, sidecar) in &valid {
-        let path = folder.join(photo);
-        if files::sha256_hex(&files::read(&path)?) != sidecar.sha256 {
-            let why = "this is not the photo that was accepted: bring the original back";
-            return Err(FileError::content(&path, why).into());
+        valid.retain(|photo, _| there.contains(photo));
+        for (photo, sidecar) in &valid {
+            let path = folder.join(photo);
+            if files::sha256_hex(&files::read(&path)?) != sidecar.sha256 {
+                let why = "this is not the photo that was accepted: bring the original back";
+                return Err(FileError::content(&path, why).into());
+            }
         }
-    }
-    store.next = there
-        .iter()
-        .chain(&put_away)
-        .filter_map(|name| number(name))
-        .max()
-        .map_or(0, |n| n + 1);
-    store.accepted = valid.into_values().collect();
-    store.accepted.sort_by_key(|sidecar| number(&sidecar.photo.file));
-    store.taken_back = away.into_values().map(|sidecar| sidecar.sha256).collect();
-    let now: Vec<&String> = store.accepted.iter().map(|sidecar| &sidecar.photo.file).collect();
-    if now != listed.iter().collect::<Vec<_>>() {
-        store.write_list()?;
-    }
-    let known = store.accepted.iter().map(|sidecar| sidecar.photo.variant.as_str());
-    let variants: Vec<&str> = known.chain([variant]).collect();
-    for photo in there.iter().filter(|name| is_ours(name, variants.iter().copied())) {
-        if store.accepted.iter().all(|sidecar| sidecar.photo.file != *photo) {
-            store.put_away(photo)?;
+        let numbers = there.iter().chain(&put_away).filter_map(|name| number(name));
+        self.next = numbers.max().map_or(0, |n| n + 1);
+        self.accepted = valid.into_values().collect();
+        self.accepted.sort_by_key(|sidecar| number(&sidecar.photo.file));
+        self.taken_back = away.into_values().map(|sidecar| sidecar.sha256).collect();
+        let now: Vec<&String> = self.accepted.iter().map(|sidecar| &sidecar.photo.file).collect();
+        if now != listed.iter().collect::<Vec<_>>() {
+            self.write_list()?;
         }
+        let known = self.accepted.iter().map(|sidecar| sidecar.photo.variant.as_str());
+        let variants: Vec<&str> = known.chain([variant]).collect();
+        for photo in there.iter().filter(|name| is_ours(name, variants.iter().copied())) {
+            if self.accepted.iter().all(|sidecar| sidecar.photo.file != *photo) {
+                self.put_away(photo)?;
+            }
+        }
+        Ok(())
     }
-    Ok(())
 }

@@ -61,18 +61,11 @@ impl FrameSource for Replay {
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }
         self.due = Some(Instant::now() + self.pace);
-        let original = match files::read(&self.session.photo_path(&photo)) {
-            Ok(bytes) => Original::Encoded(bytes),
-            Err(e) => Original::Unreadable(e.to_string()),
-        };
+        let read = files::read(&self.session.photo_path(&photo));
         Ok(Some(SourceFrame {
             name: photo.file,
             taken: photo.taken,
-            original,
+            original: read.map_or_else(|e| Original::Unreadable(e.to_string()), Original::Encoded),
         }))
-    }
-
-    fn is_stream(&self) -> bool {
-        false
     }
 }

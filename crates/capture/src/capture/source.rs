@@ -40,7 +40,9 @@ pub trait FrameSource {
 
     /// Whether a frame follows the last one so closely that their difference tells whether the camera moves. Otherwise each is a photo
     /// that somebody took on purpose.
-    fn is_stream(&self) -> bool;
+    fn is_stream(&self) -> bool {
+        false
+    }
 
     /// What a camera was set to; `None` for sources that are none, and while it still settles.
     fn settings(&self) -> Option<CameraSettings> {

@@ -136,17 +136,16 @@ impl Store {
     pub fn accept(&mut self, original: &[u8], extension: &str, mut sidecar: Sidecar) -> Result<String, StoreError> {
         // Writing would make a missing folder anew.
         if !self.folder.join(SCENE).exists() {
-            return Err(StoreError::Gone {
-                folder: self.folder.clone(),
-            });
+            let folder = self.folder.clone();
+            return Err(StoreError::Gone { folder });
         }
         let name = format!("{}_{:03}.{extension}", slug(&sidecar.photo.variant), self.next);
         sidecar.photo.file = name.clone();
-        let text = json(&sidecar)?;
+        let text = serde_json::to_string_pretty(&sidecar).map_err(|e| FileError::content(SIDECAR.as_ref(), e))?;
         files::replace_atomically(&self.folder.join(&name), original)?;
         // From here on the number is used, even when what follows fails.
         self.next += 1;
-        files::replace_atomically(&self.folder.join(sidecar_of(&name)), text.as_bytes())?;
+        files::replace_atomically(&self.folder.join(sidecar_of(&name)), (text + "\n").as_bytes())?;
         self.accepted.push(sidecar);
         self.write_list()?;
         Ok(name)
@@ -220,27 +219,21 @@ fn refuse_foreign(folder: &Path) -> Result<(), StoreError> {
 
 /// Whether a file has a name that this store gives to photos of one of these textures.
 pub(super) fn is_ours<'a>(name: &str, variants: impl IntoIterator<Item = &'a str>) -> bool {
-    let Some(number) = number(name).filter(|_| !name.ends_with(SIDECAR)) else {
-        return false;
-    };
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-    let mut variants = variants.into_iter();
-    variants.any(|variant| stem == format!("{}_{number:03}", slug(variant)))
+    let number = number(name).filter(|_| !name.ends_with(SIDECAR));
+    number.is_some_and(|number| {
+        let mut variants = variants.into_iter();
+        variants.any(|variant| stem == format!("{}_{number:03}", slug(variant)))
+    })
 }
 
 /// The number at the end of a name that this store gave.
 pub(super) fn number(name: &str) -> Option<u64> {
-    let stem = name
-        .strip_suffix(SIDECAR)
-        .or_else(|| name.strip_suffix(".jpg"))
-        .or_else(|| name.strip_suffix(".png"))?;
+    let stem = [SIDECAR, ".jpg", ".png"]
+        .iter()
+        .find_map(|ending| name.strip_suffix(ending))?;
     let (_, digits) = stem.rsplit_once('_')?;
     (digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
-}
-
-fn json(value: &impl Serialize) -> Result<String, FileError> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| FileError::content(SIDECAR.as_ref(), e))?;
-    Ok(text + "\n")
 }
 
 /// The lock ends with the process, however that ends.
@@ -254,9 +247,10 @@ fn locked(folder: &Path) -> Result<File, StoreError> {
     let file = opened.map_err(|e| FileError::write(&path, &e))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(StoreError::InUse {
-            folder: folder.to_owned(),
-        }),
+        Err(TryLockError::WouldBlock) => {
+            let folder = folder.to_owned();
+            Err(StoreError::InUse { folder })
+        }
         Err(TryLockError::Error(e)) => Err(FileError::write(&path, &e).into()),
     }
 }
@@ -265,19 +259,14 @@ fn locked(folder: &Path) -> Result<File, StoreError> {
 fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new: bool) -> Result<(), StoreError> {
     let content = files::read(from)?;
     let path = folder.join(name);
-    let same = match path.exists() {
-        true => files::read(&path)? == content,
-        false if is_new => return Ok(files::replace_atomically(&path, &content)?),
-        false => false,
-    };
-    if same {
-        Ok(())
-    } else {
-        Err(StoreError::Other {
-            folder: folder.to_owned(),
-            what,
-        })
+    if path.exists() && files::read(&path)? == content {
+        return Ok(());
     }
+    if is_new && !path.exists() {
+        return Ok(files::replace_atomically(&path, &content)?);
+    }
+    let folder = folder.to_owned();
+    Err(StoreError::Other { folder, what })
 }
 
 /// Sidecars of a folder by the name of their photo.
@@ -304,9 +293,8 @@ pub(super) fn names(folder: &Path) -> Result<Vec<String>, StoreError> {
         return Ok(Vec::new());
     }
     let unreadable = |e: std::io::Error| FileError::read(folder, &e);
-    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let mut names = Vec::new();
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         names.push(entry.map_err(unreadable)?.file_name().to_string_lossy().into_owned());
     }
     names.sort();

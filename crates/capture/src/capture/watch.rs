@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use scaleproof_core::files;
-use scaleproof_photo::photo::{Budget, Photo, PhotoError};
+use scaleproof_photo::photo::{Budget, Photo};
 
 /// How often the folder is looked at.
 const ROUND: Duration = Duration::from_millis(250);
@@ -27,6 +27,7 @@ pub struct Watch {
 }
 
 /// A file as it was when it last changed.
+#[derive(Clone, Copy)]
 struct WatchedFile {
     /// Size and time of change; only compared for being the same, so that a clock set back does no harm.
     state: (u64, Option<SystemTime>),
@@ -70,30 +71,25 @@ impl Watch {
         self.files
             .retain(|path, _| there.iter().any(|(known, _)| known == path));
         for (path, state) in there {
-            let now = Instant::now();
-            let seen = self.files.entry(path.clone()).or_insert(WatchedFile {
+            let since = Instant::now();
+            let new = WatchedFile {
                 state,
-                since: now,
+                since,
                 is_done: false,
-            });
+            };
+            let seen = self.files.entry(path.clone()).or_insert(new);
             if seen.state != state {
-                *seen = WatchedFile {
-                    state,
-                    since: now,
-                    is_done: false,
-                };
+                *seen = new;
             }
-            let age = now.duration_since(seen.since);
+            let age = since.duration_since(seen.since);
             if seen.is_done || age < STABLE {
                 continue;
             }
             if let Some(original) = original(&path, state.0, age) {
                 seen.is_done = true;
-                self.ready.push_back(SourceFrame {
-                    name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-                    taken: None,
-                    original,
-                });
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let taken = None;
+                self.ready.push_back(SourceFrame { name, taken, original });
             }
         }
         Ok(())
@@ -106,15 +102,14 @@ fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
         let sentence = format!("{} is larger than a photo: move it out of the folder", path.display());
         return Some(Original::Unreadable(sentence));
     }
-    let decoded = |path: &Path| -> Result<Vec<u8>, PhotoError> {
-        let photo = Photo::open(path)?;
+    let decoded = Photo::open(path).and_then(|photo| {
         // A cut JPEG is refused when it is opened, a cut PNG only when it is decoded.
         if photo.extension() == "png" {
             photo.luma()?;
         }
         Ok(photo.into_bytes())
-    };
-    match decoded(path) {
+    });
+    match decoded {
         Ok(bytes) => Some(Original::Encoded(bytes)),
         Err(_) if age < PATIENCE => None,
         Err(e) => Some(Original::Unreadable(e.to_string())),
@@ -133,9 +128,5 @@ impl FrameSource for Watch {
             std::thread::sleep(ROUND);
             self.look()?;
         }
-    }
-
-    fn is_stream(&self) -> bool {
-        false
     }
 }

@@ -45,16 +45,14 @@ const PERMISSION: Duration = Duration::from_secs(60);
 pub fn list_cameras() -> Result<Vec<ListedCamera>, LiveCameraError> {
     allowed()?;
     let found = nokhwa::query(ApiBackend::Auto).map_err(failed)?;
-    let mut cameras: Vec<ListedCamera> = found
-        .iter()
-        .filter_map(|info| {
-            Some(ListedCamera {
-                number: info.index().as_index().ok()?,
-                name: info.human_name(),
-                description: info.description().to_owned(),
-            })
+    let listed = found.iter().filter_map(|info| {
+        Some(ListedCamera {
+            number: info.index().as_index().ok()?,
+            name: info.human_name(),
+            description: info.description().to_owned(),
         })
-        .collect();
+    });
+    let mut cameras: Vec<ListedCamera> = listed.collect();
     cameras.sort_by_key(|camera| camera.number);
     Ok(cameras)
 }
@@ -79,7 +77,7 @@ pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, Live
     let any = RequestedFormat::with_formats(RequestedFormatType::None, &formats);
     let mut opened = nokhwa::Camera::new(CameraIndex::Index(number), any).map_err(failed)?;
     let offered = opened.compatible_camera_formats().map_err(failed)?;
-    let chosen = chosen(&offered, camera)?;
+    let chosen = choose_format(&offered, camera)?;
     if opened.camera_format() != chosen {
         let exactly = RequestedFormat::with_formats(RequestedFormatType::Exact(chosen), &formats);
         opened.set_camera_requset(exactly).map_err(failed)?;
@@ -93,7 +91,10 @@ fn failed(e: NokhwaError) -> LiveCameraError {
 }
 
 /// The size nearest to the calibrated one among those of its shape; of one size, enough images a second first, then raw pixels.
-fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, LiveCameraError> {
+///
+/// # Errors
+/// None has the shape of the camera file's images.
+pub fn choose_format(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, LiveCameraError> {
     let fits = |format: &&CameraFormat| camera.scaled_to(format.width(), format.height()).is_ok();
     let rank = |format: &CameraFormat| FORMATS.iter().position(|(known, _)| *known == format.format());
     let order = |format: &&CameraFormat| {
@@ -129,82 +130,53 @@ impl Device for NokhwaCamera {
 
     fn lock(&mut self) -> CameraSettings {
         let format = self.0.camera_format();
+        let (pixels, width, height) = (format.format(), format.width(), format.height());
+        let [exposure, focus, white_balance] = lock_controls().map(|how| self.held(how));
         CameraSettings {
             device: self.0.info().human_name(),
-            format: format!(
-                "{} {} × {}, {} frames a second",
-                format.format(),
-                format.width(),
-                format.height(),
-                format.frame_rate()
-            ),
-            exposure: self.held(EXPOSURE),
-            focus: self.held(FOCUS),
-            white_balance: self.held(WHITE_BALANCE),
+            format: format!("{pixels} {width} × {height}, {} frames a second", format.frame_rate()),
+            exposure,
+            focus,
+            white_balance,
         }
     }
 }
 
 /// How a setting is held: the control that decides whether it is automatic, its value for "by hand", and the control of the setting itself.
-struct LockControl {
-    automatic: KnownCameraControl,
-    by_hand: ControlValueSetter,
-    value: KnownCameraControl,
-}
+type LockControl = (KnownCameraControl, ControlValueSetter, KnownCameraControl);
 
-/// Controls of Video4Linux by their ids (`linux/v4l2-controls.h`): V4L2_CID_EXPOSURE_AUTO (1: manual), V4L2_CID_EXPOSURE_ABSOLUTE,
-/// V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_AUTO_WHITE_BALANCE, V4L2_CID_WHITE_BALANCE_TEMPERATURE.
+/// Of exposure, focus and white balance, by the ids of Video4Linux (`linux/v4l2-controls.h`): V4L2_CID_EXPOSURE_AUTO (1: manual),
+/// V4L2_CID_EXPOSURE_ABSOLUTE; V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE; V4L2_CID_AUTO_WHITE_BALANCE,
+/// V4L2_CID_WHITE_BALANCE_TEMPERATURE.
 #[cfg(target_os = "linux")]
-const EXPOSURE: LockControl = LockControl {
-    automatic: KnownCameraControl::Other(0x009a_0901),
-    by_hand: ControlValueSetter::Integer(1),
-    value: KnownCameraControl::Other(0x009a_0902),
-};
-#[cfg(target_os = "linux")]
-const FOCUS: LockControl = LockControl {
-    automatic: KnownCameraControl::Other(0x009a_090c),
-    by_hand: ControlValueSetter::Boolean(false),
-    value: KnownCameraControl::Other(0x009a_090a),
-};
-#[cfg(target_os = "linux")]
-const WHITE_BALANCE: LockControl = LockControl {
-    automatic: KnownCameraControl::Other(0x0098_090c),
-    by_hand: ControlValueSetter::Boolean(false),
-    value: KnownCameraControl::WhiteBalance,
-};
+fn lock_controls() -> [LockControl; 3] {
+    use ControlValueSetter::{Boolean, Integer};
+    use KnownCameraControl::{Other, WhiteBalance};
+    [
+        (Other(0x009a_0901), Integer(1), Other(0x009a_0902)),
+        (Other(0x009a_090c), Boolean(false), Other(0x009a_090a)),
+        (Other(0x0098_090c), Boolean(false), WhiteBalance),
+    ]
+}
 
 /// Elsewhere one control is both: mode 0 of AVFoundation is "locked".
 #[cfg(not(target_os = "linux"))]
-const EXPOSURE: LockControl = LockControl::mode(KnownCameraControl::Exposure);
-#[cfg(not(target_os = "linux"))]
-const FOCUS: LockControl = LockControl::mode(KnownCameraControl::Focus);
-#[cfg(not(target_os = "linux"))]
-const WHITE_BALANCE: LockControl = LockControl::mode(KnownCameraControl::WhiteBalance);
-
-#[cfg(not(target_os = "linux"))]
-impl LockControl {
-    const fn mode(control: KnownCameraControl) -> LockControl {
-        LockControl {
-            automatic: control,
-            by_hand: ControlValueSetter::EnumValue(0),
-            value: control,
-        }
-    }
+fn lock_controls() -> [LockControl; 3] {
+    use KnownCameraControl::{Exposure, Focus, WhiteBalance};
+    [Exposure, Focus, WhiteBalance].map(|control| (control, ControlValueSetter::EnumValue(0), control))
 }
 
 impl NokhwaCamera {
-    fn held(&mut self, how: LockControl) -> Setting {
+    fn held(&mut self, (automatic, by_hand, control): LockControl) -> Setting {
         // Read first: some drivers fall back to a stored value when they are no longer automatic.
-        let value = self.value(how.value);
-        let is_locked = self.0.set_camera_control(how.automatic, how.by_hand).is_ok();
+        let value = self.value(control);
+        let is_locked = self.0.set_camera_control(automatic, by_hand).is_ok();
         if let (true, Some(value)) = (is_locked, value) {
             // Where it cannot be set, the driver keeps the value it had: what it says now is what is written down.
-            let _ = self.0.set_camera_control(how.value, ControlValueSetter::Integer(value));
+            let _ = self.0.set_camera_control(control, ControlValueSetter::Integer(value));
         }
-        Setting {
-            is_locked,
-            value: self.value(how.value),
-        }
+        let value = self.value(control);
+        Setting { is_locked, value }
     }
 
     fn value(&self, control: KnownCameraControl) -> Option<i64> {
@@ -212,41 +184,5 @@ impl NokhwaCamera {
             ControlValueSetter::Integer(value) | ControlValueSetter::EnumValue(value) => Some(value),
             _ => None,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn offered(all: &[(u32, u32, FrameFormat, u32)]) -> Vec<CameraFormat> {
-        let format = |(width, height, format, fps): &(u32, u32, FrameFormat, u32)| {
-            CameraFormat::new_from(*width, *height, *format, *fps)
-        };
-        all.iter().map(format).collect()
-    }
-
-    #[test]
-    fn the_calibrated_size_is_chosen_raw_unless_that_is_slow() {
-        let camera = Camera::pinhole(1280, 960, 1000.0, 1000.0, 639.5, 479.5);
-        let choose = |all: &[(u32, u32, FrameFormat, u32)]| {
-            let chosen = chosen(&offered(all), &camera)?;
-            Ok::<_, LiveCameraError>((chosen.width(), chosen.format(), chosen.frame_rate()))
-        };
-        use FrameFormat::{MJPEG, NV12, YUYV};
-        let all = [
-            (640, 480, NV12, 30),
-            (1280, 720, MJPEG, 60),
-            (1280, 960, YUYV, 7),
-            (1280, 960, MJPEG, 30),
-            (1280, 960, MJPEG, 15),
-        ];
-        assert_eq!(choose(&all), Ok((1280, MJPEG, 30)));
-        assert_eq!(choose(&all[..3]), Ok((1280, YUYV, 7)));
-        assert_eq!(choose(&all[..2]), Ok((640, NV12, 30)));
-        assert!(
-            choose(&all[1..2]).unwrap_err().to_string().contains("1280 × 960"),
-            "720 rows are cropped"
-        );
     }
 }

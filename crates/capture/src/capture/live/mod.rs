@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use scaleproof_pose::camera::Camera;
 
-pub use device::list_cameras;
+pub use device::{choose_format, list_cameras};
 pub use error::LiveCameraError;
 pub use pixels::{PixelFormat, RawImage};
 pub use settings::{CameraSettings, Setting};
@@ -75,25 +75,14 @@ impl LiveCamera {
     /// No such camera, one that is in use or may not be used, or that has no image of the camera file's shape.
     pub fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
         let camera = camera.clone();
-        LiveCamera::of(number, move || device::open(number, &camera))
+        LiveCamera::from_device(number, OPENING, move || device::open(number, &camera))
     }
 
-    /// A camera of any make; `open` is called on the thread that reads it.
-    ///
-    /// # Errors
-    /// What `open` says.
-    pub fn of(
-        number: u32,
-        open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
-    ) -> Result<LiveCamera, SourceError> {
-        LiveCamera::of_within(number, OPENING, open)
-    }
-
-    /// Like [`LiveCamera::of`], with another time limit for `open` than the usual 15 s (75 s where the system asks a person first).
+    /// A camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.
     ///
     /// # Errors
     /// What `open` says, or that it took longer.
-    pub fn of_within(
+    pub fn from_device(
         number: u32,
         limit: Duration,
         open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
@@ -102,9 +91,8 @@ impl LiveCamera {
         let reading = ReaderThread(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
         let camera = LiveCamera { number, shared };
-        camera
-            .opened(limit)
-            .map_err(|reason| SourceError::NoCamera { number, reason })?;
+        let opened = camera.opened(limit);
+        opened.map_err(|reason| SourceError::NoCamera { number, reason })?;
         Ok(camera)
     }
 
@@ -141,13 +129,12 @@ impl LiveCamera {
 
 impl FrameSource for LiveCamera {
     fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
-        let (count, image) = self.newest().map_err(|reason| SourceError::CameraGone {
-            number: self.number,
-            reason,
-        })?;
+        let number = self.number;
+        let newest = self.newest();
+        let (count, image) = newest.map_err(|reason| SourceError::CameraGone { number, reason })?;
         let original = image.original();
         Ok(Some(SourceFrame {
-            name: format!("camera {} image {count}", self.number),
+            name: format!("camera {number} image {count}"),
             taken: None,
             original: original.unwrap_or_else(|reason| Original::Unreadable(reason.into())),
         }))

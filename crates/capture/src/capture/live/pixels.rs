@@ -90,7 +90,7 @@ fn converted<const CHANNELS: usize>(bytes: &[u8], [columns, rows]: [u32; 2], cod
 /// The JPEG file in a buffer: what follows its end is left out, and the standard's Huffman tables are put in where it has none.
 /// `None` when it is not whole.
 fn jpeg_file(buffer: &[u8]) -> Option<Vec<u8>> {
-    let segments = Segments::of(buffer)?;
+    let segments = Segments::read(buffer)?;
     // In the scan, 0xFF is followed by 0 or a restart marker; so the first end marker is the image's own.
     let scan = &buffer[segments.scan..];
     let end = segments.scan + 2 + scan.windows(2).position(|pair| pair == [0xFF, END])?;
@@ -116,7 +116,7 @@ struct Segments {
 }
 
 impl Segments {
-    fn of(bytes: &[u8]) -> Option<Segments> {
+    fn read(bytes: &[u8]) -> Option<Segments> {
         if !bytes.starts_with(&[0xFF, START]) {
             return None;
         }
@@ -140,6 +140,6 @@ impl Segments {
 fn standard_tables() -> Option<Vec<u8>> {
     let mut file = Vec::new();
     JpegEncoder::new(&mut file).encode_image(&RgbImage::new(8, 8)).ok()?;
-    let segments = Segments::of(&file)?;
+    let segments = Segments::read(&file)?;
     Some(segments.tables.into_iter().flat_map(|at| file[at].to_vec()).collect())
 }

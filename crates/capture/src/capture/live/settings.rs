@@ -27,30 +27,24 @@ pub struct Setting {
     pub value: Option<i64>,
 }
 
-impl CameraSettings {
-    /// The settings that may change from photo to photo.
-    fn loose(&self) -> Vec<&'static str> {
+/// A line for the photographer: what may change from photo to photo.
+impl fmt::Display for CameraSettings {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}, {}: ", self.device, self.format)?;
         let all = [
             ("exposure", &self.exposure),
             ("focus", &self.focus),
             ("white balance", &self.white_balance),
         ];
-        let loose = all.into_iter().filter(|(_, setting)| !setting.is_locked);
-        loose.map(|(name, _)| name).collect()
-    }
-}
-
-/// A line for the photographer.
-impl fmt::Display for CameraSettings {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}, {}: ", self.device, self.format)?;
-        match self.loose().as_slice() {
-            [] => f.write_str("exposure, focus and white balance are held"),
-            loose => write!(
-                f,
-                "{} cannot be held by this program and may change from photo to photo",
-                loose.join(", ")
-            ),
+        let loose = all.iter().filter(|(_, setting)| !setting.is_locked);
+        let loose: Vec<&str> = loose.map(|(name, _)| *name).collect();
+        if loose.is_empty() {
+            return f.write_str("exposure, focus and white balance are held");
         }
+        let loose = loose.join(", ");
+        write!(
+            f,
+            "{loose} cannot be held by this program and may change from photo to photo"
+        )
     }
 }
