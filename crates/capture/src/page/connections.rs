@@ -12,14 +12,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Notify;
 
 /// More than the runtime accepts before it lets the accepted ones speak, 128 at a time.
-const MOST_STRANGERS: usize = 256;
+pub const MOST_STRANGERS: usize = 256;
 
 /// A browser uses 6 connections to a site; several pages and phones share an address on this machine.
-const MOST_OF_A_BROWSER: usize = 48;
+pub const MOST_OF_A_BROWSER: usize = 48;
 
 /// All connections of a server.
 #[derive(Debug, Default)]
-pub(super) struct Connections {
+pub struct Connections {
     seats: Mutex<Seats>,
 }
 
@@ -40,7 +40,7 @@ struct Seat {
 
 /// One connection's place, free again when dropped.
 #[derive(Debug)]
-pub(super) struct Connection {
+pub struct Connection {
     number: u64,
     connections: Arc<Connections>,
     leave: Arc<Notify>,
@@ -48,7 +48,7 @@ pub(super) struct Connection {
 
 impl Connections {
     /// A place for a connection that has just come. Somebody else may have to leave for it.
-    pub(super) fn enter(self: &Arc<Connections>, from: IpAddr) -> Connection {
+    pub fn enter(self: &Arc<Connections>, from: IpAddr) -> Connection {
         let mut seats = self.seats();
         if seats.strangers().count() >= MOST_STRANGERS {
             let longest = seats.longest_of_the_crowd();
@@ -62,11 +62,17 @@ impl Connections {
             leave: leave.clone(),
         };
         seats.taken.insert(number, seat);
+        let connections = self.clone();
         Connection {
             number,
-            connections: self.clone(),
+            connections,
             leave,
         }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.seats().taken.len()
     }
 
     fn seats(&self) -> MutexGuard<'_, Seats> {
@@ -76,25 +82,28 @@ impl Connections {
 
 impl Connection {
     /// The connection is one of this browser. One that has too many loses the one it has had longest.
-    pub(super) fn belongs_to(&self, browser: &str) {
+    pub fn belongs_to(&self, browser: &str) {
         let mut seats = self.connections.seats();
-        let Some(seat) = seats.taken.get_mut(&self.number) else {
+        let is_own = |seat: &Seat| seat.browser.as_deref() == Some(browser);
+        let seat = seats.taken.get_mut(&self.number);
+        let Some(seat) = seat.filter(|seat| !is_own(seat)) else {
             return;
         };
-        if seat.browser.as_deref() == Some(browser) {
-            return;
-        }
         seat.browser = Some(browser.to_owned());
-        let same = |(_, seat): &(&u64, &Seat)| seat.browser.as_deref() == Some(browser);
-        let of_browser: Vec<u64> = seats.taken.iter().filter(same).map(|(number, _)| *number).collect();
-        if of_browser.len() > MOST_OF_A_BROWSER {
-            let longest = of_browser.into_iter().find(|number| *number != self.number);
+        let own = seats.taken.iter().filter(|(_, seat)| is_own(seat));
+        if own.clone().count() > MOST_OF_A_BROWSER {
+            let longest = own.map(|(number, _)| *number).find(|number| *number != self.number);
             seats.ask_to_leave(longest);
         }
     }
 
+    /// Whether nobody else has needed the place so far.
+    pub fn is_kept(&self) -> bool {
+        self.connections.seats().taken.contains_key(&self.number)
+    }
+
     /// Ends when somebody else needs the place.
-    pub(super) async fn asked_to_leave(&self) {
+    pub async fn asked_to_leave(&self) {
         self.leave.notified().await;
     }
 }
@@ -117,10 +126,8 @@ impl Seats {
             crowds.entry(seat.from).or_insert((0, *number)).0 += 1;
         }
         // Of equal crowds, that of the longest.
-        let largest = crowds
-            .into_values()
-            .max_by_key(|(count, longest)| (*count, Reverse(*longest)));
-        largest.map(|(_, longest)| longest)
+        let crowds = crowds.into_values().map(|(count, longest)| (count, Reverse(longest)));
+        crowds.max().map(|(_, Reverse(longest))| longest)
     }
 
     /// It no longer counts; its connection ends as soon as it hears of it.
@@ -128,48 +135,5 @@ impl Seats {
         if let Some(seat) = number.and_then(|number| self.taken.remove(&number)) {
             seat.leave.notify_one();
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::net::Ipv4Addr;
-
-    use super::*;
-
-    fn address(last: u8) -> IpAddr {
-        Ipv4Addr::new(192, 168, 0, last).into()
-    }
-
-    fn stays(place: &Connection) -> bool {
-        place.connections.seats().taken.contains_key(&place.number)
-    }
-
-    #[test]
-    fn the_longest_stranger_of_the_largest_crowd_leaves_and_known_browsers_stay() {
-        let connections = Arc::new(Connections::default());
-        let known = connections.enter(address(1));
-        known.belongs_to("phone");
-        let lone = connections.enter(address(2));
-        let crowd: Vec<Connection> = (1..MOST_STRANGERS).map(|_| connections.enter(address(1))).collect();
-        let late = connections.enter(address(3));
-        assert!(stays(&known) && stays(&lone) && stays(&late));
-        assert!(!stays(&crowd[0]) && crowd[1..].iter().all(stays));
-        drop(crowd);
-        assert_eq!(connections.seats().taken.len(), 3);
-    }
-
-    #[test]
-    fn a_browser_with_too_many_connections_loses_its_oldest() {
-        let connections = Arc::new(Connections::default());
-        let own: Vec<Connection> = (0..MOST_OF_A_BROWSER + 1)
-            .map(|_| {
-                let place = connections.enter(address(1));
-                place.belongs_to("phone");
-                place.belongs_to("phone");
-                place
-            })
-            .collect();
-        assert!(!stays(&own[0]) && own[1..].iter().all(stays));
     }
 }

@@ -9,7 +9,7 @@ const INNER: f64 = 0.42;
 
 /// A ring of sectors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct DialRing {
+pub struct DialRing {
     pub pitch_deg: f64,
     pub distance_mm: f64,
     /// Of the dial's radius.
@@ -19,10 +19,10 @@ pub(super) struct DialRing {
 
 /// The rings, from the inside: the nearer over ground, the further in.
 #[derive(Debug, Clone)]
-pub(super) struct DialRings(pub Vec<DialRing>);
+pub struct DialRings(pub Vec<DialRing>);
 
 impl DialRings {
-    pub(super) fn of(bins: &[Bin]) -> DialRings {
+    pub fn of_bins(bins: &[Bin]) -> DialRings {
         let mut kinds: Vec<[f64; 2]> = Vec::new();
         for bin in bins {
             let kind = [bin.pitch_deg, bin.distance_mm];
@@ -45,14 +45,14 @@ impl DialRings {
         DialRings(kinds.into_iter().enumerate().map(ring).collect())
     }
 
-    pub(super) fn ring_of(&self, bin: &Bin) -> usize {
+    pub fn ring_of(&self, bin: &Bin) -> usize {
         let same = |ring: &DialRing| [ring.pitch_deg, ring.distance_mm] == [bin.pitch_deg, bin.distance_mm];
         self.0.iter().position(same).unwrap_or_default()
     }
 
     /// How far from the dial's centre a viewpoint is drawn, of its radius: in the middle of a ring at that ring's distance over ground, in
     /// proportion between and beside the rings, and at most a little outside.
-    pub(super) fn radius_share(&self, v: &Viewpoint) -> f64 {
+    pub fn radius_share(&self, v: &Viewpoint) -> f64 {
         let ground = |ring: &DialRing| over_ground_mm(&[ring.pitch_deg, ring.distance_mm]);
         let middle = |ring: &DialRing| (ring.inner_share + ring.outer_share) / 2.0;
         let at = over_ground_mm(&[v.pitch_deg, v.distance_mm]);
@@ -75,49 +75,4 @@ impl DialRings {
 
 fn over_ground_mm([pitch_deg, distance_mm]: &[f64; 2]) -> f64 {
     distance_mm * pitch_deg.to_radians().cos()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn view(distance_mm: f64) -> Viewpoint {
-        Viewpoint {
-            azimuth_deg: 0.0,
-            pitch_deg: 0.0,
-            distance_mm,
-        }
-    }
-
-    fn rings(distances: &[f64]) -> DialRings {
-        let bin = |distance_mm: &f64| Bin {
-            azimuth_deg: 0.0,
-            pitch_deg: 0.0,
-            distance_mm: *distance_mm,
-        };
-        DialRings::of(&distances.iter().map(bin).collect::<Vec<_>>())
-    }
-
-    #[test]
-    fn nearer_is_further_in_and_a_ring_s_distance_is_its_middle() {
-        let rings = rings(&[2000.0, 1000.0]);
-        assert_eq!([rings.0[0].distance_mm, rings.0[1].distance_mm], [1000.0, 2000.0]);
-        let shares = [100.0, 1000.0, 1500.0, 2000.0, 9000.0].map(|mm| rings.radius_share(&view(mm)));
-        let wanted = [0.15, 0.565, 0.71, 0.855, 1.08];
-        for (share, wanted) in shares.iter().zip(wanted) {
-            assert!((share - wanted).abs() < 1e-9, "{shares:?}");
-        }
-    }
-
-    #[test]
-    fn rings_of_one_distance_over_ground_divide_by_no_zero() {
-        let bins = [-20.0, 20.0].map(|pitch_deg| Bin {
-            azimuth_deg: 0.0,
-            pitch_deg,
-            distance_mm: 800.0,
-        });
-        let rings = DialRings::of(&bins);
-        assert_eq!(rings.0.len(), 2);
-        assert!((0.15..=1.08).contains(&rings.radius_share(&view(800.0))));
-    }
 }

@@ -16,27 +16,18 @@ pub(super) struct Meter {
     pub text: String,
 }
 
-pub(super) fn of(answer: &FrameAnswer, is_stream: bool) -> [Meter; 3] {
-    let enlargement = enlargement(answer.size_px);
-    [
-        up_to(
-            "focus",
-            answer.measures.blur_px,
-            MAX_BLUR_PX * enlargement,
-            ["sharp", "blurred"],
-        ),
-        light(answer),
-        if is_stream {
-            up_to(
-                "steadiness",
-                answer.measures.moved_px,
-                MAX_MOVED_PX * enlargement,
-                ["steady", "moving"],
-            )
-        } else {
-            unmeasured("steadiness", "single photos")
-        },
-    ]
+/// The meters of a frame; steadiness is measured in a stream alone.
+pub(super) fn meters(answer: &FrameAnswer, is_stream: bool) -> [Meter; 3] {
+    let (measures, enlargement) = (&answer.measures, enlargement(answer.size_px));
+    let steadiness = if is_stream {
+        let limit_px = MAX_MOVED_PX * enlargement;
+        up_to("steadiness", measures.moved_px, limit_px, ["steady", "moving"])
+    } else {
+        unmeasured("steadiness", "single photos")
+    };
+    let limit_px = MAX_BLUR_PX * enlargement;
+    let focus = up_to("focus", measures.blur_px, limit_px, ["sharp", "blurred"]);
+    [focus, light(answer), steadiness]
 }
 
 /// A length in px that should be small; the limit is the middle of the meter.
@@ -60,10 +51,12 @@ fn light(answer: &FrameAnswer) -> Meter {
         return unmeasured("light", "not known");
     };
     let is_clipped = answer.measures.clipped_share.is_some_and(|share| share > MAX_CLIPPED);
-    let said = match () {
-        () if white < MIN_WHITE => "too dark",
-        () if white > MAX_WHITE || is_clipped => "too bright",
-        () => "good",
+    let said = if white < MIN_WHITE {
+        "too dark"
+    } else if white > MAX_WHITE || is_clipped {
+        "too bright"
+    } else {
+        "good"
     };
     Meter {
         name: "light",

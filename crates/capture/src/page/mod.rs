@@ -4,9 +4,9 @@
 //! Two threads: the caller's runs the worker (`worker.rs`), the only place that touches the capture; the server's (`server.rs`) answers
 //! from what the worker published last. Nothing a browser sends becomes a name or a path.
 
-mod access;
-mod connections;
-mod dial;
+pub mod access;
+pub mod connections;
+pub mod dial;
 mod meters;
 mod previews;
 mod routes;
@@ -21,6 +21,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use axum::body::Bytes;
 use qrcode::QrCode;
 use qrcode::render::unicode::Dense1x2;
 use tokio::sync::watch;
@@ -89,29 +90,23 @@ impl Page {
         session: &Path,
         hurry: impl FnOnce() + Send + 'static,
     ) -> Result<Page, PageError> {
-        let unserved = |e: io::Error| PageError::Server {
-            reason: files::plain(&e),
-        };
-        let network = if lan {
-            Some(own_address().ok_or(PageError::NoNetwork)?)
-        } else {
-            None
-        };
+        let unserved = |reason: String| PageError::Server { reason };
+        let not_served = |e: io::Error| unserved(files::plain(&e));
+        let network = lan.then(|| own_address().ok_or(PageError::NoNetwork)).transpose()?;
         let from = if lan {
             Ipv4Addr::UNSPECIFIED
         } else {
             Ipv4Addr::LOCALHOST
         };
-        let listener = server::listen(from, port).map_err(|e| PageError::Port {
-            port,
-            reason: files::plain(&e),
+        let listener = server::listen(from, port).map_err(|e| {
+            let reason = files::plain(&e);
+            PageError::Port { port, reason }
         })?;
-        let port = listener.local_addr().map_err(unserved)?.port();
+        let port = listener.local_addr().map_err(not_served)?.port();
         let here = format!("http://{}:{port}/", Ipv4Addr::LOCALHOST);
         let (access, address, lan) = match network {
             None => (Access::local(), here, None),
             Some(ip) => {
-                let unserved = |reason: String| PageError::Server { reason };
                 let tokens = Access::by_token(port).map_err(|e| unserved(e.to_string()))?;
                 let (access, [for_here, for_phone]) = tokens;
                 let address = format!("http://{ip}:{port}/join/{for_phone}");
@@ -122,9 +117,13 @@ impl Page {
             }
         };
         let (own, events) = channel();
-        let (published, newest) = watch::channel(Arc::new(Published::nothing()));
+        let nothing = Published {
+            json: Bytes::from_static(b"{}"),
+            ..Published::default()
+        };
+        let (published, newest) = watch::channel(Arc::new(nothing));
         let site = PageContext::new(access, newest, own.clone(), session.to_owned());
-        let server = Server::start(listener, site.router(), own.clone(), Box::new(hurry)).map_err(unserved)?;
+        let server = Server::start(listener, site.router(), own.clone(), Box::new(hurry)).map_err(not_served)?;
         Ok(Page {
             server,
             own,
@@ -151,8 +150,8 @@ impl Page {
         ask: Option<AskPairs>,
         notify: &mut dyn FnMut(CaptureNotice) -> io::Result<()>,
     ) -> Result<bool, PageError> {
-        let worker = CaptureWorker::new(capture, scene, about, &self.published, notify);
-        let worked = worker.asking(ask).work(&self.events, self.own, source);
+        let mut worker = CaptureWorker::new(capture, scene, about, &self.published, notify, ask);
+        let worked = worker.work(&self.events, self.own, source);
         self.server.end();
         worked
     }

@@ -107,20 +107,16 @@ async fn from_here(State(site): State<PageContext>, request: Request, next: Next
         Err((status, sentence)) => stranger(status, sentence),
     };
     for (name, value) in HEADERS {
-        let headers = response.headers_mut();
-        headers
-            .entry(HeaderName::from_static(name))
-            .or_insert(HeaderValue::from_static(value));
+        let header = response.headers_mut().entry(HeaderName::from_static(name));
+        header.or_insert(HeaderValue::from_static(value));
     }
     response
 }
 
 async fn known(State(site): State<PageContext>, request: Request, next: Next) -> Response {
     let Some(browser) = site.access.browser(request.headers()) else {
-        return stranger(
-            StatusCode::UNAUTHORIZED,
-            "open the address with its code, which the terminal shows; each is good once",
-        );
+        let sentence = "open the address with its code, which the terminal shows; each is good once";
+        return stranger(StatusCode::UNAUTHORIZED, sentence);
     };
     if let Some(place) = request.extensions().get::<Arc<Connection>>() {
         place.belongs_to(&browser);
@@ -134,10 +130,11 @@ async fn join(State(site): State<PageContext>, Path(token): Path<String>, reques
         Some(cookie) => (StatusCode::SEE_OTHER, to_page, [(SET_COOKIE, cookie)]).into_response(),
         // The same browser once more: it has its cookie.
         None if site.access.browser(request.headers()).is_some() => (StatusCode::SEE_OTHER, to_page).into_response(),
-        None => stranger(
-            StatusCode::UNAUTHORIZED,
-            "this code is not known, or another browser has used it: start the capture again for a new one",
-        ),
+        None => {
+            let sentence =
+                "this code is not known, or another browser has used it: start the capture again for a new one";
+            stranger(StatusCode::UNAUTHORIZED, sentence)
+        }
     }
 }
 
@@ -194,7 +191,7 @@ async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>>
 async fn receive(site: State<PageContext>, request: Request) -> Response {
     let (parts, body) = request.into_parts();
     if let Err((status, sentence)) = upload::check_length(&parts.headers) {
-        return response(ActionReply::refused(status, sentence));
+        return response(ActionReply::new(status, sentence));
     }
     let Ok(place) = site.uploads.clone().acquire_owned().await else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
@@ -203,7 +200,7 @@ async fn receive(site: State<PageContext>, request: Request) -> Response {
     let read = upload::read(body).await;
     match upload::check_kind(&parts.headers).and(read) {
         Ok(bytes) => ask(site, |reply| WorkerEvent::Upload(bytes, place, reply)).await,
-        Err((status, sentence)) => response(ActionReply::refused(status, sentence)),
+        Err((status, sentence)) => response(ActionReply::new(status, sentence)),
     }
 }
 
@@ -233,7 +230,7 @@ fn response(response: ActionReply) -> Response {
 }
 
 fn has_ended() -> Response {
-    response(ActionReply::refused(
+    response(ActionReply::new(
         StatusCode::SERVICE_UNAVAILABLE,
         "The capture has ended",
     ))

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::dial::{DialRing, DialRings};
-use super::meters::{self, Meter};
+use super::meters::{Meter, meters};
 use crate::capture::{FrameAnswer, Guidance, Target};
 use scaleproof_pose::scene::{Bin, Viewpoint};
 use scaleproof_pose::tags::SeenTag;
@@ -136,10 +136,7 @@ pub(super) fn views<'a>(
             ring: rings.ring_of(bin),
             name: format!("{:.0}°", bin.azimuth_deg),
             // Of several views in one bin, what is left to do counts.
-            state: ["redo", "empty", "ok"]
-                .into_iter()
-                .find(|state| states.contains(state))
-                .unwrap_or("empty"),
+            state: (["redo", "empty", "ok"].into_iter().find(|state| states.contains(state))).unwrap_or("empty"),
         }
     };
     let sectors = bins.iter().enumerate().map(sector).collect();
@@ -147,40 +144,32 @@ pub(super) fn views<'a>(
 }
 
 fn name(v: &Viewpoint) -> String {
-    format!(
-        "{:.0}° round, {:.0}° up, {:.0} cm away",
-        v.azimuth_deg,
-        v.pitch_deg,
-        v.distance_mm / 10.0
-    )
+    let (round, up, away_cm) = (v.azimuth_deg, v.pitch_deg, v.distance_mm / 10.0);
+    format!("{round:.0}° round, {up:.0}° up, {away_cm:.0} cm away")
 }
 
 impl ShownFrame {
-    pub(super) fn of(
-        number: u64,
-        name: &str,
+    pub(super) fn new(
+        (number, name): (u64, &str),
         answer: &FrameAnswer,
         guidance: &Guidance,
         rings: &DialRings,
         is_stream: bool,
     ) -> ShownFrame {
-        let next = answer
-            .viewpoint
-            .and_then(|from| Some((guidance.nearest_open(&from)?, from)));
-        let off_by = next.map(|(target, from)| guidance.off_by(target, &from));
+        let off_by = |from| Some(guidance.off_by(guidance.nearest_open(&from)?, &from));
         let photo = answer.verdict.as_ref().ok().map(|(photo, _)| photo.clone());
         ShownFrame {
             number,
             name: name.to_owned(),
             size_px: answer.size_px,
-            tags: answer.tags.iter().map(TagOutline::of).collect(),
+            tags: answer.tags.iter().map(outline).collect(),
             viewpoint: answer.viewpoint,
             radius_share: answer.viewpoint.map(|from| rings.radius_share(&from)),
-            closeness: off_by.map_or(0.0, |off_by| 1.0 / off_by.max(1.0)),
+            closeness: (answer.viewpoint.and_then(off_by)).map_or(0.0, |off_by| 1.0 / off_by.max(1.0)),
             code: answer.verdict.as_ref().err().map_or("accepted", |advice| advice.code()),
             advice: said(answer, guidance),
             photo,
-            meters: meters::of(answer, is_stream),
+            meters: meters(answer, is_stream),
         }
     }
 }
@@ -202,18 +191,18 @@ fn said(answer: &FrameAnswer, guidance: &Guidance) -> String {
     let mut letters = sentence.chars();
     letters
         .next()
-        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .chain(letters)
+        .collect()
 }
 
-impl TagOutline {
-    fn of(tag: &SeenTag) -> TagOutline {
-        TagOutline {
-            id: tag.id,
-            is_whole: tag.is_whole,
-            // Our pixel (0, 0) is the centre of the top-left one.
-            corners_px: tag
-                .corners_px
-                .map(|corner| corner.map(|v| ((v + 0.5) * 10.0).round() / 10.0)),
-        }
+fn outline(tag: &SeenTag) -> TagOutline {
+    // Our pixel (0, 0) is the centre of the top-left one.
+    let from_corner = |v: f64| ((v + 0.5) * 10.0).round() / 10.0;
+    TagOutline {
+        id: tag.id,
+        is_whole: tag.is_whole,
+        corners_px: tag.corners_px.map(|corner| corner.map(from_corner)),
     }
 }

@@ -52,37 +52,24 @@ pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
 }
 
 fn text(headers: &HeaderMap, name: HeaderName) -> &str {
-    headers
-        .get(name)
-        .and_then(|value| value.to_str().ok())
-        .unwrap_or_default()
+    let value = headers.get(name).and_then(|value| value.to_str().ok());
+    value.unwrap_or_default()
 }
 
 /// The whole body, given up when it grows too large or too slowly.
 pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
     let begin = Instant::now();
-    let slow = || {
-        refusal(
-            StatusCode::REQUEST_TIMEOUT,
-            "the photo came too slowly: go nearer to the router and send it again",
-        )
-    };
-    let mut bytes = Vec::new();
-    let mut last = begin;
+    let slow = "the photo came too slowly: go nearer to the router and send it again";
+    let broken = "the photo did not arrive whole: send it again";
+    let (mut bytes, mut last) = (Vec::new(), begin);
     loop {
         let due = begin + GRACE + Duration::from_secs_f64(bytes.len() as f64 / LEAST_BYTES_PER_S);
         let next = timeout_at(due.min(last + SILENCE).min(begin + WHOLE), body.frame()).await;
         last = Instant::now();
-        let frame = match next.map_err(|_| slow())? {
-            None => return Ok(bytes),
-            Some(Err(_)) => {
-                return Err(refusal(
-                    StatusCode::BAD_REQUEST,
-                    "the photo did not arrive whole: send it again",
-                ));
-            }
-            Some(Ok(frame)) => frame,
+        let Some(frame) = next.map_err(|_| refusal(StatusCode::REQUEST_TIMEOUT, slow))? else {
+            return Ok(bytes);
         };
+        let frame = frame.map_err(|_| refusal(StatusCode::BAD_REQUEST, broken))?;
         if let Ok(data) = frame.into_data() {
             if bytes.len() + data.len() > MAX_BYTES {
                 return Err(too_large());
@@ -95,22 +82,17 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
 /// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
 pub(super) fn frame(number: u64, bytes: Vec<u8>) -> SourceFrame {
     let name = format!("upload {number}");
-    let original = match Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD) {
-        Err(e) => Original::Unreadable(e.to_string()),
-        Ok(file) => Original::Encoded(file.into_bytes()),
-    };
+    let photo = Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD).map(Photo::into_bytes);
     SourceFrame {
         name,
         taken: None,
-        original,
+        original: photo.map_or_else(|e| Original::Unreadable(e.to_string()), Original::Encoded),
     }
 }
 
 fn too_large() -> Refusal {
-    let sentence = format!(
-        "the photo has more than {} MB: let the camera make smaller photos",
-        MAX_BYTES >> 20
-    );
+    let megabytes = MAX_BYTES >> 20;
+    let sentence = format!("the photo has more than {megabytes} MB: let the camera make smaller photos");
     (StatusCode::PAYLOAD_TOO_LARGE, sentence)
 }
 

@@ -13,7 +13,9 @@ use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 use super::dial::DialRings;
 use super::state::{self, CaptureInfo, PageState, PairsSoFar, ShownFrame};
 use super::{PageError, upload};
-use crate::capture::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame};
+use crate::capture::{
+    CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError,
+};
 use scaleproof_pose::scene::{Bin, Scene};
 
 /// What comes to the worker.
@@ -44,7 +46,8 @@ pub(super) struct ActionReply {
 }
 
 impl ActionReply {
-    pub(super) fn refused(status: StatusCode, sentence: impl Into<String>) -> ActionReply {
+    /// To a button, or that a photo is not taken.
+    pub(super) fn new(status: StatusCode, sentence: impl Into<String>) -> ActionReply {
         ActionReply {
             status,
             sentence: sentence.into(),
@@ -55,6 +58,7 @@ impl ActionReply {
 }
 
 /// What browsers can see now. The newest replaces all older ones: whoever asks late misses some and waits for none.
+#[derive(Default)]
 pub(super) struct Published {
     pub revision: u64,
     pub json: Bytes,
@@ -62,19 +66,6 @@ pub(super) struct Published {
     /// Names of the photos that may be requested.
     pub photos: Vec<String>,
     pub has_ended: bool,
-}
-
-impl Published {
-    /// Before the capture begins.
-    pub(super) fn nothing() -> Published {
-        Published {
-            revision: 0,
-            json: Bytes::from_static(b"{}"),
-            frame: None,
-            photos: Vec::new(),
-            has_ended: false,
-        }
-    }
 }
 
 /// The newest frame.
@@ -127,6 +118,7 @@ impl<'a> CaptureWorker<'a> {
         about: &'a CaptureInfo,
         published: &'a watch::Sender<Arc<Published>>,
         notify: &'a mut dyn FnMut(CaptureNotice) -> io::Result<()>,
+        ask: Option<AskPairs<'a>>,
     ) -> CaptureWorker<'a> {
         let bins = state::bins(capture.guidance());
         CaptureWorker {
@@ -135,7 +127,7 @@ impl<'a> CaptureWorker<'a> {
             about,
             published,
             notify,
-            rings: DialRings::of(&bins),
+            rings: DialRings::of_bins(&bins),
             bins,
             redo: BTreeSet::new(),
             shown: None,
@@ -144,14 +136,9 @@ impl<'a> CaptureWorker<'a> {
             uploads: 0,
             source_ended: false,
             settings: None,
-            ask: None,
+            ask,
             pairs: None,
         }
-    }
-
-    /// With a question to the pairs, if any.
-    pub(super) fn asking(self, ask: Option<AskPairs<'a>>) -> CaptureWorker<'a> {
-        CaptureWorker { ask, ..self }
     }
 
     /// Works until somebody finishes, or what keeps the capture from going on. Whether the pairs have decided.
@@ -164,13 +151,9 @@ impl<'a> CaptureWorker<'a> {
         let worked = self.work_through(events, own, source);
         let last_words = match &worked {
             Ok(()) => {
-                let targets = self.capture.guidance().targets();
-                let filled = targets.len() - self.capture.guidance().open().count();
+                let (filled, all) = (self.filled().len(), self.capture.guidance().targets().len());
                 let decided = if self.is_decided() { "Decided: " } else { "" };
-                format!(
-                    "{decided}{filled} of {} views are there. This page can be closed.",
-                    targets.len()
-                )
+                format!("{decided}{filled} of {all} views are there. This page can be closed.")
             }
             Err(e) => format!("The capture has ended: {e}"),
         };
@@ -203,28 +186,21 @@ impl<'a> CaptureWorker<'a> {
                     let answer = self.upload(bytes)?;
                     self.answer(reply, answer);
                 }
-                WorkerEvent::Shoot(reply) if self.is_decided() => self.answer(reply, not_needed()),
                 WorkerEvent::Shoot(reply) => {
-                    let newest = self.newest.as_ref().map(|newest| newest.frame.clone());
-                    let answer = match newest {
-                        Some(frame) => self.judge(frame, true)?,
-                        None => ActionReply::refused(StatusCode::CONFLICT, "There is no photo yet"),
+                    let answer = match self.newest.clone() {
+                        _ if self.is_decided() => not_needed(),
+                        Some(newest) => self.judge(newest.frame.clone(), true)?,
+                        None => ActionReply::new(StatusCode::CONFLICT, "There is no photo yet"),
                     };
                     self.answer(reply, answer);
                 }
                 WorkerEvent::Undo(reply) => {
-                    let before = self.filled();
-                    let photos = self.capture.undo()?.into_iter().collect();
-                    let answer = self.taken_back(photos, &before)?;
+                    let answer = self.taken_back(|capture| Ok(capture.undo()?.into_iter().collect()))?;
                     self.answer(reply, answer);
                 }
                 WorkerEvent::Redo(sector, reply) => {
-                    let before = self.filled();
-                    let photos = match self.bins.get(sector) {
-                        Some(bin) => self.capture.redo(self.scene, |other| other == bin)?,
-                        None => Vec::new(),
-                    };
-                    let answer = self.taken_back(photos, &before)?;
+                    let (scene, bin) = (self.scene, self.bins.get(sector).copied());
+                    let answer = self.taken_back(|capture| capture.redo(scene, |other| Some(*other) == bin))?;
                     self.answer(reply, answer);
                 }
             }
@@ -245,7 +221,7 @@ impl<'a> CaptureWorker<'a> {
         // A running camera's calibration does not fit a phone's photos.
         if self.about.is_stream {
             let sentence = "The running camera takes the photos";
-            return Ok(ActionReply::refused(StatusCode::CONFLICT, sentence));
+            return Ok(ActionReply::new(StatusCode::CONFLICT, sentence));
         }
         if self.is_decided() {
             return Ok(not_needed());
@@ -279,14 +255,8 @@ impl<'a> CaptureWorker<'a> {
         };
         let guidance = self.capture.guidance();
         self.frames += 1;
-        let shown = ShownFrame::of(
-            self.frames,
-            &frame.name,
-            &answer,
-            guidance,
-            &self.rings,
-            self.about.is_stream,
-        );
+        let (number, is_stream) = (self.frames, self.about.is_stream);
+        let shown = ShownFrame::new((number, &frame.name), &answer, guidance, &self.rings, is_stream);
         let news = CaptureNotice::Seen {
             frame: &frame.name,
             answer: &answer,
@@ -307,23 +277,25 @@ impl<'a> CaptureWorker<'a> {
             photo: shown.photo.clone(),
         };
         self.shown = Some(shown);
-        self.newest = Some(Arc::new(NewestFrame {
-            number: self.frames,
-            frame,
-        }));
+        self.newest = Some(Arc::new(NewestFrame { number, frame }));
         Ok(response)
     }
 
     /// Targets that have a photo.
     fn filled(&self) -> BTreeSet<usize> {
-        let targets = self.capture.guidance().targets().iter().enumerate();
-        targets
-            .filter(|(_, target)| target.photo.is_some())
-            .map(|(index, _)| index)
+        let targets = self.capture.guidance().targets();
+        (0..targets.len())
+            .filter(|index| targets[*index].photo.is_some())
             .collect()
     }
 
-    fn taken_back(&mut self, photos: Vec<String>, before: &BTreeSet<usize>) -> Result<ActionReply, PageError> {
+    /// Takes photos back; `take_back` returns their names.
+    fn taken_back(
+        &mut self,
+        take_back: impl FnOnce(&mut Capture) -> Result<Vec<String>, StoreError>,
+    ) -> Result<ActionReply, PageError> {
+        let before = self.filled();
+        let photos = take_back(self.capture)?;
         for photo in &photos {
             (self.notify)(CaptureNotice::TakenBack { photo }).map_err(PageError::Output)?;
         }
@@ -339,12 +311,7 @@ impl<'a> CaptureWorker<'a> {
             shown.advice.clone_from(&sentence);
             shown.photo = None;
         }
-        Ok(ActionReply {
-            status: StatusCode::OK,
-            sentence,
-            code: None,
-            photo: None,
-        })
+        Ok(ActionReply::new(StatusCode::OK, sentence))
     }
 
     /// Looks at the pairs that are there now.
@@ -402,10 +369,8 @@ impl<'a> CaptureWorker<'a> {
 
 /// What a photo is answered when the pairs have decided.
 fn not_needed() -> ActionReply {
-    ActionReply::refused(
-        StatusCode::CONFLICT,
-        "It is decided, and no photo is needed: press Finish",
-    )
+    let sentence = "It is decided, and no photo is needed: press Finish";
+    ActionReply::new(StatusCode::CONFLICT, sentence)
 }
 
 /// Gives frames of the source one by one, each when it is requested; the first at once. A source that waits for ever is left behind in its

@@ -145,20 +145,12 @@ pub fn draw(rows: &[CaptureRow]) -> String {
 
 /// The rows as lines of text: milliseconds a frame, median and 95 %, and the share that was located.
 pub fn table(rows: &[CaptureRow]) -> String {
-    let mut text = format!(
-        "{:<16} {:<15} {:>9} {:>9} {:>8}\n",
-        "tags", "frames", "median ms", "95 % ms", "located"
-    );
+    let mut text = "tags             frames          median ms   95 % ms  located\n".to_owned();
     for row in rows {
         let kind = if row.is_stream { "running camera" } else { "photos" };
         let mark = if row.is_default { " ← running camera" } else { "" };
-        text += &format!(
-            "{:<16} {kind:<15} {:>9.1} {:>9.1} {:>7.0}%{mark}\n",
-            row.tag_detector,
-            row.median_ms,
-            row.p95_ms,
-            100.0 * row.located
-        );
+        let (tags, median, p95, located) = (row.tag_detector, row.median_ms, row.p95_ms, 100.0 * row.located);
+        text += &format!("{tags:<16} {kind:<15} {median:>9.1} {p95:>9.1} {located:>7.0}%{mark}\n");
     }
     text
 }

@@ -122,22 +122,13 @@ pub fn draw(rows: &[EnvelopeRow]) -> String {
 
 /// The rows as lines of text: each envelope's IoU with the exact box, and milliseconds a photo.
 pub fn table(rows: &[EnvelopeRow]) -> String {
-    let mut text = format!(
-        "{:<9} {:>7} {:>9} {:>11} {:>9} {:>11}\n",
-        "envelope", "photos", "answered", "IoU median", "IoU min", "ms a photo"
-    );
+    let mut text = "envelope   photos  answered  IoU median   IoU min  ms a photo\n".to_owned();
     for row in rows {
         let digits = |iou: Option<f64>| iou.map_or("–".to_owned(), |iou| format!("{iou:.4}"));
-        text += &format!(
-            "{:<9} {:>7} {:>8.0}% {:>11} {:>9} {:>11.3}{}\n",
-            row.envelope,
-            row.photos,
-            100.0 * row.answered,
-            digits(row.iou_median),
-            digits(row.iou_min),
-            row.ms,
-            if row.is_default { " ← the scene's" } else { "" }
-        );
+        let (envelope, photos, answered, ms) = (row.envelope, row.photos, 100.0 * row.answered, row.ms);
+        let (median, min) = (digits(row.iou_median), digits(row.iou_min));
+        let mark = if row.is_default { " ← the scene's" } else { "" };
+        text += &format!("{envelope:<9} {photos:>7} {answered:>8.0}% {median:>11} {min:>9} {ms:>11.3}{mark}\n");
     }
     text
 }

@@ -249,19 +249,8 @@ pub fn table(rows: &[LocateRow]) -> String {
         let by_model = (b.camera_model as u8).cmp(&(a.camera_model as u8));
         by_model.then(a.ms().total_cmp(&b.ms()))
     });
-    let mut text = format!(
-        "{:<18} {:<16} {:<9} {:>9} {:>9} {:>9} {:>7} {:>18} {:>18} {:>16}\n",
-        "tags",
-        "solver",
-        "camera",
-        "find ms",
-        "solve ms",
-        "answered",
-        "wrong",
-        "azimuth med / max",
-        "pitch med / max",
-        "distance mm"
-    );
+    let mut text =
+        "tags               solver           camera      find ms  solve ms  answered   wrong  azimuth med / max    pitch med / max      distance mm\n".to_owned();
     for row in sorted {
         let pair = |a: Option<f64>, b: Option<f64>, digits: usize| match (a, b) {
             (Some(a), Some(b)) => format!("{a:.digits$} / {b:.digits$}"),
@@ -277,17 +266,13 @@ pub fn table(rows: &[LocateRow]) -> String {
             (_, true) => " *",
             _ => "",
         };
+        let azimuth = pair(row.azimuth_error_median_deg, row.azimuth_error_max_deg, 4);
+        let pitch = pair(row.pitch_error_median_deg, row.pitch_error_max_deg, 4);
+        let distance = pair(row.distance_error_median_mm, row.distance_error_max_mm, 2);
+        let (answered, wrong) = (100.0 * row.answered, 100.0 * row.silently_wrong);
+        let (tags, solver, find_ms, solve_ms) = (row.tag_detector, row.solver, row.find_ms, row.solve_ms);
         text += &format!(
-            "{:<18} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>6.1}% {:>18} {:>18} {:>16}{mark}\n",
-            row.tag_detector,
-            row.solver,
-            row.find_ms,
-            row.solve_ms,
-            100.0 * row.answered,
-            100.0 * row.silently_wrong,
-            pair(row.azimuth_error_median_deg, row.azimuth_error_max_deg, 4),
-            pair(row.pitch_error_median_deg, row.pitch_error_max_deg, 4),
-            pair(row.distance_error_median_mm, row.distance_error_max_mm, 2),
+            "{tags:<18} {solver:<16} {camera:<9} {find_ms:>9.2} {solve_ms:>9.3} {answered:>8.0}% {wrong:>6.1}% {azimuth:>18} {pitch:>18} {distance:>16}{mark}\n"
         );
     }
     text

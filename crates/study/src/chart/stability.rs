@@ -413,10 +413,9 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 
 /// A line a sweep and method: up to which amount nearly all is answered, and how often it was silently wrong at worst.
 pub fn summary(steps: &[SweepStep]) -> String {
-    let mut text = format!(
-        "{:<22} {:<16} {:>7} {:>22} {:>26}\n",
-        "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"
-    );
+    let mut text =
+        "condition              method             views    90 % answered up to   silently wrong, at worst\n"
+            .to_owned();
     for (sweep, method) in distinct(steps.iter().map(|step| (step.sweep, step.method))) {
         let of = || steps.iter().filter(|s| (s.sweep, s.method) == (sweep, method));
         let views: usize = of().map(|s| s.views).sum();

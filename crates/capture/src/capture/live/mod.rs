@@ -90,47 +90,24 @@ impl LiveCamera {
         let shared = Arc::new(SharedState::default());
         let reading = ReaderThread(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
-        let camera = LiveCamera { number, shared };
-        let opened = camera.opened(limit);
+        let seconds = limit.as_secs();
+        let opened = shared.wait(limit, LiveCameraError::SlowToOpen { seconds }, |state| {
+            state.is_open.then_some(())
+        });
         opened.map_err(|reason| SourceError::NoCamera { number, reason })?;
-        Ok(camera)
-    }
-
-    /// Waits until the camera is open.
-    fn opened(&self, limit: Duration) -> Result<(), LiveCameraError> {
-        let (mut state, until) = (self.shared.locked(), Instant::now() + limit);
-        while !state.is_open {
-            if let Some(reason) = state.ended.take() {
-                return Err(reason);
-            }
-            let seconds = limit.as_secs();
-            let changed = self.shared.changed_before(state, until);
-            state = changed.ok_or(LiveCameraError::SlowToOpen { seconds })?;
-        }
-        Ok(())
-    }
-
-    /// The image that came last, if it was not given before; waits for one.
-    fn newest(&self) -> Result<(u64, RawImage), LiveCameraError> {
-        let (mut state, until) = (self.shared.locked(), Instant::now() + PATIENCE);
-        loop {
-            if let Some(newest) = state.newest.take() {
-                return Ok(newest);
-            }
-            if let Some(reason) = &state.ended {
-                return Err(reason.clone());
-            }
-            let changed = self.shared.changed_before(state, until);
-            let seconds = PATIENCE.as_secs();
-            state = changed.ok_or(LiveCameraError::NoImage { seconds })?;
-        }
+        Ok(LiveCamera { number, shared })
     }
 }
 
 impl FrameSource for LiveCamera {
     fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
-        let number = self.number;
-        let newest = self.newest();
+        let (number, seconds) = (self.number, PATIENCE.as_secs());
+        // The image that came last, if it was not given before.
+        let newest = self
+            .shared
+            .wait(PATIENCE, LiveCameraError::NoImage { seconds }, |state| {
+                state.newest.take()
+            });
         let (count, image) = newest.map_err(|reason| SourceError::CameraGone { number, reason })?;
         let original = image.original();
         Ok(Some(SourceFrame {
@@ -161,15 +138,21 @@ impl SharedState {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The state once it has changed; `None` when the time is over.
-    fn changed_before<'a>(
-        &'a self,
-        state: MutexGuard<'a, ReaderState>,
-        until: Instant,
-    ) -> Option<MutexGuard<'a, ReaderState>> {
-        let left = until.saturating_duration_since(Instant::now());
-        let waited = (!left.is_zero()).then(|| self.changed.wait_timeout(state, left));
-        Some(waited?.unwrap_or_else(PoisonError::into_inner).0)
+    /// What is taken from the state as soon as it is there, why it will never be, or that it came `too_late`.
+    fn wait<T>(
+        &self,
+        limit: Duration,
+        too_late: LiveCameraError,
+        mut take: impl FnMut(&mut ReaderState) -> Option<T>,
+    ) -> Result<T, LiveCameraError> {
+        let mut found = None;
+        let is_missing = |state: &mut ReaderState| {
+            found = take(state);
+            found.is_none() && state.ended.is_none()
+        };
+        let waited = self.changed.wait_timeout_while(self.locked(), limit, is_missing);
+        let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        found.ok_or_else(|| state.ended.clone().unwrap_or(too_late))
     }
 
     fn change(&self, change: impl FnOnce(&mut ReaderState)) {

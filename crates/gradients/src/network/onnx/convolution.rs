@@ -98,23 +98,26 @@ impl Window {
         (fits && weights.biases.as_ref().is_none_or(|b| b.len() == outputs))
             .then(|| layers::convolution(windows, weights))
     }
+}
 
-    /// Means of windows; of what lies on the image alone where the border does not count.
-    fn average(&self, counts_border: bool, arguments: &[Argument], to: &[usize]) -> Option<Box<dyn Layer>> {
-        let windows = self.windows(arguments.first()?.image_shape()?, to)?;
-        let weights = [0, 1].map(|axis| {
-            let (old, new) = (windows.image[axis], windows.count[axis]);
-            let mut weights = vec![0.0; new * old];
-            for (at, row) in weights.chunks_exact_mut(old).enumerate() {
-                let places = (0..self.kernel[axis]).filter_map(|tap| windows.place(axis, at, tap));
-                let places: Vec<usize> = places.collect();
-                let count = if counts_border { self.kernel[axis] } else { places.len() };
-                places.iter().for_each(|place| row[*place] = 1.0 / count as f32);
-            }
-            weights
-        });
-        Some(Box::new(Separate::new(windows.channels, windows.image, weights)))
-    }
+/// Means of windows; of what lies on the image alone where the border does not count.
+fn average(windows: &Windows, counts_border: bool) -> Separate {
+    let weights = [0, 1].map(|axis| {
+        let (old, new) = (windows.image[axis], windows.count[axis]);
+        let mut weights = vec![0.0; new * old];
+        for (at, row) in weights.chunks_exact_mut(old).enumerate() {
+            let places = (0..windows.kernel[axis]).filter_map(|tap| windows.place(axis, at, tap));
+            let places: Vec<usize> = places.collect();
+            let count = if counts_border {
+                windows.kernel[axis]
+            } else {
+                places.len()
+            };
+            places.iter().for_each(|place| row[*place] = 1.0 / count as f32);
+        }
+        weights
+    });
+    Separate::new(windows.channels, windows.image, weights)
 }
 
 /// Each channel's mean.
@@ -168,21 +171,42 @@ fn transposed_convolution(options: ConvTransposeOptions<2>) -> Operator {
     })
 }
 
-/// One number for each place of a window.
-fn pool(
-    window: Window,
-    pooled: impl Fn(Tensor<4>, &Window, [(usize, usize); 2]) -> Tensor<4> + Send + Sync + 'static,
-    layer: impl Fn(&Window, &[Argument], &[usize]) -> Option<Box<dyn Layer>> + Send + Sync + 'static,
-) -> Operator {
+/// One number for each place of a window: the largest, or the mean, where `counts_border` says whether what lies beside the image counts.
+fn pool(window: Window, ceil_mode: bool, counts_border: Option<bool>) -> Operator {
     let window = Arc::new(window);
     let same = window.clone();
     let operator = Operator::new(move |mut inputs| {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let [_, channels, rows, columns] = x.dims();
         let padding = window.padding([channels, rows, columns])?;
-        Floats::from_rank(pooled(x, &window, padding))
+        Floats::from_rank(match counts_border {
+            None => {
+                let options = MaxPoolOptions::new(window.kernel)
+                    .with_stride(window.stride)
+                    .with_padding_pairs(padding)
+                    .with_dilation(window.dilation)
+                    .with_ceil_mode(ceil_mode);
+                module::max_pool2d(x, options)
+            }
+            Some(counts_border) => {
+                let options = AvgPoolOptions::new(window.kernel)
+                    .with_stride(window.stride)
+                    .with_padding_pairs(padding)
+                    .with_count_include_pad(counts_border)
+                    .with_ceil_mode(ceil_mode);
+                module::avg_pool2d(x, options)
+            }
+        })
     });
-    operator.with_layer(move |arguments, shape| layer(&same, arguments, shape))
+    operator.with_layer(move |arguments, shape| {
+        let windows = same.windows(arguments.first()?.image_shape()?, shape)?;
+        match counts_border {
+            None => Some(Box::new(MaxPool(windows))),
+            // Whether a window that hangs over the border counts there is read in several ways.
+            Some(_) if ceil_mode => None,
+            Some(counts_border) => Some(Box::new(average(&windows, counts_border))),
+        }
+    })
 }
 
 /// One number a channel.
@@ -221,37 +245,12 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
         Node::MaxPool2d(n) if n.outputs.len() == 1 => {
             let c = &n.config;
             let window = Window::new([c.kernel_size, c.strides, c.dilation], &c.padding, &c.auto_pad);
-            let ceil_mode = c.ceil_mode;
-            let pooled = move |x: Tensor<4>, window: &Window, padding| {
-                let options = MaxPoolOptions::new(window.kernel)
-                    .with_stride(window.stride)
-                    .with_padding_pairs(padding)
-                    .with_dilation(window.dilation)
-                    .with_ceil_mode(ceil_mode);
-                module::max_pool2d(x, options)
-            };
-            pool(window, pooled, |window, arguments, shape| {
-                let image = arguments.first()?.image_shape()?;
-                Some(Box::new(MaxPool(window.windows(image, shape)?)))
-            })
+            pool(window, c.ceil_mode, None)
         }
         Node::AveragePool2d(n) if n.config.dilation == [1, 1] => {
             let c = &n.config;
             let window = Window::new([c.kernel_size, c.strides, c.dilation], &c.padding, &c.auto_pad);
-            let (ceil_mode, counts_padding) = (c.ceil_mode, c.count_include_pad);
-            let pooled = move |x: Tensor<4>, window: &Window, padding| {
-                let options = AvgPoolOptions::new(window.kernel)
-                    .with_stride(window.stride)
-                    .with_padding_pairs(padding)
-                    .with_count_include_pad(counts_padding)
-                    .with_ceil_mode(ceil_mode);
-                module::avg_pool2d(x, options)
-            };
-            // Whether a window that hangs over the border counts there is read in several ways.
-            pool(window, pooled, move |window, arguments, shape| {
-                let average = (!ceil_mode).then(|| window.average(counts_padding, arguments, shape));
-                average.flatten()
-            })
+            pool(window, c.ceil_mode, Some(c.count_include_pad))
         }
         Node::GlobalAveragePool(_) => {
             global(|x| x.mean_dim(2).mean_dim(3)).with_layer(|arguments, _| mean_layer(arguments))
