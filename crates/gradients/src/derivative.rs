@@ -59,10 +59,8 @@ pub(super) fn fault(
     let mut all = vec![along];
     for seed in 0..ANYWHERE {
         let mut rng = Pcg32::seed_from_u64(seed);
-        let signs: Vec<Rgb> = image
-            .iter()
-            .map(|_| std::array::from_fn(|_| if rng.random::<bool>() { 1.0 } else { -1.0 }))
-            .collect();
+        let mut sign = || if rng.random::<bool>() { 1.0 } else { -1.0 };
+        let signs: Vec<Rgb> = image.iter().map(|_| [sign(), sign(), sign()]).collect();
         let direction = masked(image, |i, c| signs[i][c]);
         all.push(Along::measure(image, direction, &first.gradient, &mut loss)?);
     }
@@ -77,10 +75,8 @@ fn masked(image: &[Rgb], value: impl Fn(usize, usize) -> f64) -> Vec<Rgb> {
 }
 
 fn dot(a: &[Rgb], b: &[Rgb]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (0..3).map(|c| a[c] * b[c]).sum::<f64>())
-        .sum()
+    let of_pixel = |(a, b): (&Rgb, &Rgb)| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
+    a.iter().zip(b).map(of_pixel).sum()
 }
 
 /// The derivative along one direction.
@@ -101,28 +97,26 @@ impl Along {
         let largest = direction.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
         let mut found = Vec::new();
         for step in STEPS.map(|step| step / largest.max(f64::MIN_POSITIVE)) {
-            let moved = |by: f64| -> Vec<Rgb> {
+            let mut moved = |by: f64| {
                 let pixels = image.iter().zip(&direction);
-                pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
+                let pixels: Vec<Rgb> = pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect();
+                loss(&pixels)
             };
-            let difference = loss(&moved(step))? - loss(&moved(-step))?;
+            let difference = moved(step)? - moved(-step)?;
             found.push([difference, ROUNDING].map(|v| v / (2.0 * step)));
             if difference.abs() > ENOUGH {
                 break;
             }
         }
-        Ok(Along {
-            said: dot(gradient, &direction),
-            found,
-        })
+        let said = dot(gradient, &direction);
+        Ok(Along { said, found })
     }
 
     /// Whether the gradient, divided by a factor, is the derivative.
     fn agrees(&self, factor: f64, length: f64) -> bool {
         let tolerance = TOLERANCE * (length / factor).abs();
-        self.found
-            .iter()
-            .any(|[found, rounding]| (self.said / factor - found).abs() <= tolerance + rounding)
+        let is_near = |[found, rounding]: &[f64; 2]| (self.said / factor - found).abs() <= tolerance + rounding;
+        self.found.iter().any(is_near)
     }
 
     /// Whether it is not even about half to twice the derivative.
@@ -150,11 +144,8 @@ impl Along {
     }
 
     fn measured(&self) -> String {
-        format!(
-            "along it the loss changes by {:.4e} a unit, and it says {:.4e}",
-            self.best(),
-            self.said
-        )
+        let (found, said) = (self.best(), self.said);
+        format!("along it the loss changes by {found:.4e} a unit, and it says {said:.4e}")
     }
 
     /// The difference that rounding spoils least.

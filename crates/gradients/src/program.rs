@@ -30,12 +30,12 @@ impl ProgramWhiteBox {
         labels: Vec<usize>,
         differentiates: bool,
     ) -> Result<ProgramWhiteBox, WhiteBoxError> {
-        let name = || manifest.name.clone();
+        let name = manifest.name.clone();
         if differentiates && program.gradients() == Gradients::Nothing {
-            return Err(WhiteBoxError::NoGradients { name: name() });
+            return Err(WhiteBoxError::NoGradients { name });
         }
         if !program.takes_pixels() {
-            return Err(WhiteBoxError::NoPixels { name: name() });
+            return Err(WhiteBoxError::NoPixels { name });
         }
         Ok(ProgramWhiteBox {
             program,
@@ -75,11 +75,11 @@ impl WhiteBox for ProgramWhiteBox {
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
         let [width, height] = size_px;
         let values = image.iter().map(|pixel| pixel.map(|v| (255.0 * v).round() as u8));
-        let pixels = RgbImage::from_raw(width, height, values.flatten().collect());
-        let pixels = pixels.ok_or(WhiteBoxError::Pixels {
-            found: image.len(),
-            size_px,
-        })?;
+        let (pixels, found) = (
+            RgbImage::from_raw(width, height, values.flatten().collect()),
+            image.len(),
+        );
+        let pixels = pixels.ok_or(WhiteBoxError::Pixels { found, size_px })?;
         let found = self.program.detect(&ProgramPhoto {
             path: "an image".as_ref(),
             file: "an image",
@@ -87,13 +87,13 @@ impl WhiteBox for ProgramWhiteBox {
             pixels: Some(&pixels),
         })?;
         let counted = found.into_iter().filter(|d| self.labels.contains(&d.label));
-        let prediction = |confidence: f64, box_px| Prediction {
+        let predictions = counted.map(|d| Prediction {
             is_reported: true,
-            box_px,
-            confidence,
-            loss: -(-confidence.min(1.0 - f64::EPSILON)).ln_1p(),
-        };
-        Ok(counted.map(|d| prediction(d.score, d.box_px)).collect())
+            box_px: d.box_px,
+            confidence: d.score,
+            loss: -(-d.score.min(1.0 - f64::EPSILON)).ln_1p(),
+        });
+        Ok(predictions.collect())
     }
 
     /// The first image with a loss is where its gradient is checked.
@@ -109,10 +109,8 @@ impl WhiteBox for ProgramWhiteBox {
             return Err(WhiteBoxError::StrongestAlone { name });
         }
         let found = self.asked(image, size_px, outline)?;
-        if let Some(first) = found
-            .as_ref()
-            .filter(|first| first.loss >= LEAST_LOSS && !self.is_checked.get())
-        {
+        let is_first = |found: &&ImageLoss| found.loss >= LEAST_LOSS && !self.is_checked.get();
+        if let Some(first) = found.as_ref().filter(is_first) {
             let look = |image: &[[f64; 3]]| self.asked(image, size_px, outline);
             let is_partial = self.program.gradients() == Gradients::Partial;
             if let Some(fault) = fault(image, first, is_partial, look)? {

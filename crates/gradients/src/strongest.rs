@@ -13,20 +13,12 @@ pub const MEETS_IOU: f64 = 0.3;
 /// the most confident, so that it is found and refused instead of passed over.
 pub fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: f64) -> Option<usize> {
     let meets = |p: &Prediction| !p.confidence.is_finite() || (p.is_reported && p.box_px.iou(outline) >= least_iou);
-    let candidates = predictions
-        .iter()
-        .enumerate()
-        .filter(|(_, prediction)| meets(prediction));
-    let order = |prediction: &Prediction| {
-        if prediction.confidence.is_nan() {
-            f64::INFINITY
-        } else {
-            prediction.confidence
-        }
+    let candidates = (0..predictions.len()).filter(|i| meets(&predictions[*i]));
+    let order = |i: &usize| {
+        let confidence = predictions[*i].confidence;
+        if confidence.is_nan() { f64::INFINITY } else { confidence }
     };
-    candidates
-        .max_by(|(_, a), (_, b)| order(a).total_cmp(&order(b)))
-        .map(|(i, _)| i)
+    candidates.max_by(|a, b| order(a).total_cmp(&order(b)))
 }
 
 /// Which of the boxes that meet the model an attack works against.
@@ -69,19 +61,20 @@ impl ImageLoss {
                 loss
             }
             _ if !loss.is_finite() => loss,
-            Boxes::All | Boxes::Overlap => of_all(predictions, loss, outline, boxes, &mut weights),
+            Boxes::All | Boxes::Overlap => loss_of_all(predictions, loss, outline, boxes, &mut weights),
         };
+        let gradient = pass.vjp(&weights);
         Some(ImageLoss {
             loss,
             confidence,
-            gradient: pass.vjp(&weights),
+            gradient,
         })
     }
 }
 
 /// `ln(1 + Σ w · odds(C))` over the boxes that meet the model, which is `−ln(1 − C)` where there is one, and its derivative with respect to the loss of
 /// each. `highest`: the loss of the strongest.
-fn of_all(predictions: &[Prediction], highest: f64, outline: &BoxPx, boxes: Boxes, weights: &mut [f64]) -> f64 {
+fn loss_of_all(predictions: &[Prediction], highest: f64, outline: &BoxPx, boxes: Boxes, weights: &mut [f64]) -> f64 {
     // Relative to the strongest, so that nothing overflows: 1 + odds is e^loss.
     let mut sum = (-highest).exp();
     for (prediction, weight) in predictions.iter().zip(weights.iter_mut()) {

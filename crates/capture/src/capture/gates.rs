@@ -323,11 +323,8 @@ fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
 
 /// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the image.
 fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera) -> Option<f64> {
-    let corners = scene
-        .model
-        .box_corners_mm()
-        .map(|corner| camera.project(&(pose * corner)));
-    let corners: Vec<[f64; 2]> = corners.into_iter().flatten().collect();
+    let corners = scene.model.box_corners_mm().into_iter();
+    let corners: Vec<[f64; 2]> = corners.filter_map(|corner| camera.project(&(pose * corner))).collect();
     let range = |axis: usize, size: u32| {
         let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
         let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);

@@ -100,10 +100,8 @@ impl Capture {
     /// Photos of this variant at this place.
     fn own(&self) -> impl DoubleEndedIterator<Item = &Sidecar> {
         let is_own = |photo: &PhotoEntry| photo.variant == self.variant && photo.place.as_ref() == Some(&self.place);
-        self.store
-            .accepted()
-            .iter()
-            .filter(move |sidecar| is_own(&sidecar.photo))
+        let accepted = self.store.accepted().iter();
+        accepted.filter(move |sidecar| is_own(&sidecar.photo))
     }
 
     fn fill_from_store(&mut self) {
@@ -285,9 +283,8 @@ impl Capture {
     /// # Errors
     /// Files that cannot be moved.
     pub fn redo(&mut self, scene: &Scene, is_meant: impl Fn(&Bin) -> bool) -> Result<Vec<String>, StoreError> {
-        let meant = self
-            .own()
-            .filter(|sidecar| is_meant(&scene.bins.bin_of(&sidecar.viewpoint)));
+        let is_meant = |sidecar: &&Sidecar| is_meant(&scene.bins.bin_of(&sidecar.viewpoint));
+        let meant = self.own().filter(is_meant);
         let photos: Vec<String> = meant.map(|sidecar| sidecar.photo.file.clone()).collect();
         photos.iter().try_for_each(|photo| self.take_back(photo))?;
         Ok(photos)

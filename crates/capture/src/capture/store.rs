@@ -229,9 +229,8 @@ pub(super) fn is_ours<'a>(name: &str, variants: impl IntoIterator<Item = &'a str
 
 /// The number at the end of a name that this store gave.
 pub(super) fn number(name: &str) -> Option<u64> {
-    let stem = [SIDECAR, ".jpg", ".png"]
-        .iter()
-        .find_map(|ending| name.strip_suffix(ending))?;
+    let endings = [SIDECAR, ".jpg", ".png"];
+    let stem = endings.iter().find_map(|ending| name.strip_suffix(ending))?;
     let (_, digits) = stem.rsplit_once('_')?;
     (digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
 }

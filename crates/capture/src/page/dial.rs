@@ -30,11 +30,8 @@ impl DialRings {
                 kinds.push(kind);
             }
         }
-        kinds.sort_by(|a, b| {
-            over_ground_mm(a)
-                .total_cmp(&over_ground_mm(b))
-                .then(a[0].total_cmp(&b[0]))
-        });
+        kinds.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        kinds.sort_by(|a, b| over_ground_mm(a).total_cmp(&over_ground_mm(b)));
         let width = (1.0 - INNER) / kinds.len().max(1) as f64;
         let ring = |(i, [pitch_deg, distance_mm]): (usize, [f64; 2])| DialRing {
             pitch_deg,

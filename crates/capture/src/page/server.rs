@@ -8,11 +8,8 @@ use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use axum::Router;
-use hyper::Request;
-use hyper::body::Incoming;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
-use hyper::service::Service;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpSocket, TcpStream};
@@ -147,10 +144,8 @@ async fn connection(stream: TcpStream, router: Router, place: Arc<Connection>, m
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(HEAD);
     builder.max_buf_size(MAX_BUFFERED);
-    let guest = TaggedRouter {
-        router: TowerToHyperService::new(router),
-        place: place.clone(),
-    };
+    // Every request carries the connection on which it came.
+    let guest = TowerToHyperService::new(router.layer(Extension(place.clone())));
     let mut serving = pin!(builder.serve_connection(TokioIo::new(Box::pin(stream)), guest));
     // What goes wrong on a connection is its peer's concern alone.
     tokio::select! {
@@ -159,21 +154,4 @@ async fn connection(stream: TcpStream, router: Router, place: Arc<Connection>, m
         _ = ended.wait_for(|ended| *ended) => serving.as_mut().graceful_shutdown(),
     }
     let _ = serving.await;
-}
-
-/// The router; every request carries the connection on which it came.
-struct TaggedRouter {
-    router: TowerToHyperService<Router>,
-    place: Arc<Connection>,
-}
-
-impl Service<Request<Incoming>> for TaggedRouter {
-    type Response = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Response;
-    type Error = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Error;
-    type Future = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Future;
-
-    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
-        request.extensions_mut().insert(self.place.clone());
-        self.router.call(request)
-    }
 }

@@ -189,12 +189,8 @@ fn said(answer: &FrameAnswer, guidance: &Guidance) -> String {
         }
     };
     let mut letters = sentence.chars();
-    letters
-        .next()
-        .into_iter()
-        .flat_map(char::to_uppercase)
-        .chain(letters)
-        .collect()
+    let first = letters.next().map(char::to_uppercase);
+    first.into_iter().flatten().chain(letters).collect()
 }
 
 fn outline(tag: &SeenTag) -> TagOutline {

@@ -284,9 +284,8 @@ impl<'a> CaptureWorker<'a> {
     /// Targets that have a photo.
     fn filled(&self) -> BTreeSet<usize> {
         let targets = self.capture.guidance().targets();
-        (0..targets.len())
-            .filter(|index| targets[*index].photo.is_some())
-            .collect()
+        let filled = (0..targets.len()).filter(|index| targets[*index].photo.is_some());
+        filled.collect()
     }
 
     /// Takes photos back; `take_back` returns their names.

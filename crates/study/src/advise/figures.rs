@@ -70,16 +70,13 @@ pub fn advise_figures(scores: &Scores, by_box: Option<&Scores>, base: &str) -> R
     let by_box = by_box.map(|scores| rows_of((scores, scores.criteria.ap), Some(usual_way), base, "box"));
     let by_box = by_box.transpose()?;
     let of_box = by_box.as_ref().map(|own| (moves(own), same(own)));
+    let rows = usual.into_iter().chain(others).chain(by_box.into_iter().flatten());
     Ok(FigureAdvice {
         same_findings,
         definition_moves,
         box_moves: of_box.map(|(moves, _)| moves),
         box_is_enough: of_box.map(|(moves, same)| same && moves <= BOX_MARGIN),
-        rows: usual
-            .into_iter()
-            .chain(others)
-            .chain(by_box.into_iter().flatten())
-            .collect(),
+        rows: rows.collect(),
     })
 }
 

@@ -46,12 +46,8 @@ const HOW: &str = "Held out: a tag is left out, the pose is made of the others, 
 /// As a heading begins.
 fn capital(title: &str) -> String {
     let mut letters = title.chars();
-    letters
-        .next()
-        .into_iter()
-        .flat_map(char::to_uppercase)
-        .chain(letters)
-        .collect()
+    let first = letters.next().map(char::to_uppercase);
+    first.into_iter().flatten().chain(letters).collect()
 }
 
 /// Drops by each definition of AP, and by the box.

@@ -77,10 +77,7 @@ impl Way {
         let usual = usual(question);
         match question {
             Question::TagDetector => detectors.iter().map(|&detector| Way { detector, ..usual }).collect(),
-            Question::Solver => Solver::all()
-                .into_iter()
-                .map(|solver| Way { solver, ..usual })
-                .collect(),
+            Question::Solver => Solver::all().map(|solver| Way { solver, ..usual }).to_vec(),
             Question::CameraModel => {
                 let last = camera.distortion().iter().rposition(|k| *k != 0.0);
                 let needed = last.map_or(0, |last| last + 1);

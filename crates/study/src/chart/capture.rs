@@ -81,10 +81,8 @@ pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
     let all = detectors(scene).into_iter();
     let fitted = all.filter(|choice| choice.corners_by() == CornersBy::Fit);
     let photos = fitted.map(|choice| (choice, false));
-    [(TagDetectorChoice::default(), true)]
-        .into_iter()
-        .chain(photos)
-        .collect()
+    let stream = [(TagDetectorChoice::default(), true)];
+    stream.into_iter().chain(photos).collect()
 }
 
 /// Whether the frame got a pose.

@@ -56,10 +56,8 @@ pub fn measure(
     outlines: &[(&'static str, EnvelopeShape)],
     default: &str,
 ) -> Vec<EnvelopeRow> {
-    let rows = outlines
-        .iter()
-        .map(|(name, outline)| row(samples, name, outline, *name == default));
-    rows.collect()
+    let measured = |(name, outline): &(&'static str, _)| row(samples, name, outline, *name == default);
+    outlines.iter().map(measured).collect()
 }
 
 fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShape, is_default: bool) -> EnvelopeRow {

@@ -68,9 +68,8 @@ fn moved(photo: &GrayImage, length_px: f64, direction_deg: f64) -> GrayImage {
     let (sin, cos) = direction_deg.to_radians().sin_cos();
     let steps = length_px.ceil() as i32;
     let along = (0..=steps).map(|i| length_px * (f64::from(i) / f64::from(steps) - 0.5));
-    let offsets: Vec<(i64, i64)> = along
-        .map(|t| ((t * cos).round() as i64, (t * sin).round() as i64))
-        .collect();
+    let offsets = along.map(|t| ((t * cos).round() as i64, (t * sin).round() as i64));
+    let offsets: Vec<(i64, i64)> = offsets.collect();
     let (width, height) = (i64::from(photo.width()), i64::from(photo.height()));
     GrayImage::from_fn(photo.width(), photo.height(), |x, y| {
         let at = |(dx, dy): &(i64, i64)| {

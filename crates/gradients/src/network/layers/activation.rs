@@ -43,11 +43,8 @@ fn each<'a>(x: Array, keeps: bool, f: impl Fn(f32) -> (f32, f32)) -> (Array, Opt
         return (Arc::new(y), None);
     }
     let mut slopes = vec![0.0; y.len()];
-    vectorised(|| {
-        y.iter_mut()
-            .zip(&mut slopes)
-            .for_each(|(y, slope)| (*y, *slope) = f(*y))
-    });
+    let both = y.iter_mut().zip(&mut slopes);
+    vectorised(|| both.for_each(|(y, slope)| (*y, *slope) = f(*y)));
     let back = move |mut gradient: Vec<f32>, sums: &mut Sums| {
         vectorised(|| gradient.iter_mut().zip(&slopes).for_each(|(g, slope)| *g *= slope));
         sums.add(0, gradient);

@@ -31,20 +31,15 @@ impl pulp::WithSimd for Channel<'_> {
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let (w, [_, columns]) = (self.windows, self.windows.image);
         let (mut of_columns, mut their_places) = (vec![0.0; columns], vec![0_u32; columns]);
-        let rows = self
-            .largest
-            .chunks_exact_mut(w.count[1])
-            .zip(self.places.chunks_exact_mut(w.count[1]));
-        for (row, (largest, places)) in rows.enumerate() {
+        let rows = self.largest.chunks_exact_mut(w.count[1]);
+        for (row, (largest, places)) in rows.zip(self.places.chunks_exact_mut(w.count[1])).enumerate() {
             of_columns.fill(f32::NEG_INFINITY);
             their_places.fill(u32::MAX);
             for y in (0..w.kernel[0]).filter_map(|tap| w.place(0, row, tap)) {
-                let numbers = self.numbers[y * columns..][..columns]
-                    .iter()
-                    .zip((y * columns) as u32..);
+                let numbers = self.numbers[y * columns..][..columns].iter().copied();
                 let to = of_columns.iter_mut().zip(&mut their_places);
-                to.zip(numbers)
-                    .for_each(|(to, (number, at))| keep_larger(to, (*number, at)));
+                to.zip(numbers.zip((y * columns) as u32..))
+                    .for_each(|(to, number)| keep_larger(to, number));
             }
             largest.fill(f32::NEG_INFINITY);
             places.fill(u32::MAX);

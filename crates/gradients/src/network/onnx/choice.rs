@@ -150,10 +150,8 @@ fn grid_sample(align_corners: bool, clamps: bool) -> Operator {
             let weight = share(&right_share, dx) * share(&lower_share, dy) * constant(inside);
             pixels.clone().select(1, indices) * weight
         });
-        let sum = parts
-            .into_iter()
-            .reduce(|sum, part| sum + part)
-            .ok_or("it samples nothing")?;
+        let [first, others @ ..] = parts;
+        let sum = others.into_iter().fold(first, |sum, part| sum + part);
         let sampled = sum.reshape([channels, count, new_rows, new_columns]).swap_dims(0, 1);
         Floats::from_rank(sampled)
     })

@@ -39,11 +39,8 @@ fn reduce(config: &ReduceConfig, along: fn(Tensor<RANK>, usize) -> Tensor<RANK>)
         if keeps_axes {
             return Ok(reduced);
         }
-        let left: Vec<usize> = (0..shape.len())
-            .filter(|i| !axes.contains(i))
-            .map(|i| shape[i])
-            .collect();
-        reduced.reshaped(&left)
+        let left = (0..shape.len()).filter(|i| !axes.contains(i)).map(|i| shape[i]);
+        reduced.reshaped(&left.collect::<Vec<_>>())
     })
 }
 

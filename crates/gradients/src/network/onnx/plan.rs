@@ -45,17 +45,17 @@ impl Plan {
             }
         }
         let outputs: Vec<Slot> = graph.outputs.iter().map(|(_, slot)| *slot).collect();
-        let constant = |slot: &Slot| Some((*slot, graph.constants.get(slot)?));
-        let constants = outputs.iter().filter_map(constant);
+        let constants = outputs
+            .iter()
+            .filter_map(|slot| Some((*slot, graph.constants.get(slot)?)));
+        let constants = constants.map(|(slot, value)| Ok((slot, Held::from_value(value)?)));
         let inputs: Vec<Vec<Slot>> = parts.iter().map(Part::inputs).collect();
         let shape = values[graph.input].as_ref().map(Value::shape).unwrap_or_default();
         Ok(Plan {
             last_uses: last_uses(&inputs, outputs.iter().copied()),
             parts,
             input: (graph.input, shape),
-            constants: constants
-                .map(|(slot, value)| Ok((slot, Held::from_value(value)?)))
-                .collect::<Result<_>>()?,
+            constants: constants.collect::<Result<_>>()?,
             outputs,
             slots: graph.slots,
         })
@@ -173,12 +173,8 @@ impl<'a> Steps<'a> {
         };
         let arguments: Vec<Argument> = step.inputs.iter().map(argument).collect::<Option<_>>()?;
         let shapes: Vec<Vec<usize>> = step.outputs.iter().map(shape).collect::<Option<_>>()?;
-        let inputs = step
-            .inputs
-            .iter()
-            .flatten()
-            .filter(|slot| !constants.contains_key(slot));
-        let inputs: Vec<Slot> = inputs.copied().collect();
+        let inputs = step.inputs.iter().flatten().copied();
+        let inputs: Vec<Slot> = inputs.filter(|slot| !constants.contains_key(slot)).collect();
         let layers = step.operator.layers(&arguments, &shapes, &self.graph.device)?;
         let parts = layers.into_iter().zip(shapes).zip(&step.outputs);
         let part = |((layer, shape), output): ((Box<dyn Layer>, Vec<usize>), &Slot)| LayerPart {

@@ -78,9 +78,8 @@ fn reshape(wanted: IntegerSetting) -> Operator {
             match side {
                 -1 => Ok(None),
                 0 => Ok(Some(*old.get(i).ok_or("it keeps a side that is not there")?)),
-                side => usize::try_from(*side)
-                    .map(Some)
-                    .or(Err("a side of it is less than nothing".into())),
+                ..0 => Err("a side of it is less than nothing".into()),
+                side => Ok(usize::try_from(*side).ok()),
             }
         };
         let sides: Vec<Option<usize>> = wanted.iter().enumerate().map(side).collect::<Result<_>>()?;
@@ -179,9 +178,7 @@ fn concat(axis: usize) -> Operator {
 }
 
 fn concat_whole(axis: usize, inputs: &Inputs) -> Result<Integers> {
-    let parts = (0..inputs.count())
-        .map(|i| inputs.whole(i))
-        .collect::<Result<Vec<_>>>()?;
+    let parts: Vec<&Integers> = (0..inputs.count()).map(|i| inputs.whole(i)).collect::<Result<_>>()?;
     let mut shape = parts[0].shape.clone();
     shape[axis] = parts.iter().map(|p| p.shape[axis]).sum();
     let before: usize = shape[..axis].iter().product();
@@ -317,12 +314,9 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
         Node::Concat(n) => concat(n.config.axis),
         Node::Slice(n) => slice(&n.config),
         Node::Split(n) => {
-            let sizes = n
-                .config
-                .split_sizes
-                .as_ref()
-                .map(|sizes| setting!(SplitSizesInput, sizes));
-            split(n.config.axis, sizes, n.outputs.len())
+            let c = &n.config;
+            let sizes = c.split_sizes.as_ref().map(|sizes| setting!(SplitSizesInput, sizes));
+            split(c.axis, sizes, n.outputs.len())
         }
         Node::Gather(n) => gather(n.config.axis),
         Node::Expand(n) => expand(setting!(ExpandConfig, &n.config)),
