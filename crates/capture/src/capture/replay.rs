@@ -65,7 +65,7 @@ impl FrameSource for Replay {
         Ok(Some(SourceFrame {
             name: photo.file,
             taken: photo.taken,
-            original: read.map_or_else(|e| Original::Unreadable(e.to_string()), Original::Encoded),
+            original: Original::from_file(read),
         }))
     }
 }

@@ -30,6 +30,24 @@ pub enum Original {
     Unreadable(String),
 }
 
+impl SourceFrame {
+    /// A frame whose source does not know when it was taken.
+    pub fn untimed(name: String, original: Original) -> SourceFrame {
+        SourceFrame {
+            name,
+            taken: None,
+            original,
+        }
+    }
+}
+
+impl Original {
+    /// Of a file that was read, or that cannot be.
+    pub fn from_file(read: Result<Vec<u8>, impl ToString>) -> Original {
+        read.map_or_else(|e| Original::Unreadable(e.to_string()), Original::Encoded)
+    }
+}
+
 /// Anything that gives frames.
 pub trait FrameSource {
     /// The next frame, waited for; `None` when there will be no more.

@@ -88,8 +88,7 @@ impl Watch {
             if let Some(original) = original(&path, state.0, age) {
                 seen.is_done = true;
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let taken = None;
-                self.ready.push_back(SourceFrame { name, taken, original });
+                self.ready.push_back(SourceFrame::untimed(name, original));
             }
         }
         Ok(())
@@ -109,11 +108,7 @@ fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
         }
         Ok(photo.into_bytes())
     });
-    match decoded {
-        Ok(bytes) => Some(Original::Encoded(bytes)),
-        Err(_) if age < PATIENCE => None,
-        Err(e) => Some(Original::Unreadable(e.to_string())),
-    }
+    (decoded.is_ok() || age >= PATIENCE).then(|| Original::from_file(decoded))
 }
 
 impl FrameSource for Watch {

@@ -7,7 +7,6 @@
 pub mod access;
 pub mod connections;
 pub mod dial;
-mod meters;
 mod previews;
 mod routes;
 mod server;

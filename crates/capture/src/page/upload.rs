@@ -83,11 +83,7 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
 pub(super) fn frame(number: u64, bytes: Vec<u8>) -> SourceFrame {
     let name = format!("upload {number}");
     let photo = Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD).map(Photo::into_bytes);
-    SourceFrame {
-        name,
-        taken: None,
-        original: photo.map_or_else(|e| Original::Unreadable(e.to_string()), Original::Encoded),
-    }
+    SourceFrame::untimed(name, Original::from_file(photo))
 }
 
 fn too_large() -> Refusal {

@@ -1,6 +1,6 @@
 //! Which ways are enough.
 
-use super::error::AdviseError;
+use super::AdviseError;
 use super::held_out::Answer;
 use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
 use super::result::{CameraCheck, CameraVerdict, Choice, PoseAdvice, Verdict};

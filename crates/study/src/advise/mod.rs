@@ -3,7 +3,6 @@
 //! No truth is needed: a pose is judged by how well it predicts the corners of a tag that it was not made of (`held_out.rs`).
 
 mod camera_check;
-mod error;
 mod figures;
 mod held_out;
 mod judge;
@@ -11,27 +10,47 @@ mod measure;
 mod page;
 mod paired;
 mod result;
-mod settings;
 mod table;
 mod way;
 
+use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
-use scaleproof_pose::camera::Camera;
+use scaleproof_pose::camera::{Camera, SizeError};
 use scaleproof_pose::scene::Scene;
-use scaleproof_pose::tags::{ArucoRefiner, CornersBy, TagDetectorChoice};
+use scaleproof_pose::tags::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 
 use camera_check::Judged;
-pub use error::AdviseError;
 pub use figures::{FigureAdvice, advise_figures};
 use held_out::Answer;
 pub use held_out::Sample;
 use measure::{Fit, Measured, Opened, measure};
 pub use page::page;
 pub use result::{Advice, CameraVerdict, Choice, PoseAdvice};
-pub use settings::settings;
-pub use table::table;
+pub use table::{settings, table};
 pub use way::Question;
 use way::Way;
+
+/// Why nothing can be advised.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AdviseError {
+    #[error("the session has no photo")]
+    NoPhoto,
+    #[error("no photo of the session is located, so that there is nothing to compare{}", also(*disagreeing))]
+    NothingLocated { disagreeing: usize },
+    #[error(transparent)]
+    Start(#[from] StartError),
+    #[error("{file}: {fault}")]
+    Size { file: String, fault: SizeError },
+}
+
+/// Why no photo is located, where tags say so.
+fn also(disagreeing: usize) -> String {
+    let photos = (disagreeing > 0).then(|| count(disagreeing, "photo"));
+    photos.map_or(String::new(), |photos| {
+        format!("; the tags disagree with scene and camera in {photos}")
+    })
+}
 
 /// Finders of tags whose corners are then fitted alike: the libraries' own corners are never better.
 const FINDERS: [TagDetectorChoice; 5] = [

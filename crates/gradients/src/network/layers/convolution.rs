@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use gemm::{Parallelism, gemm};
+
 use super::depthwise::Depthwise;
-use super::product::{Matrix, multiply};
 use super::windows::{Weights, Windows};
 use super::{Array, Back, Layer, Sums};
 
@@ -72,23 +73,16 @@ impl Convolution {
 
     /// The windows of a tile as the columns of a matrix (im2col; Chellapilla et al. 2006).
     fn lay_out(&self, image: &[f32], tile: &Tile, columns: &mut [f32]) {
-        let w = &self.windows;
         columns.fill(0.0);
         self.each_line(tile, |place, at, count| {
-            let to = &mut columns[at..at + count];
-            match w.stride[1] {
-                1 => to.copy_from_slice(&image[place..place + count]),
-                step => (to.iter_mut().zip(image[place..].iter().step_by(step))).for_each(|(to, from)| *to = *from),
-            }
+            self.windows.gather(&image[place..], &mut columns[at..at + count])
         });
     }
 
     /// The transpose of [`Convolution::lay_out`].
     fn put_back(&self, columns: &[f32], tile: &Tile, image: &mut [f32]) {
-        let step = self.windows.stride[1];
         self.each_line(tile, |place, at, count| {
-            let to = image[place..].iter_mut().step_by(step);
-            to.zip(&columns[at..at + count]).for_each(|(to, from)| *to += from);
+            self.windows.scatter(&columns[at..at + count], &mut image[place..])
         });
     }
 
@@ -127,10 +121,8 @@ impl Convolution {
         for tile in self.tiles() {
             let size = tile.rows.len() * w.count[1];
             let gradient = Matrix::rows(&gradient[self.output(&tile)..], area);
-            let (weights, sides) = (
-                self.weights_of(tile.group).transposed(),
-                [self.inner(), size, self.group_outputs()],
-            );
+            let weights = self.weights_of(tile.group).transposed();
+            let sides = [self.inner(), size, self.group_outputs()];
             if self.is_pointwise() {
                 let plane = tile.group * self.group_channels() * area;
                 multiply((&mut image[plane..], area, !is_new), weights, gradient, sides);
@@ -160,16 +152,75 @@ impl Layer for Convolution {
                 self.lay_out(image, &tile, &mut columns);
                 Matrix::rows(&columns, size)
             };
-            let at = self.output(&tile);
+            let (at, weights) = (self.output(&tile), self.weights_of(tile.group));
             let sides = [self.group_outputs(), size, self.inner()];
-            multiply(
-                (&mut output[at..], area, true),
-                self.weights_of(tile.group),
-                images,
-                sides,
-            );
+            multiply((&mut output[at..], area, true), weights, images, sides);
         }
         let back = |gradient: Vec<f32>, sums: &mut Sums| self.back(&gradient, sums);
         (Arc::new(output), keeps.then(|| Box::new(back) as Back))
+    }
+}
+
+/// Numbers read as a matrix: by how many numbers a row and a column lie apart.
+#[derive(Clone, Copy)]
+struct Matrix<'a> {
+    numbers: &'a [f32],
+    steps: [usize; 2],
+}
+
+impl<'a> Matrix<'a> {
+    fn rows(numbers: &'a [f32], columns: usize) -> Self {
+        let steps = [columns, 1];
+        Matrix { numbers, steps }
+    }
+
+    fn transposed(self) -> Self {
+        let steps = [self.steps[1], self.steps[0]];
+        Matrix { steps, ..self }
+    }
+
+    fn holds(&self, [rows, columns]: [usize; 2]) -> bool {
+        let last = (rows - 1) * self.steps[0] + (columns - 1) * self.steps[1];
+        last < self.numbers.len()
+    }
+}
+
+/// Adds a·b to `sum`, whose rows lie `row_step` apart, or writes it there where `sum` holds nothing yet. `sides`: the rows of a, the
+/// columns of b, and the columns of a.
+fn multiply(
+    (sum, row_step, adds): (&mut [f32], usize, bool),
+    a: Matrix,
+    b: Matrix,
+    [rows, columns, inner]: [usize; 3],
+) {
+    if rows == 0 || columns == 0 || inner == 0 {
+        return;
+    }
+    let to = Matrix::rows(sum, row_step);
+    assert!(row_step >= columns && to.holds([rows, columns]) && a.holds([rows, inner]) && b.holds([inner, columns]));
+    let [a_steps, b_steps] = [a, b].map(|m| m.steps.map(|step| step as isize));
+    // SAFETY: the largest index of each matrix was held against its length, and rows of `sum` do not overlap.
+    unsafe {
+        gemm(
+            rows,
+            columns,
+            inner,
+            sum.as_mut_ptr(),
+            1,
+            row_step as isize,
+            adds,
+            a.numbers.as_ptr(),
+            a_steps[1],
+            a_steps[0],
+            b.numbers.as_ptr(),
+            b_steps[1],
+            b_steps[0],
+            1.0,
+            1.0,
+            false,
+            false,
+            false,
+            Parallelism::None,
+        );
     }
 }

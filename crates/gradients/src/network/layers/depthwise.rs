@@ -66,22 +66,11 @@ impl<'a> Plane<'a> {
     }
 
     fn take(&self, channel: &[f32], plane: &mut [f32]) {
-        let step = self.windows.stride[1];
-        self.each_line(|from, to, count| {
-            let to = &mut plane[to..to + count];
-            match step {
-                1 => to.copy_from_slice(&channel[from..from + count]),
-                _ => (to.iter_mut().zip(channel[from..].iter().step_by(step))).for_each(|(to, v)| *to = *v),
-            }
-        });
+        self.each_line(|from, to, count| self.windows.gather(&channel[from..], &mut plane[to..to + count]));
     }
 
     fn add_to(&self, plane: &[f32], channel: &mut [f32]) {
-        let step = self.windows.stride[1];
-        self.each_line(|to, from, count| {
-            let to = channel[to..].iter_mut().step_by(step);
-            to.zip(&plane[from..from + count]).for_each(|(to, v)| *to += v);
-        });
+        self.each_line(|to, from, count| self.windows.scatter(&plane[from..from + count], &mut channel[to..]));
     }
 }
 

@@ -9,7 +9,6 @@ mod depthwise;
 mod moved;
 mod pairwise;
 mod pool;
-mod product;
 mod separate;
 mod windows;
 

@@ -34,6 +34,22 @@ impl Windows {
         (place < self.image[axis]).then_some(place)
     }
 
+    /// Numbers of an image's row that windows beside each other have at the same place.
+    #[inline]
+    pub(super) fn gather(&self, row: &[f32], to: &mut [f32]) {
+        match self.stride[1] {
+            1 => to.copy_from_slice(&row[..to.len()]),
+            step => (to.iter_mut().zip(row.iter().step_by(step))).for_each(|(to, from)| *to = *from),
+        }
+    }
+
+    /// The transpose of [`Windows::gather`].
+    #[inline]
+    pub(super) fn scatter(&self, from: &[f32], row: &mut [f32]) {
+        let to = row.iter_mut().step_by(self.stride[1]);
+        to.zip(from).for_each(|(to, from)| *to += from);
+    }
+
     /// The windows along an axis whose number `tap` lies on the image, and where that of the first lies.
     pub(super) fn inside(&self, axis: usize, tap: usize) -> (std::ops::Range<usize>, usize) {
         let at = tap * self.dilation[axis];

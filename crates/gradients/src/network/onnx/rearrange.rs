@@ -68,72 +68,64 @@ impl Integers {
     }
 }
 
-/// To a shape in which −1 stands for the rest, 0 for the side as it is.
-fn reshape(wanted: IntegerSetting) -> Operator {
+/// To another shape, by the old one and the values of a setting, if there is one.
+fn reshaping(
+    setting: Option<IntegerSetting>,
+    new_shape: impl Fn(Vec<usize>, Option<Vec<i64>>) -> Result<Vec<usize>> + Send + Sync + 'static,
+) -> Operator {
     Operator::moving(move |mut inputs| {
-        let wanted = wanted.values(&inputs)?;
+        let wanted = IntegerSetting::optional(&setting, &inputs)?;
         let value = inputs.value(0)?;
-        let old = value.shape();
-        let side = |(i, side): (usize, &i64)| -> Result<Option<usize>> {
-            match side {
-                -1 => Ok(None),
-                0 => Ok(Some(*old.get(i).ok_or("it keeps a side that is not there")?)),
-                ..0 => Err("a side of it is less than nothing".into()),
-                side => Ok(usize::try_from(*side).ok()),
-            }
-        };
-        let sides: Vec<Option<usize>> = wanted.iter().enumerate().map(side).collect::<Result<_>>()?;
-        let known: usize = sides.iter().flatten().product();
-        let rest = old.iter().product::<usize>().checked_div(known).unwrap_or(0);
-        let shape: Vec<usize> = sides.into_iter().map(|side| side.unwrap_or(rest)).collect();
+        let shape = new_shape(value.shape(), wanted)?;
         value.reshaped(&shape)
     })
+}
+
+/// −1 stands for the rest, 0 for the side as it is.
+fn reshape(old: Vec<usize>, wanted: Option<Vec<i64>>) -> Result<Vec<usize>> {
+    let side = |(i, side): (usize, &i64)| -> Result<Option<usize>> {
+        match side {
+            -1 => Ok(None),
+            0 => Ok(Some(*old.get(i).ok_or("it keeps a side that is not there")?)),
+            ..0 => Err("a side of it is less than nothing".into()),
+            side => Ok(usize::try_from(*side).ok()),
+        }
+    };
+    let sides = wanted.iter().flatten().enumerate().map(side);
+    let sides: Vec<Option<usize>> = sides.collect::<Result<_>>()?;
+    let known: usize = sides.iter().flatten().product();
+    let rest = old.iter().product::<usize>().checked_div(known).unwrap_or(0);
+    Ok(sides.into_iter().map(|side| side.unwrap_or(rest)).collect())
 }
 
 /// Everything before an axis becomes the rows, the rest the columns.
-fn flatten(axis: usize) -> Operator {
-    Operator::moving(move |mut inputs| {
-        let value = inputs.value(0)?;
-        let shape = value.shape();
-        if axis > shape.len() {
-            return Err(NetworkFault::NoAxis(shape.len(), axis as i64));
-        }
-        let (rows, columns) = shape.split_at(axis);
-        value.reshaped(&[rows.iter().product(), columns.iter().product()])
-    })
+fn flatten(axis: usize, old: &[usize]) -> Result<Vec<usize>> {
+    let sides = old.split_at_checked(axis);
+    let (rows, columns) = sides.ok_or(NetworkFault::NoAxis(old.len(), axis as i64))?;
+    Ok(vec![rows.iter().product(), columns.iter().product()])
 }
 
 /// Axes of length 1 go; all of them when none is named.
-fn squeeze(axes: Option<IntegerSetting>) -> Operator {
-    Operator::moving(move |mut inputs| {
-        let axes = IntegerSetting::optional(&axes, &inputs)?;
-        let value = inputs.value(0)?;
-        let shape = value.shape();
-        let gone = match axes {
-            Some(axes) => axes_of(&axes, shape.len())?,
-            None => (0..shape.len()).filter(|i| shape[*i] == 1).collect(),
-        };
-        let left = (0..shape.len()).filter(|i| !gone.contains(i)).map(|i| shape[i]);
-        value.reshaped(&left.collect::<Vec<_>>())
-    })
+fn squeeze(old: Vec<usize>, axes: Option<Vec<i64>>) -> Result<Vec<usize>> {
+    let gone = match axes {
+        Some(axes) => axes_of(&axes, old.len())?,
+        None => (0..old.len()).filter(|i| old[*i] == 1).collect(),
+    };
+    Ok((0..old.len()).filter(|i| !gone.contains(i)).map(|i| old[i]).collect())
 }
 
 /// Axes of length 1 come in, numbered as in the result.
-fn unsqueeze(axes: IntegerSetting) -> Operator {
-    Operator::moving(move |mut inputs| {
-        let axes = axes.values(&inputs)?;
-        let value = inputs.value(0)?;
-        let mut shape = value.shape();
-        let mut new = axes_of(&axes, shape.len() + axes.len())?;
-        new.sort_unstable();
-        for axis in new {
-            if axis > shape.len() {
-                return Err(NetworkFault::NoAxis(shape.len(), axis as i64));
-            }
-            shape.insert(axis, 1);
+fn unsqueeze(mut shape: Vec<usize>, axes: Option<Vec<i64>>) -> Result<Vec<usize>> {
+    let axes = axes.unwrap_or_default();
+    let mut new = axes_of(&axes, shape.len() + axes.len())?;
+    new.sort_unstable();
+    for axis in new {
+        if axis > shape.len() {
+            return Err(NetworkFault::NoAxis(shape.len(), axis as i64));
         }
-        value.reshaped(&shape)
-    })
+        shape.insert(axis, 1);
+    }
+    Ok(shape)
 }
 
 fn transpose(order: &[i64]) -> Operator {
@@ -306,10 +298,16 @@ fn tile(times: IntegerSetting) -> Operator {
 
 pub(super) fn read(node: &Node) -> Option<Operator> {
     Some(match node {
-        Node::Reshape(n) => reshape(setting!(ReshapeInput, &n.config.shape)),
-        Node::Flatten(n) => flatten(n.config.axis),
-        Node::Squeeze(n) => squeeze(n.config.axes.as_ref().map(|axes| setting!(SqueezeInput, axes))),
-        Node::Unsqueeze(n) => unsqueeze(setting!(UnsqueezeConfig, &n.config)),
+        Node::Reshape(n) => reshaping(Some(setting!(ReshapeInput, &n.config.shape)), reshape),
+        Node::Flatten(n) => {
+            let axis = n.config.axis;
+            reshaping(None, move |old, _| flatten(axis, &old))
+        }
+        Node::Squeeze(n) => {
+            let axes = n.config.axes.as_ref().map(|axes| setting!(SqueezeInput, axes));
+            reshaping(axes, squeeze)
+        }
+        Node::Unsqueeze(n) => reshaping(Some(setting!(UnsqueezeConfig, &n.config)), unsqueeze),
         Node::Transpose(n) => transpose(&n.config.perm),
         Node::Concat(n) => concat(n.config.axis),
         Node::Slice(n) => slice(&n.config),

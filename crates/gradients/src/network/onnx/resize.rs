@@ -25,8 +25,7 @@ enum Size {
     Scales([f32; 2]),
     /// The input that holds them, batch and channels included.
     ScalesInput(usize),
-    Sides(Vec<i64>),
-    SidesInput(usize),
+    Sides(IntegerSetting),
 }
 
 impl Resize {
@@ -37,8 +36,7 @@ impl Resize {
         let size = match (&config.scales, &config.sizes) {
             (Some(ResizeScales::Static(v)), _) => Size::Scales(v.as_slice().try_into().ok()?),
             (Some(ResizeScales::Runtime(r)), _) => Size::ScalesInput(r.input_index),
-            (None, Some(ResizeSizes::Static(v))) => Size::Sides(v.iter().map(|side| *side as i64).collect()),
-            (None, Some(ResizeSizes::Runtime(r))) => Size::SidesInput(r.input_index),
+            (None, Some(sizes)) => Size::Sides(setting!(ResizeSizes, sizes)),
             (None, None) => return None,
         };
         (is_plain && is_known).then_some(Resize {
@@ -53,19 +51,19 @@ impl Resize {
     fn target(&self, old: [usize; 2], inputs: &mut Inputs) -> Result<[(usize, f32); 2]> {
         let by_scale =
             |scales: [f32; 2]| std::array::from_fn(|i| ((old[i] as f32 * scales[i]).floor() as usize, scales[i]));
-        let by_side = |sides: &[i64]| -> Result<[(usize, f32); 2]> {
-            let last = sides.len().checked_sub(2).ok_or("its sizes are too few")?;
-            let sides = [sides[last], sides[last + 1]].map(|side| usize::try_from(side).unwrap_or(0));
-            Ok(std::array::from_fn(|i| (sides[i], sides[i] as f32 / old[i] as f32)))
-        };
         match &self.size {
             Size::Scales(scales) => Ok(by_scale(*scales)),
             Size::ScalesInput(i) => match inputs.floats(*i)?.values()?[..] {
                 [.., y, x] => Ok(by_scale([y, x])),
                 _ => Err("its scales are too few".into()),
             },
-            Size::Sides(sides) => by_side(sides),
-            Size::SidesInput(i) => by_side(&inputs.whole(*i)?.data),
+            Size::Sides(sides) => match sides.values(inputs)?[..] {
+                [.., y, x] => {
+                    let sides = [y, x].map(|side| usize::try_from(side).unwrap_or(0));
+                    Ok(std::array::from_fn(|i| (sides[i], sides[i] as f32 / old[i] as f32)))
+                }
+                _ => Err("its sizes are too few".into()),
+            },
         }
     }
 
