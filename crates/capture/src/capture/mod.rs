@@ -141,7 +141,7 @@ impl Capture {
         self.look(frame, true)
     }
 
-    fn look(&mut self, frame: &SourceFrame, is_by_hand: bool) -> Result<FrameAnswer, StoreError> {
+    pub(crate) fn look(&mut self, frame: &SourceFrame, is_by_hand: bool) -> Result<FrameAnswer, StoreError> {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => {

@@ -23,11 +23,11 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use axum::body::Bytes;
 use qrcode::QrCode;
 use qrcode::render::unicode::Dense1x2;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 use crate::capture::{Capture, FrameSource, SourceError, StoreError};
 use access::Access;
-use routes::PageContext;
+use routes::{MAX_UPLOADS, PageContext};
 use scaleproof_core::files;
 use scaleproof_pose::scene::Scene;
 use server::Server;
@@ -121,7 +121,14 @@ impl Page {
             ..Published::default()
         };
         let (published, newest) = watch::channel(Arc::new(nothing));
-        let site = PageContext::new(access, newest, own.clone(), session.to_owned());
+        let site = PageContext {
+            access: Arc::new(access),
+            published: newest,
+            events: own.clone(),
+            session: session.to_owned(),
+            uploads: Arc::new(Semaphore::new(MAX_UPLOADS)),
+            previews: Arc::new(Semaphore::new(1)),
+        };
         let server = Server::start(listener, site.router(), own.clone(), Box::new(hurry)).map_err(not_served)?;
         Ok(Page {
             server,

@@ -32,7 +32,7 @@ const PREVIEW_PX: u32 = 960;
 const THUMBNAIL_PX: u32 = 240;
 
 /// Uploads in memory at once; further ones wait before they are read.
-const MAX_UPLOADS: usize = 4;
+pub(super) const MAX_UPLOADS: usize = 4;
 
 /// Nothing from elsewhere, no frame around the page, no guessing of types, nothing kept.
 const HEADERS: [(&str, &str); 5] = [
@@ -61,22 +61,6 @@ pub(super) struct PageContext {
 }
 
 impl PageContext {
-    pub(super) fn new(
-        access: Access,
-        published: watch::Receiver<Arc<Published>>,
-        events: Sender<WorkerEvent>,
-        session: PathBuf,
-    ) -> PageContext {
-        PageContext {
-            access: Arc::new(access),
-            published,
-            events,
-            session,
-            uploads: Arc::new(Semaphore::new(MAX_UPLOADS)),
-            previews: Arc::new(Semaphore::new(1)),
-        }
-    }
-
     pub(super) fn router(self) -> Router {
         Router::new()
             .route("/", get(|| async { asset("text/html; charset=utf-8", PAGE) }))

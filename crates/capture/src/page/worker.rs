@@ -248,11 +248,7 @@ impl<'a> CaptureWorker<'a> {
     }
 
     fn judge(&mut self, frame: Arc<SourceFrame>, is_by_hand: bool) -> Result<ActionReply, PageError> {
-        let answer = if is_by_hand {
-            self.capture.shoot(&frame)?
-        } else {
-            self.capture.see(&frame)?
-        };
+        let answer = self.capture.look(&frame, is_by_hand)?;
         let guidance = self.capture.guidance();
         self.frames += 1;
         let (number, is_stream) = (self.frames, self.about.is_stream);

@@ -33,21 +33,11 @@ pub(super) struct Answer {
 
 /// Tags in a photo, at the size at which they were found.
 pub(super) struct FoundTags {
-    tags: Vec<SeenTag>,
-    ms: f64,
+    pub tags: Vec<SeenTag>,
+    /// How long finding them takes, where that is measured.
+    pub ms: f64,
     /// Width and height, px.
-    size: (u32, u32),
-}
-
-impl FoundTags {
-    /// Tags that were found already; how long that took is not asked.
-    pub(super) fn at_full_size(tags: Vec<SeenTag>, sample: &Sample) -> FoundTags {
-        FoundTags {
-            tags,
-            ms: 0.0,
-            size: sample.luma.dimensions(),
-        }
-    }
+    pub size: (u32, u32),
 }
 
 /// Finds the tags of a photo that is reduced first, and how long that takes.

@@ -96,9 +96,11 @@ fn usual(sample: &Sample, found: LocatedPhoto, scene: &Scene, fitted: FittedCame
     let located = found.result.ok()?;
     let is_used =
         |tag: &&SeenTag| tag.is_whole && located.tags.contains(&tag.id) && scene.tag(tag.family, tag.id).is_some();
+    let reference = found.seen.iter().filter(is_used).cloned().collect();
+    let (tags, ms, size) = (found.seen, 0.0, sample.luma.dimensions());
     Some(UsualPose {
-        reference: found.seen.iter().filter(is_used).cloned().collect(),
-        seen: FoundTags::at_full_size(found.seen, sample),
+        reference,
+        seen: FoundTags { tags, ms, size },
         located,
         fitted,
     })

@@ -23,7 +23,13 @@ pub fn page(all: &Advice) -> String {
         @match &advice.abstention {
             Some(why) => { p.banner { "No advice on poses: " (why) "." } }
             None => {
-                section { (advised(advice)) }
+                section {
+                    div.figures {
+                        @for question in Question::ALL {
+                            div { span { (question.title()) } b { (advice.advised(question).map_or("cannot tell", |choice| &choice.name)) } }
+                        }
+                    }
+                }
                 @for question in Question::ALL { section { h2 { (capital(question.title())) } (section(advice, question)) } }
                 @if let Some(check) = advice.camera_check.as_ref().filter(|check| check.verdict == CameraVerdict::Fits) { section { h2 { "Camera file" } p { (capital(&camera(check))) "." } } }
                 p.note { (HOW) }
@@ -79,19 +85,6 @@ fn finding(of: Finding) -> &'static str {
         Finding::Rise => "a rise",
         Finding::NoDifferenceShown => "no difference shown",
         Finding::TooFewPhotosToTell => "too few photos to tell",
-    }
-}
-
-fn advised(advice: &PoseAdvice) -> Markup {
-    html! {
-        div.figures {
-            @for question in Question::ALL {
-                div {
-                    span { (question.title()) }
-                    b { (advice.advised(question).map_or("cannot tell", |choice| &choice.name)) }
-                }
-            }
-        }
     }
 }
 

@@ -53,21 +53,13 @@ pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Resu
     Ok(masks)
 }
 
-/// How many of a step's inputs it moves.
-fn moved(step: &GraphStep) -> usize {
-    match step.operator.rearranged {
-        Rearranged::Nothing => 0,
-        Rearranged::All => step.inputs.len(),
-        Rearranged::First | Rearranged::Ordered => 1,
-    }
-}
-
 /// The outputs, and whatever is only moved on the way to them.
 fn moved_to_outputs(graph: &Graph) -> BTreeSet<Slot> {
     let mut asked: BTreeSet<Slot> = graph.outputs.iter().map(|(_, slot)| *slot).collect();
     for step in graph.steps.iter().rev() {
         if step.outputs.iter().any(|slot| asked.contains(slot)) {
-            asked.extend(step.inputs.iter().take(moved(step)).flatten());
+            let moved = step.operator.moved_inputs(step.inputs.len());
+            asked.extend(step.inputs.iter().take(moved).flatten());
         }
     }
     asked
@@ -86,10 +78,11 @@ impl Twins {
     /// Repeats a step that only moves numbers, on the twins of what it moves. `None` when none of it holds a logit, or when a sort would mix logits
     /// with scores.
     fn moved(&mut self, graph: &mut Graph, step: &GraphStep) -> Result<Option<GraphStep>> {
+        let moved = step.operator.moved_inputs(step.inputs.len());
         let (mut inputs, mut masks, mut has_logits) = (step.inputs.clone(), Vec::new(), false);
         for (i, input) in step.inputs.iter().enumerate() {
             masks.push(match input {
-                Some(slot) if i < moved(step) => Some(match self.known.get(slot) {
+                Some(slot) if i < moved => Some(match self.known.get(slot) {
                     Some((twin, mask)) => {
                         has_logits = true;
                         inputs[i] = Some(*twin);

@@ -82,27 +82,23 @@ impl OnnxNetwork {
         photo_size: Option<[u32; 2]>,
         device: &Device,
     ) -> Result<OnnxNetwork, WhiteBoxError> {
+        let refused = |reason: NetworkFault| {
+            let file = file.to_owned();
+            WhiteBoxError::OnnxNetwork { file, reason }
+        };
         // The parser and the tensors panic on graphs whose parts do not go together.
-        let read = quietly(|| Self::try_read(bytes, file, shape, photo_size, device));
-        read.unwrap_or_else(|| Err(refused(file, "its graph makes no sense".into())))
-    }
-
-    fn try_read(
-        bytes: &[u8],
-        file: &str,
-        shape: &[usize],
-        photo_size: Option<[u32; 2]>,
-        device: &Device,
-    ) -> Result<OnnxNetwork, WhiteBoxError> {
-        let mut graph = read::read(bytes, file, photo_size, &device.clone().autodiff())?;
-        let (plan, logits) = planned(&mut graph, shape).map_err(|reason| refused(file, reason))?;
-        Ok(OnnxNetwork {
-            file: file.to_owned(),
-            plan,
-            outputs: graph.outputs.into_iter().map(|(name, _)| name).collect(),
-            count: shape.iter().product(),
-            logits,
-        })
+        let network = quietly(|| {
+            let mut graph = read::read(bytes, file, photo_size, &device.clone().autodiff())?;
+            let (plan, logits) = planned(&mut graph, shape).map_err(refused)?;
+            Ok(OnnxNetwork {
+                file: file.to_owned(),
+                plan,
+                outputs: graph.outputs.into_iter().map(|(name, _)| name).collect(),
+                count: shape.iter().product(),
+                logits,
+            })
+        });
+        network.unwrap_or_else(|| Err(refused("its graph makes no sense".into())))
     }
 
     /// The outputs for an image's numbers, row-major. With `keeps_way` what [`NetworkPass::vjp`] needs stays in memory.
@@ -110,17 +106,14 @@ impl OnnxNetwork {
     /// # Errors
     /// A number of numbers that is not the shape's.
     pub fn forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_>, WhiteBoxError> {
-        self.try_forward(image, keeps_way).map_err(|reason| WhiteBoxError::Run {
-            file: self.file.clone(),
-            reason,
-        })
-    }
-
-    fn try_forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_>, NetworkFault> {
+        let failed = |reason: NetworkFault| {
+            let file = self.file.clone();
+            WhiteBoxError::Run { file, reason }
+        };
         if image.len() != self.count {
-            return Err(NetworkFault::Count("numbers", self.count, image.len()));
+            return Err(failed(NetworkFault::Count("numbers", self.count, image.len())));
         }
-        let (values, tape) = self.plan.run(image, keeps_way)?;
+        let (values, tape) = self.plan.run(image, keeps_way).map_err(failed)?;
         let outputs = values.into_iter().zip(&self.logits).zip(&self.outputs);
         let outputs = outputs.map(|((value, is_logit), name)| Output::new(value, is_logit.clone(), name.clone()));
         Ok(NetworkPass {
@@ -129,11 +122,6 @@ impl OnnxNetwork {
             tape,
         })
     }
-}
-
-fn refused(file: &str, reason: NetworkFault) -> WhiteBoxError {
-    let file = file.to_owned();
-    WhiteBoxError::OnnxNetwork { file, reason }
 }
 
 /// Runs on black, and keeps what every image will meet. Answers with the plan, and which numbers of the outputs are logits.

@@ -110,11 +110,10 @@ impl Operator {
 
     /// Where the numbers of a rearrangement go is seen by rearranging their indices.
     fn moved(&self, arguments: &[Argument], device: &Device) -> Option<Vec<Box<dyn Layer>>> {
-        let moved = match self.rearranged {
-            Rearranged::First => 1,
-            Rearranged::All => arguments.len(),
-            Rearranged::Nothing | Rearranged::Ordered => return None,
-        };
+        if matches!(self.rearranged, Rearranged::Nothing | Rearranged::Ordered) {
+            return None;
+        }
+        let moved = self.moved_inputs(arguments.len());
         let (mut values, mut counts) = (Vec::new(), Vec::new());
         for (i, argument) in arguments.iter().enumerate() {
             values.push(match argument {
@@ -139,6 +138,15 @@ impl Operator {
             Some(Box::new(Moved::new(counts.clone(), &indices)))
         };
         outputs.iter().map(layer).collect()
+    }
+
+    /// How many of its inputs it moves, of so many.
+    pub(super) fn moved_inputs(&self, inputs: usize) -> usize {
+        match self.rearranged {
+            Rearranged::Nothing => 0,
+            Rearranged::All => inputs,
+            Rearranged::First | Rearranged::Ordered => 1,
+        }
     }
 
     pub(super) fn rearranging(self, rearranged: Rearranged) -> Operator {
