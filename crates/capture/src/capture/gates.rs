@@ -160,12 +160,8 @@ impl Judge {
 
     /// What follows from what a frame shows.
     fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> FrameJudgement {
-        let LocatedPhoto {
-            seen,
-            fitted,
-            result: located,
-        } = photo;
-        let fitted = match fitted {
+        let (seen, located) = (photo.seen, photo.result);
+        let fitted = match photo.fitted {
             Ok(fitted) => fitted,
             // The camera file does not fit the frame.
             Err(e) => {

@@ -17,7 +17,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 
 use super::access::Access;
 use super::connections::Connection;
-use super::worker::{ActionReply, Published, ReplySender, WorkerEvent};
+use super::worker::{Action, ActionReply, Published, WorkerEvent};
 use super::{previews, upload};
 
 const PAGE: &str = include_str!("page.html");
@@ -73,9 +73,12 @@ impl PageContext {
             .route("/preview/{number}", get(preview))
             .route("/photo/{name}", get(photo))
             .route("/upload", post(receive))
-            .route("/shoot", post(|site| ask(site, WorkerEvent::Shoot)))
-            .route("/undo", post(|site| ask(site, WorkerEvent::Undo)))
-            .route("/redo/{sector}", post(redo))
+            .route("/shoot", post(|site| ask(site, Action::Shoot)))
+            .route("/undo", post(|site| ask(site, Action::Undo)))
+            .route(
+                "/redo/{sector}",
+                post(|site, Path(sector)| ask(site, Action::Redo(sector))),
+            )
             .route("/finish", post(finish))
             .layer(middleware::from_fn_with_state(self.clone(), known))
             .route("/join/{token}", get(join))
@@ -183,13 +186,9 @@ async fn receive(site: State<PageContext>, request: Request) -> Response {
     // Read in any case: a browser shows no answer that comes while it is still sending.
     let read = upload::read(body).await;
     match upload::check_kind(&parts.headers).and(read) {
-        Ok(bytes) => ask(site, |reply| WorkerEvent::Upload(bytes, place, reply)).await,
+        Ok(bytes) => ask(site, Action::Upload(bytes, place)).await,
         Err((status, sentence)) => response(ActionReply::new(status, sentence)),
     }
-}
-
-async fn redo(site: State<PageContext>, Path(sector): Path<usize>) -> Response {
-    ask(site, |reply| WorkerEvent::Redo(sector, reply)).await
 }
 
 async fn finish(State(site): State<PageContext>) -> Response {
@@ -200,9 +199,9 @@ async fn finish(State(site): State<PageContext>) -> Response {
 }
 
 /// Hands something to the worker and waits for its reply.
-async fn ask(State(site): State<PageContext>, event: impl FnOnce(ReplySender) -> WorkerEvent) -> Response {
+async fn ask(State(site): State<PageContext>, action: Action) -> Response {
     let (reply, answer) = oneshot::channel();
-    if site.events.send(event(reply)).is_err() {
+    if site.events.send(WorkerEvent::Asked(action, reply)).is_err() {
         return has_ended();
     }
     answer.await.map_or_else(|_| has_ended(), response)

@@ -22,14 +22,20 @@ use scaleproof_pose::scene::{Bin, Scene};
 pub(super) enum WorkerEvent {
     /// With what the camera was set to, if it is one.
     Frame(Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>),
-    /// A photo's bytes, and the place in memory they take until they are judged.
-    Upload(Vec<u8>, OwnedSemaphorePermit, ReplySender),
-    /// Take the newest frame by hand.
-    Shoot(ReplySender),
-    Undo(ReplySender),
-    /// Of the sector with this index.
-    Redo(usize, ReplySender),
+    /// What a browser asks for.
+    Asked(Action, ReplySender),
     Finish,
+}
+
+/// What a browser may ask of the capture.
+pub(super) enum Action {
+    /// A photo's bytes, and the place in memory they take until they are judged.
+    Upload(Vec<u8>, OwnedSemaphorePermit),
+    /// Take the newest frame by hand.
+    Shoot,
+    Undo,
+    /// Of the sector with this index.
+    Redo(usize),
 }
 
 pub(super) type ReplySender = oneshot::Sender<ActionReply>;
@@ -182,26 +188,11 @@ impl<'a> CaptureWorker<'a> {
                     self.publish(None);
                 }
                 WorkerEvent::Frame(Ok(Some(frame))) => held = Some(frame),
-                WorkerEvent::Upload(bytes, _place, reply) => {
-                    let answer = self.upload(bytes)?;
-                    self.answer(reply, answer);
-                }
-                WorkerEvent::Shoot(reply) => {
-                    let answer = match self.newest.clone() {
-                        _ if self.is_decided() => not_needed(),
-                        Some(newest) => self.judge(newest.frame.clone(), true)?,
-                        None => ActionReply::new(StatusCode::CONFLICT, "There is no photo yet"),
-                    };
-                    self.answer(reply, answer);
-                }
-                WorkerEvent::Undo(reply) => {
-                    let answer = self.taken_back(|capture| Ok(capture.undo()?.into_iter().collect()))?;
-                    self.answer(reply, answer);
-                }
-                WorkerEvent::Redo(sector, reply) => {
-                    let (scene, bin) = (self.scene, self.bins.get(sector).copied());
-                    let answer = self.taken_back(|capture| capture.redo(scene, |other| Some(*other) == bin))?;
-                    self.answer(reply, answer);
+                WorkerEvent::Asked(action, reply) => {
+                    let answer = self.act(action)?;
+                    // Published first: who has the answer and asks for the state sees what the answer speaks of.
+                    self.publish(None);
+                    let _ = reply.send(answer); // a browser that has left needs no answer
                 }
             }
             if let Some((frame, settings)) = held.take_if(|_| !self.is_decided()) {
@@ -217,23 +208,28 @@ impl<'a> CaptureWorker<'a> {
         Ok(())
     }
 
-    fn upload(&mut self, bytes: Vec<u8>) -> Result<ActionReply, PageError> {
-        // A running camera's calibration does not fit a phone's photos.
-        if self.about.is_stream {
-            let sentence = "The running camera takes the photos";
-            return Ok(ActionReply::new(StatusCode::CONFLICT, sentence));
+    fn act(&mut self, action: Action) -> Result<ActionReply, PageError> {
+        let refused = |sentence: &str| Ok(ActionReply::new(StatusCode::CONFLICT, sentence));
+        match action {
+            // A running camera's calibration does not fit a phone's photos.
+            Action::Upload(..) if self.about.is_stream => refused("The running camera takes the photos"),
+            Action::Upload(..) | Action::Shoot if self.is_decided() => {
+                refused("It is decided, and no photo is needed: press Finish")
+            }
+            Action::Upload(bytes, _place) => {
+                self.uploads += 1;
+                self.judge(upload::frame(self.uploads, bytes).into(), false)
+            }
+            Action::Shoot => match self.newest.clone() {
+                Some(newest) => self.judge(newest.frame.clone(), true),
+                None => refused("There is no photo yet"),
+            },
+            Action::Undo => self.taken_back(|capture| Ok(capture.undo()?.into_iter().collect())),
+            Action::Redo(sector) => {
+                let (scene, bin) = (self.scene, self.bins.get(sector).copied());
+                self.taken_back(|capture| capture.redo(scene, |other| Some(*other) == bin))
+            }
         }
-        if self.is_decided() {
-            return Ok(not_needed());
-        }
-        self.uploads += 1;
-        self.judge(upload::frame(self.uploads, bytes).into(), false)
-    }
-
-    /// Publishes first: who has the answer and asks for the state sees what the answer speaks of.
-    fn answer(&self, reply: ReplySender, answer: ActionReply) {
-        self.publish(None);
-        let _ = reply.send(answer); // a browser that has left needs no answer
     }
 
     fn set(&mut self, settings: Option<CameraSettings>) -> Result<(), PageError> {
@@ -360,12 +356,6 @@ impl<'a> CaptureWorker<'a> {
             has_ended: ended.is_some(),
         }));
     }
-}
-
-/// What a photo is answered when the pairs have decided.
-fn not_needed() -> ActionReply {
-    let sentence = "It is decided, and no photo is needed: press Finish";
-    ActionReply::new(StatusCode::CONFLICT, sentence)
 }
 
 /// Gives frames of the source one by one, each when it is requested; the first at once. A source that waits for ever is left behind in its

@@ -29,7 +29,14 @@ pub(super) struct Plan {
 impl Plan {
     /// `values`: of [`Graph::run_all`].
     pub(super) fn new(graph: &Graph, values: &[Option<Value>]) -> Result<Plan> {
-        let mut steps = Steps::new(graph, values);
+        let constants = graph.constants.keys().copied();
+        let mut steps = Steps {
+            graph,
+            values,
+            left: graph.steps.iter().collect(),
+            ready: constants.chain([graph.input]).collect(),
+            has_layers: has_layers(&graph.device),
+        };
         let mut parts = Vec::new();
         while !steps.left.is_empty() {
             let before = steps.left.len();
@@ -109,18 +116,7 @@ struct Steps<'a> {
     has_layers: bool,
 }
 
-impl<'a> Steps<'a> {
-    fn new(graph: &'a Graph, values: &'a [Option<Value>]) -> Self {
-        let constants = graph.constants.keys().copied();
-        Steps {
-            graph,
-            values,
-            left: graph.steps.iter().collect(),
-            ready: constants.chain([graph.input]).collect(),
-            has_layers: has_layers(&graph.device),
-        }
-    }
-
+impl Steps<'_> {
     fn is_ready(&self, step: &GraphStep) -> bool {
         step.inputs.iter().flatten().all(|slot| self.ready.contains(slot))
     }

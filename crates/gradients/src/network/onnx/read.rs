@@ -39,10 +39,15 @@ pub(super) fn read(
         return Err(WhiteBoxError::Operators { file, names });
     }
     let builder = Builder {
-        device,
         named: BTreeMap::new(),
-        constants: BTreeMap::new(),
-        slots: 0,
+        graph: Graph {
+            device: device.clone(),
+            steps: Vec::new(),
+            constants: BTreeMap::new(),
+            input: 0,
+            outputs: Vec::new(),
+            slots: 0,
+        },
     };
     let mut graph = builder.graph(&parsed, photo_size, operators).map_err(unreadable)?;
     // The parser gives outputs names of its own.
@@ -71,14 +76,13 @@ fn kind(node: &Node) -> String {
     }
 }
 
-struct Builder<'a> {
-    device: &'a Device,
+/// A graph that is being filled.
+struct Builder {
     named: BTreeMap<String, Slot>,
-    constants: BTreeMap<Slot, Value>,
-    slots: usize,
+    graph: Graph,
 }
 
-impl Builder<'_> {
+impl Builder {
     fn graph(
         mut self,
         parsed: &OnnxGraph,
@@ -90,35 +94,27 @@ impl Builder<'_> {
             ([image, size], Some(photo_size)) => {
                 let (shape, data) = (vec![1, 2], photo_size.map(i64::from).to_vec());
                 let slot = self.named_slot(&size.name);
-                self.constants.insert(slot, Integers { shape, data }.into());
+                self.graph.constants.insert(slot, Integers { shape, data }.into());
                 image
             }
             (more, _) => return Err(NetworkFault::Count("inputs", more.len(), 1)),
         };
-        let input = self.named_slot(&image.name);
-        let mut steps = Vec::new();
+        self.graph.input = self.named_slot(&image.name);
         for (node, operator) in parsed.nodes.iter().zip(operators) {
             let Some(operator) = operator else { continue };
-            steps.push(GraphStep {
+            let step = GraphStep {
                 name: node.name().to_owned(),
                 operator,
                 inputs: node.inputs().iter().map(|a| self.slot(a)).collect::<Result<_, _>>()?,
                 outputs: node.outputs().iter().map(|a| self.named_slot(&a.name)).collect(),
-            });
+            };
+            self.graph.steps.push(step);
         }
-        let mut outputs = Vec::new();
         for output in &parsed.outputs {
             let slot = self.slot(output)?.ok_or("an output has no name")?;
-            outputs.push((output.name.clone(), slot));
+            self.graph.outputs.push((output.name.clone(), slot));
         }
-        Ok(Graph {
-            device: self.device.clone(),
-            steps,
-            constants: self.constants,
-            input,
-            outputs,
-            slots: self.slots,
-        })
+        Ok(self.graph)
     }
 
     /// Where an argument's value will be; its constant is put there.
@@ -129,19 +125,19 @@ impl Builder<'_> {
         let Some(data) = argument.value() else {
             return Ok(Some(self.named_slot(&argument.name)));
         };
-        let value = Value::constant(&data, self.device)?;
+        let value = Value::constant(&data, &self.graph.device)?;
         if argument.name.is_empty() {
             self.named.remove(""); // each constant without a name is another
         }
         let slot = self.named_slot(&argument.name);
-        self.constants.insert(slot, value);
+        self.graph.constants.insert(slot, value);
         Ok(Some(slot))
     }
 
     fn named_slot(&mut self, name: &str) -> Slot {
-        *self.named.entry(name.to_owned()).or_insert_with(|| {
-            self.slots += 1;
-            self.slots - 1
-        })
+        *self
+            .named
+            .entry(name.to_owned())
+            .or_insert_with(|| self.graph.new_slot())
     }
 }
