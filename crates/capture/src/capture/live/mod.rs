@@ -1,6 +1,7 @@
 //! A running camera: a thread reads it without pause and keeps the newest image only, so that advice is never about the past.
 
 mod device;
+mod error;
 mod pixels;
 mod settings;
 
@@ -12,6 +13,7 @@ use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use scaleproof_pose::camera::Camera;
 
 pub use device::{choose_format, list_cameras};
+pub use error::LiveCameraError;
 pub use pixels::{PixelFormat, RawImage};
 pub use settings::{CameraSettings, Setting};
 
@@ -28,27 +30,6 @@ const OPENING: Duration = Duration::from_secs(if cfg!(target_os = "macos") { 75 
 /// A single image may fail; so many in a row, this far apart, mean that the camera is gone.
 const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
-
-/// Why a running camera gives nothing, as a clause; the source says which camera it is.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LiveCameraError {
-    /// What its driver says.
-    #[error("{0}")]
-    Driver(String),
-    #[error("its driver failed")]
-    DriverPanicked,
-    #[error("the system does not allow the use of cameras")]
-    NotAllowed,
-    #[error("it has no image of the shape of the camera file's, {width} × {height}: calibrate it at a size it has")]
-    NoFittingSize { width: u32, height: u32 },
-    #[error("its pixel format is not known")]
-    UnknownPixelFormat,
-    #[error("it did not open within {seconds} s: unplug it and plug it in again")]
-    SlowToOpen { seconds: u64 },
-    #[error("none came for {seconds} s")]
-    NoImage { seconds: u64 },
-}
 
 /// What a camera must be able to do. It stays on the thread that opened it.
 pub trait Device {

@@ -1,0 +1,22 @@
+//! Why a running camera gives nothing.
+
+/// Why a running camera gives nothing, as a clause; the source says which camera it is.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LiveCameraError {
+    /// What its driver says.
+    #[error("{0}")]
+    Driver(String),
+    #[error("its driver failed")]
+    DriverPanicked,
+    #[error("the system does not allow the use of cameras")]
+    NotAllowed,
+    #[error("it has no image of the shape of the camera file's, {width} × {height}: calibrate it at a size it has")]
+    NoFittingSize { width: u32, height: u32 },
+    #[error("its pixel format is not known")]
+    UnknownPixelFormat,
+    #[error("it did not open within {seconds} s: unplug it and plug it in again")]
+    SlowToOpen { seconds: u64 },
+    #[error("none came for {seconds} s")]
+    NoImage { seconds: u64 },
+}
