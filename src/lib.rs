@@ -53,9 +53,13 @@ pub use scaleproof_surface::pattern::{Pattern, PatternError};
 #[cfg(feature = "full")]
 pub use scaleproof_frames::frames::{FrameSet, FramesError};
 #[cfg(feature = "attack")]
-pub use scaleproof_frames::surrogate::projection::Grid;
-#[cfg(feature = "attack")]
-pub use scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, network::detector::OnnxDetector};
+pub use {
+    scaleproof_attack::run::augmentation::Eot,
+    scaleproof_attack::run::view_set::{TextureMapping, ViewSet},
+    scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
+    scaleproof_frames::surrogate::projection::Grid,
+    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, network::detector::OnnxDetector},
+};
 
 /// The program `scaleproof`.
 #[doc(hidden)]

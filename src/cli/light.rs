@@ -36,5 +36,7 @@ pub(super) fn schemas() -> Vec<Named> {
 
 pub(super) fn keep_refusals_quiet() {}
 
-/// Without a runtime that hears of Ctrl-C, programs end with their standard input.
-pub(super) fn end_programs_first() {}
+/// Without a runtime that hears of Ctrl-C, programs hear of it themselves.
+pub(super) fn end_programs_first() {
+    scaleproof_detect::keep_programs_in_our_group();
+}

@@ -180,19 +180,6 @@ fn keep_to_ourselves() {
     unsafe { std::env::set_var("ORT_DISABLE_TELEMETRY", "1") };
 }
 
-/// Libraries that panic on a damaged network are caught where they are called; nobody needs to read of it.
-fn keep_refusals_quiet() {
-    #[cfg(feature = "attack")]
-    {
-        let usual = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |about| {
-            if !scaleproof_gradients::network::is_refusing() {
-                usual(about);
-            }
-        }));
-    }
-}
-
 /// False for help and version, also when help is shown because nothing was asked.
 fn is_mistake(e: &clap::Error) -> bool {
     e.use_stderr() && e.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand

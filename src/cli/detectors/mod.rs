@@ -20,9 +20,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use crate::cli::{CommandResult, Outcome, Result, advice, progress};
-#[cfg(feature = "full")]
-use scaleproof_detect::download::FetchError;
+use crate::cli::{CommandResult, Outcome, Result, advice, full};
 use scaleproof_detect::{
     Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError, registered,
     registered_names,
@@ -236,26 +234,7 @@ pub(super) fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> Result<
     if let Ok(path) = folders.checked(manifest) {
         return Ok(path);
     }
-    download(manifest, folders)
-}
-
-#[cfg(not(feature = "full"))]
-fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {
-    let name = &manifest.name;
-    Err(format!("the weights of {name} are not here; `./run detectors fetch` gets them").into())
-}
-
-#[cfg(feature = "full")]
-fn download(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
-    let bar = progress::bytes(&manifest.name);
-    let fetched = detect::download::fetch(manifest, &folders.download_folder()?, &|done, total| {
-        if let Some(total) = total {
-            bar.set_length(total);
-        }
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
-    Ok(fetched?)
+    full::download(manifest, folders)
 }
 
 /// The named detectors, or all whose weights are here.

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 
 use crate::cli::detectors::{Folder, chosen, fetch_one};
 use crate::cli::{CommandResult, Outcome, Result, progress};
-use scaleproof_detect::{FetchError, Manifest, WeightFolders, fetch};
+use scaleproof_detect::download::{FetchError, fetch};
+use scaleproof_detect::{Manifest, WeightFolders};
 
 /// Download weights, verify their SHA-256, go on with a broken download.
 #[derive(clap::Args)]

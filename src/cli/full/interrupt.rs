@@ -25,7 +25,5 @@ pub(in crate::cli) fn end_programs_first() {
     });
 }
 
-#[cfg(not(all(unix, feature = "full")))]
-pub(super) fn end_programs_first() {
-    scaleproof_detect::keep_programs_in_our_group();
-}
+#[cfg(not(unix))]
+pub(in crate::cli) fn end_programs_first() {}

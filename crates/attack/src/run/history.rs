@@ -15,7 +15,7 @@ use scaleproof_pose::scene::Classes;
 pub const FILE: &str = "history.json";
 
 /// After a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Entry {
     pub step: u32,
     /// Images looked at so far, those of judging not counted.

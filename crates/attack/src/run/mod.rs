@@ -262,7 +262,7 @@ impl<'a> Attack<'a> {
                 (found, whole.ok_or(RunError::Damaged { path })?)
             }
             None => {
-                let first = Pattern::random_of(config.mapping.grid(config.cells), config.seed)?;
+                let first = Pattern::random_grid(config.mapping.grid(config.cells), config.seed)?;
                 let [low, high] = config.range.map(|v| f64::from(v) / 255.0);
                 let cells = of_pattern(&first)
                     .into_iter()

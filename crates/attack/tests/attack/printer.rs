@@ -8,7 +8,7 @@ fn gamut() -> Gamut {
     let levels = [0, 51, 102, 153, 204, 255];
     let comes_out = |rgb: [u8; 3]| {
         let [r, g, b] = rgb.map(|v| f64::from(v) / 255.0);
-        Lab::of_linear([
+        Lab::from_linear([
             0.05 + 0.6 * r * r + 0.1 * g,
             0.04 + 0.5 * g,
             0.06 + 0.4 * b + 0.1 * r * g,

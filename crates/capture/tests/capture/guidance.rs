@@ -36,7 +36,7 @@ fn a_larger_azimuth_is_to_the_right_of_somebody_who_faces_the_model() {
     for azimuth in [0.0, 100.0, 200.0, 300.0] {
         let here = view(azimuth, 15.0, 1000.0).camera_centre_mm(target);
         let right = (target - here).cross(&Vector3::z()).normalize();
-        let there = Viewpoint::of_camera(here + 50.0 * right, target);
+        let there = Viewpoint::from_camera(here + 50.0 * right, target);
         assert!(turn(azimuth, there.azimuth_deg) > 1.0);
     }
 }

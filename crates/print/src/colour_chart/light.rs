@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 const WORTH: f64 = 0.8;
 
 /// The kind of surface that is fitted to the light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Surface {
     Plane,

@@ -136,7 +136,7 @@ pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColou
     let means: Vec<[f64; 3]> = (0..first.patches.len()).map(mean).collect();
     let disagreement = |reading: &ChartReading| {
         let pairs = reading.patches.iter().zip(&means);
-        let off = pairs.map(|((_, own), mean)| Lab::of_linear(*own).delta_e(Lab::of_linear(*mean)));
+        let off = pairs.map(|((_, own), mean)| Lab::from_linear(*own).delta_e(Lab::from_linear(*mean)));
         off.sum::<f64>() / means.len() as f64
     };
     let disagreements: Vec<f64> = readings.iter().map(disagreement).collect();
@@ -209,8 +209,8 @@ fn refuse_reflections(inked: &[Sampled], light: &ChartLight) -> Result<(), Colou
 fn evenness(inked: &[Sampled], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
     let patchiness = |(cell, sample): &Sampled| {
         let white = light.at(cell.centre_mm());
-        let whole = Lab::of_linear(over(sample.light, white));
-        let off = |part: &[f64; 3]| Lab::of_linear(over(*part, white)).delta_e(whole);
+        let whole = Lab::from_linear(over(sample.light, white));
+        let off = |part: &[f64; 3]| Lab::from_linear(over(*part, white)).delta_e(whole);
         sample.parts.iter().map(off).fold(0.0, f64::max)
     };
     let mut all: Vec<(f64, ChartCell)> = inked.iter().map(|patch| (patchiness(patch), patch.0)).collect();
@@ -228,7 +228,7 @@ fn evenness(inked: &[Sampled], light: &ChartLight) -> Result<(f64, f64), ColourC
 
 fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChartError> {
     let blacks = patches.iter().filter(|(asked, _)| *asked == [0; 3]);
-    let lightness: Vec<f64> = blacks.map(|(_, light)| Lab::of_linear(*light).l).collect();
+    let lightness: Vec<f64> = blacks.map(|(_, light)| Lab::from_linear(*light).l).collect();
     let low = lightness.iter().copied().fold(f64::INFINITY, f64::min);
     let high = lightness.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if high - low > MOST_BLACK_SPREAD {

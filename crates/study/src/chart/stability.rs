@@ -118,8 +118,8 @@ impl Conditions {
             let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
             let centre = tag.centre_mm + away * tilted(tag, tilt_deg, around);
             // The camera looks at the tag; the view's own viewpoint is from the model's target.
-            let pose = looking_at(&Viewpoint::of_camera(centre, tag.centre_mm), tag.centre_mm);
-            (pose, Viewpoint::of_camera(centre, target))
+            let pose = looking_at(&Viewpoint::from_camera(centre, tag.centre_mm), tag.centre_mm);
+            (pose, Viewpoint::from_camera(centre, target))
         });
         let (pose, viewpoint) = attempts.find(|(pose, _)| shows(&self.camera, &(pose * target)))?;
         let seen = Simulator::new(&alone, &self.camera, self.noise, seed).seen(&pose);

@@ -19,8 +19,8 @@ use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};
 use scaleproof_attack::run::Rgb;
 use scaleproof_frames::surrogate::dtn::{DtnError, file};
 use scaleproof_frames::surrogate::renderer::NeuralRenderer;
-use scaleproof_gradients::detector::OnnxDetector;
 use scaleproof_gradients::device::DeviceKind;
+use scaleproof_gradients::network::detector::OnnxDetector;
 use scaleproof_pose::scene::Classes;
 
 /// More of `scaleproof attack …`.
@@ -100,7 +100,7 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<&'static str> {
 pub(in crate::cli) fn keep_refusals_quiet() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |about| {
-        if !scaleproof_gradients::is_refusing() {
+        if !scaleproof_gradients::network::is_refusing() {
             usual(about);
         }
     }));

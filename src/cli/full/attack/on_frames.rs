@@ -29,9 +29,6 @@ use scaleproof_core::spelling::count;
 use scaleproof_detect::{Manifest, ProgramDetector};
 use scaleproof_frames::frames::{FrameSet, views};
 use scaleproof_gradients::WhiteBox;
-use scaleproof_gradients::device::DeviceKind;
-#[cfg(feature = "attack")]
-use scaleproof_gradients::network::detector::OnnxDetector;
 use scaleproof_gradients::program::ProgramWhiteBox;
 use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::card::{self, CardError};
