@@ -11,6 +11,8 @@ use super::{
 };
 use scaleproof_core::files;
 use scaleproof_detect::Speeds;
+use scaleproof_score::report::{ComparisonPage, SummaryPage};
+use scaleproof_score::score::{SealedFile, SequentialPlan};
 
 /// Write the JSON Schemas of all outputs
 #[derive(clap::Args)]
@@ -26,6 +28,7 @@ pub(super) type Named = (&'static str, Schema);
 fn all() -> Vec<Named> {
     let mut all = vec![
         ("camera-show", schema_for!(camera::Answer)),
+        ("comparison", schema_for!(ComparisonPage)),
         ("colour-read", schema_for!(colour::Answer)),
         ("demo", schema_for!(demo::Answer)),
         ("locate", schema_for!(locate::OutputLine)),
@@ -35,9 +38,12 @@ fn all() -> Vec<Named> {
         ("plan", schema_for!(plan::PairsNeeded)),
         ("plan-scene", schema_for!(plan::PlacesNeeded)),
         ("plan-seal", schema_for!(plan::sealed::Sealed)),
+        ("plan-sealed-file", schema_for!(SealedFile)),
+        ("plan-sequential", schema_for!(SequentialPlan)),
         ("scene-new", schema_for!(Written<scene::Answer>)),
         ("score-shard", schema_for!(score::WrittenShard)),
         ("speed", schema_for!(Speeds)),
+        ("summary", schema_for!(SummaryPage)),
     ];
     all.extend(detectors::schemas());
     all.extend(print::schemas());

@@ -148,6 +148,7 @@ pub(in crate::cli) fn schemas() -> Vec<Named> {
         ("attack-photos", schema_for!(photos::FramesOfPhotos)),
         ("attack-run", schema_for!(on_frames::Made)),
     ];
+    all.push(("renderers", schema_for!(scaleproof_frames::surrogate::chart::Numbers)));
     all.extend(networks::schemas());
     all
 }

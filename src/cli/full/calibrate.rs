@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::cli::answer::answer;
 use crate::cli::print::write_files;
 use crate::cli::{CommandResult, Outcome, progress};
 use scaleproof_pose::board::Definition;
@@ -60,7 +61,7 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         .collect();
     write_files(&files, &inputs)?;
     if args.json {
-        writeln!(out, "{}", serde_json::to_string(&calibrate::json(&found))?)?;
+        answer(&calibrate::answer(&found), out)?;
     } else {
         tell(&found, out)?;
         for (path, _) in &files {

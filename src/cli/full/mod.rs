@@ -77,6 +77,8 @@ pub(super) fn detectors(command: DetectorsCommand, out: &mut dyn Write) -> Comma
 /// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     let mut all = vec![
+        ("advice", schema_for!(scaleproof_study::advise::Advice)),
+        ("calibrate", schema_for!(scaleproof_rig::calibrate::CalibrationAnswer)),
         ("capture", schema_for!(capture::Line)),
         ("capture-list-cameras", schema_for!(capture::Cameras)),
         ("detectors-fetch", schema_for!(fetch::Fetched)),

@@ -264,19 +264,22 @@ pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option
     ((count > 0).then(|| sum / count as f64), all / values.max(1) as f64)
 }
 
+/// `renderers.json`.
+#[derive(Serialize, schemars::JsonSchema)]
+pub struct Numbers<'a> {
+    scaleproof: &'static str,
+    frames_sha256: &'a str,
+    made_by: &'a str,
+    /// The colours that models were fitted to, as hex.
+    references: &'a [String],
+    rows: &'a [SurrogateFigures],
+}
+
 /// The figures as JSON, with what they were measured on.
 ///
 /// # Errors
 /// Only if the encoder fails.
 pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
-    #[derive(Serialize)]
-    struct Numbers<'a> {
-        scaleproof: &'static str,
-        frames_sha256: &'a str,
-        made_by: &'a str,
-        references: &'a [String],
-        rows: &'a [SurrogateFigures],
-    }
     let numbers = Numbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
         frames_sha256: &set.sha256,

@@ -26,7 +26,7 @@ pub use fit::{View, refit};
 pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
-pub use summary::{choice_lines, json, numbers};
+pub use summary::{CalibrationAnswer, answer, choice_lines, numbers};
 pub use uncertainty::UncertaintyMap;
 
 /// A corner of the board where a photo shows it.

@@ -1,52 +1,121 @@
 //! The calibration for programs, and in sentences: what was chosen and what was dropped.
 
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
-use super::{Calibration, CandidateModel, PhotoResult};
+use super::{Calibration, LeftOut, Model, Moves};
+use crate::calibrate::Definition;
 
-/// One JSON object; keys carry their units.
-pub fn json(found: &Calibration) -> Value {
+/// `calibrate --json`. Standard deviations are of one sigma.
+#[derive(Serialize, JsonSchema)]
+pub struct CalibrationAnswer<'a> {
+    /// The board file.
+    board: &'a Definition,
+    image_width_px: u32,
+    image_height_px: u32,
+    /// The chosen model.
+    model: Model,
+    fx_px: f64,
+    fy_px: f64,
+    cx_px: f64,
+    cy_px: f64,
+    fx_sigma_px: f64,
+    fy_sigma_px: f64,
+    cx_sigma_px: f64,
+    cy_sigma_px: f64,
+    /// k1, k2, p1, p2, k3, k4, k5, k6.
+    distortion: [f64; 8],
+    /// Their standard deviations.
+    distortion_sigma: &'a [f64],
+    /// Of all corners, root mean square.
+    rms_px: f64,
+    /// Held-out error of the chosen model: each corner is predicted without having been used.
+    held_out_px: f64,
+    /// The candidate models, from the smallest up.
+    ladder: Vec<CandidateAnswer<'a>>,
+    photos: Vec<PhotoAnswer<'a>>,
+    /// Photos without a part in the camera.
+    left_out: &'a [LeftOut],
+    /// Corners rejected as outliers.
+    lost_corners: usize,
+    /// Corners in each of 10 × 10 cells of the image, row by row.
+    coverage_10x10: &'a [usize],
+    cautions: &'a [String],
+}
+
+/// A candidate model.
+#[derive(Serialize, JsonSchema)]
+struct CandidateAnswer<'a> {
+    model: Model,
+    /// How many numbers are fitted.
+    parameters: usize,
+    held_out_px: f64,
+    /// Standard error of `held_out_px`.
+    held_out_sigma_px: f64,
+    is_chosen: bool,
+    /// How far the model would move the camera in these photos, at worst.
+    moves: &'a Moves,
+}
+
+/// A photo of the board.
+#[derive(Serialize, JsonSchema)]
+struct PhotoAnswer<'a> {
+    file: &'a str,
+    /// How many.
+    corners: usize,
+    /// Of its corners, root mean square.
+    rms_px: f64,
+    /// Of the board from facing the camera.
+    tilt_deg: f64,
+    /// Of the board.
+    distance_mm: f64,
+    /// How wide the edges of the board are in the image.
+    edge_width_px: Option<f64>,
+}
+
+/// What programs read of a calibration.
+pub fn answer(found: &Calibration) -> CalibrationAnswer<'_> {
     let (c, s) = (&found.camera, &found.sigmas);
-    let photo = |p: &PhotoResult| {
-        json!({
-            "file": p.file,
-            "corners": p.corners_px.len(),
-            "rms_px": p.rms_px,
-            "tilt_deg": p.tilt_deg,
-            "distance_mm": p.distance_mm,
-            "edge_width_px": p.edge_width_px,
-        })
-    };
-    let model = |(i, r): (usize, &CandidateModel)| {
-        json!({
-            "model": r.model,
-            "parameters": r.model.parameters(),
-            "held_out_px": r.held_out_px,
-            "held_out_sigma_px": r.error_px,
-            "is_chosen": i == found.chosen,
-            "moves": r.moves,
-        })
-    };
-    let photos: Vec<Value> = found.photos.iter().map(photo).collect();
-    let ladder: Vec<Value> = found.models.iter().enumerate().map(model).collect();
-    json!({
-        "board": found.board,
-        "image_width_px": c.width,
-        "image_height_px": c.height,
-        "model": found.chosen_model().model,
-        "fx_px": c.fx, "fy_px": c.fy, "cx_px": c.cx, "cy_px": c.cy,
-        "fx_sigma_px": s[0], "fy_sigma_px": s[1], "cx_sigma_px": s[2], "cy_sigma_px": s[3],
-        "distortion": c.distortion(),
-        "distortion_sigma": s[4..],
-        "rms_px": found.rms_px,
-        "held_out_px": found.chosen_model().held_out_px,
-        "ladder": ladder,
-        "photos": photos,
-        "left_out": found.left_out,
-        "lost_corners": found.lost_corners,
-        "coverage_10x10": found.coverage,
-        "cautions": found.cautions,
-    })
+    let photos = found.photos.iter().map(|p| PhotoAnswer {
+        file: &p.file,
+        corners: p.corners_px.len(),
+        rms_px: p.rms_px,
+        tilt_deg: p.tilt_deg,
+        distance_mm: p.distance_mm,
+        edge_width_px: p.edge_width_px,
+    });
+    let ladder = found.models.iter().enumerate().map(|(i, r)| CandidateAnswer {
+        model: r.model,
+        parameters: r.model.parameters(),
+        held_out_px: r.held_out_px,
+        held_out_sigma_px: r.error_px,
+        is_chosen: i == found.chosen,
+        moves: &r.moves,
+    });
+    CalibrationAnswer {
+        board: &found.board,
+        image_width_px: c.width,
+        image_height_px: c.height,
+        model: found.chosen_model().model,
+        fx_px: c.fx,
+        fy_px: c.fy,
+        cx_px: c.cx,
+        cy_px: c.cy,
+        fx_sigma_px: s[0],
+        fy_sigma_px: s[1],
+        cx_sigma_px: s[2],
+        cy_sigma_px: s[3],
+        distortion: *c.distortion(),
+        distortion_sigma: &s[4..],
+        rms_px: found.rms_px,
+        held_out_px: found.chosen_model().held_out_px,
+        ladder: ladder.collect(),
+        photos: photos.collect(),
+        left_out: &found.left_out,
+        lost_corners: found.lost_corners,
+        coverage_10x10: &found.coverage,
+        cautions: &found.cautions,
+    }
 }
 
 /// The chosen model and, for each other, what it would change.

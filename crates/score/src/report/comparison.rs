@@ -13,8 +13,9 @@ use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparis
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
 
-#[derive(Serialize)]
-struct Page<'a> {
+/// `comparison.json`.
+#[derive(Serialize, schemars::JsonSchema)]
+pub struct ComparisonPage<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     /// The p of each hit rate, corrected over the detectors of its texture.
@@ -45,7 +46,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
 
 /// The whole of `comparison.json`.
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
-    let page = Page {
+    let page = ComparisonPage {
         comparison,
         hit_rate_over_detectors: certainty::over_detectors(&comparison.results),
         classes: counted::classes(scores).labels(),

@@ -33,12 +33,13 @@ use scaleproof_core::spelling::digits;
 use scaleproof_detect::{Manifest, Speeds, coco_results};
 use scaleproof_plot::pdf::PdfError;
 
-pub use comparison::{comparison_json, comparison_table, write_comparison};
+pub use comparison::{ComparisonPage, comparison_json, comparison_table, write_comparison};
 pub use counted::counted;
 pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
 pub use export::{ExportFormat, ExportRequest, check_export, export};
 pub use sequential::standing;
+pub use summary_json::SummaryPage;
 pub use table::summary_table;
 pub use truth::truth_boxes;
 

@@ -12,8 +12,9 @@ use crate::score::{
 };
 use scaleproof_detect::Speeds;
 
-#[derive(Serialize)]
-struct Page<'a> {
+/// `summary.json`.
+#[derive(Serialize, schemars::JsonSchema)]
+pub struct SummaryPage<'a> {
     photos_scored: usize,
     /// The labels that count as the model.
     classes: &'a [String],
@@ -45,7 +46,7 @@ struct Page<'a> {
 }
 
 pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
-    let page = Page {
+    let page = SummaryPage {
         photos_scored: scores.photos.len(),
         classes: counted::classes(scores).labels(),
         ap_definition: scores.criteria.ap.name(),

@@ -59,7 +59,7 @@ pub use run::{TimedPhoto, merge, observe, score, timed_photos};
 pub use scaleproof_core::ap::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use scores::ScoredSet;
 pub use scores::Scores;
-pub use sealed::{SealedDetector, SealedPlan, Stopping};
+pub use sealed::{SealedDetector, SealedFile, SealedPlan, Stopping};
 pub use settings::{AppliedSettings, Settings};
 pub use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};

@@ -17,7 +17,7 @@ const REAL: [f64; 7] = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
 pub const SEQUENTIAL_ROWS: usize = REAL.len() + 1;
 
 /// Two plans that show the same drop with the same chance.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SequentialPlan {
     pub base_rate: f64,
     pub drop: f64,
@@ -32,7 +32,7 @@ pub struct SequentialPlan {
 }
 
 /// What becomes of experiments whose real drop is so large.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Expected {
     pub real_drop: f64,
     /// Shares of the experiments that show a drop, a rise, and a drop smaller than the least.

@@ -11,7 +11,7 @@ use scaleproof_detect::{Manifest, ManifestError};
 use scaleproof_pose::scene::Classes;
 
 /// What an experiment fixes before its photos are taken.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SealedPlan {
     /// Version that sealed it.
@@ -42,7 +42,7 @@ pub struct SealedPlan {
 }
 
 /// What a detector is known by.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SealedDetector {
     pub weights_sha256: String,
@@ -51,7 +51,7 @@ pub struct SealedDetector {
 }
 
 /// When the photos are enough.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Stopping {
     /// When every view is there; looked at once.
@@ -64,9 +64,9 @@ pub enum Stopping {
 }
 
 /// The file: the plan, and the SHA-256 of the plan as it was.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct SealedFile {
+pub struct SealedFile {
     seal: String,
     plan: SealedPlan,
 }
