@@ -5,6 +5,7 @@ use crate::common;
 mod examples;
 mod help;
 mod markdown;
+mod schema;
 mod scratch;
 mod shell;
 
@@ -309,6 +310,26 @@ fn commands_of_the_guide_run() {
     assert_run(&pages_with(is_run), None);
 }
 
+/// `docs/schema` is what the types say.
+#[test]
+fn the_schemas_are_those_of_the_types() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = common::program().arg("schemas").arg("-o").arg(folder.path()).output().unwrap();
+    assert!(ran.status.success(), "{}", common::stderr(&ran));
+    let read = |folder: &Path| -> std::collections::BTreeMap<String, String> {
+        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let named = |path: PathBuf| {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            (name, std::fs::read_to_string(path).unwrap())
+        };
+        files.map(named).collect()
+    };
+    let (stored, now) = (read(&home().join("docs/schema")), read(folder.path()));
+    let differing = |name: &&String| stored.get(*name) != now.get(*name);
+    let stale: Vec<&String> = stored.keys().chain(now.keys()).filter(differing).collect();
+    assert!(stale.is_empty(), "write them again by `scaleproof schemas -o docs/schema`: {stale:?}");
+}
+
 /// Pages of which some commands need the weights of detectors, whole, since these commands go on with what others wrote.
 #[test]
 #[ignore = "needs the shared material: ./run test --shared"]
@@ -342,7 +363,8 @@ fn assert_run(pages: &[Page], weights: Option<&Path>) {
                     let ran = scratch.run(page);
                     let mut found: Vec<String> = ran.iter().filter_map(|block| block.fault.clone()).collect();
                     if found.is_empty() {
-                        found = examples::faults_of_keys(page, scratch.path(), weights.is_some());
+                        found = examples::faults_of_keys(page, scratch.path());
+                        found.extend(examples::faults_of_schemas(page, scratch.path(), weights.is_some()));
                     }
                     faults.lock().unwrap().extend(found);
                     times

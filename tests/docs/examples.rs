@@ -143,17 +143,33 @@ fn run(command: &[&str], input: &Path, output: &Path) -> Read {
     }
 }
 
-/// What a page says of the keys of a file that its commands have written in `folder`: the faults. Files that only commands with weights write
-/// stand in `keys with weights of`.
-pub fn faults_of_keys(page: &Page, folder: &Path, has_weights: bool) -> Vec<String> {
+/// Files that a page's commands have written in `folder`, held against the schemas that it names: `written as NAME: FILE`, or, of files that only
+/// commands with weights write, `with weights written as NAME: FILE`.
+pub fn faults_of_schemas(page: &Page, folder: &Path, has_weights: bool) -> Vec<String> {
     let mut faults = Vec::new();
-    for (i, (line, text)) in page.prose.iter().enumerate() {
-        let Some((names, needs_weights)) = files_with_keys(text) else {
+    for (line, text) in &page.prose {
+        let Some(remark) = text.trim().strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) else {
             continue;
         };
-        if needs_weights && !has_weights {
+        let always = remark.strip_prefix("written as ");
+        let with_weights = || remark.strip_prefix("with weights written as ").filter(|_| has_weights);
+        let Some((name, file)) = always.or_else(with_weights).and_then(|rest| rest.split_once(": ")) else {
             continue;
-        }
+        };
+        let schema = common::home().join(format!("docs/schema/{name}.json"));
+        let found = super::schema::faults(&folder.join(file), &schema);
+        faults.extend(found.iter().map(|fault| format!("{}, line {line}, {file}: {fault}", page.name)));
+    }
+    faults
+}
+
+/// What a page says of the keys of a file that its commands have written in `folder`: the faults.
+pub fn faults_of_keys(page: &Page, folder: &Path) -> Vec<String> {
+    let mut faults = Vec::new();
+    for (i, (line, text)) in page.prose.iter().enumerate() {
+        let Some(names) = files_with_keys(text) else {
+            continue;
+        };
         let written: BTreeSet<String> = names
             .split_whitespace()
             .flat_map(|name| keys(&folder.join(name)))
@@ -179,13 +195,9 @@ pub fn faults_of_keys(page: &Page, folder: &Path, has_weights: bool) -> Vec<Stri
     faults
 }
 
-/// The files that a line names as those whose keys follow, and whether commands with weights write them.
-fn files_with_keys(line: &str) -> Option<(&str, bool)> {
-    let remark = line.trim().strip_prefix("<!-- keys ")?.strip_suffix("-->")?;
-    match remark.strip_prefix("with weights of:") {
-        Some(names) => Some((names, true)),
-        None => Some((remark.strip_prefix("of:")?, false)),
-    }
+/// The files that a line names as those whose keys follow.
+fn files_with_keys(line: &str) -> Option<&str> {
+    line.trim().strip_prefix("<!-- keys of:")?.strip_suffix("-->")
 }
 
 /// A line of a table.
