@@ -8,8 +8,7 @@ use std::time::Instant;
 
 use ort::environment::Environment;
 use ort::session::Session;
-use scaleproof::{BoxPx, Boxes, Manifest, OnnxDetector, WhiteBox};
-use scaleproof_gradients::device::DeviceKind;
+use scaleproof::{BoxPx, Boxes, DeviceKind, Manifest, OnnxDetector, WhiteBox};
 
 const ROUNDS: usize = 15;
 /// Pictures a thread looks at while two are at work.
@@ -46,13 +45,7 @@ fn main() {
 }
 
 fn measure(environment: &Environment, manifest: &Manifest, weights: &Path) {
-    let detector = OnnxDetector::open(
-        manifest,
-        weights,
-        &[CAR],
-        &DeviceKind::Cpu.open().expect("the processor"),
-    )
-    .expect("a detector");
+    let detector = OnnxDetector::open(manifest, weights, &[CAR], DeviceKind::Cpu).expect("a detector");
     let (picture, size) = picture();
     let best = detector.predictions(&picture, size).expect("predictions");
     let best = best

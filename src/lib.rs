@@ -58,7 +58,7 @@ pub use {
     scaleproof_attack::run::view_set::{TextureMapping, ViewSet},
     scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
     scaleproof_frames::surrogate::projection::Grid,
-    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, network::detector::OnnxDetector},
+    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, device::DeviceKind, network::detector::OnnxDetector},
 };
 
 /// The program `scaleproof`.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use burn::tensor::Device;
+use scaleproof_gradients::device::DeviceKind;
 use common::{home, shared};
 use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
@@ -35,7 +36,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), DeviceKind::Cpu).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -63,7 +64,7 @@ fn outputs_are_those_of_onnx_runtime() {
 
 fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
     let path = shared(&format!("detectors/{file}"));
-    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, &Device::flex()).unwrap();
+    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, DeviceKind::Cpu).unwrap();
     (detector, path)
 }
 
@@ -1062,7 +1063,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let all: Vec<usize> = (0..manifest.labels.count())
             .filter(|l| manifest.labels.name(*l).is_some())
             .collect();
-        let detector = OnnxDetector::open(&manifest, &path, &all, &Device::flex()).unwrap();
+        let detector = OnnxDetector::open(&manifest, &path, &all, DeviceKind::Cpu).unwrap();
         let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
         let solid = predictions
@@ -1078,7 +1079,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
             "{head}: {best} {:?}",
             found[0]
         );
-        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7], &Device::flex()).unwrap();
+        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7], DeviceKind::Cpu).unwrap();
         let (worst, jumps) = worst_derivative(&cars, &picture, size, &mut rng);
         assert_eq!(jumps, 0, "{head}");
         assert!(worst < 0.01, "{head}: {worst}");
@@ -1091,7 +1092,7 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
     let path = folder.path().join("one_box.onnx");
     for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
         std::fs::write(&path, one_box(bias)).unwrap();
-        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7], &Device::flex()).unwrap();
+        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7], DeviceKind::Cpu).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
         let look = detector.forward(&picture, [64, 64]).unwrap();
         let prediction = look.predictions()[0];
@@ -1223,7 +1224,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let path = folder.path().join("net.onnx");
     let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
         std::fs::write(&path, bytes).unwrap();
-        let error = OnnxDetector::open(manifest, &path, labels, &Device::flex())
+        let error = OnnxDetector::open(manifest, &path, labels, DeviceKind::Cpu)
             .err()
             .expect("refused")
             .to_string();

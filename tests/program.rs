@@ -1,5 +1,5 @@
-//! The tests of several crates together and of the program: one integration test, linked once, with a module for each file of this folder. Unit
-//! tests stand beside the code.
+//! The tests of several crates together and of the program: one integration test, linked once, with a module for each file of this folder. Tests of
+//! one crate stand in its own folder.
 
 use scaleproof_testing as common;
 

@@ -27,6 +27,7 @@ mod strongest;
 pub use fault::NetworkFault;
 pub use strongest::{Boxes, MEETS_IOU, strongest};
 
+use device::DeviceError;
 use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::ProgramError;
@@ -63,6 +64,8 @@ pub enum WhiteBoxError {
     Probabilities,
     #[error("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")]
     ChosenBoxes,
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     #[error(transparent)]
     Program(#[from] ProgramError),
     #[error("{name} gives no gradients, and this differentiates it: let its hello have \"gradients\": true")]

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use burn::tensor::Device;
-
 use super::onnx::{NetworkPass, OnnxNetwork, Output};
 use super::resample::Resampler;
+use crate::device::DeviceKind;
 use crate::{Boxes, ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
@@ -23,13 +22,13 @@ impl OnnxDetector {
     /// Reads a detector's weights. `labels`: the indices into its labels that count as the model.
     ///
     /// # Errors
-    /// Labels it does not have; an input or a head that no gradient can pass; unknown operators, by their names; a network whose
-    /// outputs are not those of the manifest's head.
+    /// A device that is not there; labels it does not have; an input or a head that no gradient can pass; unknown operators, by their names; a
+    /// network whose outputs are not those of the manifest's head.
     pub fn open(
         manifest: &Manifest,
         weights: &Path,
         labels: &[usize],
-        device: &Device,
+        device: DeviceKind,
     ) -> Result<OnnxDetector, WhiteBoxError> {
         let refused = |reason: WhiteBoxError| WhiteBoxError::Detector {
             name: manifest.name.clone(),
@@ -47,7 +46,7 @@ impl OnnxDetector {
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, photo_size, device)?,
+            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, photo_size, &device.open()?)?,
         };
         // A head that does not fit is refused now, not at the first image.
         let [width, height] = manifest.input.size_px;

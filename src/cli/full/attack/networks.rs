@@ -62,7 +62,7 @@ pub(super) fn white_boxes(
     class: &Classes,
     device: DeviceKind,
 ) -> Result<WhiteBoxes, Box<dyn Error>> {
-    let device = device.open()?;
+    device.open()?; // Its own sentence, before any detector is read.
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
     for manifest in detectors::chosen(names)? {
@@ -70,7 +70,7 @@ pub(super) fn white_boxes(
         let path = folders.checked(&manifest)?;
         let sha256 = manifest.weights.sha256.chars().take(12).collect::<String>();
         named.push(format!("{} {sha256}", manifest.name));
-        all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels, &device)?));
+        all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels, device)?));
     }
     Ok((all, named))
 }
