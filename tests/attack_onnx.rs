@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use burn::tensor::Device;
-use scaleproof_gradients::device::DeviceKind;
 use common::{home, shared};
 use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
@@ -19,6 +18,7 @@ use scaleproof_attack::run::{Attack, AttackConfig, CellColours};
 use scaleproof_detect::{Detector, Manifest, Runtime};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
+use scaleproof_gradients::device::DeviceKind;
 use scaleproof_gradients::network::detector::OnnxDetector;
 use scaleproof_gradients::network::onnx::OnnxNetwork;
 use scaleproof_gradients::{Boxes, Prediction, WhiteBox};

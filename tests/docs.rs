@@ -314,7 +314,12 @@ fn commands_of_the_guide_run() {
 #[test]
 fn the_schemas_are_those_of_the_types() {
     let folder = tempfile::tempdir().unwrap();
-    let ran = common::program().arg("schemas").arg("-o").arg(folder.path()).output().unwrap();
+    let ran = common::program()
+        .arg("schemas")
+        .arg("-o")
+        .arg(folder.path())
+        .output()
+        .unwrap();
     assert!(ran.status.success(), "{}", common::stderr(&ran));
     let read = |folder: &Path| -> std::collections::BTreeMap<String, String> {
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -327,7 +332,10 @@ fn the_schemas_are_those_of_the_types() {
     let (stored, now) = (read(&home().join("docs/schema")), read(folder.path()));
     let differing = |name: &&String| stored.get(*name) != now.get(*name);
     let stale: Vec<&String> = stored.keys().chain(now.keys()).filter(differing).collect();
-    assert!(stale.is_empty(), "write them again by `scaleproof schemas -o docs/schema`: {stale:?}");
+    assert!(
+        stale.is_empty(),
+        "write them again by `scaleproof schemas -o docs/schema`: {stale:?}"
+    );
 }
 
 /// Pages of which some commands need the weights of detectors, whole, since these commands go on with what others wrote.

@@ -148,7 +148,11 @@ fn run(command: &[&str], input: &Path, output: &Path) -> Read {
 pub fn faults_of_schemas(page: &Page, folder: &Path, has_weights: bool) -> Vec<String> {
     let mut faults = Vec::new();
     for (line, text) in &page.prose {
-        let Some(remark) = text.trim().strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) else {
+        let Some(remark) = text
+            .trim()
+            .strip_prefix("<!-- ")
+            .and_then(|rest| rest.strip_suffix(" -->"))
+        else {
             continue;
         };
         let always = remark.strip_prefix("written as ");
@@ -158,7 +162,11 @@ pub fn faults_of_schemas(page: &Page, folder: &Path, has_weights: bool) -> Vec<S
         };
         let schema = common::home().join(format!("docs/schema/{name}.json"));
         let found = super::schema::faults(&folder.join(file), &schema);
-        faults.extend(found.iter().map(|fault| format!("{}, line {line}, {file}: {fault}", page.name)));
+        faults.extend(
+            found
+                .iter()
+                .map(|fault| format!("{}, line {line}, {file}: {fault}", page.name)),
+        );
     }
     faults
 }

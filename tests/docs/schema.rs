@@ -30,7 +30,9 @@ fn parts<'a>(root: &'a Value, schema: &'a Value, value: &Value) -> Option<Vec<&'
     for alternatives in ["anyOf", "oneOf"] {
         if let Some(alternatives) = schema[alternatives].as_array() {
             let fits = |part: &&Value| {
-                check(root, part, value, "").iter().all(|fault| fault.starts_with(UNKNOWN))
+                check(root, part, value, "")
+                    .iter()
+                    .all(|fault| fault.starts_with(UNKNOWN))
             };
             all.extend(parts(root, alternatives.iter().find(fits)?, value)?);
         }
@@ -53,7 +55,11 @@ fn check(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
         if !part["enum"].as_array().is_none_or(is_one) || part.get("const").is_some_and(|only| only != value) {
             faults.push(format!("{at}: {value} is no choice"));
         }
-        let required = part["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        let required = part["required"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(Value::as_str);
         let lacks = |key: &&str| value.get(key).is_none();
         faults.extend(required.filter(lacks).map(|key| format!("{at}: lacks {key}")));
     }
