@@ -9,12 +9,8 @@ pub(super) type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
 /// An error's sentence with the advice of the commands on it, or on what it wraps.
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
-    match wrapped.find_map(|e| {
-        super::ADVICE
-            .iter()
-            .chain(super::full::ADVICE)
-            .find_map(|advise| advise(e))
-    }) {
+    let on = |e| super::ADVICE.iter().copied().flatten().find_map(|advise| advise(e));
+    match wrapped.find_map(on) {
         Some(advice) if advice.starts_with([',', ' ', ';']) => format!("{error}{advice}"),
         Some(advice) => format!("{error}: {advice}"),
         None => error.to_string(),

@@ -20,14 +20,14 @@ mod photos;
 mod render;
 mod run;
 
-pub(in crate::cli) use advice::advice;
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
+use crate::cli::answer::Named;
 use crate::cli::answer::answer;
-use crate::cli::schemas::Named;
 use schemars::JsonSchema;
 use schemars::schema_for;
 use serde::Serialize;
+use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -37,6 +37,7 @@ use crate::cli::{CommandResult, Outcome};
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::FrameSet;
+use scaleproof_gradients::WhiteBox;
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
@@ -73,6 +74,14 @@ struct CheckArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// The option that helps.
+pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    advice::advice(error).or_else(|| networks::advice(error).map(str::to_owned))
+}
+
+/// Detectors, and the name and hash of each.
+type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// Runs `scaleproof attack …`.
 pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {

@@ -1,7 +1,7 @@
 //! `scaleproof chart`: methods against each other, on the same photos.
 
+use crate::cli::answer::Named;
 use crate::cli::answer::write_json;
-use crate::cli::schemas::Named;
 use schemars::JsonSchema;
 use schemars::schema_for;
 use std::io::Write;

@@ -2,7 +2,6 @@
 
 use std::error::Error;
 
-use super::networks;
 use crate::cli::results;
 use scaleproof_attack::evaluate::EvaluateError;
 use scaleproof_attack::run::RunError;
@@ -19,8 +18,7 @@ pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().and_then(of_evaluation))
         .or_else(|| error.downcast_ref().and_then(of_colours))
         .or_else(|| error.downcast_ref().and_then(of_chart))
-        .or_else(|| error.downcast_ref().and_then(of_run))
-        .or_else(|| networks::advice(error));
+        .or_else(|| error.downcast_ref().and_then(of_run));
     fixed
         .map(str::to_owned)
         .or_else(|| error.downcast_ref().map(of_device))

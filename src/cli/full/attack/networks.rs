@@ -2,7 +2,7 @@
 
 mod train_dtn;
 
-use crate::cli::schemas::Named;
+use crate::cli::answer::Named;
 use schemars::schema_for;
 use std::error::Error;
 use std::io::Write;
@@ -10,9 +10,9 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
+use super::WhiteBoxes;
 use super::advice::of_colours;
 use super::device::OnDevice;
-use super::on_frames::WhiteBoxes;
 use crate::cli::CommandResult;
 use crate::cli::detectors::{self, Folder};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};

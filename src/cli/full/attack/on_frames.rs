@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::device::OnDevice;
-use super::networks;
+use super::{WhiteBoxes, networks};
 use crate::cli::answer::answer;
 use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
@@ -356,9 +356,6 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
         .into())
     }
 }
-
-/// Detectors, and the name and hash of each.
-pub(super) type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// A program, and its name and hash.
 fn program_box(
