@@ -28,7 +28,7 @@ pub enum SurrogateChartError {
 }
 
 /// One model with so many reference colours, over all views.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SurrogateFigures {
     /// The name of a closed form or of a network.
     pub model: String,

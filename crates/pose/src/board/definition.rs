@@ -42,7 +42,7 @@ pub enum BoardFault {
 }
 
 /// A board by the numbers a detector needs. Lengths in mm; (columns, rows).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Definition {
     /// OpenCV 4.6's layout: the top left square is black, markers stand in the white squares, row by row from the top left.

@@ -32,7 +32,7 @@ pub enum CalibrationError {
 }
 
 /// What weakens a camera that was found. Each is a sentence.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(transparent)]
 pub struct CalibrationCaution(pub String);
 

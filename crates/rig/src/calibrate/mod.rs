@@ -67,7 +67,7 @@ impl BoardPhoto {
 }
 
 /// A photo that had no part in the camera, and the sentence why.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct UnusedPhoto {
     pub file: String,
     pub reason: String,

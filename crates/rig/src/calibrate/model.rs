@@ -9,7 +9,7 @@ use scaleproof_pose::camera::projection::PARAMETERS;
 pub(super) const ALL: usize = PARAMETERS;
 
 /// What of a camera is fitted; what is not is 0, and the principal point the image's centre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LensModel {
     /// One focal length.

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{Calibration, LeftOut, Model, Moves};
-use crate::calibrate::Definition;
+use super::ladder::ModelDifference;
+use super::{Calibration, CalibrationCaution, Definition, LensModel, UnusedPhoto};
 
 /// `calibrate --json`. Standard deviations are of one sigma.
 #[derive(Serialize, JsonSchema)]
@@ -14,7 +14,7 @@ pub struct CalibrationAnswer<'a> {
     image_width_px: u32,
     image_height_px: u32,
     /// The chosen model.
-    model: Model,
+    model: LensModel,
     fx_px: f64,
     fy_px: f64,
     cx_px: f64,
@@ -35,18 +35,18 @@ pub struct CalibrationAnswer<'a> {
     ladder: Vec<CandidateAnswer<'a>>,
     photos: Vec<PhotoAnswer<'a>>,
     /// Photos without a part in the camera.
-    left_out: &'a [LeftOut],
+    left_out: &'a [UnusedPhoto],
     /// Corners rejected as outliers.
     lost_corners: usize,
     /// Corners in each of 10 × 10 cells of the image, row by row.
-    coverage_10x10: &'a [usize],
-    cautions: &'a [String],
+    coverage_10x10: &'a [u32],
+    cautions: &'a [CalibrationCaution],
 }
 
 /// A candidate model.
 #[derive(Serialize, JsonSchema)]
 struct CandidateAnswer<'a> {
-    model: Model,
+    model: LensModel,
     /// How many numbers are fitted.
     parameters: usize,
     held_out_px: f64,
@@ -54,7 +54,7 @@ struct CandidateAnswer<'a> {
     held_out_sigma_px: f64,
     is_chosen: bool,
     /// How far the model would move the camera in these photos, at worst.
-    moves: &'a Moves,
+    moves: &'a ModelDifference,
 }
 
 /// A photo of the board.

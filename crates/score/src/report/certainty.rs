@@ -11,7 +11,7 @@ use scaleproof_core::statistics::{FEWEST_CLUSTERS, holm, wilson_95};
 pub(super) const FIGURES: usize = 3;
 
 /// McNemar's p of the hit rate of one detector and texture, corrected by Holm over the detectors.
-#[derive(Serialize)]
+#[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct Corrected<'a> {
     pub detector: &'a str,
     pub variant: &'a str,

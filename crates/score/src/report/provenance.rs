@@ -9,7 +9,7 @@ use super::counted;
 use crate::score::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
 
-#[derive(Serialize)]
+#[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct Provenance {
     pub scaleproof: &'static str,
     pub onnx_runtime: Option<String>,
@@ -30,7 +30,7 @@ pub(super) struct Provenance {
     pub patterns: Vec<WornPattern>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct DetectorProvenance {
     pub name: String,
     pub title: String,
@@ -52,7 +52,7 @@ pub(super) struct DetectorProvenance {
     pub recorded_by: Option<String>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct SessionProvenance {
     pub folder: String,
     pub model: String,

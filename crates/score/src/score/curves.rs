@@ -7,7 +7,7 @@ use super::{MATCH_IOU, Rate, Scores, Summary};
 use scaleproof_core::ap::Ranked;
 
 /// The curves of one detector on one variant, over all its photos.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Curves {
     pub detector: String,
     pub variant: String,
@@ -18,14 +18,14 @@ pub struct Curves {
 }
 
 /// Precision and recall of the detections down to one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CurvePoint {
     pub recall: f64,
     pub precision: f64,
 }
 
 /// How many photos show the model at some confidence or more.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HitRateFrom {
     pub confidence: f64,
     #[serde(flatten)]

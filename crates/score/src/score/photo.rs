@@ -69,7 +69,7 @@ pub struct TagMark {
 }
 
 /// A photo that could not be scored.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct NotScored {
     /// Name of the session's folder.
     pub session: String,

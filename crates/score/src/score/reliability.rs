@@ -13,7 +13,7 @@ pub const RELIABILITY_FLOOR: f64 = 0.1;
 const STEPS: usize = 10;
 
 /// Confidence against correctness of one detector, over all variants.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Reliability {
     pub detector: String,
     /// From the floor up; those without a detection are there with none.
@@ -26,7 +26,7 @@ pub struct Reliability {
 }
 
 /// The detections of one step of confidence.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ConfidenceBin {
     /// At least `low` and below `high`; 1 belongs to the last.
     pub low: f64,

@@ -13,7 +13,7 @@ use scaleproof_session::envelope::EnvelopeShape;
 use scaleproof_session::session::Session;
 
 /// Choices of a session; what is absent is as usual.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Name of a tag detector.
@@ -31,7 +31,7 @@ pub struct Settings {
 }
 
 /// Settings that a run was made with.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AppliedSettings {
     /// Name of the file.
     pub file: String,

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Drop, Summary};
 
 /// The drops of one variant over all photos.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TransferRow {
     pub variant: String,
     /// One per detector, in the order of the run.
@@ -13,7 +13,7 @@ pub struct TransferRow {
 }
 
 /// The drop of one detector.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TransferDrop {
     pub detector: String,
     #[serde(flatten)]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// The pattern of a texture.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct WornPattern {
     pub variant: String,
     /// Name of its file.

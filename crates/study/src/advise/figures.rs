@@ -6,7 +6,7 @@ use scaleproof_core::statistics::Interval;
 use scaleproof_score::score::{ApDefinition, CompareError, Finding, Scores, compare, moved_drops};
 
 /// The drop of AP of one detector and texture, by one definition and envelope.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FigureRow {
     pub detector: String,
     pub variant: String,
@@ -25,7 +25,7 @@ pub struct FigureRow {
 }
 
 /// What figures depend on, and whether the findings do.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FigureAdvice {
     pub rows: Vec<FigureRow>,
     /// Definitions that change no finding, the usual one among them.

@@ -8,7 +8,7 @@ use scaleproof_core::statistics::Interval;
 use scaleproof_pose::scene::Viewpoint;
 
 /// One way of a step, and what it does on the session.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Choice {
     pub question: Question,
     pub name: String,
@@ -44,7 +44,7 @@ pub struct Choice {
 }
 
 /// What speaks against a way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The smallest of those that nothing speaks against.
@@ -68,7 +68,7 @@ pub enum Verdict {
 }
 
 /// Everything that is advised about a session.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Advice {
     /// Name of its folder.
     pub session: String,
@@ -80,7 +80,7 @@ pub struct Advice {
 }
 
 /// What a session says about the ways to locate its photos.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PoseAdvice {
     pub photos: usize,
     /// Photos that the usual way locates, and in which it can predict a left-out tag.
@@ -97,7 +97,7 @@ pub struct PoseAdvice {
 }
 
 /// The camera file against cameras that are refitted to the tags of one half of the photos and judged on the other.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CameraCheck {
     /// Photos that both predict a left-out tag in.
     pub photos: usize,
@@ -122,7 +122,7 @@ pub struct CameraCheck {
 }
 
 /// What the photos say of the camera file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CameraVerdict {
     /// The refitted camera is not shown better, or by no more than a twentieth.

@@ -7,7 +7,7 @@ use scaleproof_pose::locate::Solver;
 use scaleproof_pose::tags::TagDetectorChoice;
 
 /// What is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Question {
     TagDetector,

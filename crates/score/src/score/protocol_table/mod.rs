@@ -20,7 +20,7 @@ use scaleproof_core::spelling::digits;
 use scaleproof_detect::Detection;
 
 /// A table of texts, as it is printed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ProtocolTable {
     pub name: &'static str,
     pub source: &'static str,

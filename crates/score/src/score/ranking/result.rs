@@ -5,7 +5,7 @@ use serde::Serialize;
 use scaleproof_core::statistics::Interval;
 
 /// What two orders say of each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RankingFinding {
     /// They agree more than they differ, at the level of 5 %.
@@ -17,7 +17,7 @@ pub enum RankingFinding {
 }
 
 /// A variant in both orders.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RankedVariant {
     pub variant: String,
     pub ap50: f64,
@@ -25,7 +25,7 @@ pub struct RankedVariant {
 }
 
 /// The order of one detector, over all photos or those of one condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RankingRow {
     pub detector: String,
     /// `all`, or a condition and its value, as in `distance 850`.
@@ -43,7 +43,7 @@ pub struct RankingRow {
 }
 
 /// The orders of a run against those of other sessions.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Ranking {
     /// Names of the other sessions' folders.
     pub others: Vec<String>,

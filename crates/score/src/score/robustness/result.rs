@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::score::{Difference, Finding};
 
 /// Every comparison at every severity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Robustness {
     /// By corruption, severity (from 0), then base, variant and detector.
     pub rows: Vec<CorruptedRow>,
@@ -24,7 +24,7 @@ impl Robustness {
 }
 
 /// A variant against its base on photos of one severity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CorruptedRow {
     pub corruption: &'static str,
     /// 0 is the photo at the size of the others, no worse.
@@ -41,7 +41,7 @@ pub struct CorruptedRow {
 }
 
 /// How far a drop of AP goes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Survival {
     pub corruption: &'static str,
     pub base: String,
