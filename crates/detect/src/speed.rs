@@ -25,13 +25,13 @@ pub struct Speeds {
     pub onnx_runtime: String,
     /// Threads of ONNX Runtime.
     pub threads: u32,
-    /// Rounds over all photos, of which the medians are taken.
+    /// How often each photo was detected; the fastest of these rounds counts.
     pub rounds: u32,
     /// How many photos were measured.
     pub photos: usize,
     /// Mean size of these photos.
     pub megapixels: f64,
-    /// One for each detector.
+    /// One entry for each detector.
     pub detectors: Vec<Speed>,
 }
 
@@ -40,11 +40,11 @@ pub struct Speeds {
 #[serde(deny_unknown_fields)]
 pub struct Speed {
     pub detector: String,
-    /// SHA-256 of the weights, hex.
+    /// SHA-256 of the weights, 64 hex digits; `score --speed` refuses times of other weights.
     pub weights_sha256: String,
-    /// Median over the photos.
+    /// Median over the photos, from the decoded photo to its boxes.
     pub ms_per_photo: f64,
-    /// The fastest and the slowest photo.
+    /// Times of the fastest and the slowest photo.
     pub ms_range: [f64; 2],
 }
 

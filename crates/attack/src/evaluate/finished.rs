@@ -8,11 +8,13 @@ use super::EvaluateError;
 use scaleproof_core::files;
 use scaleproof_pose::scene::Classes;
 
-/// The figures of one detector on the photos of a pattern.
+/// The figures of one detector on rendered photos with one pattern.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RenderedFigures {
     pub detector: String,
+    /// Rendered photos with this pattern.
     pub photos: usize,
+    /// AP@0.5 over these photos, and in `hit_rate` the share of them in which the model is found.
     pub ap50: f64,
     pub hit_rate: f64,
 }

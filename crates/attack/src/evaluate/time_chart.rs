@@ -9,13 +9,15 @@ use scaleproof_plot::{Dot, distinct};
 /// A run, and what its pattern does in rendered photos.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RenderedRun {
+    /// Name of the method, such as `dta` or `er` (all are in sidecars.md).
     pub method: String,
+    /// Seed of the run's random numbers.
     pub seed: u64,
-    /// Images looked at in all.
+    /// Images that the detectors looked at in the whole run, those of judging not counted.
     pub queries: u64,
-    /// Wall time in all, on the machine of the run.
+    /// Wall time of the whole run on its machine.
     pub wall_s: f64,
-    /// The figures of each detector.
+    /// The figures of each detector on rendered photos.
     pub rendered: Vec<RenderedFigures>,
 }
 

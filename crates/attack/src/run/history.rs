@@ -14,18 +14,20 @@ use scaleproof_pose::scene::Classes;
 /// The name of the file in the folder of a run.
 pub const FILE: &str = "history.json";
 
-/// After a step.
+/// What was measured of a run after one of its steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Entry {
+    /// Steps of the run so far.
     pub step: u32,
     /// Images looked at so far, those of judging not counted.
     pub queries: u64,
-    /// On this machine, judging included.
+    /// Wall time so far on the machine of the run, judging included.
     pub wall_s: f64,
-    /// Mean over the minibatch of the sum over detectors; none for methods that see no loss.
+    /// Mean over the views of the step of the loss summed over the detectors; `null` for methods that see no loss.
     pub loss: Option<f64>,
-    /// Mean over the minibatch and the detectors, where the method knows it.
+    /// Mean confidence over the views of the step and the detectors; `null` where the method does not know it.
     pub confidence: Option<f64>,
+    /// What the detectors say of predicted images of held-out views; `null` after steps that are not judged.
     pub held_out: Option<HeldOutFigures>,
 }
 
@@ -38,16 +40,22 @@ const SECONDS: RangeInclusive<f64> = 0.0..=1e9;
 /// The history of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct History {
+    /// Version of the program.
     pub scaleproof: String,
-    /// Name of the method, as `dta` or `er`.
+    /// Name of the method: `dta`, `er`, `camou`, `random`, `flat`, `import` or `patches`.
     pub method: String,
+    /// Seed of the run's random numbers.
     pub seed: u64,
+    /// Width of one repeat of the pattern on the model.
     pub tile_mm: f64,
+    /// SHA-256 of the `frames.json` that the pattern was made from.
     pub frames_sha256: String,
+    /// The detectors that the pattern was made against, each with the first 12 digits of its weights' SHA-256.
     pub detectors: Vec<String>,
-    /// The labels that count as the model; none in histories of before they were noted.
+    /// The labels that count as the model; `null` in histories of versions that did not note them.
     #[serde(default)]
     pub classes: Option<Classes>,
+    /// The course of the run, from the first step to the last.
     pub entries: Vec<Entry>,
 }
 

@@ -12,9 +12,10 @@ use scaleproof_core::workers;
 use scaleproof_detect::{CandidateBox, SCORE_FLOOR, suppress};
 use scaleproof_gradients::{Prediction, WhiteBox, strongest};
 
-/// Means over views and detectors.
+/// What the detectors say of predicted images of held-out views: means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct HeldOutFigures {
+    /// How many held-out views were predicted.
     pub views: usize,
     /// AP@0.5 as `score` computes it by default.
     pub ap50: f64,

@@ -44,17 +44,17 @@ const BRIGHT_MEAN: f64 = 230.0;
 /// Without any whole tag, an image whose steepest edges are as wide as this blur (σ, px of 1280) is blurred.
 const HOPELESS_BLUR_PX: f64 = 3.5;
 
-/// What was measured of a frame, for its sidecar.
+/// What was measured of a frame, as its sidecar has it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measures {
-    /// Standard deviation of the blur on the tags' borders; absent when none could be fitted.
+    /// Standard deviation of the blur on the tags' borders; `null` when none could be fitted.
     pub blur_px: Option<f64>,
-    /// The paper of the tags, 0–255.
+    /// Level of the tags' white paper, 0 to 255; `null` where it could not be measured.
     pub white_level: Option<f64>,
-    /// Share of the pixels about the model that are white.
+    /// Share of the pixels about the model that lost their tone to white; `null` where it could not be measured.
     pub clipped_share: Option<f64>,
-    /// Median way of the tags' corners since the last frame; absent for photos taken one by one.
+    /// Median distance that the tags' corners moved since the last frame; `null` for photos taken one by one.
     pub moved_px: Option<f64>,
 }
 

@@ -19,7 +19,7 @@ pub const FEWEST_CLUSTERS: usize = 6;
 /// Figures that differ by less are the same.
 pub const ALIKE: f64 = 1e-12;
 
-/// A 95 % interval.
+/// A 95 % interval, from `low` to `high`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Interval {
     pub low: f64,

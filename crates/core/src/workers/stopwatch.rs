@@ -11,11 +11,13 @@ use serde::Serialize;
 pub enum Stage {
     /// The file, its hash, and the luma for the tags.
     Read,
+    /// The search for tags.
     Tags,
+    /// The pose from the tags.
     Pose,
     /// The colours, at the size that a detector needs.
     Colour,
-    /// To the detector's input.
+    /// Resizing to the detector's input.
     Resize,
     /// The detector, to its boxes.
     Network,

@@ -32,28 +32,32 @@ pub enum SurrogateChartError {
 pub struct SurrogateFigures {
     /// The name of a closed form or of a network.
     pub model: String,
-    /// `None` for closed forms.
+    /// Training time of a network, s; `null` for closed forms.
     pub training_seconds: Option<f64>,
     /// Images of the view it is given.
     pub references: usize,
-    /// Colours a network was trained to start from, any one of which it is given.
+    /// Colours a network was trained to start from, any one of which it is given; `null` for closed forms.
     pub trained_references: Option<usize>,
+    /// Views that were predicted.
     pub views: usize,
     /// Frames predicted: flat colours the model has not seen.
     pub frames: usize,
     /// Mean squared error in sRGB, 0 to 1, over the pixels that the paint covers by half or more, and over the whole image.
     pub mse_paint: f64,
+    /// Mean squared error in sRGB, 0 to 1, over the whole image.
     #[serde(rename = "mse_picture")]
     pub mse_image: f64,
     /// The largest mean squared error over the paint of one frame.
     pub mse_paint_worst: f64,
-    /// Mean exponent of the fitted tone curve.
+    /// Mean exponent of the fitted tone curve; `null` where none is fitted.
     pub tone_power: Option<f64>,
-    /// The mean over the paint of frames with a pattern, world-aligned, and by Repeated Texture Projection.
+    /// Mean squared error over the paint of frames with a pattern, by the world-aligned projection; `null` without them.
     pub mse_pattern_world: Option<f64>,
+    /// Mean squared error over the paint of frames with a pattern, by Repeated Texture Projection; `null` without them.
     pub mse_pattern_repeated: Option<f64>,
-    /// Per view and per frame; closed forms use one thread. A network's fit is its pass through the view.
+    /// Time per view; closed forms use one thread. A network's fit is its forward pass through the view.
     pub fit_ms: f64,
+    /// Time per frame.
     pub predict_ms: f64,
 }
 
@@ -264,14 +268,17 @@ pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option
     ((count > 0).then(|| sum / count as f64), all / values.max(1) as f64)
 }
 
-/// `renderers.json`.
+/// `renderers.json`: errors and times of surrogate renderers on the same frames.
 #[derive(Serialize, schemars::JsonSchema)]
 pub struct Numbers<'a> {
+    /// Version of the program.
     scaleproof: &'static str,
+    /// SHA-256 of `frames.json`, and in `made_by` what made it.
     frames_sha256: &'a str,
     made_by: &'a str,
-    /// The colours that models were fitted to, as hex.
+    /// The colours that models were fitted to, as hex (`--reference`).
     references: &'a [String],
+    /// One row for each model and number of reference images.
     rows: &'a [SurrogateFigures],
 }
 

@@ -16,7 +16,7 @@ pub struct IgnoredTag {
     pub why: Ignored,
 }
 
-/// Why a seen tag was left out. From `WrongId` on, the other tags' pose says so.
+/// Why a seen tag was not used (explained in codes.md). From `wrong_id` on, the pose of the other tags says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Ignored {

@@ -61,11 +61,11 @@ pub struct Located {
     pub rms_px: f64,
 }
 
-/// What weakens an answer.
+/// What weakens a pose (explained in codes.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Warning {
-    /// The camera stood so near to the edge of its bin that it may be the next one.
+    /// The camera stood so near to the edge of its bin that the bin is right with less than 95 % probability.
     NearBinEdge,
     /// The tags agree with each other worse than tags do in a good photo by a right camera: a crop, another camera, a bent card.
     PoorFit,

@@ -23,7 +23,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 /// noise is normal, and better where it has tails.
 const HUBER_SIGMAS: f64 = 2.0;
 
-/// Standard deviations of a viewpoint.
+/// Standard deviations of a viewpoint, from corner noise alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Sigma {
     /// Of the azimuth, degrees.

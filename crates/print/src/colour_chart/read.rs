@@ -56,15 +56,15 @@ pub struct Quality {
     pub patch_px: f64,
     /// Root mean square of the tag corners from a flat sheet, mm.
     pub off_mm: f64,
-    /// The surface that takes the light out.
+    /// The surface that is fitted to uneven light and divided out.
     pub light: Surface,
-    /// Root mean square of the bare paper from it, as a share of the light.
+    /// Root mean square of the bare paper from that surface, as a share of the light.
     pub light_error: f64,
     /// Patches with a channel at 0 in a tenth of their pixels or more: the camera could not show how saturated or dark they are.
     pub at_zero: usize,
-    /// Half of the patches are more even than this (ΔE2000 between a part and the whole), …
+    /// Unevenness of a patch (ΔE2000 between a part and the whole of it), median over the patches.
     pub patchiness_median: f64,
-    /// … and all are more even than this.
+    /// Unevenness of the least even patch (ΔE2000 between a part and the whole of it).
     pub patchiness_worst: f64,
 }
 

@@ -24,8 +24,8 @@ pub struct CandidateModel {
     pub moves: ModelDifference,
 }
 
-/// How far another model puts the camera elsewhere in the same photos, the worst of them.
-#[derive(Debug, Clone, Copy, Default, serde::Serialize, schemars::JsonSchema)]
+/// How far another model moves the camera in the same photos, in the worst of them.
+#[derive(Debug, Clone, Copy, Default, serde::Serialize)]
 pub struct ModelDifference {
     /// The direction in which the camera stands, seen from the board's middle, degrees.
     pub direction_deg: f64,

@@ -8,19 +8,21 @@ use scaleproof_pose::camera::projection::PARAMETERS;
 /// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
 pub(super) const ALL: usize = PARAMETERS;
 
-/// What of a camera is fitted; what is not is 0, and the principal point the image's centre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, schemars::JsonSchema)]
+/// The camera parameters that are fitted; others are 0, and a principal point that is not fitted is the image's centre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LensModel {
     /// One focal length.
     F,
-    /// And the principal point.
+    /// One focal length and the principal point.
     FC,
+    /// One focal length, the principal point and k1.
     K1,
+    /// One focal length, the principal point, k1 and k2.
     K1K2,
-    /// Two focal lengths, and k1, k2, p1, p2, k3.
+    /// Two focal lengths, the principal point, and k1, k2, p1, p2, k3.
     PlumbBob,
-    /// And k4, k5, k6.
+    /// Two focal lengths, the principal point, and k1, k2, p1, p2, k3, k4, k5, k6.
     Rational,
 }
 

@@ -9,38 +9,42 @@ use super::{Calibration, CalibrationCaution, Definition, LensModel, UnusedPhoto}
 /// `calibrate --json`. Standard deviations are of one sigma.
 #[derive(Serialize, JsonSchema)]
 pub struct CalibrationAnswer<'a> {
-    /// The board file.
+    /// The board, with the keys of its file (board.toml).
     board: &'a Definition,
     image_width_px: u32,
     image_height_px: u32,
-    /// The chosen model.
-    model: LensModel,
+    /// The chosen lens model.
+    model: Model,
+    /// Focal lengths `fx_px` and `fy_px`, principal point `cx_px` and `cy_px`.
     fx_px: f64,
     fy_px: f64,
     cx_px: f64,
     cy_px: f64,
+    /// Standard deviation of `fx_px`; also the next three, of theirs.
     fx_sigma_px: f64,
     fy_sigma_px: f64,
     cx_sigma_px: f64,
     cy_sigma_px: f64,
-    /// k1, k2, p1, p2, k3, k4, k5, k6.
+    /// Distortion coefficients k1, k2, p1, p2, k3, k4, k5, k6.
     distortion: [f64; 8],
-    /// Their standard deviations.
+    /// Standard deviations of the distortion coefficients.
     distortion_sigma: &'a [f64],
-    /// Of all corners, root mean square.
+    /// Reprojection error of all corners, root mean square.
     rms_px: f64,
     /// Held-out error of the chosen model: each corner is predicted without having been used.
     held_out_px: f64,
     /// The candidate models, from the smallest up.
     ladder: Vec<CandidateAnswer<'a>>,
+    /// The photos that the camera was fitted to.
     photos: Vec<PhotoAnswer<'a>>,
-    /// Photos without a part in the camera.
-    left_out: &'a [UnusedPhoto],
+    /// Photos that had no part in the camera, and why.
+    left_out: &'a [LeftOut],
     /// Corners rejected as outliers.
     lost_corners: usize,
     /// Corners in each of 10 × 10 cells of the image, row by row.
-    coverage_10x10: &'a [u32],
-    cautions: &'a [CalibrationCaution],
+    coverage_10x10: &'a [usize],
+    /// What to know before using the camera, as sentences.
+    cautions: &'a [String],
 }
 
 /// A candidate model.
@@ -49,6 +53,7 @@ struct CandidateAnswer<'a> {
     model: LensModel,
     /// How many numbers are fitted.
     parameters: usize,
+    /// Held-out error of this model, root mean square: each corner is predicted without having been used.
     held_out_px: f64,
     /// Standard error of `held_out_px`.
     held_out_sigma_px: f64,
@@ -61,15 +66,15 @@ struct CandidateAnswer<'a> {
 #[derive(Serialize, JsonSchema)]
 struct PhotoAnswer<'a> {
     file: &'a str,
-    /// How many.
+    /// How many corners of the board are used.
     corners: usize,
-    /// Of its corners, root mean square.
+    /// Reprojection error of this photo's corners, root mean square.
     rms_px: f64,
-    /// Of the board from facing the camera.
+    /// Tilt of the board from facing the camera.
     tilt_deg: f64,
-    /// Of the board.
+    /// Distance of the board from the camera.
     distance_mm: f64,
-    /// How wide the edges of the board are in the image.
+    /// How wide the edges of the board are in the image; `null` where that could not be measured.
     edge_width_px: Option<f64>,
 }
 

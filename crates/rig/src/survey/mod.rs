@@ -96,7 +96,7 @@ pub struct LeftOutTag {
     pub reason: LeftOutReason,
 }
 
-/// What one photo gave.
+/// What one photo contributed to a survey.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PhotoReport {
     #[serde(rename = "file")]
@@ -108,6 +108,7 @@ pub struct PhotoReport {
     pub tags: Vec<u32>,
     /// Ids of tags that were seen here but not used here: partly covered, twice in the photo, badly seen, or left out.
     pub ignored_tags: Vec<u32>,
+    /// Reprojection error of the corners used, root mean square; `null` where no tag is used.
     pub rms_px: Option<f64>,
 }
 

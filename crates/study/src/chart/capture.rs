@@ -19,14 +19,17 @@ pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CaptureRow {
     pub tag_detector: &'static str,
-    /// As frames of a running camera, which a faster search sees first, rather than as photos.
+    /// Whether frames are judged as those of a running camera, which a faster search sees first, rather than as photos.
     pub is_stream: bool,
+    /// Frames measured on.
     pub frames: usize,
     /// Share of the frames that got a pose.
     pub located: f64,
+    /// Median time from the photo's bytes to the advice.
     pub median_ms: f64,
-    /// 95 % of the frames take no longer.
+    /// Time from the photo's bytes to the advice that 95 % of the frames do not exceed.
     pub p95_ms: f64,
+    /// Whether it is what the program uses.
     pub is_default: bool,
 }
 

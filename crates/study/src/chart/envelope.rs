@@ -25,14 +25,15 @@ pub struct LocatedSample {
 /// One envelope and what it measured.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct EnvelopeRow {
-    /// `box`, `hull` or `mesh`.
+    /// What the truth boxes are drawn around: `box`, `hull` or `mesh`.
     pub envelope: &'static str,
+    /// Whether it is the scene's.
     pub is_default: bool,
     /// Photos measured on.
     pub photos: usize,
     /// Share of the photos that got a truth box.
     pub answered: f64,
-    /// Over the photos that got one.
+    /// IoU with the exact box: median over the photos that got a box, and in `iou_min` the smallest; `null` without one.
     pub iou_median: Option<f64>,
     pub iou_min: Option<f64>,
     /// Mean time a photo takes, one core.
@@ -44,9 +45,11 @@ pub struct EnvelopeRow {
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BoxFit {
     pub file: String,
-    /// Absent with a reason.
+    /// The truth box: left, top, right, bottom; `null` where `reason` says why.
     pub box_xyxy_px: Option<BoxPx>,
+    /// IoU with the exact box; `null` without a box.
     pub iou: Option<f64>,
+    /// Why there is no box, as a sentence; `null` where there is one.
     pub reason: Option<String>,
 }
 

@@ -13,13 +13,13 @@ use scaleproof_session::session::{PhotoEntry, Session};
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ScoreRow {
     pub detector: String,
-    /// From the `tags`, or `given` where the session says where the model is.
+    /// Where the poses come from: the `tags`, or `given` where the session says where the model is.
     pub poses: &'static str,
     /// Photos measured on.
     pub photos: usize,
-    /// Median over the photos of each one's fastest round.
+    /// Time of each stage of the work: median over the photos of each one's fastest round.
     pub stages: Vec<StageTime>,
-    /// One thread.
+    /// Photos per second on one thread.
     pub photos_per_second: f64,
 }
 

@@ -155,6 +155,7 @@ fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
 /// What one method did at one amount of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SweepStep {
+    /// The condition that is made harder; how strong it is stands in `amount`, in this `unit`.
     pub sweep: &'static str,
     pub unit: &'static str,
     pub amount: f64,
@@ -162,9 +163,9 @@ pub struct SweepStep {
     pub method: &'static str,
     /// Views with at least one tag, or photos.
     pub views: usize,
-    /// Share of them that got a pose.
+    /// Share of the views (or photos) that got a pose.
     pub answered: f64,
-    /// Of the answered ones.
+    /// Median error of the answered views, also in the next, which is in per cent; `null` where none is answered.
     pub azimuth_error_median_deg: Option<f64>,
     pub distance_error_median_percent: Option<f64>,
     /// Share of the views answered with another azimuth bin than the true one, the truth being more than 1° inside its bin.

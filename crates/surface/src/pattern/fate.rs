@@ -8,6 +8,7 @@ use super::printed::PrintedColours;
 /// A colour of a pattern on a printer.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ColourFate {
+    /// A colour of the pattern, 8-bit sRGB like the others here.
     pub wanted_rgb: [u8; 3],
     /// How many cells have it.
     pub cells: usize,
@@ -18,7 +19,7 @@ pub struct ColourFate {
     pub best_ask_rgb: [u8; 3],
     pub best_rgb: [u8; 3],
     pub best_delta_e: f64,
-    /// Whether the best is within [`PRINTABLE_DELTA_E`].
+    /// Whether `best_delta_e` is at most 2.
     pub is_printable: bool,
 }
 
@@ -29,7 +30,7 @@ pub struct PatternFate {
     /// from 0 to 1; 0 is printable, √3 the most there could be. The minimum-distance form in use since; Sharif et al. 2016,
     /// eq. 5, has the product over the palette.
     pub nps: f64,
-    /// Share of cells whose colour is not printable.
+    /// Share of cells for whose colour no printable one is within ΔE2000 2.
     pub out_of_gamut_share: f64,
     /// Mean over cells of the ΔE2000 when the pattern is printed as it is, and with the best input colours.
     pub printed_delta_e_mean: f64,

@@ -40,10 +40,11 @@ pub enum ColoursError {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PrintedColour {
+    /// The requested colour, 8-bit sRGB.
     pub asked_rgb: [u8; 3],
-    /// The nearest 8-bit sRGB.
+    /// What came out, as the nearest 8-bit sRGB.
     pub measured_rgb: [u8; 3],
-    /// L*, a*, b*, to 0.01.
+    /// What came out, as L*, a*, b* (D65, relative to the paper), to 0.01.
     pub measured_lab: [f64; 3],
     /// ΔE2000 between the requested colour and what came out.
     pub delta_e: f64,
@@ -53,9 +54,13 @@ pub struct PrintedColour {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PrintedColours {
+    /// The chart that was read: `rgb6`, `rgb5` or `rgb4`.
     pub chart: String,
+    /// The program and version that read it.
     pub program: String,
+    /// SHA-256 of each photo that it was read from.
     pub photos_sha256: Vec<String>,
+    /// 8-bit levels of each channel, ascending from 0 to 255; every combination is among the patches.
     pub levels: Vec<u8>,
     /// Mean over the patches of the ΔE2000 between asked and measured.
     pub delta_e_mean: f64,
@@ -65,7 +70,9 @@ pub struct PrintedColours {
     pub gamut_volume_lab: f64,
     /// Volume of the colours that come out, as a share of the volume that sRGB has.
     pub gamut_share_of_srgb: f64,
+    /// The darkest colour that came out, 8-bit sRGB.
     pub darkest_rgb: [u8; 3],
+    /// The colour with the highest chroma that came out, 8-bit sRGB.
     pub most_saturated_rgb: [u8; 3],
     /// Each requested colour once, ascending.
     pub patches: Vec<PrintedColour>,

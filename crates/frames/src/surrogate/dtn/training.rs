@@ -46,12 +46,13 @@ pub struct TrainingPlan {
 /// A measurement during training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct TrainingProgress {
+    /// Training steps so far.
     pub step: u64,
-    /// Time spent on training.
+    /// Training time so far, s.
     pub seconds: f64,
-    /// Mean cross-entropy over the steps since the last.
+    /// Mean binary cross-entropy over the steps since the last measurement.
     pub loss: f64,
-    /// On the validation views in unseen colours; `None` without any.
+    /// Mean squared error on the validation views in unseen colours, in sRGB of 0 to 1; `null` without such views.
     pub validation_mse: Option<f64>,
 }
 
