@@ -55,11 +55,11 @@ pub(super) struct Args {
 pub(in crate::cli) struct OutputLine {
     /// As it was given.
     file: String,
-    /// `located`, `abstained` or `unreadable`.
+    /// `located` or `abstained` (also of a photo that cannot be read).
     status: &'static str,
     /// Why there is no pose, as a sentence.
     reason: Option<String>,
-    /// Why there is no pose, as a word for programs.
+    /// Why there is no pose, as a word for programs (explained in codes.md).
     code: Option<&'static str>,
     /// The viewpoint, with the next two.
     azimuth_deg: Option<f64>,

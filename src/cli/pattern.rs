@@ -92,6 +92,7 @@ struct CheckArgs {
 /// `pattern check --json`.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct Answer {
+    /// SHA-256 of the pattern's PNG, 64 hex digits.
     pattern_sha256: String,
     cells: usize,
     distinct_colours: usize,

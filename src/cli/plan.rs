@@ -153,6 +153,7 @@ struct PlacesRow {
     places: usize,
     /// Of each texture.
     photos_per_bin: usize,
+    /// Pairs of photos in all; `photos` counts one of each texture at each place and bin.
     pairs: usize,
     photos: usize,
     /// The smallest drop that is shown with this power.

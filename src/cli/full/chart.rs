@@ -142,10 +142,13 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 /// The numbers of a chart, with what they were measured with.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct ChartNumbers<'a, R> {
+    /// Version of the program.
     scaleproof: &'static str,
+    /// Name of the session's folder.
     session: &'a str,
     /// File name and SHA-256.
     inputs: &'a [(String, String)],
+    /// Names and libraries of the tag detectors.
     tag_detectors: Vec<String>,
     rows: &'a [R],
 }

@@ -139,6 +139,7 @@ struct TagJson {
     id: u32,
     family: TagFamily,
     size_mm: f64,
+    /// Whether its pose was given and held (`--fixed`).
     fixed: bool,
     /// Photos that its pose rests on.
     photos: usize,
@@ -162,7 +163,9 @@ const ONE_PHOTO: &str = "one_photo";
 struct LeftOutJson {
     id: u32,
     family: TagFamily,
+    /// Why the tag is not in the scene, as a word for programs (explained in codes.md).
     code: &'static str,
+    /// Why the tag is not in the scene, as a sentence.
     reason: String,
 }
 

@@ -92,6 +92,7 @@ pub(in crate::cli) struct Answer {
     cards: Vec<CardAnswer>,
     /// The ground mat.
     mat: Option<MatAnswer>,
+    /// What to know before printing, as sentences.
     notes: Vec<String>,
 }
 
@@ -121,6 +122,7 @@ struct MatAnswer {
     tags: Vec<u32>,
     /// Tags that a seam runs through.
     cut_tags: Vec<u32>,
+    /// Names of the place strips, which hold the tent cards that stand beyond the mat's paper.
     strips: Vec<String>,
 }
 

@@ -163,6 +163,7 @@ pub(in crate::cli) struct PanelsAnswer {
     unprinted_mm2: f64,
     /// Of all panels.
     largest_stretch: f64,
+    /// Mean stretch of all panels, surface over paper.
     mean_stretch: f64,
 }
 

@@ -42,7 +42,7 @@ pub struct SurrogateFigures {
     pub views: usize,
     /// Frames predicted: flat colours the model has not seen.
     pub frames: usize,
-    /// Mean squared error in sRGB, 0 to 1, over the pixels that the paint covers by half or more, and over the whole image.
+    /// Mean squared error in sRGB, 0 to 1, over the pixels that the paint covers by half or more.
     pub mse_paint: f64,
     /// Mean squared error in sRGB, 0 to 1, over the whole image.
     #[serde(rename = "mse_picture")]

@@ -18,13 +18,17 @@ use scaleproof_core::spelling::digits;
 pub struct ComparisonPage<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// The p of each hit rate, corrected over the detectors of its texture.
+    /// McNemar's p of the hit rate for each of `results`, in their order, corrected by Holm over the detectors of its variant.
     hit_rate_over_detectors: Vec<Corrected<'a>>,
     /// The labels that count as the model.
     classes: &'a [String],
+    /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
+    /// Photos that are in no figure, and why.
     not_scored: &'a [NotScored],
+    /// The definition of every figure, by its name.
     definitions: BTreeMap<&'static str, &'static str>,
+    /// Where the figures come from: enough to repeat them, or to see why a repetition differs.
     provenance: Provenance,
 }
 

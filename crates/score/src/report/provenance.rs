@@ -11,18 +11,24 @@ use scaleproof_detect::{Recorded, SCORE_FLOOR};
 
 #[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct Provenance {
+    /// Version of the program.
     pub scaleproof: &'static str,
+    /// Version and build of ONNX Runtime; `null` when no detector was run.
     pub onnx_runtime: Option<String>,
+    /// Name and library of the tag detector.
     pub tag_detector: String,
-    /// The file that changed how photos are located or figures computed.
+    /// With `--settings`: the file that changed how photos are located or figures computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<AppliedSettings>,
-    /// How AP@0.5 is computed.
+    /// How AP@0.5 is computed: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
     pub ap_definition: &'static str,
-    /// Whose definitions and thresholds these are.
+    /// Name of the protocol whose definitions and thresholds these are; `null` for none.
     pub protocol: Option<&'static str>,
+    /// IoU with the truth box from which a detection is on the model: 0.5, or as the protocol has it.
     pub match_iou: f64,
+    /// Confidence from which a detection counts as a hit.
     pub hit_confidence: f64,
+    /// Confidence from which detections are kept.
     pub score_floor: f64,
     pub detectors: Vec<DetectorProvenance>,
     pub sessions: Vec<SessionProvenance>,
@@ -32,42 +38,45 @@ pub(super) struct Provenance {
 
 #[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct DetectorProvenance {
+    /// Name in the manifest, which also gives `title`, `origin` and `licence`.
     pub name: String,
     pub title: String,
-    /// Absent when another program ran it.
+    /// SHA-256 of the weights, as in the manifest; `null` when another program ran the detector.
     pub weights_sha256: Option<String>,
-    /// What a program says of itself.
+    /// Version that another program states of itself, where it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// SHA-256 by name, of the files of another program.
+    /// SHA-256 by name, of the files of another program, where it names some.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub files: BTreeMap<String, String>,
     /// Its labels that count as the model.
     pub counted_labels: Vec<&'static str>,
     pub origin: String,
     pub licence: String,
-    /// `live`, `recorded`, `results` or `program`.
+    /// Where its detections come from: `live`, `recorded`, `results` (files of another program) or `program`.
     pub source: &'static str,
-    /// For recordings: the program and runtime that made them.
+    /// Program and runtime that made the recording; `null` where there is none.
     pub recorded_by: Option<String>,
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
 pub(super) struct SessionProvenance {
+    /// Name of the session's folder.
     pub folder: String,
+    /// Name of the model; its `scale` is 10 for 1:10.
     pub model: String,
     pub scale: f64,
-    /// As the photos name them, each once.
+    /// Places of the scored photos, each once.
     pub places: Vec<String>,
-    /// The first and the last time a photo was taken, as the session or EXIF says.
+    /// When the first and the last scored photo was taken, as the session or EXIF says; `null` where neither does.
     pub taken: Option<[String; 2]>,
-    /// The name of the camera's file.
+    /// Name of the camera file; `null` without one.
     pub camera: Option<String>,
     /// `box`, `hull` or `mesh`: what truth boxes are drawn around where the session gives none.
     pub truth_envelope: &'static str,
-    /// Name of the mesh's file; its hash is in `files`.
+    /// Name of the mesh's file, whose hash is in `files`; `null` without a mesh.
     pub truth_mesh: Option<String>,
-    /// SHA-256 by file name.
+    /// SHA-256 by file name: session, scene, mesh, camera and photos.
     pub files: BTreeMap<String, String>,
 }
 

@@ -18,30 +18,39 @@ pub struct SummaryPage<'a> {
     photos_scored: usize,
     /// The labels that count as the model.
     classes: &'a [String],
-    /// How the figures called `ap50` are computed.
+    /// How the figures called `ap50` are computed: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp` (figures.md).
     ap_definition: &'static str,
+    /// Confidence from which a detection counts as a hit, 0 to 1.
     hit_confidence: f64,
     /// The variant that drops are measured from.
     base: &'a str,
-    /// The protocol that is followed, with its source and table.
+    /// The protocol that is followed, with its source and table; `null` for none.
     protocol: Option<ProtocolTable>,
+    /// One for each detector and variant, the base first.
     results: &'a [Summary],
-    /// Each variant against the base on paired photos, as in `comparison.json`.
+    /// Each variant against the base on paired photos, as `results` of `comparison.json`.
     paired: &'a [Compared],
     /// Where AP and hit rate disagree, and why.
     explanations: Vec<String>,
-    /// What is left of the differences when photos get worse, where it was asked for.
+    /// With `--corrupt`: what is left of the differences on photos made worse (scoring.md); else `null`.
     robustness: Option<&'a Robustness>,
-    /// The order of the variants against that in other sessions, where it was asked for.
+    /// With `--ranking`: the order of the variants against that in other sessions; else `null`.
     ranking: Option<&'a Ranking>,
+    /// One row for each variant but the base.
     transfer: Vec<TransferRow>,
+    /// One for each detector and variant.
     curves: Vec<Curves>,
+    /// One for each detector.
     reliability: Vec<Reliability>,
-    /// Times of the detectors, where a file of them was given.
+    /// Times of the detectors, from the file of `--speed`; `null` without one.
     speed: Option<&'a Speeds>,
+    /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
+    /// Photos that are in no figure, and why.
     not_scored: &'a [NotScored],
+    /// The definition of every figure, by its name.
     definitions: BTreeMap<&'static str, String>,
+    /// Where the figures come from: enough to repeat them, or to see why a repetition differs.
     provenance: Provenance,
 }
 

@@ -11,9 +11,9 @@ use scaleproof_core::ap::Ranked;
 pub struct Curves {
     pub detector: String,
     pub variant: String,
-    /// Where the precision changes its course, from the most confident detection on, at IoU 0.5.
+    /// Points where the precision changes its course, from the most confident detection on, at IoU 0.5.
     pub precision_recall: Vec<CurvePoint>,
-    /// From confidence 0 to 1 in steps of 0.05.
+    /// Share of photos that show the model at a confidence or more, from 0 to 1 in steps of 0.05.
     pub hit_rate: Vec<HitRateFrom>,
 }
 

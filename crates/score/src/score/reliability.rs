@@ -16,25 +16,26 @@ const STEPS: usize = 10;
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Reliability {
     pub detector: String,
-    /// From the floor up; those without a detection are there with none.
+    /// Steps of confidence from 0.1 up; those without a detection are there, too.
     pub bins: Vec<ConfidenceBin>,
+    /// Detections in all bins.
     pub detections: usize,
-    /// Mean over detections of |mean confidence − share correct| of their bin (Guo et al. 2017, equation 3); absent without a detection.
+    /// Mean over detections of |mean confidence − share correct| of their bin (Guo et al. 2017, equation 3); `null` without a detection.
     pub expected_calibration_error: Option<f64>,
-    /// What that error would be on average, with as many detections, if every bin's confidence were true.
+    /// The calibration error that chance alone would give if every bin's confidence were true; `null` without a detection.
     pub error_by_chance: Option<f64>,
 }
 
 /// The detections of one step of confidence.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ConfidenceBin {
-    /// At least `low` and below `high`; 1 belongs to the last.
+    /// Lower end of the bin, included; the upper end `high` is excluded, except 1 in the last bin.
     pub low: f64,
     pub high: f64,
     pub detections: usize,
-    /// Absent without a detection, as the next.
+    /// Mean confidence of these detections; `null` without a detection.
     pub mean_confidence: Option<f64>,
-    /// Share that is correct, with its 95 % Wilson interval.
+    /// Share that is correct: the first of a photo that overlaps the truth box by IoU 0.5; `null` without a detection.
     pub correct: Option<Rate>,
 }
 

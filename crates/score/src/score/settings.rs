@@ -33,9 +33,9 @@ pub struct Settings {
 /// Settings that a run was made with.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AppliedSettings {
-    /// Name of the file.
+    /// Name of the settings file.
     pub file: String,
-    /// Of the file.
+    /// SHA-256 of the settings file.
     pub sha256: String,
     #[serde(flatten)]
     pub settings: Settings,

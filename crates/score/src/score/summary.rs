@@ -16,8 +16,9 @@ use scaleproof_pose::scene::{Bin, Bins};
 pub struct Rate {
     /// Photos that count.
     pub count: usize,
-    /// `count` by all photos of the group.
+    /// `count` divided by all photos of the group.
     pub rate: f64,
+    /// Lower end of the 95 % Wilson interval of `rate`; `high` is the upper end.
     pub low: f64,
     pub high: f64,
 }
@@ -37,30 +38,31 @@ impl Rate {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Figures {
     pub photos: usize,
-    /// By the run's definition of AP.
+    /// Average precision at IoU 0.5, 0 to 1, by the run's definition of AP.
     pub ap50: f64,
     /// Mean of AP over IoU thresholds from 0.5 to 0.95.
     pub ap50_95: f64,
     /// Recall reached at IoU 0.5.
     pub mar50: f64,
-    /// Mean of the recall reached over the same thresholds.
+    /// Mean of the recall reached over IoU thresholds from 0.5 to 0.95.
     pub mar: f64,
+    /// Photos in which the model is found as its class.
     pub hit_rate: Rate,
-    /// Found as another class only.
+    /// Photos in which the model is found as another class only.
     pub misclassification_rate: Rate,
-    /// Nothing found where the model is.
+    /// Photos in which nothing is found where the model is.
     pub disappearance_rate: Rate,
-    /// Detections of the class where the model is not.
+    /// Mean number of detections of the class where the model is not.
     pub hallucinations_per_image: f64,
-    /// Detections of the class but for the one that finds the model: hallucinations and second boxes on the model.
+    /// Mean number of detections of the class but for the one that finds the model: hallucinations and second boxes on the model.
     pub false_positives_per_image: f64,
-    /// Misses count 0.
+    /// Mean over the photos of the highest confidence of the class on the model; a miss counts 0.
     pub mean_confidence: f64,
-    /// Misses count 0; of an even number of photos the mean of the middle two.
+    /// Median over the photos of the highest confidence of the class on the model; a miss counts 0.
     pub median_confidence: f64,
 }
 
-/// Base figures minus these figures.
+/// Drops: figures of the base minus those of the variant.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Drop {
     pub ap50: f64,
@@ -69,7 +71,7 @@ pub struct Drop {
     pub median_confidence: f64,
 }
 
-/// Attack success rates: 1 − these figures ÷ base figures; absent where the base's is 0.
+/// Attack success rates: 1 − figure of the variant ÷ figure of the base; `null` where that of the base is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Asr {
     pub ap50: Option<f64>,
@@ -83,18 +85,20 @@ pub struct ConditionFigures {
     pub condition: String,
     pub value: String,
     pub figures: Figures,
-    /// Absent when the base variant has no photo of this value.
+    /// Drop from the base; `null` for the base, and when it has no photo of this value.
     pub drop: Option<Drop>,
-    /// Absent as the drop.
+    /// Attack success rates; `null` where `drop` is.
     pub asr: Option<Asr>,
 }
 
 /// The figures of one azimuth bin, over all its pitches and distances.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinFigures {
+    /// Azimuth of the bin's centre.
     pub azimuth_deg: f64,
-    /// Absent when the bin has no photo.
+    /// Figures of the bin; `null` when it has no photo.
     pub figures: Option<Figures>,
+    /// Drop from the base; `null` for the base, and when the bin has no photo of one of the two.
     pub drop: Option<Drop>,
 }
 
@@ -104,17 +108,17 @@ pub struct CellFigures {
     #[serde(flatten)]
     pub bin: Bin,
     pub figures: Figures,
-    /// Absent when the base variant has no photo in this cell.
+    /// Drop from the base; `null` for the base, and when it has no photo in this bin.
     pub drop: Option<Drop>,
 }
 
 /// The figures of the photos of one place.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlaceFigures {
-    /// Absent for the photos whose session names no place.
+    /// Name of the place; `null` for the photos whose session names none.
     pub place: Option<String>,
     pub figures: Figures,
-    /// Absent when the base variant has no photo of this place.
+    /// Drop from the base; `null` for the base, and when it has no photo of this place.
     pub drop: Option<Drop>,
 }
 
@@ -123,10 +127,11 @@ pub struct PlaceFigures {
 pub struct Summary {
     pub detector: String,
     pub variant: String,
+    /// Figures over all photos.
     pub overall: Figures,
-    /// Absent for the base variant and when the run has none.
+    /// Drop from the base to this variant, over all photos; `null` for the base and when the run has none.
     pub drop: Option<Drop>,
-    /// Absent as the drop.
+    /// Attack success rates over all photos; `null` where `drop` is.
     pub asr: Option<Asr>,
     /// All azimuth bins of the scene, from the front counter-clockwise.
     pub azimuth_bins: Vec<BinFigures>,
@@ -134,7 +139,7 @@ pub struct Summary {
     pub cells: Vec<CellFigures>,
     /// The places that have photos of this variant, by name.
     pub places: Vec<PlaceFigures>,
-    /// By the conditions that were asked for, in their order.
+    /// With `--group-by`: the values that have photos of this variant, in the order of the conditions asked for.
     pub conditions: Vec<ConditionFigures>,
 }
 

@@ -8,7 +8,7 @@ use super::{Drop, Summary};
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TransferRow {
     pub variant: String,
-    /// One per detector, in the order of the run.
+    /// The drop of each detector, in the order of the run.
     pub detectors: Vec<TransferDrop>,
 }
 

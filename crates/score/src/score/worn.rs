@@ -5,16 +5,17 @@ use serde::Serialize;
 /// The pattern of a texture.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct WornPattern {
+    /// The texture that has the pattern.
     pub variant: String,
-    /// Name of its file.
+    /// Name of the pattern's file.
     pub file: String,
-    /// Of the file.
+    /// SHA-256 of the pattern's file.
     pub sha256: String,
-    /// Columns, rows.
+    /// Columns and rows.
     pub cells: [u32; 2],
-    /// Width of one repeat on the model.
+    /// Width of one repeat on the model; `null` when it is not known.
     pub tile_mm: Option<f64>,
-    /// ΔE2000 between pattern and print, mean over cells.
+    /// ΔE2000 between pattern and print, mean over cells; `null` without `--printer`.
     pub print_delta_e: Option<f64>,
     /// One pixel per cell.
     #[serde(skip)]

@@ -17,8 +17,9 @@ pub struct Contents {
     /// Name of the session's folder.
     pub session: String,
     pub scene: SceneInShort,
-    /// None when every photo has its truth box and viewpoint.
+    /// `null` when every photo has its truth box and viewpoint.
     pub camera: Option<CameraInShort>,
+    /// Photos of the session, in all.
     pub photos: usize,
     /// Photos by texture and place.
     pub groups: Vec<PhotoGroup>,
@@ -33,44 +34,50 @@ pub struct SceneInShort {
     pub model: String,
     /// The label that detectors should give.
     pub class: Classes,
-    /// 10 for 1:10.
+    /// Scale of the model: 10 for 1:10.
     pub scale: f64,
     /// Length, width, height.
     pub size_mm: [f64; 3],
-    /// `box`, `hull` or `mesh`.
+    /// What truth boxes are drawn around: `box`, `hull` or `mesh`.
     pub truth_envelope: &'static str,
     pub bins: BinsInShort,
+    /// How many tags there are.
     pub tags: usize,
-    /// Of the tags, by their usual names.
+    /// Families of the tags, by their usual names.
     pub tag_families: Vec<&'static str>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinsInShort {
+    /// How many bins there are.
     pub count: usize,
-    /// Step from one to the next.
+    /// Step from one azimuth to the next.
     pub azimuth_deg: f64,
-    /// Centres.
+    /// Centres of the bins in pitch.
     pub pitch_deg: Vec<f64>,
-    /// Centres.
+    /// Centres of the bins in distance.
     pub distance_mm: Vec<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CameraInShort {
+    /// Width of the camera's images, and then their height.
     pub width_px: u32,
     pub height_px: u32,
     /// Focal lengths.
     pub fx_px: f64,
     pub fy_px: f64,
-    /// Present when the focal length was guessed from EXIF: right within so many percent.
+    /// How far a focal length that was guessed from EXIF may be off; `null` for a calibrated camera.
     pub guessed_within_percent: Option<f64>,
 }
 
+/// Photos of one texture and place.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PhotoGroup {
     pub variant: String,
+    /// `null` where the session names none.
     pub place: Option<String>,
+    /// How many photos there are.
     pub photos: usize,
 }
 

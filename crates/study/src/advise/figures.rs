@@ -10,31 +10,34 @@ use scaleproof_score::score::{ApDefinition, CompareError, Finding, Scores, compa
 pub struct FigureRow {
     pub detector: String,
     pub variant: String,
-    /// Of AP.
+    /// Definition of average precision: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
     pub definition: &'static str,
-    /// `box`, `hull` or `mesh`.
+    /// What truth boxes are drawn around: `box`, `hull` or `mesh`.
     pub envelope: &'static str,
+    /// AP@0.5 of the base; `ap50` is that of the variant, `drop` base minus variant.
     pub base_ap50: f64,
     pub ap50: f64,
     pub drop: f64,
+    /// 95 % interval of the drop; `null` with too few clusters, and when all clusters differ alike.
     pub drop_95: Option<Interval>,
     pub finding: Finding,
-    /// The drop minus that of the usual way, on the same photos; absent for the usual way.
+    /// The drop minus that of the usual way, on the same photos, and in `moved_by_95` its 95 % interval; `null` for the usual way.
     pub moved_by: Option<f64>,
     pub moved_by_95: Option<Interval>,
 }
 
-/// What figures depend on, and whether the findings do.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+/// What the drops of AP depend on, and whether the findings do.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FigureAdvice {
+    /// One for each detector, texture, definition of AP and truth box; those of the usual way first.
     pub rows: Vec<FigureRow>,
     /// Definitions that change no finding, the usual one among them.
     pub same_findings: Vec<&'static str>,
     /// The largest difference of a drop from that by the usual definition.
     pub definition_moves: f64,
-    /// The largest difference of a drop when the box around the model is taken instead of its outline; absent where the box is the outline.
+    /// The largest move of a drop when the box of the model's size replaces the outline; `null` where the box is the outline.
     pub box_moves: Option<f64>,
-    /// Whether the box changes no finding and moves no drop by more than [`BOX_MARGIN`].
+    /// Whether the box changes no finding and moves no drop by more than 0.01; `null` where the box is the outline.
     pub box_is_enough: Option<bool>,
 }
 

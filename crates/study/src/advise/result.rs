@@ -7,15 +7,16 @@ use super::way::Question;
 use scaleproof_core::statistics::Interval;
 use scaleproof_pose::scene::Viewpoint;
 
-/// One way of a step, and what it does on the session.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+/// One way of a step, and what it does on the session. The usual way is the program's own.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Choice {
+    /// The step that is chosen; `name` is one way of it.
     pub question: Question,
     pub name: String,
-    /// Coefficients of the lens model that it keeps; of camera models.
+    /// Coefficients of the lens model that a smaller camera model keeps; `null` for other ways.
     pub lens_terms: Option<usize>,
     pub is_usual: bool,
-    /// Of a photo, measured here on one core.
+    /// Mean time for a photo, measured here on one core.
     pub ms: f64,
     /// Photos that get a pose.
     pub located: usize,
@@ -23,19 +24,21 @@ pub struct Choice {
     pub lost: usize,
     /// Photos in which a left-out tag could be predicted.
     pub held_out_photos: usize,
-    /// Mean held-out error over the photos that both this way and the most accurate one predict.
+    /// Mean held-out error over the photos that both this way and the most accurate one predict; `null` without any.
     pub held_out_deg: Option<f64>,
-    /// This way's held-out error minus that of the most accurate one, on the same photos.
+    /// This way's held-out error minus that of the most accurate one, on the same photos; `null` without any.
     pub worse_by_deg: Option<f64>,
+    /// 95 % interval of `worse_by_deg`; `null` with too few photos, and when all resamples agree.
     pub worse_by_95: Option<Interval>,
-    /// How far the viewpoints are from the usual ones, middle photo: direction and distance.
+    /// How far the direction moves from that of the usual way, in the middle photo; `null` without one.
     pub moved_deg: Option<f64>,
+    /// How far the distance moves from that of the usual way, in the middle photo; `null` without one.
     pub moved_mm: Option<f64>,
     /// Photos that are in another bin than by the usual way.
     pub other_bin: usize,
     /// Photos whose direction is more than five standard deviations of the usual pose from the usual one.
     pub other_pose: usize,
-    /// By what share its poses are less certain than the usual ones; of tags, where a pose rests on part of what the usual one rests on.
+    /// For numbers of tags: by what share the standard deviation of directions grows against all tags; else `null`.
     pub less_certain_by: Option<f64>,
     pub verdict: Verdict,
     /// Of each photo, where it was located.
@@ -75,24 +78,26 @@ pub struct Advice {
     /// Photos that could not be read, which nothing here is of.
     pub unreadable: usize,
     pub poses: PoseAdvice,
-    /// Absent where no detector looked.
+    /// What detectors say; `null` where none looked.
     pub figures: Option<FigureAdvice>,
 }
 
 /// What a session says about the ways to locate its photos.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PoseAdvice {
+    /// Photos that could be read.
     pub photos: usize,
-    /// Photos that the usual way locates, and in which it can predict a left-out tag.
+    /// Photos that the usual way locates.
     pub located: usize,
+    /// Photos in which a left-out tag can be predicted by the usual way.
     pub held_out_photos: usize,
     /// Photos whose tags disagree with scene and camera: refused therefore, or fitted poorly.
     pub disagreeing: usize,
-    /// Whether the camera file is that of these photos; absent where they cannot tell.
+    /// Whether the camera file is that of these photos; `null` where they cannot tell.
     pub camera_check: Option<CameraCheck>,
-    /// None where the session cannot tell.
+    /// Ways to locate photos, step by step; empty where the session cannot tell.
     pub choices: Vec<Choice>,
-    /// Why there is no answer, and what photo or print would give one.
+    /// Why there is no answer, and what photo or print would give one; `null` where there is one.
     pub abstention: Option<String>,
 }
 
@@ -101,21 +106,22 @@ pub struct PoseAdvice {
 pub struct CameraCheck {
     /// Photos that both predict a left-out tag in.
     pub photos: usize,
-    /// Held-out error by the file, and by the camera that is refitted to the other half.
+    /// Held-out error by the file; `refitted_deg` is that by the camera refitted to the other half.
     pub held_out_deg: f64,
     pub refitted_deg: f64,
-    /// Their difference, on the same photos.
+    /// Held-out error by the file minus that by the refitted cameras, on the same photos.
     pub better_by_deg: f64,
+    /// 95 % interval of `better_by_deg`; `null` when all resamples agree.
     pub better_by_95: Option<Interval>,
     /// fx of the file, and of the two halves, px.
     pub focal_px: f64,
     pub refitted_focal_px: [f64; 2],
     /// How far the halves' image centres are from that of the file, px.
     pub centre_moved_px: [f64; 2],
-    /// Of the file, and of the two halves.
+    /// First coefficient of the lens model, of the file; `refitted_k1` has those of the two halves.
     pub k1: f64,
     pub refitted_k1: [f64; 2],
-    /// How far a viewpoint moves with the refitted camera, middle photo.
+    /// How far the direction (`moved_deg`) and the distance (`moved_mm`) move with the refitted camera, middle photo.
     pub moved_deg: f64,
     pub moved_mm: f64,
     pub verdict: CameraVerdict,
@@ -127,9 +133,9 @@ pub struct CameraCheck {
 pub enum CameraVerdict {
     /// The refitted camera is not shown better, or by no more than a twentieth.
     Fits,
-    /// It is.
+    /// The refitted camera is shown better, by more than a twentieth.
     OtherCamera,
-    /// It is not, but tags disagree with the file in a quarter of the photos or more, and fit four times worse there than elsewhere.
+    /// No camera is shown better, but tags disagree in a quarter of the photos or more, and fit four times worse there.
     NoCameraFits,
 }
 

@@ -292,6 +292,7 @@ impl EvaluateArgs {
 pub(in crate::cli) struct Evaluated<'a> {
     /// The labels that count as the model.
     classes: &'a Classes,
+    /// Names of the patterns.
     patterns: &'a [String],
     /// The detectors that the patterns were made against.
     targets: &'a [String],

@@ -104,9 +104,11 @@ pub(in crate::cli) struct Histories<'a> {
     histories: &'a [History],
     /// The path of `attack.json`.
     numbers: Option<&'a PathBuf>,
+    /// The path of `attack.svg`.
     chart: Option<&'a PathBuf>,
     /// With `--evaluation`, the same list as in `rendered.json`.
     rendered: &'a [RenderedRun],
+    /// The path of `rendered.svg`; `null` without `--evaluation`.
     rendered_chart: Option<&'a PathBuf>,
 }
 

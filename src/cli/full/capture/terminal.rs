@@ -15,15 +15,19 @@ use scaleproof_pose::scene::{Bin, Viewpoint};
 /// One line of `--json` for a frame.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct FrameLine<'a> {
+    /// What the source calls the frame.
     frame: &'a str,
     /// `accepted` or `refused`.
     status: &'static str,
     /// The photo's name in the session.
     photo: Option<&'a str>,
-    /// What was taken of the frame, or is required.
+    /// The view that the photo was taken for; `null` when refused.
     bin: Option<Bin>,
+    /// What keeps the frame from being taken, as a word for programs (explained in codes.md); `null` when accepted.
     code: Option<&'static str>,
+    /// What keeps the frame from being taken, as a sentence; `null` when accepted.
     advice: Option<String>,
+    /// From where the frame was taken; `null` without a pose.
     viewpoint: Option<Viewpoint>,
     gates: Measures,
 }
@@ -33,6 +37,7 @@ pub(in crate::cli) struct FrameLine<'a> {
 pub(in crate::cli) struct StandingLine {
     /// As a sentence.
     pairs: String,
+    /// Whether the pairs have shown enough, which ends the capture.
     decided: bool,
     /// The view that tells most next.
     next: Option<Bin>,

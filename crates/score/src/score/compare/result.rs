@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use scaleproof_core::statistics::Interval;
 
-/// Photos that are taken as dependent on each other.
+/// Photos that are taken as dependent on each other, and so counted together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ClusteredBy {
@@ -14,7 +14,7 @@ pub enum ClusteredBy {
     PlaceAndBin,
 }
 
-/// What the photos can tell of a difference.
+/// What the photos can tell of a difference (explained in comparing.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Finding {
@@ -24,22 +24,24 @@ pub enum Finding {
     Rise,
     /// None shown, and one of 0.2 or more is excluded.
     NoDifferenceShown,
+    /// There are fewer than six clusters, or no difference is shown and one of 0.2 is not excluded.
     TooFewPhotosToTell,
 }
 
 /// One figure on both sides of the pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Difference {
+    /// The figure of the base; `other` is that of the variant.
     pub base: f64,
     pub other: f64,
     /// `base` minus `other`.
     pub drop: f64,
-    /// Of the drop; absent with too few clusters, and when all clusters differ alike.
+    /// 95 % interval of the drop; `null` with too few clusters, and when all clusters differ alike.
     pub interval_95: Option<Interval>,
     pub finding: Finding,
-    /// Attack success rate, 1 − `other` ÷ `base`; absent where the base is 0.
+    /// Attack success rate, 1 − `other` ÷ `base`; `null` where the base is 0.
     pub asr: Option<f64>,
-    /// Of the attack success rate; absent also where too many resamples of the base are 0.
+    /// 95 % interval of the attack success rate; `null` also where too many resamples of the base are 0.
     pub asr_interval_95: Option<Interval>,
 }
 
@@ -59,11 +61,12 @@ pub struct Hits {
 /// The hits of one azimuth bin.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinHits {
+    /// Azimuth of the bin's centre.
     pub azimuth_deg: f64,
     pub pairs: usize,
     pub clusters: usize,
     pub hits: Hits,
-    /// p corrected over the bins that have enough clusters; absent in the others.
+    /// McNemar's p corrected by Holm over the bins that have enough clusters; `null` in the others.
     pub holm_p: Option<f64>,
 }
 
@@ -72,9 +75,11 @@ pub struct BinHits {
 pub struct Compared {
     pub detector: String,
     pub variant: String,
+    /// Pairs of photos.
     pub pairs: usize,
-    /// What is resampled as a whole.
+    /// What is resampled as a whole: `place` from six places on, else `place_and_bin`.
     pub clustered_by: ClusteredBy,
+    /// How many clusters are resampled.
     pub clusters: usize,
     /// Places that have pairs.
     pub places: usize,
@@ -106,13 +111,13 @@ pub struct Decision {
     pub drop: f64,
     /// What was shown first.
     pub finding: SequentialFinding,
-    /// After how many looks; absent while nothing is.
+    /// Looks until something was shown; `null` while nothing is.
     pub decided_after: Option<usize>,
     /// p of "the texture changes nothing in any view"; holds however often one looks.
     pub p_always_valid: f64,
-    /// Rounds in which every bin has its pair, or places.
+    /// Whole rounds, in which every bin has its pair; where looks are after each place, the number of places.
     pub rounds: usize,
-    /// Of the mean drop over the bins (or places), from the whole rounds; holds however often one looks.
+    /// 95 % interval of the mean drop over bins (or places), valid at every look; `null` before a whole round, or when rounds conflict.
     pub interval_95: Option<Interval>,
     /// Base-10 logarithm of the evidence for a drop after each look; from 1.6 (a factor of 40) on it is shown.
     pub log10_evidence: Vec<f64>,
@@ -123,7 +128,7 @@ pub struct Decision {
 pub struct Course {
     pub detector: String,
     pub variant: String,
-    /// So often could one look.
+    /// How many looks there were: pairs, or places.
     pub looks: usize,
     /// Pairs that repeat a place and bin, which are not looked at.
     pub repeats: usize,
@@ -136,7 +141,7 @@ pub struct Course {
 pub struct Sequential {
     /// What is added between two looks.
     pub look_after_each: ClusteredBy,
-    /// The drop that matters.
+    /// The drop that matters (`--least`); `null` where none is named.
     pub least: Option<f64>,
     pub results: Vec<Course>,
 }
@@ -146,19 +151,19 @@ pub struct Sequential {
 pub struct PlanCheck {
     /// SHA-256 of the plan; what was published of it must be the same.
     pub seal: String,
-    /// Sentences.
+    /// In what the comparison differs from the plan, as sentences.
     pub deviations: Vec<String>,
 }
 
 /// Every variant of a run against its base.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Comparison {
-    /// The plan that was fixed before the photos, if any.
+    /// The plan that was fixed before the photos, with `--plan`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanCheck>,
     /// The variant that the others are compared with.
     pub base: String,
-    /// Name of the definition of average precision.
+    /// Definition of average precision: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
     pub ap_definition: &'static str,
     /// Resamples behind each interval.
     pub bootstrap_draws: usize,
@@ -168,7 +173,7 @@ pub struct Comparison {
     pub results: Vec<Compared>,
     /// Scored photos that are in no difference.
     pub unpaired: Vec<Unpaired>,
-    /// Every variant against the base, look by look, where that was asked for.
+    /// With `--sequential`: every variant against the base, look by look.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sequential: Option<Sequential>,
 }

@@ -19,14 +19,16 @@ pub const SEQUENTIAL_ROWS: usize = REAL.len() + 1;
 /// Two plans that show the same drop with the same chance.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SequentialPlan {
+    /// As requested, with `drop`, `power` and `least` (the drop that matters; `null` where none is named).
     pub base_rate: f64,
     pub drop: f64,
     pub power: f64,
     pub least: Option<f64>,
     /// Pairs of the fixed plan, which is looked at once (McNemar's exact test).
     pub fixed_pairs: usize,
-    /// After so many pairs the other gives up.
+    /// The most pairs that the sequential plan takes.
     pub budget_pairs: usize,
+    /// Simulated experiments behind each row of `table`.
     pub experiments: usize,
     pub table: Vec<Expected>,
 }
@@ -34,15 +36,16 @@ pub struct SequentialPlan {
 /// What becomes of experiments whose real drop is so large.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Expected {
+    /// The drop of the hit rate that is simulated.
     pub real_drop: f64,
-    /// Shares of the experiments that show a drop, a rise, and a drop smaller than the least.
+    /// Share of the experiments that show a drop; `rise_shown`, `less_than_least_shown` and `undecided` are the other shares.
     pub drop_shown: f64,
     /// Chance that the fixed plan shows a drop, computed exactly.
     pub fixed_drop_shown: f64,
     pub rise_shown: f64,
     pub less_than_least_shown: f64,
     pub undecided: f64,
-    /// Pairs until it stops.
+    /// Mean number of pairs until the sequential plan stops.
     pub mean_pairs: f64,
     /// Mean pairs saved, as a share of the fixed plan's; negative where it takes more.
     pub saved: f64,

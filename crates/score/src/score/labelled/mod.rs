@@ -52,9 +52,9 @@ struct Object {
 /// COCO's two averages over the categories that have an object, crowds not counted.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Averages {
-    /// AP@\[.5:.95\], the figure that papers and repositories state for COCO.
+    /// COCO's `AP@[.5:.95]`, the figure that papers and repositories state.
     pub ap_50_95: f64,
-    /// AP@0.5.
+    /// AP at IoU 0.5.
     pub ap_50: f64,
 }
 

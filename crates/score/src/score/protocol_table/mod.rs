@@ -19,9 +19,10 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::Detection;
 
-/// A table of texts, as it is printed.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+/// The table of a protocol, as texts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ProtocolTable {
+    /// Name of the protocol; `source` names the publication or code that defines it.
     pub name: &'static str,
     pub source: &'static str,
     pub columns: Vec<String>,

@@ -20,6 +20,7 @@ pub enum RankingFinding {
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RankedVariant {
     pub variant: String,
+    /// AP@0.5 in this run; `other_ap50` is that in the other sessions.
     pub ap50: f64,
     pub other_ap50: f64,
 }
@@ -34,10 +35,11 @@ pub struct RankingRow {
     pub variants: Vec<RankedVariant>,
     /// Places and bins that have photos of all these variants, here and in the other sessions.
     pub cells: [usize; 2],
-    /// What is resampled as a whole, here and in the other sessions.
+    /// Clusters that are resampled as a whole, here and in the other sessions.
     pub clusters: [usize; 2],
-    /// Kendall's τ-b of the two orders; absent where one of them has nothing but ties.
+    /// Kendall's τ-b of the two orders; `null` where one of them has nothing but ties.
     pub tau: Option<f64>,
+    /// 95 % interval of `tau`; `null` with too few clusters, and when all resamples agree.
     pub interval_95: Option<Interval>,
     pub finding: RankingFinding,
 }
@@ -47,6 +49,7 @@ pub struct RankingRow {
 pub struct Ranking {
     /// Names of the other sessions' folders.
     pub others: Vec<String>,
+    /// One row for each detector, and with `--group-by` for each value of a condition.
     pub rows: Vec<RankingRow>,
     /// What could not be held against each other, as sentences.
     pub cautions: Vec<String>,

@@ -9,6 +9,7 @@ use crate::score::{Difference, Finding};
 pub struct Robustness {
     /// By corruption, severity (from 0), then base, variant and detector.
     pub rows: Vec<CorruptedRow>,
+    /// How far the drop of AP goes, for each corruption, base, variant and detector.
     pub survival: Vec<Survival>,
     /// What a reader must know besides, as sentences.
     pub cautions: Vec<String>,
@@ -26,14 +27,16 @@ impl Robustness {
 /// A variant against its base on photos of one severity.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CorruptedRow {
+    /// What makes the photos worse (scoring.md lists it).
     pub corruption: &'static str,
-    /// 0 is the photo at the size of the others, no worse.
+    /// 0 to 5; 0 is the photo reduced to 640 px like the others, no worse.
     pub severity: u8,
-    /// What the severity means; empty for 0.
+    /// What the severity means; empty for severity 0.
     pub amount: String,
     pub base: String,
     pub variant: String,
     pub detector: String,
+    /// Pairs of photos.
     pub pairs: usize,
     pub ap50: Difference,
     pub hit_rate: Difference,
@@ -47,11 +50,11 @@ pub struct Survival {
     pub base: String,
     pub variant: String,
     pub detector: String,
-    /// The severities at which a drop is shown.
+    /// The severities at which a drop of AP is shown.
     pub shown_at: Vec<u8>,
-    /// Those at which the base itself has an AP below [`BASE_LOST`]: there is hardly anything that could drop.
+    /// The severities at which the base itself has an AP below 0.2, which leaves hardly anything to drop.
     pub base_lost_at: Vec<u8>,
-    /// Those at which the pairs cannot tell.
+    /// The severities at which the pairs are too few to tell.
     pub too_few_at: Vec<u8>,
 }
 

@@ -14,29 +14,33 @@ use scaleproof_pose::scene::Classes;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SealedPlan {
-    /// Version that sealed it.
+    /// Version of the program that sealed it.
     pub scaleproof: String,
     /// The texture that drops are measured from.
     pub base: String,
-    /// SHA-256 of each texture's pattern; none of a texture without one.
+    /// SHA-256 of each texture's pattern, by the texture's name; `null` for a texture without one.
     pub textures: BTreeMap<String, Option<String>>,
     /// Labels that count as the model.
     pub classes: Classes,
-    /// The definition of average precision.
+    /// The definition of average precision: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
     pub ap: String,
+    /// Confidence from which a detection counts as a hit.
     pub hit_confidence: f64,
+    /// IoU with the truth box from which a detection is on the model.
     pub match_iou: f64,
+    /// Name of the protocol that is followed; `null` for none.
     pub protocol: Option<String>,
-    /// By name.
+    /// The detectors, by name.
     pub detectors: BTreeMap<String, SealedDetector>,
-    /// Of the scene's file.
+    /// SHA-256 of the scene's file.
     pub scene_sha256: String,
-    /// Of the mesh that it names, if any.
+    /// SHA-256 of the mesh that the scene names; `null` without one.
     pub mesh_sha256: Option<String>,
-    /// Of the camera's file, where it is fixed.
+    /// SHA-256 of the camera's file; `null` where it is not fixed.
     pub camera_sha256: Option<String>,
-    /// Azimuth, pitch and distance of the bins that are photographed in every texture at every place.
+    /// Azimuth and pitch (degrees) and distance (mm) of the bins that are photographed in every texture at every place.
     pub views: Vec<[f64; 3]>,
+    /// How many places are photographed.
     pub places: u16,
     pub stopping: Stopping,
 }
@@ -46,7 +50,7 @@ pub struct SealedPlan {
 #[serde(deny_unknown_fields)]
 pub struct SealedDetector {
     pub weights_sha256: String,
-    /// Of the manifest: how photos are fed, and how answers are read.
+    /// SHA-256 of the manifest, which says how photos are fed, and how answers are read.
     pub manifest_sha256: String,
 }
 
@@ -54,11 +58,13 @@ pub struct SealedDetector {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Stopping {
-    /// When every view is there; looked at once.
+    /// When every view is there; the result is looked at once.
     EveryView,
-    /// When it is decided.
+    /// When the sequential test shows something.
     Decided {
+        /// What is added between two looks.
         look_after_each: ClusteredBy,
+        /// The drop that matters; `null` where none is named.
         least: Option<f64>,
     },
 }
@@ -67,6 +73,7 @@ pub enum Stopping {
 #[derive(Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SealedFile {
+    /// SHA-256 of `plan`, without blanks between its parts.
     seal: String,
     plan: SealedPlan,
 }
