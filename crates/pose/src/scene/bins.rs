@@ -23,11 +23,11 @@ pub struct Bins {
 /// One bin, named by its centre. Bins are sorted by azimuth, pitch and distance.
 #[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
 pub struct Bin {
-    /// Centre, degrees.
+    /// Azimuth of the bin's centre, as of a viewpoint: 0° looks at the front, 90° at the model's left side.
     pub azimuth_deg: f64,
-    /// Centre, degrees.
+    /// Elevation of the bin's centre above the ground plane.
     pub pitch_deg: f64,
-    /// Centre, mm.
+    /// Distance of the bin's centre from the model's target point, at model scale.
     pub distance_mm: f64,
 }
 

@@ -30,9 +30,11 @@ pub(super) struct Provenance {
     pub hit_confidence: f64,
     /// Confidence from which detections are kept.
     pub score_floor: f64,
+    /// The detectors, and where their detections come from.
     pub detectors: Vec<DetectorProvenance>,
+    /// The sessions, with the hashes of their files.
     pub sessions: Vec<SessionProvenance>,
-    /// Of the textures whose patterns are known.
+    /// The textures whose patterns are known (`--pattern`).
     pub patterns: Vec<WornPattern>,
 }
 

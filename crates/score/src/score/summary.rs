@@ -32,7 +32,7 @@ impl Rate {
     }
 }
 
-/// The numbers of a group of photos, and how many photos they rest on. [`super::Criteria::definitions`] says what each one is.
+/// The numbers of a group of photos, and how many photos they rest on; figures.md defines each one.
 ///
 /// Every photo is in exactly one of `hit_rate`, `misclassification_rate` and `disappearance_rate`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]

@@ -16,6 +16,7 @@ pub type Look = Result<String, PhotoError>;
 pub struct Contents {
     /// Name of the session's folder.
     pub session: String,
+    /// The scene in short.
     pub scene: SceneInShort,
     /// `null` when every photo has its truth box and viewpoint.
     pub camera: Option<CameraInShort>,
@@ -31,8 +32,9 @@ pub struct Contents {
 
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SceneInShort {
+    /// Name of the model.
     pub model: String,
-    /// The label that detectors should give.
+    /// The labels that count as the model.
     pub class: Classes,
     /// Scale of the model: 10 for 1:10.
     pub scale: f64,

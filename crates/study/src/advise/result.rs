@@ -50,23 +50,23 @@ pub struct Choice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The smallest of those that nothing speaks against.
+    /// The smallest of the ways that nothing speaks against.
     Advised,
-    /// Nothing does, but a smaller one is enough.
+    /// Nothing speaks against it, but a smaller way is enough.
     Enough,
-    /// It loses photos.
+    /// It does not locate every photo that the usual way locates.
     LosesPhotos,
     /// It moves photos into other bins.
     OtherBins,
-    /// It puts the camera of some photo where the doubt of the usual pose excludes it.
+    /// It moves some photo's direction by more than five standard deviations of the usual pose.
     OtherPoses,
     /// Its held-out error is larger than that of the most accurate, at the level of 5 %.
     Worse,
-    /// That is not shown, and it is larger by more than a twentieth.
+    /// Its held-out error is larger by more than a twentieth, but that is not shown.
     Larger,
     /// Its poses are less certain by more than a twentieth, which is too little for left-out tags to show.
     LessCertain,
-    /// Too few photos can tell.
+    /// The photos are too few to tell.
     CannotTell,
 }
 

@@ -22,7 +22,7 @@ pub enum Finding {
     Drop,
     /// The base is worse, at the level of 5 %.
     Rise,
-    /// None shown, and one of 0.2 or more is excluded.
+    /// No difference is shown, and one of 0.2 or more is excluded.
     NoDifferenceShown,
     /// There are fewer than six clusters, or no difference is shown and one of 0.2 is not excluded.
     TooFewPhotosToTell,
@@ -99,8 +99,9 @@ pub enum SequentialFinding {
     Drop,
     /// The base is worse.
     Rise,
-    /// The drop is smaller than the least that matters.
+    /// The drop is smaller than the least that matters (`--least`).
     LessThanLeast,
+    /// Nothing is shown so far.
     Undecided,
 }
 
