@@ -25,7 +25,7 @@ pub struct CandidateModel {
 }
 
 /// How far another model moves the camera in the same photos, in the worst of them.
-#[derive(Debug, Clone, Copy, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, serde::Serialize, schemars::JsonSchema)]
 pub struct ModelDifference {
     /// The direction in which the camera stands, seen from the board's middle, degrees.
     pub direction_deg: f64,

@@ -9,7 +9,7 @@ use scaleproof_pose::camera::projection::PARAMETERS;
 pub(super) const ALL: usize = PARAMETERS;
 
 /// The camera parameters that are fitted; others are 0, and a principal point that is not fitted is the image's centre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LensModel {
     /// One focal length.

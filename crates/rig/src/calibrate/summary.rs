@@ -14,7 +14,7 @@ pub struct CalibrationAnswer<'a> {
     image_width_px: u32,
     image_height_px: u32,
     /// The chosen lens model.
-    model: Model,
+    model: LensModel,
     /// Focal lengths `fx_px` and `fy_px`, principal point `cx_px` and `cy_px`.
     fx_px: f64,
     fy_px: f64,
@@ -38,13 +38,13 @@ pub struct CalibrationAnswer<'a> {
     /// The photos that the camera was fitted to.
     photos: Vec<PhotoAnswer<'a>>,
     /// Photos that had no part in the camera, and why.
-    left_out: &'a [LeftOut],
+    left_out: &'a [UnusedPhoto],
     /// Corners rejected as outliers.
     lost_corners: usize,
     /// Corners in each of 10 × 10 cells of the image, row by row.
-    coverage_10x10: &'a [usize],
+    coverage_10x10: &'a [u32],
     /// What to know before using the camera, as sentences.
-    cautions: &'a [String],
+    cautions: &'a [CalibrationCaution],
 }
 
 /// A candidate model.

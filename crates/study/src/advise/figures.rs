@@ -27,7 +27,7 @@ pub struct FigureRow {
 }
 
 /// What the drops of AP depend on, and whether the findings do.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FigureAdvice {
     /// One for each detector, texture, definition of AP and truth box; those of the usual way first.
     pub rows: Vec<FigureRow>,

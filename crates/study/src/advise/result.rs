@@ -8,7 +8,7 @@ use scaleproof_core::statistics::Interval;
 use scaleproof_pose::scene::Viewpoint;
 
 /// One way of a step, and what it does on the session. The usual way is the program's own.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Choice {
     /// The step that is chosen; `name` is one way of it.
     pub question: Question,

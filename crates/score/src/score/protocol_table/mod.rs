@@ -20,7 +20,7 @@ use scaleproof_core::spelling::digits;
 use scaleproof_detect::Detection;
 
 /// The table of a protocol, as texts.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ProtocolTable {
     /// Name of the protocol; `source` names the publication or code that defines it.
     pub name: &'static str,
