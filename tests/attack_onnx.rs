@@ -36,7 +36,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), DeviceKind::Cpu).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), &Device::flex()).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);

@@ -76,7 +76,7 @@ fn check(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
     }
     for (i, inner) in value.as_array().into_iter().flatten().enumerate() {
         let of_all = |part: &&Value| part["prefixItems"].get(i).or(part.get("items")).cloned();
-        if let Some(schema) = parts.iter().find_map(|part| of_all(part)) {
+        if let Some(schema) = parts.iter().find_map(of_all) {
             faults.extend(check(root, &schema, inner, &format!("{at}[]")));
         }
     }

@@ -17,7 +17,6 @@ use staged::Staged;
 /// A file that could not be read or written, or that holds something else than it should; as a sentence.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum FileError {
     #[error("cannot read {path}: {reason}", path = path.display())]
     Read { path: PathBuf, reason: String },

@@ -1,5 +1,8 @@
 //! The known name that a misspelt one was probably meant to be; words that go with a number, and its digits.
 
+/// Letters to insert, remove or change (Levenshtein), or neighbours to swap.
+pub use strsim::osa_distance as edits;
+
 /// `; did you mean NAME?`, to be added to a sentence that refuses `text`; empty when no known name is near, or several are.
 pub fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(text, known).map_or_else(String::new, |name| format!("; did you mean {name}?"))
@@ -51,24 +54,4 @@ pub fn nearest<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         [name] => Some(name),
         _ => None,
     }
-}
-
-/// Letters to insert, remove or change (Levenshtein), or neighbours to swap.
-pub fn edits(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    // rows[i][j]: from the first i letters of a to the first j of b.
-    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let change = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = change.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }

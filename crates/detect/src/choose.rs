@@ -80,7 +80,6 @@ fn beside(network: &Path) -> Result<Manifest, ManifestError> {
 
 /// Why a detector was not registered or taken off the list.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum RegisterError {
     #[error("no folder for detectors: set HOME or XDG_DATA_HOME")]
     NoFolder,

@@ -103,7 +103,6 @@ const PROVENANCE: &str = ".provenance.json";
 
 /// Why a recording cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum RecordedError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -11,7 +11,6 @@ use scaleproof_core::files;
 
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum FetchError {
     #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
     NoUrl { name: String, file: String },

@@ -20,7 +20,6 @@ pub enum Labels {
 
 /// Why something is no list of labels.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum LabelsError {
     #[error("labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names")]
     NoList { name: String },

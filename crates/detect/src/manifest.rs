@@ -236,7 +236,6 @@ pub struct FirstLabel {
 /// Why a manifest was refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum ManifestError {
     #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
     Unknown { name: String, known: Vec<String> },

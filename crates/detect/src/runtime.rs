@@ -25,7 +25,6 @@ use scaleproof_core::workers::stopwatch::{Stage, timed};
 /// Why a detector could not run.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum DetectError {
     #[error(
         "ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so"

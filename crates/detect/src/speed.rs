@@ -50,7 +50,6 @@ pub struct Speed {
 
 /// Why a file of times cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SpeedError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -8,7 +8,6 @@ use scaleproof_core::files;
 /// Why a detector's weights cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum WeightsError {
     #[error("no weights for {name}: {remedy}")]
     Missing { name: String, file: String, remedy: String },

@@ -2,7 +2,6 @@
 
 /// What in a network's graph does not go together; a [`WhiteBoxError`](super::WhiteBoxError) names the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum NetworkFault {
     #[error("at {0}: {1}")]
     At(String, Box<NetworkFault>),

@@ -35,7 +35,6 @@ use scaleproof_detect::ProgramError;
 /// Why a detector cannot be attacked through its own network.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum WhiteBoxError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -32,7 +32,6 @@ pub use resize::{boxed, opencv_linear, shrunk};
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -21,7 +21,6 @@ use scaleproof_session::session::{self, Conditions, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum EvaluateError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -15,7 +15,6 @@ const NORMAL: &str = "normal";
 
 /// Why a session gives no targets.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum PairError {
     #[error(transparent)]
     Session(#[from] SessionError),

@@ -70,7 +70,6 @@ pub trait FrameSource {
 
 /// Why a source gives no (more) frames.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SourceError {
     #[error(
         "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"

@@ -20,7 +20,6 @@ use scaleproof_session::session::{self, PhotoEntry, SessionError};
 
 /// Why a session cannot be filled.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum StoreError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -38,7 +38,6 @@ pub use worker::{AskPairs, CaptureNotice};
 
 /// What keeps the page, or the capture behind it, from going on.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum PageError {
     #[error("the port {port} cannot be opened ({reason})")]
     Port { port: u16, reason: String },

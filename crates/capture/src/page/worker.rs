@@ -175,7 +175,7 @@ impl<'a> CaptureWorker<'a> {
     ) -> Result<(), PageError> {
         self.ask_pairs()?;
         self.publish(None);
-        let mut wants_frame = source.map(|source| feed(source, own));
+        let mut wants_frame = source.map(|source| spawn_reader(source, own));
         // A frame that nobody looks at as long as no photo is needed.
         let mut held = None;
         while let Ok(event) = events.recv() {
@@ -358,13 +358,13 @@ impl<'a> CaptureWorker<'a> {
     }
 }
 
-/// Gives frames of the source one by one, each when it is requested; the first at once. A source that waits for ever is left behind in its
-/// thread when the program ends.
-fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<WorkerEvent>) -> SyncSender<()> {
-    let (more, asked) = sync_channel(1);
-    let _ = more.try_send(()); // the channel is empty
+/// Starts a thread that reads one frame of a source for each request, the first at once. Of a source that blocks forever the thread is
+/// abandoned when the program ends.
+fn spawn_reader(mut source: Box<dyn FrameSource + Send>, events: Sender<WorkerEvent>) -> SyncSender<()> {
+    let (request, requests) = sync_channel(1);
+    let _ = request.try_send(()); // the channel is empty
     std::thread::spawn(move || {
-        while asked.recv().is_ok() {
+        while requests.recv().is_ok() {
             let next = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
             let is_last = !matches!(next, Ok(Some(_)));
             if events.send(WorkerEvent::Frame(next)).is_err() || is_last {
@@ -372,5 +372,5 @@ fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<WorkerEvent>) ->
             }
         }
     });
-    more
+    request
 }

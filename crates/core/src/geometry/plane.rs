@@ -90,8 +90,8 @@ impl PlaneTriangle {
         (doubled_area != 0.0).then_some(Self { corners, doubled_area })
     }
 
-    /// The barycentric coordinates of a point; `None` outside of the triangle by more than [`Self::EDGE`].
-    pub fn shares(&self, p: Point2) -> Option<[f64; 3]> {
+    /// The barycentric coordinates of a point; `None` outside the triangle, where one is below −[`Self::EDGE`].
+    pub fn barycentric(&self, p: Point2) -> Option<[f64; 3]> {
         let [a, b, c] = self.corners;
         let parts = [doubled_area(b, c, p), doubled_area(c, a, p), doubled_area(a, b, p)];
         let shares = parts.map(|part| part / self.doubled_area);
@@ -110,7 +110,7 @@ impl PlaneTriangle {
     pub fn draw(&self, [width, height]: [usize; 2], offset: f64, mut each: impl FnMut(usize, usize, [f64; 3])) {
         for row in self.cells(1, 0..height) {
             for column in self.cells(0, 0..width) {
-                if let Some(shares) = self.shares([column as f64 + offset, row as f64 + offset]) {
+                if let Some(shares) = self.barycentric([column as f64 + offset, row as f64 + offset]) {
                     each(column, row, shares);
                 }
             }

@@ -35,25 +35,25 @@ pub fn wilson_95(hits: usize, n: usize) -> Option<(f64, f64)> {
     Some((((centre - half) / scale).max(0.0), ((centre + half) / scale).min(1.0)))
 }
 
-/// Kendall's τ-b of two lists of figures (Kendall 1945): 1 where both have one order, −1 where one has the order of the other reversed.
-/// Figures that differ by less than `alike` are ties; `None` where a list has nothing but ties.
-pub fn kendall_tau_b(a: &[f64], b: &[f64], alike: f64) -> Option<f64> {
+/// Kendall's τ-b of two lists of values (Kendall 1945): 1 where both rank alike, −1 where one ranking is the other's reverse. Values that differ
+/// by `tolerance` or less are ties; `None` where all of a list are tied.
+pub fn kendall_tau_b(a: &[f64], b: &[f64], tolerance: f64) -> Option<f64> {
     let sign = |difference: f64| match difference {
-        d if d > alike => 1.0,
-        d if d < -alike => -1.0,
+        d if d > tolerance => 1.0,
+        d if d < -tolerance => -1.0,
         _ => 0.0,
     };
-    let (mut agreeing, mut ordered_a, mut ordered_b) = (0.0, 0.0, 0.0);
+    let (mut concordance, mut untied_a, mut untied_b) = (0.0, 0.0, 0.0);
     for i in 0..a.len() {
         for j in 0..i {
             let (of_a, of_b): (f64, f64) = (sign(a[i] - a[j]), sign(b[i] - b[j]));
-            agreeing += of_a * of_b;
-            ordered_a += of_a.abs();
-            ordered_b += of_b.abs();
+            concordance += of_a * of_b;
+            untied_a += of_a.abs();
+            untied_b += of_b.abs();
         }
     }
-    let both = ordered_a * ordered_b;
-    (both > 0.0).then(|| agreeing / f64::sqrt(both))
+    let both = untied_a * untied_b;
+    (both > 0.0).then(|| concordance / f64::sqrt(both))
 }
 
 /// Two-sided p of McNemar's exact test (McNemar 1947), with repeats of one place and bin kept together.

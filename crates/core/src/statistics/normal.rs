@@ -22,9 +22,9 @@ pub fn between(from: f64, to: f64, mean: f64, sigma: f64) -> f64 {
     upper_tail((from - mean) / sigma) - upper_tail((to - mean) / sigma)
 }
 
-/// Φ(u) and its derivative, for fits that need both of every pixel: within 4e-7 (Abramowitz & Stegun 1964, 26.2.17).
+/// The standard normal distribution Φ(u) and its density, for fits that need both of every pixel: within 4e-7 (Abramowitz & Stegun 1964, 26.2.17).
 #[inline(always)]
-pub fn fast_cdf_and_density<const N: usize>(u: [f32; N]) -> ([f32; N], [f32; N]) {
+pub fn fast_normal_cdf_and_density<const N: usize>(u: [f32; N]) -> ([f32; N], [f32; N]) {
     const AT_0: f32 = 0.398_942_3; // 1 / √(2π)
     let (mut cdf, mut density) = ([0.0; N], [0.0; N]);
     for i in 0..N {

@@ -6,11 +6,11 @@ use std::sync::Once;
 /// every picture: 2,300 pages for one of yolox_nano's gradients, for which two threads wait on each other. Does nothing without glibc.
 pub fn keep() {
     static KEPT: Once = Once::new();
-    KEPT.call_once(keep_in_glibc);
+    KEPT.call_once(retain_freed_memory);
 }
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-fn keep_in_glibc() {
+fn retain_freed_memory() {
     use std::ffi::c_int;
 
     // malloc.h
@@ -25,10 +25,10 @@ fn keep_in_glibc() {
         (M_TOP_PAD, 16 << 20),
         (M_MMAP_THRESHOLD, 32 << 20),
     ] {
-        // SAFETY: glibc's function; a parameter it does not take changes nothing.
+        // SAFETY: glibc's function; it ignores a parameter that it does not know.
         unsafe { mallopt(parameter, bytes) };
     }
 }
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-fn keep_in_glibc() {}
+fn retain_freed_memory() {}

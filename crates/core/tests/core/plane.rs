@@ -59,7 +59,7 @@ proptest! {
         let [a, b, c] = corners;
         prop_assume!(doubled_area(a, b, c).abs() > 1.0);
         let p = between(a, between(b, c, s), t);
-        let shares = PlaneTriangle::new(corners).unwrap().shares(p).unwrap();
+        let shares = PlaneTriangle::new(corners).unwrap().barycentric(p).unwrap();
         let back = [0, 1].map(|axis| (0..3).map(|i| shares[i] * corners[i][axis]).sum::<f64>());
         prop_assert!(distance(p, back) < 1e-9);
     }

@@ -21,8 +21,6 @@ pub use photo_names::{PhotoName, PhotoNames, flat_name};
 
 /// Why detections from outside cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum OutsideError {
     #[error(transparent)]
     File(#[from] FileError),

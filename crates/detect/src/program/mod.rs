@@ -36,8 +36,6 @@ pub mod protocol {
 
 /// Why a program cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum ProgramError {
     #[error("cannot start `{command}`: {reason}")]
     Start { command: String, reason: String },

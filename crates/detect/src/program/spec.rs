@@ -32,7 +32,6 @@ pub struct ProgramSpec {
 
 /// Why it is not clear what is to be started.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ProgramSpecError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -38,7 +38,7 @@ pub(super) fn inspect(
 ) -> Result<Inspected, ProposeError> {
     let mut session = runtime::session(runtime, path)?;
     let metadata = Metadata::from_session(&session);
-    let (takes, inputs) = (Required::by(session.inputs())?, listed(session.inputs()));
+    let (takes, inputs) = (Required::from_inputs(session.inputs())?, listed(session.inputs()));
     let fixed = takes.size_px;
     if let (Some(fixed), Some(named)) = (fixed, size_px.filter(|named| Some(*named) != fixed)) {
         return Err(ProposeError::OtherSize { fixed, named });
@@ -129,15 +129,16 @@ pub(super) struct Required {
 }
 
 impl Required {
-    fn by(inputs: &[Outlet]) -> Result<Required, ProposeError> {
+    /// Reads it from the inputs of a network: one image, or an image and the photo's size.
+    fn from_inputs(inputs: &[Outlet]) -> Result<Required, ProposeError> {
         let all = listed(inputs);
         let images: Vec<_> = inputs.iter().filter_map(|input| Some((input, image(input)?))).collect();
-        let (port, (layout, batch, sides)) = match images[..] {
+        let (image_input, (layout, batch, sides)) = match images[..] {
             [] => return Err(ProposeError::NoImage { inputs: all }),
             [only] => only,
             _ => return Err(ProposeError::SeveralImages { inputs: all }),
         };
-        let values = match port.dtype().tensor_type() {
+        let values = match image_input.dtype().tensor_type() {
             Some(TensorElementType::Float32) => Values::F32,
             Some(TensorElementType::Uint8) => Values::U8,
             _ => return Err(ProposeError::OtherNumbers { inputs: all }),

@@ -43,7 +43,6 @@ pub struct Proposal {
 
 /// What was read from a file or taken for granted, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ProposalNote {
     #[error(
         "{title}: inferred from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
@@ -68,7 +67,6 @@ pub enum ProposalNote {
 
 /// Why no manifest can be proposed, as a sentence.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ProposeError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -149,7 +149,7 @@ impl<'a> Raster<'a> {
         };
         for y in span(1, w.top, w.height) {
             for x in span(0, w.left, w.width) {
-                let Some(shares) = flat.shares([x as f64, y as f64]) else {
+                let Some(shares) = flat.barycentric([x as f64, y as f64]) else {
                     continue;
                 };
                 let nearness: f64 = shares.iter().zip(corners).map(|(share, (_, z))| share / z).sum();

@@ -26,7 +26,6 @@ pub struct Additive {
 
 /// Why colours could not be made.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum AdditiveError {
     #[error(transparent)]
     Frames(#[from] FramesError),

@@ -11,7 +11,6 @@ use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SurrogateChartError {
     #[error(transparent)]
     Frames(#[from] FramesError),

@@ -9,7 +9,6 @@ use scaleproof_core::geometry::length::{self, BadLength, number};
 
 /// Why a board file was refused, or could not be put together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum DefinitionError {
     #[error("{0}")]
     File(String),
@@ -21,7 +20,6 @@ pub enum DefinitionError {
 
 /// What is wrong in a board file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum BoardFault {
     #[error("{0}")]
     Syntax(String),

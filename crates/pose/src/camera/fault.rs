@@ -2,7 +2,6 @@
 
 /// What is wrong with a camera, as a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum CameraFault {
     #[error("the file is empty")]
     Empty,

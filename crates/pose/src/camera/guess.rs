@@ -12,7 +12,6 @@ pub struct Guess {
 
 /// Why no camera can be guessed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum GuessError {
     #[error(
         "its EXIF data has no focal length that can be turned into pixels: use the original photo from the camera, or calibrate with a printed board"

@@ -26,7 +26,6 @@ enum Written {
 
 /// Why labels are no class.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ClassError {
     #[error("the class is an empty list: name the labels that count as the model, as in [\"car\"]")]
     Empty,

@@ -9,7 +9,6 @@ pub(super) const MOST_BINS: usize = 100_000;
 
 /// What is wrong in a scene, as a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum SceneFault {
     #[error(transparent)]
     Length(#[from] BadLength),

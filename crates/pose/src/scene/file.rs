@@ -165,7 +165,7 @@ fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
     for v in t.centre_mm {
         length::place_mm(&format!("centre_mm of tag {id}"), v)?;
     }
-    let (right, up) = (unit(t.right, "right", id)?, unit(t.up, "up", id)?);
+    let (right, up) = (unit_vector(t.right, "right", id)?, unit_vector(t.up, "up", id)?);
     if right.dot(&up).abs() > 1e-3 {
         return Err(SceneFault::NoRightAngle(id));
     }
@@ -188,7 +188,8 @@ fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
     })
 }
 
-fn unit(v: [f64; 3], what: &'static str, id: u32) -> Result<Vector3<f64>, SceneFault> {
+/// A direction of a tag, which must have length 1 to within 0.001, at length 1 exactly.
+fn unit_vector(v: [f64; 3], what: &'static str, id: u32) -> Result<Vector3<f64>, SceneFault> {
     let v = Vector3::from(v);
     let length = v.norm();
     if (length - 1.0).abs() < 1e-3 {

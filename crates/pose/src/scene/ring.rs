@@ -35,7 +35,6 @@ pub struct TagRing {
 
 /// Why there is no such ring.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum RingError {
     #[error(transparent)]
     Length(#[from] BadLength),

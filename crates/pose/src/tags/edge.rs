@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 use palette::encoding::{IntoLinear, Srgb};
 
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
-use scaleproof_core::statistics::normal::fast_cdf_and_density;
+use scaleproof_core::statistics::normal::fast_normal_cdf_and_density;
 
 /// Where the edge is: `offset + slope · along` px across the first guess.
 #[derive(Debug, Clone, Copy)]
@@ -114,7 +114,7 @@ fn sums_by<const N: usize>([along, across, light]: [&[f32]; 3], parameters: &Par
     let lists = along.as_chunks::<N>().0.iter().zip(across.as_chunks::<N>().0);
     for ((a, across), light) in lists.zip(light.as_chunks::<N>().0) {
         let u: [f32; N] = std::array::from_fn(|i| (across[i] - offset - slope * a[i]) * per_blur);
-        let (s, d) = fast_cdf_and_density(u);
+        let (s, d) = fast_normal_cdf_and_density(u);
         let r: [f32; N] = std::array::from_fn(|i| light[i] - outside - contrast * s[i]);
         let (da, du) = (times(d, *a), times(d, u));
         let terms = [

@@ -15,7 +15,6 @@ use layout::ChartCell;
 
 /// Why a photo of a chart was not read. Each variant says what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ColourChartError {
     #[error("no colour chart is in the photo; photograph the whole sheet of `scaleproof print chart`, sharply")]
     NoChart,

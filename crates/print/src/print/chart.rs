@@ -13,7 +13,6 @@ use scaleproof_pose::tags::TagImage;
 
 /// Why no chart was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ChartPrintError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

@@ -35,7 +35,6 @@ use scaleproof_plot::pdf::PdfError;
 /// Why there is no sheet, whatever would be printed on it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum SheetError {
     #[error(
         "paper '{text}' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610{}",

@@ -17,7 +17,6 @@ pub enum SheetFormat {
 
 /// Why an output cannot take sheets.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum OutputError {
     #[error("{path} does not say whether PDF or SVG is meant: let it end in .pdf or .svg", path = path.display())]
     UnknownEnding { path: PathBuf },

@@ -78,7 +78,6 @@ pub enum Stock {
     /// Cut sheets.
     Cut(Paper),
     /// A roll: its width is fixed, a page is as long as needed.
-    #[allow(missing_docs)]
     Roll { width_mm: f64 },
 }
 

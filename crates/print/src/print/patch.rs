@@ -24,7 +24,6 @@ const LEAST_SHARE: f64 = 1e-6;
 
 /// Why no patches were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PatchError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

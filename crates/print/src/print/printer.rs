@@ -20,7 +20,6 @@ pub const MOST_OFF: f64 = 0.05;
 
 /// Why nothing is known of a printer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PrinterError {
     #[error(
         "100 mm that measure {measured_mm} mm along {axis} are more than 5 % off: the print was scaled; print the check page again \

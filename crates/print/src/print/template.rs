@@ -37,7 +37,6 @@ const MOST_PLACEMENTS: f64 = 1e6;
 /// Why no template was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum TemplateError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

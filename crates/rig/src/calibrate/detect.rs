@@ -16,7 +16,6 @@ use scaleproof_pose::tags::{
 
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum NoBoard {
     #[error("no board was found: is this the board of the file, wholly in the photo, sharp and evenly lit?")]
     NotFound,

@@ -9,7 +9,6 @@ use scaleproof_core::statistics::upper_median;
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum CalibrationError {
     #[error("no photo shows the board; {first}")]
     NoPhotos { first: String },

@@ -12,7 +12,6 @@ use scaleproof_pose::tags::{AprilTagC, SeenTag, StartError, TagDetector};
 
 /// Why photos cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SurveyPhotoError {
     #[error(transparent)]
     Tags(#[from] StartError),

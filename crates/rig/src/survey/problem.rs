@@ -4,7 +4,6 @@ use scaleproof_core::spelling::list;
 
 /// Why there is no survey at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum SurveyError {
     #[error(
         "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"

@@ -16,7 +16,6 @@ impl Sizes {
 
 /// Why a text gives no sizes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum SizesError {
     #[error("`{0}` is not ID:MM or FIRST-LAST:MM, as in 0-7:50,8-15:40")]
     Unclear(String),

@@ -10,7 +10,6 @@ use scaleproof_detect::{Labels, flat_name};
 
 /// Why nothing was exported.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ExportError {
     #[error(transparent)]
     File(#[from] FileError),

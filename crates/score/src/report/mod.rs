@@ -48,7 +48,6 @@ const SUMMARY: &str = "summary.json";
 /// Why the report could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum ReportError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -174,7 +174,7 @@ fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
 
 /// Copies are scored, but a copy is no second observation.
 fn copies(photos: &[ScoredPhoto]) -> Option<String> {
-    let mut copies = byte_for_byte(photos);
+    let mut copies = identical_photos(photos);
     let (first, copy) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
@@ -191,12 +191,12 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     ))
 }
 
-/// Photos with the content of an earlier one: that one, and the copy.
-pub(super) fn byte_for_byte(photos: &[ScoredPhoto]) -> impl Iterator<Item = (&ScoredPhoto, &ScoredPhoto)> {
+/// Pairs of photos with one SHA-256: the last one before, and its copy.
+pub(super) fn identical_photos(photos: &[ScoredPhoto]) -> impl Iterator<Item = (&ScoredPhoto, &ScoredPhoto)> {
     let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
     photos
         .iter()
-        .filter_map(move |p| seen.insert(&p.sha256, p).map(|first| (first, p)))
+        .filter_map(move |p| seen.insert(&p.sha256, p).map(|earlier| (earlier, p)))
 }
 
 /// A drop between textures that were not photographed from the same directions mixes texture with direction.

@@ -8,7 +8,6 @@ use scaleproof_pose::tags::StartError;
 /// Why a run could not finish. Bad photos are no reason: they are listed in `Scores::not_scored`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum ScoreError {
     #[error("no session to score")]
     NoSession,

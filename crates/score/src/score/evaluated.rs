@@ -40,7 +40,6 @@ pub enum DetectionSource {
 /// Why a detector cannot take part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum EvaluatedDetectorError {
     #[error(transparent)]
     Weights(#[from] WeightsError),

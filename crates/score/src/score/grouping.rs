@@ -17,7 +17,6 @@ pub struct GroupBy {
 
 /// Why there are no groups.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum GroupByError {
     #[error("`{0}` names no group: write a condition, as in weather, or one with a step, as in lux:100")]
     Syntax(String),

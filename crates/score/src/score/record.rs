@@ -7,7 +7,6 @@ use scaleproof_session::session::Session;
 
 /// Why the detections of a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum RecordError {
     #[error("{session} has a recording of {detector} already")]
     Exists { session: String, detector: String },

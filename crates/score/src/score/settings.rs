@@ -62,7 +62,6 @@ impl AppliedSettings {
 
 /// Why a file has no settings.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SettingsError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -86,7 +86,6 @@ impl FromStr for ShardId {
 
 /// Why it is not clear which shard is meant.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ShardIdError {
     #[error(
         "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
@@ -231,7 +230,6 @@ pub struct Shard {
 
 /// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ShardError {
     #[error(transparent)]
     File(#[from] FileError),

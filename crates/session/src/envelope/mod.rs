@@ -25,7 +25,6 @@ const TOLERANCE: f64 = 0.03;
 
 /// Why the mesh of a scene cannot be its envelope.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum EnvelopeError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -43,7 +42,6 @@ pub enum EnvelopeError {
 
 /// Why a photo with a pose has no truth box.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum NoTruth {
     #[error("the camera is inside the model's box: step back")]
     InsideModel,

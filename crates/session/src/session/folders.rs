@@ -18,7 +18,6 @@ const OTHER_IMAGES: [&str; 15] = [
 
 /// Why folders make no session.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum FoldersError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -24,7 +24,6 @@ pub use new::{NewSession, NewSessionError, mesh_below};
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum SessionError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -10,7 +10,6 @@ use scaleproof_pose::scene::Scene;
 
 /// Why no session was made.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum NewSessionError {
     #[error(transparent)]
     File(#[from] FileError),

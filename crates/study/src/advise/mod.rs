@@ -32,7 +32,6 @@ use way::Way;
 
 /// Why nothing can be advised.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum AdviseError {
     #[error("the session has no photo")]
     NoPhoto,

@@ -23,7 +23,6 @@ pub use truth::{true_boxes, true_views};
 
 /// Why photos could not be measured on.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum MeasureError {
     #[error(transparent)]
     Tags(#[from] StartError),

@@ -11,7 +11,6 @@ use scaleproof_pose::scene::Viewpoint;
 
 /// Why there is no truth to measure against.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum TruthError {
     #[error(transparent)]
     File(#[from] files::FileError),

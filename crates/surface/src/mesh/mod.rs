@@ -40,7 +40,6 @@ const MAX_COORDINATE: f64 = 1e9;
 
 /// Why there is no mesh. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum MeshError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -389,7 +388,7 @@ impl Soup {
         Ok(())
     }
 
-    /// A polygon as a fan from its first corner, as all these formats define it for convex faces.
+    /// Adds a polygon of a mesh file as a fan of triangles from its first corner, as OBJ, PLY and glTF define it for convex faces.
     fn fan(&mut self, corners: &[Corner], material: usize) -> Result<(), Trouble> {
         let Some((first, rest)) = corners.split_first() else {
             return Ok(());

@@ -6,7 +6,6 @@ use super::{MAX_CELLS, Pattern, PatternError, enlarged};
 
 /// Why an image became no pattern.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum PatternImportError {
     #[error(
         "{columns}×{rows} cells cannot be made of {width}×{height} pixels; ask for 1 to {MAX_CELLS} cells a side, and no more than it has pixels"

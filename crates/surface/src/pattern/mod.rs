@@ -31,7 +31,6 @@ pub const MAX_CELLS: u32 = 512;
 /// Why there is no pattern. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum PatternError {
     #[error("{0}; a pattern is a PNG file with one pixel per cell")]
     Unreadable(#[from] FileError),

@@ -25,7 +25,6 @@ const MOST_STEPS: usize = 100;
 
 /// Why a pattern was not reduced to paints. Each variant says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PaletteError {
     #[error("{path} cannot be used ({reason}); a palette is a TOML file of [[paint]] tables with name = \"…\" and rgb = [r, g, b]", path = path.display())]
     BadFile { path: PathBuf, reason: String },

@@ -24,7 +24,6 @@ pub struct ChartSource {
 
 /// Why a file's colours are not those that this program writes: the end of a sentence about the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ColoursError {
     #[error("the levels of its colour part do not ascend from 0 to 255")]
     Levels,

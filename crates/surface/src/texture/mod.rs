@@ -23,7 +23,6 @@ use scaleproof_core::files::FileError;
 
 /// Why there is no texture. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum TextureError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -93,7 +93,7 @@ impl Band {
     /// A texel belongs to the chart that its centre lies in.
     fn claim(&mut self, faces: &[Placed]) {
         self.each_texel(faces, |texel, face, flat, [x, y]| {
-            if texel.owner == 0 && flat.shares([x + 0.5, y + 0.5]).is_some() {
+            if texel.owner == 0 && flat.barycentric([x + 0.5, y + 0.5]).is_some() {
                 texel.owner = face.chart;
             }
         });
@@ -107,7 +107,7 @@ impl Band {
             }
             for point in 0..SAMPLES * SAMPLES {
                 let part = |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
-                let Some(shares) = flat.shares([x + part(point % SAMPLES), y + part(point / SAMPLES)]) else {
+                let Some(shares) = flat.barycentric([x + part(point % SAMPLES), y + part(point / SAMPLES)]) else {
                     continue;
                 };
                 let linear = light::linear_of(texture.colour(mesh, &face.face.at(shares)));

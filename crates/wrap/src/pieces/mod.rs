@@ -44,7 +44,6 @@ const AROUND_MM: f64 = 12.0;
 
 /// Why no pieces were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PiecesError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

@@ -2,7 +2,6 @@
 
 /// Why a running camera gives nothing, as a clause; the source says which camera it is.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum LiveCameraError {
     /// What its driver says.
     #[error("{0}")]

@@ -36,7 +36,6 @@ const FIELDS_OF_VIEW_DEG: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum FrameImportError {
     #[error(transparent)]
     File(#[from] FileError),

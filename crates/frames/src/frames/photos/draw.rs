@@ -161,6 +161,7 @@ fn add(sum: &mut [f64; 3], light: &[f64; 3], weight: f64) {
 }
 
 impl Sums {
+    /// Empty sums; positions and sides are kept for each place of the finer image.
     fn new(size_px: [u32; 2], colours: usize) -> Self {
         let count = (size_px[0] * size_px[1]) as usize;
         let places = count * (FACTOR * FACTOR) as usize;

@@ -15,7 +15,6 @@ const MOST_SPREAD: f64 = 0.1;
 
 /// Why two photos cannot be brought to one exposure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Unmatched {
     #[error(
         "it shares {count} located tags with {reference}, and needs {least} for its exposure: let the same tags be seen",

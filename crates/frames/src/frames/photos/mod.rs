@@ -36,7 +36,6 @@ pub const FACTOR: u32 = 3;
 
 /// Why there are no frames.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum PhotosError {
     #[error(transparent)]
     Photo(#[from] PhotoError),

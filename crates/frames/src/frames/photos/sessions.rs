@@ -21,7 +21,6 @@ pub struct FlatVariant {
 
 /// Why the photos of some sessions make no frames together.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SessionsError {
     #[error(transparent)]
     Session(#[from] SessionError),

@@ -22,7 +22,6 @@ use scaleproof_pose::scene::Viewpoint;
 
 /// Why nothing, or not everything, was rendered.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum RenderError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -44,7 +44,6 @@ fn widths([width, height]: [u32; 2]) -> String {
 
 /// Why there is no network.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum DtnError {
     #[error(transparent)]
     Frames(#[from] FramesError),

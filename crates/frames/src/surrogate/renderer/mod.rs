@@ -95,7 +95,6 @@ impl ClosedForm {
 
 /// Why a model could not be fitted.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum FitError {
     #[error(
         "the {model} model needs images in {needed} flat colours that differ in every channel, and there are {found}"

@@ -80,7 +80,6 @@ impl MarkerSearch {
 
 /// Why there are no markers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum DictionaryError {
     #[error("dictionary '{name}' is not known; use one of OpenCV's, as DICT_5X5_100 or DICT_4X4_50")]
     Unknown { name: String },

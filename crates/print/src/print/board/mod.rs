@@ -23,7 +23,6 @@ const QUIET_MM: f64 = 1.0;
 
 /// Why no board was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum BoardError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

@@ -38,7 +38,6 @@ pub const MOST_CELLS: usize = 250_000;
 
 /// Why there are no paint sheets.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PaintError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

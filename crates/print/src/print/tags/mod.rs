@@ -34,7 +34,6 @@ const LINE_MM: f64 = 0.2;
 
 /// Why no tags were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum TagPrintError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
@@ -75,7 +74,6 @@ impl fmt::Display for Instead {
 
 /// What the user should know of the tags on paper.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum TagNote {
     /// The mat puts tags at 0 that the scene has at this height.
     Lowered {

@@ -34,7 +34,6 @@ const SIZE_TOLERANCE: f64 = 0.03;
 
 /// Why no panels were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum WrapError {
     #[error(transparent)]
     Sheet(#[from] SheetError),

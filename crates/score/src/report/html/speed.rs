@@ -121,18 +121,18 @@ fn mark(x: f64, y: f64, variant: usize) -> Markup {
 fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) -> Markup {
     let line = |speed: &&'a Speed| {
         let (top, bottom) = ends(scores, speed);
-        Line {
+        ErrorBar {
             x: x(speed.ms_per_photo),
             top,
             bottom,
             title: scores.title(&speed.detector),
         }
     };
-    let lines: Vec<Line> = timed.iter().map(line).collect();
+    let lines: Vec<ErrorBar> = timed.iter().map(line).collect();
     let mut taken: Vec<BoxPx> = Vec::new();
     html! {
         @for line in &lines {
-            @let name = { let name = free_place(line, &lines, &taken); taken.push(name.area); name };
+            @let name = { let name = free_label(line, &lines, &taken); taken.push(name.area); name };
             text x=(round(name.x)) y=(round(name.y)) text-anchor=(name.anchor) font-size="11" stroke="#fff" stroke-width="3"
                 paint-order="stroke" { (line.title) }
         }
@@ -140,14 +140,14 @@ fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) ->
 }
 
 /// A detector's line from its best to its worst texture.
-struct Line<'a> {
+struct ErrorBar<'a> {
     x: f64,
     top: f64,
     bottom: f64,
     title: &'a str,
 }
 
-struct Name {
+struct Label {
     x: f64,
     /// Of the text's base line.
     y: f64,
@@ -155,24 +155,25 @@ struct Name {
     area: BoxPx,
 }
 
-/// Right of the line before left of it, and as little up or down as can be; the first place when none is free.
-fn free_place(line: &Line, lines: &[Line], taken: &[BoxPx]) -> Name {
+/// A label beside an error bar that overlaps no other bar or label: rather right than left of it, and shifted up or down as little as possible;
+/// unshifted on the right where no place is free.
+fn free_label(line: &ErrorBar, lines: &[ErrorBar], taken: &[BoxPx]) -> Label {
     let middle = 0.5 * (line.top + line.bottom);
     let moves = [0.0, 13.0, -13.0, 26.0, -26.0].into_iter();
-    let mut places = moves.flat_map(|dy| [true, false].map(|is_right| place(line, middle + dy, is_right)));
-    let around = |l: &Line| BoxPx::new(l.x - RADIUS, l.top - RADIUS, l.x + RADIUS, l.bottom + RADIUS);
+    let mut places = moves.flat_map(|dy| [true, false].map(|is_right| label_at(line, middle + dy, is_right)));
+    let around = |l: &ErrorBar| BoxPx::new(l.x - RADIUS, l.top - RADIUS, l.x + RADIUS, l.bottom + RADIUS);
     let others: Vec<BoxPx> = lines.iter().map(around).chain(taken.iter().copied()).collect();
-    let covers = |a: &BoxPx, b: &BoxPx| a.x1 < b.x2 && b.x1 < a.x2 && a.y1 < b.y2 && b.y1 < a.y2;
-    let is_free = |name: &Name| name.area.x1 > 0.0 && !others.iter().any(|other| covers(&name.area, other));
-    places.find(is_free).unwrap_or_else(|| place(line, middle, true))
+    let overlaps = |a: &BoxPx, b: &BoxPx| a.x1 < b.x2 && b.x1 < a.x2 && a.y1 < b.y2 && b.y1 < a.y2;
+    let is_free = |label: &Label| label.area.x1 > 0.0 && !others.iter().any(|other| overlaps(&label.area, other));
+    places.find(is_free).unwrap_or_else(|| label_at(line, middle, true))
 }
 
-fn place(line: &Line, middle: f64, is_right: bool) -> Name {
+fn label_at(line: &ErrorBar, middle: f64, is_right: bool) -> Label {
     // About what a letter of 11 px takes.
     let width = 6.2 * line.title.chars().count() as f64;
     let x = line.x + if is_right { 8.0 } else { -8.0 };
     let (anchor, left) = if is_right { ("start", x) } else { ("end", x - width) };
-    Name {
+    Label {
         x,
         y: middle + 4.0,
         anchor,

@@ -36,7 +36,6 @@ const CLUSTERS_ALL_ALIKE: usize = 14;
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
 pub enum CompareError {
     #[error("no scored photo has the variant `{base}`, only {variants}")]
     NoBase { base: String, variants: String },

@@ -6,7 +6,6 @@ use statrs::distribution::{Binomial, Discrete};
 
 /// Why no number can be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PlanError {
     #[error("the drop must lie above 0 and not above the hit rate of the base, {base_rate}: it is {drop}")]
     Drop { drop: f64, base_rate: f64 },

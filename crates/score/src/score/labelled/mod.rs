@@ -17,7 +17,6 @@ pub use feeding::feedings;
 
 /// Why a detector cannot be held against labels.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum LabelledError {
     #[error(transparent)]
     File(#[from] FileError),

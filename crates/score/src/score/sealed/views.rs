@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::plan::SealedPlan;
-use crate::score::caution::byte_for_byte;
+use crate::score::caution::identical_photos;
 use crate::score::{Comparison, Course, Scores};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
@@ -33,7 +33,7 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
         all.extend(missing(texture, &planned, &photos, scores, comparison));
     }
     let repeated = photos.values().filter(|photos| **photos > 1).count();
-    let copies = byte_for_byte(&scores.photos).count();
+    let copies = identical_photos(&scores.photos).count();
     let given = scores.photos.iter().filter(|photo| photo.truth_given).count();
     let counted = [
         (repeated, "view", "with more photos than the one that was planned"),

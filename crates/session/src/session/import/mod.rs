@@ -18,7 +18,6 @@ use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SessionImportError {
     #[error(transparent)]
     File(#[from] FileError),

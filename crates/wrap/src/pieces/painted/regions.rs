@@ -60,7 +60,7 @@ struct Corner {
     flat: Point,
 }
 
-/// Finds what each of the paints takes of a piece.
+/// The regions of a flattened piece that each paint covers.
 pub fn painted_piece((mesh, tile): (&Mesh, &Tile), painted: &Painted, piece: &Piece) -> PaintedPiece {
     let laid: Vec<[Corner; 3]> = piece.triangles.iter().map(|t| corners(mesh, tile, t)).collect();
     let upright = Upright { turn: turn(&laid) };
