@@ -4,7 +4,6 @@ mod overlay;
 
 use schemars::JsonSchema;
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +18,6 @@ use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
-use scaleproof_score::score::ScoreError;
 use scaleproof_session::envelope::EnvelopeShape;
 use scaleproof_session::session::Session;
 
@@ -92,18 +90,6 @@ pub(in crate::cli) struct OutputLine {
 type PhotoAnswer = Result<LocatedPhoto, PhotoError>;
 
 const UNREADABLE: &str = "unreadable";
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let of_score = || match error.downcast_ref()? {
-        ScoreError::Tags(start) => Some(start),
-        _ => None,
-    };
-    match error.downcast_ref().or_else(of_score)? {
-        StartError::NotBuilt { .. } => Some("leave --tag-detector out".into()),
-        _ => None,
-    }
-}
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let files = LocateFiles {

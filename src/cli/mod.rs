@@ -93,22 +93,6 @@ type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
 
 type CommandResult = Result<Outcome>;
 
-/// The advice of each command that has some.
-const ADVICE: &[advice::Advise] = &[
-    compare::advice,
-    criteria::advice,
-    detectors::advice,
-    locate::advice,
-    merge::advice,
-    model::advice,
-    pattern::advice,
-    print::template::advice,
-    results::advice,
-    score::advice,
-    session::advice,
-    texture::advice,
-];
-
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub(crate) fn main() -> ExitCode {
     keep_to_ourselves();

@@ -1,8 +1,6 @@
 //! `scaleproof pattern`: make patterns, and check what a printer makes of them.
 
 use schemars::JsonSchema;
-use std::error::Error;
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -20,7 +18,7 @@ use scaleproof_surface::pattern::fate::{PatternFate, fate};
 use scaleproof_surface::pattern::gamut::PRINTABLE_DELTA_E;
 use scaleproof_surface::pattern::import::{enlarged_pattern, in_cells, rows_for};
 use scaleproof_surface::pattern::picture::Picture;
-use scaleproof_surface::pattern::{Pattern, PatternError, contrast};
+use scaleproof_surface::pattern::{Pattern, contrast};
 
 /// So many of the worst colours are listed; `--json` has all.
 const LISTED: usize = 8;
@@ -217,23 +215,6 @@ fn cells(text: &str, picture: &Picture) -> Result<[u32; 2], String> {
         None => number(text).map(|columns| [columns, rows_for(picture, columns)]),
     };
     cells.ok_or_else(|| format!("'{text}' is no number of cells; write 24, or 24x16 for columns and rows"))
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let path = match error.downcast_ref()? {
-        PatternError::TooManyCells { path, .. } => path,
-        PatternError::NotPng { path } if path.extension().is_some_and(is_jpeg) => path,
-        _ => return None,
-    };
-    Some(format!(
-        ", or make one of the image: scaleproof pattern import {} --cells 24 -o pattern.png",
-        path.display()
-    ))
-}
-
-fn is_jpeg(ending: &OsStr) -> bool {
-    ["jpg", "jpeg"].iter().any(|known| ending.eq_ignore_ascii_case(known))
 }
 
 fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {

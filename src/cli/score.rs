@@ -3,7 +3,6 @@
 use crate::cli::answer::answer;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +16,7 @@ use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_score::report;
 use scaleproof_score::score::shard::{Run, Shard, ShardId};
 use scaleproof_score::score::{
-    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, RecordError, Robustness, ScoreError, Scores, Settings,
+    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, Robustness, ScoreError, Scores, Settings,
 };
 use scaleproof_session::session::Session;
 
@@ -125,17 +124,6 @@ impl Effort {
             cache,
             tags,
         })
-    }
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(RecordError::Exists { .. }) = error.downcast_ref() {
-        return Some("add --replace to store it anew, or play it with --recorded".into());
-    }
-    match error.downcast_ref()? {
-        ScoreError::NotRecorded { .. } => Some("run without --recorded, or record them again with --record".into()),
-        _ => None,
     }
 }
 

@@ -8,7 +8,6 @@ mod show;
 use crate::cli::schemas::Named;
 use schemars::schema_for;
 use std::collections::BTreeMap;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
@@ -17,8 +16,7 @@ use clap::Subcommand;
 use super::CommandResult;
 use super::sessions::quoted;
 use scaleproof_core::spelling;
-use scaleproof_session::session::import::SessionImportError;
-use scaleproof_session::session::{NewSessionError, PhotoEntry};
+use scaleproof_session::session::PhotoEntry;
 
 /// Make a session of photos that are there already, show what is in one, or export it for other programs.
 #[derive(clap::Args)]
@@ -33,17 +31,6 @@ enum What {
     Import(import::Args),
     New(new::Args),
     Show(show::Args),
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(SessionImportError::NoVariant { .. }) = error.downcast_ref() {
-        return Some(", or give --variant for all".into());
-    }
-    match error.downcast_ref()? {
-        NewSessionError::NotEmpty { .. } => Some("with --copy name a new folder".into()),
-        _ => None,
-    }
 }
 
 /// Runs `scaleproof session …`.

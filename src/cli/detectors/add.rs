@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::cli::{CommandResult, Outcome, Result, advice};
 use scaleproof_core::files;
 use scaleproof_detect::{
-    self as detect, Family, Hints, Labels, Manifest, ProposalNote, ProposeError, Runtime, WeightFolders, propose,
+    self as detect, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, propose,
 };
 
 #[derive(clap::Args)]
@@ -38,22 +38,6 @@ pub(super) struct Args {
     /// One JSON object instead of the text.
     #[arg(long)]
     json: bool,
-}
-
-/// What to do about an error of the library, or about what it takes for granted.
-pub(super) fn advice(error: &(dyn std::error::Error + 'static)) -> Option<String> {
-    let advice = match (error.downcast_ref(), error.downcast_ref()) {
-        (Some(ProposeError::OtherSize { .. }), _) => "leave --size out",
-        (Some(ProposeError::Trial { .. }), _) => "name the input's size by --size",
-        (Some(ProposeError::Ambiguous { .. }), _) => "name yours by --family",
-        (Some(ProposeError::NoLabels { .. }), _) => {
-            "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line"
-        }
-        (_, Some(ProposalNote::LabelsByCount { .. })) => "name others by --labels",
-        (_, Some(ProposalNote::OpenSize { .. })) => ", name another by --size",
-        _ => return None,
-    };
-    Some(advice.into())
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {

@@ -14,15 +14,14 @@ pub(crate) mod wrap;
 use crate::cli::answer::Written;
 use crate::cli::schemas::Named;
 use schemars::schema_for;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
-use super::answer::write_json;
+use super::answer::{told, written};
 use super::enlarged::note_enlarged;
-use super::{CommandResult, Outcome, full};
+use super::{CommandResult, Result, full};
 use scaleproof_core::files;
 use scaleproof_print::print::SheetError;
 use scaleproof_print::print::date::Date;
@@ -105,7 +104,7 @@ fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput,
 pub(super) type NewFile = (PathBuf, Vec<u8>);
 
 /// Writes all files, or none, and none over an input.
-pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<(), Box<dyn Error>> {
+pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<()> {
     for (i, (path, _)) in files.iter().enumerate() {
         if inputs.iter().flatten().any(|input| same_place(input, path)) {
             return Err(format!(
@@ -157,7 +156,7 @@ pub(super) struct CutSheetArgs {
 }
 
 impl CutSheetArgs {
-    pub(super) fn media(&self) -> Result<Media, Box<dyn Error>> {
+    pub(super) fn media(&self) -> Result<Media> {
         Ok(Media {
             paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,
@@ -165,7 +164,7 @@ impl CutSheetArgs {
     }
 
     /// One sheet as the file to write.
-    pub(super) fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>, Box<dyn Error>> {
+    pub(super) fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>> {
         Ok(self
             .output()?
             .files(title, &["1".to_owned()], std::slice::from_ref(sheet))?)
@@ -225,7 +224,7 @@ impl PaperArgs {
         sheet_output(&self.output, self.format)
     }
 
-    fn printer(&self) -> Result<Printer, Box<dyn Error>> {
+    fn printer(&self) -> Result<Printer> {
         printer(self.printer.as_deref())
     }
 
@@ -234,7 +233,7 @@ impl PaperArgs {
     }
 }
 
-fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {
+fn printer(file: Option<&Path>) -> Result<Printer> {
     Ok(file.map(Printer::load).transpose()?.unwrap_or(Printer::EXACT))
 }
 
