@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::answer::write_json;
+use super::answer::{told, written};
 use super::enlarged::{note_enlarged, picture};
 use super::print::write_files;
 use super::{CommandResult, Outcome};
@@ -114,18 +114,15 @@ fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::random(args.cells, args.seed)?;
     let new = [(args.output.clone(), pattern.to_png()?)];
     files::write_all_atomically(&new)?;
-    if args.json {
-        let facts = Random {
-            cells: args.cells,
-            seed: args.seed,
-            pattern_sha256: pattern.sha256().to_owned(),
-        };
-        write_json(&new, facts, out)?;
-        return Ok(Outcome::Done);
-    }
-    let (path, cells) = (args.output.display(), args.cells);
-    writeln!(out, "{path}: {cells} × {cells} random cells, seed {}", args.seed)?;
-    Ok(Outcome::Done)
+    let (path, cells, seed) = (args.output.display(), args.cells, args.seed);
+    let pattern_sha256 = pattern.sha256().to_owned();
+    let facts = Random {
+        cells,
+        seed,
+        pattern_sha256,
+    };
+    let words = format_args!("{path}: {cells} × {cells} random cells, seed {seed}");
+    told(args.json, written(&new, facts), words, out)
 }
 
 /// `pattern random --json`.
@@ -181,30 +178,24 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
             "note: {image} is an enlarged grid of {across}×{down} cells, which --cells mixes; leave it out to have them"
         );
     }
-    if args.json {
-        let facts = Imported {
-            columns,
-            rows,
-            pixels_per_cell: pixels,
-            enlarged_grid: grid,
-            pattern_sha256: pattern.sha256().to_owned(),
-        };
-        write_json(&new, facts, out)?;
-        return Ok(Outcome::Done);
-    }
     let [wide, high] = pixels.map(number);
-    let output = args.output.display();
-    match &args.cells {
-        None => writeln!(
-            out,
-            "{output}: {image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each"
-        )?,
-        Some(_) => writeln!(
-            out,
-            "{output}: {columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"
-        )?,
-    }
-    Ok(Outcome::Done)
+    let words = match &args.cells {
+        None => format!("{image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each"),
+        Some(_) => format!("{columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"),
+    };
+    let facts = Imported {
+        columns,
+        rows,
+        pixels_per_cell: pixels,
+        enlarged_grid: grid,
+        pattern_sha256: pattern.sha256().to_owned(),
+    };
+    told(
+        args.json,
+        written(&new, facts),
+        format_args!("{}: {words}", args.output.display()),
+        out,
+    )
 }
 
 /// Columns and rows.
@@ -288,21 +279,14 @@ fn describe(args: &CheckArgs, answer: &Answer, out: &mut dyn Write) -> std::io::
         print.nps
     )?;
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
-    let row =
-        |a: &str, b: &str, c: &str, d: &str, e: &str, f: &str| format!("{a:<9}{b:>6}  {c:<9}{d:>7}  {e:<16}{f:>7}");
-    writeln!(
-        out,
-        "{}",
-        row("colour", "cells", "printed", "ΔE2000", "best: ask → get", "ΔE2000")
-    )?;
+    writeln!(out, "colour    cells  printed   ΔE2000  best: ask → get  ΔE2000")?;
     for c in print.colours.iter().take(LISTED) {
-        let (printed_off, best_off) = (format!("{:.1}", c.printed_delta_e), format!("{:.1}", c.best_delta_e));
         let best = format!("{}→{}", hex(c.best_ask_rgb), hex(c.best_rgb));
         let (wanted, printed) = (hex(c.wanted_rgb), hex(c.printed_rgb));
+        let (cells, printed_off, best_off) = (c.cells, c.printed_delta_e, c.best_delta_e);
         writeln!(
             out,
-            "{}",
-            row(&wanted, &c.cells.to_string(), &printed, &printed_off, &best, &best_off)
+            "{wanted:<9}{cells:>6}  {printed:<9}{printed_off:>7.1}  {best:<16}{best_off:>7.1}"
         )?;
     }
     match print.colours.len().saturating_sub(LISTED) {

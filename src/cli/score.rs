@@ -1,11 +1,11 @@
 //! `scaleproof score`: how well do detectors see the model in these sessions?
 
-use crate::cli::answer::answer;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
@@ -175,13 +175,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let options = args.effort.options_with(&detectors, settings.tags()?)?;
     if let Some(shard) = args.shard {
         let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
-        if args.json {
-            let shard = shard.to_string();
-            answer(&WrittenShard { shard, file: path }, out)?
-        } else {
-            writeln!(out, "shard {shard}: {}", path.display())?
-        }
-        return Ok(Outcome::Done);
+        let words = format!("shard {shard}: {}", path.display());
+        let shard = shard.to_string();
+        return told(args.json, WrittenShard { shard, file: path }, words, out);
     }
     let scores = score_with_progress(opened.sessions, detectors, &options)?;
     let mut scores = args.judging.tables.made(scores, criteria)?;

@@ -16,7 +16,6 @@ use clap::Subcommand;
 use super::CommandResult;
 use super::sessions::quoted;
 use scaleproof_core::spelling;
-use scaleproof_session::session::PhotoEntry;
 
 /// Make a session of photos that are there already, show what is in one, or export it for other programs.
 #[derive(clap::Args)]
@@ -44,11 +43,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// How many photos each texture has.
-fn by_variant(photos: &[PhotoEntry]) -> BTreeMap<&str, usize> {
-    by_variant_of(photos.iter().map(|photo| photo.variant.as_str()))
-}
-
-fn by_variant_of<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
+fn by_variant<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
     let mut variants = BTreeMap::new();
     for variant in photos {
         *variants.entry(variant).or_default() += 1;
@@ -57,15 +52,14 @@ fn by_variant_of<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str,
 }
 
 /// The session that was made, and what to do with it.
-fn in_words(path: &Path, photos: &[PhotoEntry], folder: &Path) -> String {
-    let variants = by_variant(photos).into_iter();
-    let variants: Vec<_> = variants.map(|(name, count)| format!("{name} {count}")).collect();
+fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usize>, folder: &Path) -> String {
+    let variants: Vec<_> = variants.iter().map(|(name, count)| format!("{name} {count}")).collect();
     format!(
         "{}: {} ({}); score {} with `scaleproof score {} -o REPORT`",
         path.display(),
-        spelling::count(photos.len(), "photo"),
+        spelling::count(photos, "photo"),
         variants.join(", "),
-        spelling::choose(photos.len(), "it", "them"),
+        spelling::choose(photos, "it", "them"),
         quoted(&folder.display().to_string())
     )
 }

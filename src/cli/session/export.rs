@@ -1,17 +1,16 @@
 //! `scaleproof session export`: the photos of a session with their truth boxes, for other programs.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::by_variant_of;
+use super::by_variant;
 use crate::cli::score::{Effort, score_with_progress};
 use crate::cli::sessions::{quoted, session};
-use crate::cli::{CommandResult, Outcome, failing_alike};
+use crate::cli::{CommandResult, failing_alike};
 use scaleproof_core::spelling;
 use scaleproof_score::report::{self, ExportFormat, ExportRequest};
 
@@ -60,33 +59,28 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         folder: &args.output,
         copy: args.copy,
     })?;
-    let variants = by_variant_of(scores.photos.iter().map(|photo| photo.variant.as_str()));
-    if args.json {
-        let exported = Exported {
-            folder: &args.output,
-            file: &file,
-            photos: scores.photos.len(),
-            variants,
-            not_exported: scores.not_scored.len(),
-            copied: args.copy,
-        };
-        answer(&exported, out)?;
-        return Ok(Outcome::Done);
-    }
-    let place = |path: &std::path::Path| quoted(&path.display().to_string());
-    let back = match format {
-        ExportFormat::Coco => format!("--results NAME=results.json --images {}", place(&file)),
-        ExportFormat::Yolo => "--results NAME=FOLDER".to_owned(),
+    let variants = by_variant(scores.photos.iter().map(|photo| photo.variant.as_str()));
+    let place = |path: &Path| quoted(&path.display().to_string());
+    let back = match args.format {
+        Format::Coco => format!("--results NAME=results.json --images {}", place(&file)),
+        Format::Yolo => "--results NAME=FOLDER".to_owned(),
     };
-    writeln!(
-        out,
+    let words = format!(
         "{}: {}; run the other program on {}, then `scaleproof score {} {back} -o REPORT`",
         file.display(),
         spelling::count(scores.photos.len(), "photo"),
         args.output.join("images").display(),
         place(&args.session)
-    )?;
-    Ok(Outcome::Done)
+    );
+    let exported = Exported {
+        folder: &args.output,
+        file: &file,
+        photos: scores.photos.len(),
+        variants,
+        not_exported: scores.not_scored.len(),
+        copied: args.copy,
+    };
+    told(args.json, exported, words, out)
 }
 
 /// `session export --json`.
