@@ -8,7 +8,6 @@ mod choice;
 mod colour;
 mod compare;
 mod completions;
-mod copies;
 mod criteria;
 mod demo;
 mod detectors;

@@ -2,7 +2,6 @@
 
 mod add;
 mod check;
-mod drawn;
 mod registry;
 mod speed;
 mod validate;
