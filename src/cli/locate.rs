@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::failing_alike::{LocateFiles, MOST_LISTED};
 use super::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::{spelling, workers};
 use scaleproof_photo::copies;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
-use scaleproof_pose::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+use scaleproof_pose::locate::{
+    Abstention, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Sigma, Warning, locate_photo,
+};
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
 use scaleproof_session::envelope::EnvelopeShape;

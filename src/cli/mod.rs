@@ -12,7 +12,6 @@ mod criteria;
 mod demo;
 mod detectors;
 mod enlarged;
-mod failing_alike;
 #[cfg(feature = "full")]
 mod full;
 #[cfg(not(feature = "full"))]

@@ -9,7 +9,7 @@ use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, detectors, progress, results, sessions};
 use scaleproof_core::{files, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -228,11 +228,11 @@ pub(super) fn score_with_progress(
     options: &Options,
 ) -> Result<Scores, ScoreError> {
     let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
-    let sets: Vec<_> = sessions.iter().filter_map(failing_alike::SessionFiles::of).collect();
+    let sets: Vec<_> = sessions.iter().filter_map(score::SessionFiles::new).collect();
     let scores = score::score(sessions, detectors, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
-    failing_alike::explained(scores, &sets)
+    score::explained(scores, &sets)
 }
 
 /// Looks at the photos of other sessions, and holds the order of the variants against theirs.
@@ -240,7 +240,7 @@ fn against(scores: &Scores, others: Vec<Session>, args: &Args, options: &Options
     let names = &args.detectors;
     let detectors = at_hand::evaluated(&others, names, args.recorded, &args.folder, &args.results)?;
     let others = score_with_progress(others, detectors, options)?.judged_by(scores.criteria);
-    failing_alike::say_not_scored(&others);
+    say_not_scored(&others);
     Ok(score::ranking(scores, &others))
 }
 
@@ -292,9 +292,16 @@ fn write_shard(
     Ok(shard.write(&args.output)?)
 }
 
+/// Says on standard error which photos were left out.
+pub(super) fn say_not_scored(scores: &Scores) {
+    score::not_scored(scores)
+        .iter()
+        .for_each(|line| say!("not scored: {line}"));
+}
+
 /// Says on standard error which photos were left out, and what to know before believing the figures.
 pub(super) fn caution(scores: &Scores) {
-    failing_alike::say_not_scored(scores);
+    say_not_scored(scores);
     for caution in &scores.cautions {
         say!("note: {caution}");
     }

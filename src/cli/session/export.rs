@@ -8,9 +8,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::by_variant;
-use crate::cli::score::{Effort, score_with_progress};
+use crate::cli::CommandResult;
+use crate::cli::score::{Effort, say_not_scored, score_with_progress};
 use crate::cli::sessions::{quoted, session};
-use crate::cli::{CommandResult, failing_alike};
 use scaleproof_core::spelling;
 use scaleproof_score::report::{self, ExportFormat, ExportRequest};
 
@@ -48,7 +48,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     report::check_export(&args.output)?;
     let options = args.effort.options(&[])?;
     let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
-    failing_alike::say_not_scored(&scores);
+    say_not_scored(&scores);
     let format = match args.format {
         Format::Coco => ExportFormat::Coco,
         Format::Yolo => ExportFormat::Yolo,
