@@ -1,6 +1,7 @@
 //! `scaleproof session export`: the photos of a session with their truth boxes, for other programs.
 
 use crate::cli::answer::told;
+use crate::cli::choice::one_of;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -23,8 +24,8 @@ pub(in crate::cli) struct Args {
     /// The session's folder
     session: PathBuf,
     /// Format of the annotations
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    format: Format,
+    #[arg(long, value_name = "FORMAT", value_parser = one_of([(ExportFormat::Coco, "coco"), (ExportFormat::Yolo, "yolo")]))]
+    format: ExportFormat,
     /// A new folder
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
@@ -38,32 +39,22 @@ pub(in crate::cli) struct Args {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Format {
-    Coco,
-    Yolo,
-}
-
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     report::check_export(&args.output)?;
     let options = args.effort.options(&[])?;
     let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
     say_not_scored(&scores);
-    let format = match args.format {
-        Format::Coco => ExportFormat::Coco,
-        Format::Yolo => ExportFormat::Yolo,
-    };
     let file = report::export(&ExportRequest {
         scores: &scores,
-        format,
+        format: args.format,
         folder: &args.output,
         copy: args.copy,
     })?;
     let variants = by_variant(scores.photos.iter().map(|photo| photo.variant.as_str()));
     let place = |path: &Path| quoted(&path.display().to_string());
     let back = match args.format {
-        Format::Coco => format!("--results NAME=results.json --images {}", place(&file)),
-        Format::Yolo => "--results NAME=FOLDER".to_owned(),
+        ExportFormat::Coco => format!("--results NAME=results.json --images {}", place(&file)),
+        ExportFormat::Yolo => "--results NAME=FOLDER".to_owned(),
     };
     let words = format!(
         "{}: {}; run the other program on {}, then `scaleproof score {} {back} -o REPORT`",
