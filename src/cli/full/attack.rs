@@ -36,7 +36,7 @@ use clap::Subcommand;
 use crate::cli::{CommandResult, Outcome};
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::frames::{FrameSet, LIST};
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
@@ -109,6 +109,16 @@ pub(in crate::cli) struct CheckedFrames {
     frames: usize,
     /// Their width and height.
     size_px: [u32; 2],
+}
+
+/// Where frames will be listed in a folder that has none yet.
+fn new_list(folder: &Path) -> Result<PathBuf, String> {
+    let list = folder.join(LIST);
+    if list.exists() {
+        Err(format!("{} is there already; give another folder", list.display()))
+    } else {
+        Ok(list)
+    }
 }
 
 /// What a command that wrote frames ends with.

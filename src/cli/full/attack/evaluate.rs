@@ -100,10 +100,7 @@ pub(super) struct EvaluateArgs {
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     args.mesh_file()?;
     let model = args.model.load()?;
-    let paints = args.paints(&model)?;
-    let worn = args.worn(&paints)?;
-    let variants: Vec<String> = paints.iter().map(|(name, _)| name.clone()).collect();
-    let paints = paints.into_iter().map(|(_, paint)| paint).collect();
+    let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
     let detectors = args.detectors()?;
@@ -140,11 +137,9 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
-    let bar = progress::frames("rendering", evaluation.photos().len());
     let python = || blender::find(&cache(), progress::announce);
-    let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    rendered
+    progress::frames("rendering", evaluation.photos().len())
+        .during(|bar| evaluation.render(folder, python, |done| bar.set_position(done as u64)))
 }
 
 /// Each variant against those after it.
@@ -154,44 +149,32 @@ fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, 
     Ok(compared.collect::<Result<_, _>>()?)
 }
 
+/// Names, paints, and those of them that are patterns.
+type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
+
 impl EvaluateArgs {
-    /// What the model wears, with its names: the plain model's, then patterns and textures in the order of the command.
-    fn paints(&self, model: &Model) -> Result<Vec<(String, RenderPaint)>, Box<dyn Error>> {
+    /// The names of what the model wears, and the paints: the plain model's, then patterns and textures in the order of the command; and what
+    /// the report shows of the patterns.
+    fn paints(&self, model: &Model) -> Result<Paints, Box<dyn Error>> {
         let normal = match self.normal.as_str() {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
         };
-        let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
+        let (mut names, mut paints, mut worn) = (vec![BASE_VARIANT.to_owned()], vec![normal], Vec::new());
         for text in &self.patterns {
             let (name, file) = patterns::named(text)?;
             let pattern = Pattern::load(file)?;
             let tile_mm = tile_mm(self.tile_mm, file, &pattern)?;
-            paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
+            worn.push(patterns::shown(name, file, &pattern, Some(tile_mm))?);
+            names.push(name.to_owned());
+            paints.push(RenderPaint::Pattern(name.to_owned(), pattern, tile_mm));
         }
         for text in &self.textures {
             let (name, path) = named(text);
-            paints.push((name.clone(), textured(name, path, model)?));
+            names.push(name.clone());
+            paints.push(textured(name, path, model)?);
         }
-        Ok(paints)
-    }
-
-    /// What the report shows of the paints that are patterns.
-    fn worn(&self, paints: &[(String, RenderPaint)]) -> Result<Vec<WornPattern>, Box<dyn Error>> {
-        let files = self.patterns.iter().map(|text| patterns::named(text));
-        let files: Vec<(&str, &Path)> = files.collect::<Result<_, _>>()?;
-        let file_of = |name: &str| {
-            files
-                .iter()
-                .find(|(own, _)| *own == name)
-                .map_or(Path::new(""), |(_, file)| file)
-        };
-        let worn = paints.iter().filter_map(|(name, paint)| match paint {
-            RenderPaint::Pattern(_, pattern, tile_mm) => {
-                Some(patterns::shown(name, file_of(name), pattern, Some(*tile_mm)))
-            }
-            _ => None,
-        });
-        worn.collect()
+        Ok((names, paints, worn))
     }
 
     fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {

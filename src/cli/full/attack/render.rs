@@ -87,10 +87,8 @@ pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     check_folder(&args.output)?;
     scaleproof_core::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
-    let bar = progress::frames("rendering", plan.frames().len());
-    let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    finished?;
+    progress::frames("rendering", plan.frames().len())
+        .during(|bar| render(&plan, &args.output, &python, |done| bar.set_position(done as u64)))?;
     note_unusable(&args.output)?;
     super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
 }
@@ -287,6 +285,11 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
 pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
     light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
+}
+
+/// Several colours.
+pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+    texts.iter().map(|text| hex(text)).collect()
 }
 
 /// What was said about a mesh besides its file, as arguments again.
