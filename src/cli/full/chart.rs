@@ -7,11 +7,11 @@ use clap::Subcommand;
 use schemars::schema_for;
 use serde::Serialize;
 
-use crate::cli::answer::write_json;
+use crate::cli::answer::{told, written};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Results;
 use crate::cli::schemas::Named;
-use crate::cli::{CommandResult, Outcome, Result, at_hand, progress};
+use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_session::session::{PhotoEntry, Session};
 use scaleproof_study::chart::locate::PhotoSample;
@@ -150,7 +150,9 @@ fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
     let rows = bar.during(|bar| locate::measure(&samples, &session.scene, camera, || bar.inc(1)))?;
     let numbers = ChartNumbers::new(&session, &[&args.on.truth], &rows)?;
     let drawn = [("locate.svg", locate::draw(&rows))];
-    args.on.into.write("locate.json", &numbers, &drawn, &locate::table(&rows), out)
+    args.on
+        .into
+        .write("locate.json", &numbers, &drawn, &locate::table(&rows), out)
 }
 
 fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
@@ -166,10 +168,16 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
     for sentence in not_located {
         say!("not measured: {sentence}");
     }
-    let read: Vec<&Path> = [&args.on.truth].into_iter().chain(&args.mesh).map(PathBuf::as_path).collect();
+    let read: Vec<&Path> = [&args.on.truth]
+        .into_iter()
+        .chain(&args.mesh)
+        .map(PathBuf::as_path)
+        .collect();
     let numbers = ChartNumbers::new(&session, &read, &rows)?;
     let drawn = [("envelope.svg", envelope::draw(&rows))];
-    args.on.into.write("envelope.json", &numbers, &drawn, &envelope::table(&rows), out)
+    args.on
+        .into
+        .write("envelope.json", &numbers, &drawn, &envelope::table(&rows), out)
 }
 
 fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
@@ -201,7 +209,8 @@ fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
         .during(|bar| capture::measure(&frames, &session.scene, camera, || bar.inc(1)))?;
     let numbers = ChartNumbers::new(&session, &[], &rows)?;
     let drawn = [("capture.svg", capture::draw(&rows))];
-    args.into.write("capture.json", &numbers, &drawn, &capture::table(&rows), out)
+    args.into
+        .write("capture.json", &numbers, &drawn, &capture::table(&rows), out)
 }
 
 fn chart_score(args: &ScoreArgs, out: &mut dyn Write) -> CommandResult {
@@ -214,7 +223,8 @@ fn chart_score(args: &ScoreArgs, out: &mut dyn Write) -> CommandResult {
     let rows = bar.during(|bar| score::measure(&session, detectors, rounds, || bar.inc(1)))?;
     let numbers = ChartNumbers::new(&session, &[], &rows)?;
     let drawn = [("score.svg", score::draw(&rows))];
-    args.into.write("score.json", &numbers, &drawn, &score::table(&rows), out)
+    args.into
+        .write("score.json", &numbers, &drawn, &score::table(&rows), out)
 }
 
 impl ChartInput {
@@ -241,15 +251,9 @@ impl ChartFiles {
         let svg = |(name, svg): &(&str, String)| (self.output.join(name), svg.clone().into_bytes());
         new.extend(drawn.iter().map(svg));
         files::replace_all_atomically(&new)?;
-        if self.json {
-            write_json(&new, numbers, out)?;
-            return Ok(Outcome::Done);
-        }
-        writeln!(out, "{table}")?;
-        for (path, _) in &new {
-            writeln!(out, "{}", path.display())?;
-        }
-        Ok(Outcome::Done)
+        let paths = new.iter().map(|(path, _)| format!("\n{}", path.display()));
+        let words = table.to_owned() + &paths.collect::<String>();
+        told(self.json, written(&new, numbers), words, out)
     }
 }
 

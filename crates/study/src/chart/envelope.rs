@@ -67,10 +67,7 @@ pub fn placed(
 ///
 /// # Errors
 /// A mesh that cannot be read.
-pub fn envelopes(
-    mesh: Option<&Path>,
-    model: &ScaleModel,
-) -> Result<Vec<(&'static str, EnvelopeShape)>, EnvelopeError> {
+pub fn envelopes(mesh: Option<&Path>, model: &ScaleModel) -> Result<Vec<(&'static str, EnvelopeShape)>, EnvelopeError> {
     let mut shapes = vec![("box", EnvelopeShape::of_box(model))];
     if let Some(path) = mesh {
         let mesh = envelope::load(path, model)?;

@@ -113,10 +113,9 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
             // A finished pattern has the cells it has.
             if let Some(asked) = on.cells.filter(|asked| *asked != columns) {
                 let path = path.display();
-                return Err(format!(
-                    "--cells is {asked}, and {path} has {columns}×{columns} cells: leave --cells out"
-                )
-                .into());
+                return Err(
+                    format!("--cells is {asked}, and {path} has {columns}×{columns} cells: leave --cells out").into(),
+                );
             }
             let mut on = on.clone();
             on.cells = Some(columns);

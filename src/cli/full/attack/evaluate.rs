@@ -1,6 +1,6 @@
 //! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use scaleproof_score::score::Summary;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,19 +8,19 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::render::{MESH, azimuths, cache, hex, named, size, textured, viewpoints};
+use super::render::{MESH, azimuths, cache, hex, named, size, textured};
 use crate::cli::detectors::{self, Folder};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use crate::cli::{at_hand, patterns};
 use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
-use scaleproof_pose::scene::Classes;
+use scaleproof_pose::scene::{Classes, Viewpoint};
 use scaleproof_score::report;
 use scaleproof_score::score::{
     ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
@@ -119,21 +119,16 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     report::write(&args.output.join("score"), &scores, None)?;
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
-    if args.json {
-        let evaluated = Evaluated {
-            classes: &args.class,
-            patterns: &tables.patterns,
-            targets: &tables.targets,
-            results: &scores.summaries,
-            comparisons: &tables.comparisons,
-            page: &page,
-        };
-        answer(&evaluated, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}", report::evaluation_tables(&tables))?;
-    writeln!(out, "page: {}", page.display())?;
-    Ok(Outcome::Done)
+    let evaluated = Evaluated {
+        classes: &args.class,
+        patterns: &tables.patterns,
+        targets: &tables.targets,
+        results: &scores.summaries,
+        comparisons: &tables.comparisons,
+        page: &page,
+    };
+    let words = format!("{}\npage: {}", report::evaluation_tables(&tables), page.display());
+    told(args.json, &evaluated, words, out)
 }
 
 fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
@@ -185,7 +180,7 @@ impl EvaluateArgs {
             mesh: model.mesh,
             materials: model.materials,
             lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
-            viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
+            viewpoints: Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
             colours,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
@@ -220,12 +215,8 @@ impl EvaluateArgs {
         let programs: Vec<EvaluatedDetector> = started
             .map(|program| EvaluatedDetector::program(program, &self.class))
             .collect::<Result<_, _>>()?;
-        let names = || {
-            manifests
-                .iter()
-                .chain(programs.iter().map(|p| &p.manifest))
-                .map(|m| m.name.as_str())
-        };
+        let all = || manifests.iter().chain(programs.iter().map(|p| &p.manifest));
+        let names = || all().map(|manifest| manifest.name.as_str());
         at_hand::check_names(names())?;
         match self.target.iter().find(|target| names().all(|name| name != *target)) {
             Some(target) => {
@@ -248,18 +239,12 @@ impl EvaluateArgs {
         detectors.extend(programs);
         let options = self.effort.options(&detectors)?;
         let scores = score_with_progress(sessions, detectors, &options)?;
-        match scores.not_scored.first() {
-            None => Ok(scores),
-            Some(photo) => {
-                let path = folder.join(&photo.file);
-                let reason = &photo.reason;
-                Err(format!(
-                    "{} was not scored, so that the tables would not be whole: {reason}",
-                    path.display()
-                )
-                .into())
-            }
+        if let Some(photo) = scores.not_scored.first() {
+            let (path, reason) = (folder.join(&photo.file), &photo.reason);
+            let path = path.display();
+            return Err(format!("{path} was not scored, so that the tables would not be whole: {reason}").into());
         }
+        Ok(scores)
     }
 
     /// The scene and the list of photos.

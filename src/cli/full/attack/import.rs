@@ -11,9 +11,9 @@ use crate::cli::model::ModelArgs;
 use crate::cli::print::NewFile;
 use crate::cli::{CommandResult, progress};
 use scaleproof_core::files;
+use scaleproof_frames::frames::FramePaint;
 use scaleproof_frames::frames::import::fca::{self, FcaRequest};
 use scaleproof_frames::frames::import::import;
-use scaleproof_frames::frames::FramePaint;
 
 /// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]

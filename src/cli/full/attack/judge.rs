@@ -1,6 +1,6 @@
 //! `scaleproof attack judge`: patterns on every view of frames, as the surrogate renderer predicts them.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use scaleproof_pose::scene::Classes;
 use schemars::JsonSchema;
 use std::error::Error;
@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::on_frames::{Looking, pattern_of};
 use super::render::{hex, named};
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use scaleproof_attack::judged::{JudgedPattern, NamedCells, judged};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::{of_pattern, srgb};
@@ -39,20 +39,15 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
     };
     let setup = on.open(columns, false, &Eot::NONE)?;
     let views = setup.view_set.views.len();
-    let rows = progress::frames("looking", views * patterns.len())
-        .during(|bar| judged(&setup, &patterns, || bar.inc(1)))?;
-    if args.on.json {
-        let judgement = Judgement {
-            views,
-            tile_mm,
-            classes: &args.on.class,
-            results: &rows,
-        };
-        answer(&judgement, out)?
-    } else {
-        table(views, tile_mm, &rows, out)?
-    }
-    Ok(Outcome::Done)
+    let rows =
+        progress::frames("looking", views * patterns.len()).during(|bar| judged(&setup, &patterns, || bar.inc(1)))?;
+    let judgement = Judgement {
+        views,
+        tile_mm,
+        classes: &args.on.class,
+        results: &rows,
+    };
+    told(args.on.json, &judgement, table(&judgement), out)
 }
 
 /// What a pattern is called, where it lies, and the pattern.
@@ -121,24 +116,25 @@ pub(in crate::cli) struct Judgement<'a> {
     results: &'a [JudgedPattern],
 }
 
-fn table(views: usize, tile_mm: f64, rows: &[JudgedPattern], out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "predicted, not rendered, on {}, tile {tile_mm} mm; drop: of the mean confidence, with its 95 % interval over the views",
-        count(views, "view")
-    )?;
-    writeln!(
-        out,
-        "{:<14} {:<20} {:>7} {:>9} {:>11} {:>18}  drop",
-        "detector", "pattern", "AP@0.5", "hit rate", "confidence", "worst direction"
-    )?;
-    for row in rows {
+fn table(judgement: &Judgement) -> String {
+    let mut text = format!(
+        "predicted, not rendered, on {}, tile {} mm; drop: of the mean confidence, with its 95 % interval over the views\n\
+         {:<14} {:<20} {:>7} {:>9} {:>11} {:>18}  drop",
+        count(judgement.views, "view"),
+        judgement.tile_mm,
+        "detector",
+        "pattern",
+        "AP@0.5",
+        "hit rate",
+        "confidence",
+        "worst direction"
+    );
+    for row in judgement.results {
         let interval = row
             .drop_95
             .map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
-        writeln!(
-            out,
-            "{:<14} {:<20} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {:>3}°  {:.2}{interval}",
+        text += &format!(
+            "\n{:<14} {:<20} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {:>3}°  {:.2}{interval}",
             row.detector,
             row.pattern,
             row.ap50,
@@ -147,7 +143,7 @@ fn table(views: usize, tile_mm: f64, rows: &[JudgedPattern], out: &mut dyn Write
             row.worst_direction.mean_confidence,
             row.worst_direction.azimuth_deg,
             row.drop,
-        )?;
+        );
     }
-    Ok(())
+    text
 }

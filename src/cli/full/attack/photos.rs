@@ -1,6 +1,6 @@
 //! `scaleproof attack photos`: frames from photos of the real model in flat colours.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::Write;
@@ -10,13 +10,13 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::render::hex;
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use scaleproof_core::files;
+use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
 };
 use scaleproof_frames::frames::photos::{FramedView, LeftOutPhoto, PhotoFrames, PhotoFramesRequest, make};
-use scaleproof_frames::frames::light;
 use scaleproof_session::session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view
@@ -88,25 +88,16 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
         return Err("no view has photos in every colour that fit together; the lines `left out` say why".into());
     }
     files::replace_all_atomically(&made.files)?;
-    if args.json {
-        left_out.extend(made.left_out);
-        let framed = FramesOfPhotos {
-            file: &list,
-            frames: made.frames,
-            views: &made.views,
-            left_out: &left_out,
-        };
-        answer(&framed, out)?
-    } else {
-        writeln!(
-            out,
-            "{}: {} frames of {} views",
-            list.display(),
-            made.frames,
-            made.views.len()
-        )?
-    }
-    Ok(Outcome::Done)
+    let (path, views) = (list.display(), made.views.len());
+    let words = format!("{path}: {} frames of {views} views", made.frames);
+    left_out.extend(made.left_out);
+    let framed = FramesOfPhotos {
+        file: &list,
+        frames: made.frames,
+        views: &made.views,
+        left_out: &left_out,
+    };
+    told(args.json, &framed, words, out)
 }
 
 /// `attack photos --json`.

@@ -120,7 +120,7 @@ impl RenderArgs {
             .clone()
             .ok_or("a model without a mesh cannot be rendered: give --mesh")?;
         let model = self.model.load()?;
-        let viewpoints = viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
+        let viewpoints = Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
             colours: self.colours(&model)?,
@@ -224,23 +224,6 @@ pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<Rende
     let texture = load_texture(path, model)?.texture;
     let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
     Ok(RenderPaint::Texture(name, Arc::new(image)))
-}
-
-/// Every combination.
-pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
-    let mut all = Vec::new();
-    for &distance_mm in distances {
-        for &pitch_deg in pitches {
-            for &azimuth_deg in azimuths {
-                all.push(Viewpoint {
-                    azimuth_deg,
-                    pitch_deg,
-                    distance_mm,
-                });
-            }
-        }
-    }
-    all
 }
 
 pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {

@@ -8,10 +8,10 @@ use std::io::Write;
 use std::path::Path;
 use std::path::PathBuf;
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use crate::cli::full::attack::device::OnDevice;
 use crate::cli::full::attack::render::hexes;
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
@@ -100,20 +100,16 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
             bar.set_message(format!("loss {loss:.4}{mse}"));
         })
     })?;
-    if args.json {
-        let trained = TrainedNetwork {
-            file: &args.output,
-            network: trainer.network().architecture.name(),
-            training_views: set.training.len(),
-            validation_views: set.validation.len(),
-            split: &set.split,
-            history: &trainer.history,
-        };
-        answer(&trained, out)?
-    } else {
-        table(args, &trainer, &set, out)?
-    }
-    Ok(Outcome::Done)
+    let words = table(args, &trainer, &set);
+    let trained = TrainedNetwork {
+        file: &args.output,
+        network: trainer.network().architecture.name(),
+        training_views: set.training.len(),
+        validation_views: set.validation.len(),
+        split: &set.split,
+        history: &trainer.history,
+    };
+    told(args.json, &trained, words, out)
 }
 
 /// `attack train-dtn --json`.
@@ -132,25 +128,23 @@ pub(in crate::cli) struct TrainedNetwork<'a> {
     history: &'a [TrainingProgress],
 }
 
-fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{}: {} views to learn from, {} to validate on ({})",
+fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> String {
+    let mut text = format!(
+        "{}: {} views to learn from, {} to validate on ({})\n{:>8} {:>9} {:>8} {:>15}\n",
         trainer.network().architecture.name(),
         set.training.len(),
         set.validation.len(),
-        set.split
-    )?;
-    writeln!(
-        out,
-        "{:>8} {:>9} {:>8} {:>15}",
-        "step", "seconds", "loss", "validation MSE"
-    )?;
+        set.split,
+        "step",
+        "seconds",
+        "loss",
+        "validation MSE"
+    );
     for p in thinned(&trainer.history) {
         let mse = p.validation_mse.map_or("–".to_owned(), |m| format!("{m:.6}"));
-        writeln!(out, "{:>8} {:>9.1} {:>8.4} {mse:>15}", p.step, p.seconds, p.loss)?;
+        text += &format!("{:>8} {:>9.1} {:>8.4} {mse:>15}\n", p.step, p.seconds, p.loss);
     }
-    writeln!(out, "{}", args.output.display())
+    text + &args.output.display().to_string()
 }
 
 fn frames(args: &TrainArgs, references: &[[u8; 3]]) -> Result<TrainingSet, Box<dyn Error>> {
