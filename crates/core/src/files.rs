@@ -196,6 +196,11 @@ pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
     path.canonicalize().map_err(|e| FileError::read(path, &e))
 }
 
+/// Whether two paths lead to one file or folder that is there.
+pub fn is_same(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
 fn folder_of(path: &Path) -> &Path {
     path.parent()
         .filter(|p| !p.as_os_str().is_empty())

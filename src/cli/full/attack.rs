@@ -23,7 +23,7 @@ mod run;
 pub(in crate::cli) use advice::advice;
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use crate::cli::schemas::Named;
 use schemars::JsonSchema;
 use schemars::schema_for;
@@ -33,10 +33,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::CommandResult;
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::frames::{FrameSet, LIST};
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
@@ -111,30 +111,30 @@ pub(in crate::cli) struct CheckedFrames {
     size_px: [u32; 2],
 }
 
+/// Where frames will be listed in a folder that has none yet.
+fn new_list(folder: &Path) -> Result<PathBuf, String> {
+    let list = folder.join(LIST);
+    if list.exists() {
+        Err(format!("{} is there already; give another folder", list.display()))
+    } else {
+        Ok(list)
+    }
+}
+
 /// What a command that wrote frames ends with.
 fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
-    if json {
-        let file = list.to_owned();
-        answer(&WrittenFrames { file, frames }, out)?
-    } else {
-        writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?
-    }
-    Ok(Outcome::Done)
+    let words = format!("{}: {}", list.display(), count(frames, "frame"));
+    let file = list.to_owned();
+    told(json, WrittenFrames { file, frames }, words, out)
 }
 
 fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
-    for frame in &set.list.frames {
-        set.check_images(frame)?;
-    }
-    let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
-    if args.json {
-        let size_px = [width, height];
-        answer(&CheckedFrames { frames, size_px }, out)?
-    } else {
-        writeln!(out, "{frames} frames of {width}×{height} px are whole")?
-    }
-    Ok(Outcome::Done)
+    set.list.frames.iter().try_for_each(|frame| set.check_images(frame))?;
+    let (size_px, frames) = (set.list.size_px, set.list.frames.len());
+    let [width, height] = size_px;
+    let words = format!("{frames} frames of {width}×{height} px are whole");
+    told(args.json, CheckedFrames { frames, size_px }, words, out)
 }
 
 /// The schemas of what these commands print.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::device::OnDevice;
 use super::on_frames::{Looking, OnFrames};
-use super::run::{METHOD, Settings, optimise};
+use super::run::{METHOD, optimise};
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
@@ -14,10 +14,8 @@ use crate::cli::{CommandResult, Outcome};
 use scaleproof_attack::result::PATTERN;
 use scaleproof_attack::run::judge::judge;
 use scaleproof_attack::run::view_set::TextureMapping;
-use scaleproof_attack::run::weights::Against;
-use scaleproof_attack::run::{CellColours, Rgb, of_pattern, srgb};
+use scaleproof_attack::run::{AttackConfig, Rgb, of_pattern, srgb};
 use scaleproof_attack::setup::Setup;
-use scaleproof_gradients::Boxes;
 use scaleproof_surface::pattern::Pattern;
 
 const FRAMES: &str = "captures/skyline_attack";
@@ -57,25 +55,16 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,
-        "1. {} views of the model become a pattern against {DETECTOR}; {held_out} are held out",
-        views
+        "1. {views} views of the model become a pattern against {DETECTOR}; {held_out} are held out"
     )?;
-    let settings = Settings {
+    let config = setup.named(AttackConfig {
         steps: 60,
         batch: 5,
         learning_rate: 0.05,
-        boxes: Boxes::default(),
         floor: 0.001,
-        against: Against::default(),
         hard: 0.0,
-        eot: on.mapping.usual_eot(),
-        smooth: 0.0,
-        near: None,
-        printer: None,
-        colours: CellColours::Free,
-        range: [0, 255],
-    };
-    let config = settings.config(&on, &setup);
+        ..on.config()
+    });
     let (cells, entries) = optimise(&on, &setup, &config)?;
     on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
     writeln!(out, "\n2. The pattern becomes a printable sheet")?;

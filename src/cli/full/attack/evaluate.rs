@@ -1,6 +1,6 @@
 //! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use scaleproof_score::score::Summary;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,19 +8,19 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::render::{MESH, azimuths, cache, hex, named, size, textured, viewpoints};
+use super::render::{MESH, azimuths, cache, hex, named, size, textured};
 use crate::cli::detectors::{self, Folder};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use crate::cli::{at_hand, patterns};
 use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
-use scaleproof_pose::scene::Classes;
+use scaleproof_pose::scene::{Classes, Viewpoint};
 use scaleproof_score::report;
 use scaleproof_score::score::{
     ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
@@ -100,10 +100,7 @@ pub(super) struct EvaluateArgs {
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     args.mesh_file()?;
     let model = args.model.load()?;
-    let paints = args.paints(&model)?;
-    let worn = args.worn(&paints)?;
-    let variants: Vec<String> = paints.iter().map(|(name, _)| name.clone()).collect();
-    let paints = paints.into_iter().map(|(_, paint)| paint).collect();
+    let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
     let detectors = args.detectors()?;
@@ -122,29 +119,22 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     report::write(&args.output.join("score"), &scores, None)?;
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
-    if args.json {
-        let evaluated = Evaluated {
-            classes: &args.class,
-            patterns: &tables.patterns,
-            targets: &tables.targets,
-            results: &scores.summaries,
-            comparisons: &tables.comparisons,
-            page: &page,
-        };
-        answer(&evaluated, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}", report::evaluation_tables(&tables))?;
-    writeln!(out, "page: {}", page.display())?;
-    Ok(Outcome::Done)
+    let evaluated = Evaluated {
+        classes: &args.class,
+        patterns: &tables.patterns,
+        targets: &tables.targets,
+        results: &scores.summaries,
+        comparisons: &tables.comparisons,
+        page: &page,
+    };
+    let words = format!("{}\npage: {}", report::evaluation_tables(&tables), page.display());
+    told(args.json, &evaluated, words, out)
 }
 
 fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
-    let bar = progress::frames("rendering", evaluation.photos().len());
     let python = || blender::find(&cache(), progress::announce);
-    let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    rendered
+    progress::frames("rendering", evaluation.photos().len())
+        .during(|bar| evaluation.render(folder, python, |done| bar.set_position(done as u64)))
 }
 
 /// Each variant against those after it.
@@ -154,44 +144,32 @@ fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, 
     Ok(compared.collect::<Result<_, _>>()?)
 }
 
+/// Names, paints, and those of them that are patterns.
+type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
+
 impl EvaluateArgs {
-    /// What the model wears, with its names: the plain model's, then patterns and textures in the order of the command.
-    fn paints(&self, model: &Model) -> Result<Vec<(String, RenderPaint)>, Box<dyn Error>> {
+    /// The names of what the model wears, and the paints: the plain model's, then patterns and textures in the order of the command; and what
+    /// the report shows of the patterns.
+    fn paints(&self, model: &Model) -> Result<Paints, Box<dyn Error>> {
         let normal = match self.normal.as_str() {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
         };
-        let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
+        let (mut names, mut paints, mut worn) = (vec![BASE_VARIANT.to_owned()], vec![normal], Vec::new());
         for text in &self.patterns {
             let (name, file) = patterns::named(text)?;
             let pattern = Pattern::load(file)?;
             let tile_mm = tile_mm(self.tile_mm, file, &pattern)?;
-            paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
+            worn.push(patterns::shown(name, file, &pattern, Some(tile_mm))?);
+            names.push(name.to_owned());
+            paints.push(RenderPaint::Pattern(name.to_owned(), pattern, tile_mm));
         }
         for text in &self.textures {
             let (name, path) = named(text);
-            paints.push((name.clone(), textured(name, path, model)?));
+            names.push(name.clone());
+            paints.push(textured(name, path, model)?);
         }
-        Ok(paints)
-    }
-
-    /// What the report shows of the paints that are patterns.
-    fn worn(&self, paints: &[(String, RenderPaint)]) -> Result<Vec<WornPattern>, Box<dyn Error>> {
-        let files = self.patterns.iter().map(|text| patterns::named(text));
-        let files: Vec<(&str, &Path)> = files.collect::<Result<_, _>>()?;
-        let file_of = |name: &str| {
-            files
-                .iter()
-                .find(|(own, _)| *own == name)
-                .map_or(Path::new(""), |(_, file)| file)
-        };
-        let worn = paints.iter().filter_map(|(name, paint)| match paint {
-            RenderPaint::Pattern(_, pattern, tile_mm) => {
-                Some(patterns::shown(name, file_of(name), pattern, Some(*tile_mm)))
-            }
-            _ => None,
-        });
-        worn.collect()
+        Ok((names, paints, worn))
     }
 
     fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
@@ -202,7 +180,7 @@ impl EvaluateArgs {
             mesh: model.mesh,
             materials: model.materials,
             lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
-            viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
+            viewpoints: Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
             colours,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
@@ -237,12 +215,8 @@ impl EvaluateArgs {
         let programs: Vec<EvaluatedDetector> = started
             .map(|program| EvaluatedDetector::program(program, &self.class))
             .collect::<Result<_, _>>()?;
-        let names = || {
-            manifests
-                .iter()
-                .chain(programs.iter().map(|p| &p.manifest))
-                .map(|m| m.name.as_str())
-        };
+        let all = || manifests.iter().chain(programs.iter().map(|p| &p.manifest));
+        let names = || all().map(|manifest| manifest.name.as_str());
         at_hand::check_names(names())?;
         match self.target.iter().find(|target| names().all(|name| name != *target)) {
             Some(target) => {
@@ -265,18 +239,12 @@ impl EvaluateArgs {
         detectors.extend(programs);
         let options = self.effort.options(&detectors)?;
         let scores = score_with_progress(sessions, detectors, &options)?;
-        match scores.not_scored.first() {
-            None => Ok(scores),
-            Some(photo) => {
-                let path = folder.join(&photo.file);
-                let reason = &photo.reason;
-                Err(format!(
-                    "{} was not scored, so that the tables would not be whole: {reason}",
-                    path.display()
-                )
-                .into())
-            }
+        if let Some(photo) = scores.not_scored.first() {
+            let (path, reason) = (folder.join(&photo.file), &photo.reason);
+            let path = path.display();
+            return Err(format!("{path} was not scored, so that the tables would not be whole: {reason}").into());
         }
+        Ok(scores)
     }
 
     /// The scene and the list of photos.

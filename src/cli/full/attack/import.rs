@@ -11,9 +11,9 @@ use crate::cli::model::ModelArgs;
 use crate::cli::print::NewFile;
 use crate::cli::{CommandResult, progress};
 use scaleproof_core::files;
+use scaleproof_frames::frames::FramePaint;
 use scaleproof_frames::frames::import::fca::{self, FcaRequest};
 use scaleproof_frames::frames::import::import;
-use scaleproof_frames::frames::{FramePaint, LIST};
 
 /// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]
@@ -57,12 +57,8 @@ enum Layout {
 const NOTED_HEIGHT_M: f64 = 0.1;
 
 pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
-    let list = args.output.join(LIST);
-    if list.exists() {
-        return Err(format!("{} is there already; give another folder", list.display()).into());
-    }
-    let same = |a: &PathBuf, b: &PathBuf| a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a));
-    if same(&args.folder, &args.output) {
+    let list = super::new_list(&args.output)?;
+    if files::is_same(&args.folder, &args.output) {
         return Err("the frames would be written over the images they come from; give another folder".into());
     }
     // Images a frame, beside the list.
@@ -89,9 +85,7 @@ fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
         return Err("this layout brings no masks: give the vehicle's mesh by --mesh, as long as your model, as in --length-mm 487 --scale 10".into());
     }
     let request = args.fca_request()?;
-    let busy = progress::busy("drawing the mesh");
-    let made = fca::import(&args.folder, &args.output, &request)?;
-    busy.finish_and_clear();
+    let made = progress::busy("drawing the mesh").during(|_| fca::import(&args.folder, &args.output, &request))?;
     let lowest_m = made.lowest_vehicle_m;
     if args.drop_m() == 0.0 && lowest_m > NOTED_HEIGHT_M {
         say!(

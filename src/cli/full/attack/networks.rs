@@ -80,9 +80,8 @@ pub(super) fn camou(
     device: DeviceKind,
     oracle: &mut BlackBox,
     config: &SearchConfig,
-) -> (u64, Result<Vec<Rgb>, Box<dyn Error>>) {
-    let mut search = || Ok(camou::search(oracle, config, &device.open()?)?);
-    (camou::FIRST_ROUND, search())
+) -> Result<(u64, Vec<Rgb>), Box<dyn Error>> {
+    Ok((camou::FIRST_ROUND, camou::search(oracle, config, &device.open()?)?))
 }
 
 /// The option that helps in training.

@@ -40,8 +40,8 @@ pub(super) fn white_boxes(_: &[String], _: &Folder, _: &Classes, _: DeviceKind) 
     refused()
 }
 
-pub(super) fn camou(_: DeviceKind, _: &mut BlackBox, _: &SearchConfig) -> (u64, Result<Vec<Rgb>, Box<dyn Error>>) {
-    (0, refused())
+pub(super) fn camou(_: DeviceKind, _: &mut BlackBox, _: &SearchConfig) -> Result<(u64, Vec<Rgb>), Box<dyn Error>> {
+    refused()
 }
 
 pub(super) fn advice(_: &(dyn Error + 'static)) -> Option<&'static str> {

@@ -27,7 +27,7 @@ use scaleproof_attack::setup::Setup;
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_detect::{Manifest, ProgramDetector};
-use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_frames::frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_gradients::program::ProgramWhiteBox;
 use scaleproof_pose::scene::Classes;
@@ -137,7 +137,14 @@ impl Looking {
 
     /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
     pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
-        check_tile(self.tile_mm())?;
+        let tile_mm = self.tile_mm();
+        if !TILES_MM.contains(&tile_mm) {
+            let (least, most) = (TILES_MM.start(), TILES_MM.end());
+            return Err(format!(
+                "--tile-mm is {tile_mm}: give the width of one repeat on the model, {least} to {most} mm"
+            )
+            .into());
+        }
         let (networks, programs) = self.programs.among(&self.detector)?;
         let (mut detectors, mut names) = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
@@ -148,16 +155,11 @@ impl Looking {
             detectors.push(detector);
             names.push(name);
         }
-        let frames = open_frames(&self.frames)?;
-        let texture = (cells, self.tile_mm(), self.mapping);
-        let bar = progress::frames(
-            "reading views",
-            frames.iter().map(|set| views(&set.list.frames).len()).sum(),
-        );
+        let frames = FrameSet::open_all(&self.frames)?;
+        let texture = (cells, tile_mm, self.mapping);
+        let bar = progress::frames("reading views", frames.iter().map(FrameSet::view_count).sum());
         let detectors = (detectors, names, self.class.clone());
-        let setup = Setup::open(frames, texture, eot, detectors, || bar.inc(1));
-        bar.finish_and_clear();
-        Ok(setup?)
+        Ok(bar.during(|bar| Setup::open(frames, texture, eot, detectors, || bar.inc(1)))?)
     }
 }
 
@@ -165,6 +167,18 @@ impl OnFrames {
     /// Cells along each side.
     pub(super) fn cells(&self) -> u32 {
         self.cells.unwrap_or(CELLS)
+    }
+
+    /// The usual attack on these frames, without their names and those of the detectors.
+    pub(super) fn config(&self) -> AttackConfig {
+        AttackConfig {
+            cells: self.cells(),
+            tile_mm: self.tile_mm(),
+            seed: self.seed,
+            mapping: self.mapping,
+            eot: self.mapping.usual_eot(),
+            ..AttackConfig::usual(self.class.clone())
+        }
     }
 
     /// As [`Looking::open`], with a folder for what the method makes.
@@ -303,35 +317,6 @@ pub(super) fn say_figures(
         )?;
     }
     Ok(())
-}
-
-/// Opens folders of frames.
-///
-/// # Errors
-/// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
-pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<FrameSet>, Box<dyn Error>> {
-    let mut opened = Vec::<FrameSet>::new();
-    for folder in folders {
-        let set = FrameSet::open(folder)?;
-        if let Some(same) = opened.iter().find(|known| known.sha256 == set.sha256) {
-            let first = same.folder.display();
-            return Err(format!("{first} and {} are the same frames: name them once", folder.display()).into());
-        }
-        opened.push(set);
-    }
-    Ok(opened)
-}
-
-fn check_tile(tile_mm: f64) -> Result<(), String> {
-    if TILES_MM.contains(&tile_mm) {
-        Ok(())
-    } else {
-        Err(format!(
-            "--tile-mm is {tile_mm}: give the width of one repeat on the model, {} to {} mm",
-            TILES_MM.start(),
-            TILES_MM.end()
-        ))
-    }
 }
 
 /// The pattern of a file, with a note where it is another one, enlarged.

@@ -87,10 +87,8 @@ pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     check_folder(&args.output)?;
     scaleproof_core::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
-    let bar = progress::frames("rendering", plan.frames().len());
-    let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    finished?;
+    progress::frames("rendering", plan.frames().len())
+        .during(|bar| render(&plan, &args.output, &python, |done| bar.set_position(done as u64)))?;
     note_unusable(&args.output)?;
     super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
 }
@@ -122,7 +120,7 @@ impl RenderArgs {
             .clone()
             .ok_or("a model without a mesh cannot be rendered: give --mesh")?;
         let model = self.model.load()?;
-        let viewpoints = viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
+        let viewpoints = Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
             colours: self.colours(&model)?,
@@ -228,23 +226,6 @@ pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<Rende
     Ok(RenderPaint::Texture(name, Arc::new(image)))
 }
 
-/// Every combination.
-pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
-    let mut all = Vec::new();
-    for &distance_mm in distances {
-        for &pitch_deg in pitches {
-            for &azimuth_deg in azimuths {
-                all.push(Viewpoint {
-                    azimuth_deg,
-                    pitch_deg,
-                    distance_mm,
-                });
-            }
-        }
-    }
-    all
-}
-
 pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     let bad = |text: &String| {
         format!(
@@ -287,6 +268,11 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
 pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
     light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
+}
+
+/// Several colours.
+pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+    texts.iter().map(|text| hex(text)).collect()
 }
 
 /// What was said about a mesh besides its file, as arguments again.

@@ -82,9 +82,9 @@ pub(super) struct RunArgs {
 pub(super) const METHOD: &str = "dta";
 
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
-    let settings = args.settings()?;
-    let setup = args.on.open(METHOD, true, &settings.eot)?;
-    let config = settings.config(&args.on, &setup);
+    let config = args.config()?;
+    let setup = args.on.open(METHOD, true, &config.eot)?;
+    let config = setup.named(config);
     let (cells, entries) = optimise(&args.on, &setup, &config)?;
     args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
     Ok(Outcome::Done)
@@ -96,64 +96,21 @@ pub(super) fn optimise(
     setup: &Setup,
     config: &AttackConfig,
 ) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
-    let bar = progress::steps("attacking", config.steps as usize);
-    let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
-    let finished = attack.run(&on.output, |done, entry| {
-        bar.set_position(u64::from(done));
-        if let Some(confidence) = entry.confidence {
-            bar.set_message(format!("confidence {confidence:.2}"));
-        }
+    let finished = progress::steps("attacking", config.steps as usize).during(|bar| {
+        let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
+        attack.run(&on.output, |done, entry| {
+            bar.set_position(u64::from(done));
+            if let Some(confidence) = entry.confidence {
+                bar.set_message(format!("confidence {confidence:.2}"));
+            }
+        })
     });
-    bar.finish_and_clear();
     Ok(finished?)
 }
 
-/// What of a run frames and detectors do not say.
-pub(super) struct Settings {
-    pub steps: u32,
-    pub batch: u32,
-    pub learning_rate: f64,
-    pub boxes: Boxes,
-    pub floor: f64,
-    pub against: Against,
-    pub hard: f64,
-    pub eot: Eot,
-    pub smooth: f64,
-    pub near: Option<Near>,
-    pub printer: Option<PrinterMap>,
-    pub colours: CellColours,
-    pub range: [u8; 2],
-}
-
-impl Settings {
-    pub(super) fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
-        AttackConfig {
-            cells: on.cells(),
-            tile_mm: on.tile_mm(),
-            steps: self.steps,
-            batch: self.batch,
-            learning_rate: self.learning_rate,
-            boxes: self.boxes,
-            floor: self.floor,
-            against: self.against,
-            hard: self.hard,
-            seed: on.seed,
-            mapping: on.mapping,
-            eot: self.eot,
-            smooth: self.smooth,
-            near: self.near,
-            printer: self.printer,
-            colours: self.colours,
-            range: self.range,
-            frames_sha256: setup.frames_sha256.clone(),
-            detectors: setup.detector_names.clone(),
-            classes: setup.classes.clone(),
-        }
-    }
-}
-
 impl RunArgs {
-    fn settings(&self) -> Result<Settings, Box<dyn Error>> {
+    /// What the options say; [`Setup::named`] adds the frames and detectors.
+    fn config(&self) -> Result<AttackConfig, Box<dyn Error>> {
         if !(1e-6..=1.0).contains(&self.rate) {
             return Err(format!("--rate is {:e}: give a number from 0.000001 to 1", self.rate).into());
         }
@@ -178,7 +135,7 @@ impl RunArgs {
         if self.palette.is_some() && range != [0, 255] {
             return Err("--range goes with colours of the pattern's own choice: leave it out, or take the paints that are not wanted out of --palette".into());
         }
-        Ok(Settings {
+        Ok(AttackConfig {
             steps: self.steps,
             batch: self.batch,
             learning_rate: self.rate,
@@ -192,6 +149,7 @@ impl RunArgs {
             printer: self.printer()?,
             colours: self.colours()?,
             range,
+            ..self.on.config()
         })
     }
 
