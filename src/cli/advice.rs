@@ -36,7 +36,7 @@ macro_rules! advice_by_kind {
 /// An error's sentence with the advice on it, or on what it wraps.
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
-    let on_more = |e| super::full::ADVICE.iter().find_map(|advise| advise(e));
+    let on_more = |e| super::MORE_ADVICE.iter().find_map(|advise| advise(e));
     match wrapped.find_map(|e| on(e).or_else(|| on_more(e))) {
         Some(advice) if advice.starts_with([',', ' ', ';']) => format!("{error}{advice}"),
         Some(advice) => format!("{error}: {advice}"),

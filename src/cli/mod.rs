@@ -80,6 +80,8 @@ enum Command {
     Schemas(schemas::Args),
 }
 
+use full::ADVICE as MORE_ADVICE;
+
 /// What a finished command says to the shell.
 enum Outcome {
     Done,

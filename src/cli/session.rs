@@ -5,7 +5,7 @@ mod import;
 mod new;
 mod show;
 
-use crate::cli::schemas::Named;
+use crate::cli::answer::Named;
 use schemars::schema_for;
 use std::collections::BTreeMap;
 use std::io::Write;

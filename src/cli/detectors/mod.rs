@@ -8,8 +8,8 @@ mod validate;
 
 pub(crate) use scaleproof_detect::choose as chosen;
 
+use crate::cli::answer::Named;
 use crate::cli::answer::answer;
-use crate::cli::schemas::Named;
 use schemars::JsonSchema;
 use schemars::schema_for;
 use serde::Serialize;

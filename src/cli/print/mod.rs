@@ -11,8 +11,8 @@ pub(crate) mod template;
 mod verify;
 pub(crate) mod wrap;
 
+use crate::cli::answer::Named;
 use crate::cli::answer::Written;
-use crate::cli::schemas::Named;
 use schemars::schema_for;
 use std::io::Write;
 use std::path::{Path, PathBuf};
