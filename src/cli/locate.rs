@@ -150,14 +150,12 @@ fn locate_all(
     tag_detector: TagDetectorChoice,
 ) -> Result<Vec<PhotoAnswer>, StartError> {
     let families = scene.families();
-    let bar = progress::photos("locating", photos.len());
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
         let photo = Photo::open(path);
         Ok(photo.and_then(|photo| locate_photo(&photo, scene, camera, tags)))
     };
-    let answers = workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1));
-    bar.finish_and_clear();
-    answers
+    progress::photos("locating", photos.len())
+        .during(|bar| workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1)))
 }
 
 /// The pose of a photo that has one.
@@ -285,15 +283,10 @@ fn draw(photos: &[PathBuf], answers: &[PhotoAnswer], places: &[PathBuf], files: 
     let read: Vec<_> = read
         .filter_map(|((photo, answer), place)| Some((photo, answer.as_ref().ok()?, place)))
         .collect();
-    let bar = progress::photos("drawing", read.len());
-    let drawn = workers::map(
-        &read,
-        || Ok(()),
-        |(), (photo, examined, place)| overlay::write(place, photo, examined, &files.scene, &outline),
-        || bar.inc(1),
-    );
-    bar.finish_and_clear();
-    drawn?;
+    let draw = |(): &mut (), (photo, examined, place): &(&PathBuf, &LocatedPhoto, &PathBuf)| {
+        overlay::write(place, photo, examined, &files.scene, &outline)
+    };
+    progress::photos("drawing", read.len()).during(|bar| workers::map(&read, || Ok(()), draw, || bar.inc(1)))?;
     Ok(())
 }
 

@@ -59,14 +59,28 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Demo(demo::Args),
-    Print(print::Args),
-    Scene(scene::Args),
-    Pattern(pattern::Args),
-    Camera(camera::Args),
-    Colour(colour::Args),
+    /// Print sheets in true millimetres
+    #[command(subcommand)]
+    Print(print::Command),
+    /// Make scene files
+    #[command(subcommand)]
+    Scene(scene::Command),
+    /// Make and check patterns
+    #[command(subcommand)]
+    Pattern(pattern::Command),
+    /// Convert, show and guess camera files
+    #[command(subcommand)]
+    Camera(camera::Command),
+    /// Measure a printer's colours
+    #[command(subcommand)]
+    Colour(colour::Command),
     Locate(locate::Args),
-    Detectors(detectors::Args),
-    Session(session::Args),
+    /// List, fetch, try out and add object detectors.
+    #[command(subcommand)]
+    Detectors(detectors::Command),
+    /// Make a session of photos that are there already, show what is in one, or export it for other programs.
+    #[command(subcommand)]
+    Session(session::Command),
     Score(score::Args),
     Merge(merge::Args),
     Compare(compare::Args),
@@ -122,14 +136,14 @@ pub(crate) fn main() -> ExitCode {
     };
     let result = match cli.command {
         Command::Demo(args) => demo::run(args, out),
-        Command::Print(args) => print::run(args, out),
-        Command::Scene(args) => scene::run(args, out),
-        Command::Pattern(args) => pattern::run(args, out),
-        Command::Camera(args) => camera::run(args, out),
-        Command::Colour(args) => colour::run(args, out),
+        Command::Print(command) => print::run(command, out),
+        Command::Scene(command) => scene::run(command, out),
+        Command::Pattern(command) => pattern::run(command, out),
+        Command::Camera(command) => camera::run(command, out),
+        Command::Colour(command) => colour::run(command, out),
         Command::Locate(args) => locate::run(args, out),
-        Command::Detectors(args) => detectors::run(args, out),
-        Command::Session(args) => session::run(args, out),
+        Command::Detectors(command) => detectors::run(command, out),
+        Command::Session(command) => session::run(command, out),
         Command::Score(args) => score::run(args, out),
         Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),

@@ -23,15 +23,8 @@ use scaleproof_surface::pattern::{Pattern, contrast};
 /// So many of the worst colours are listed; `--json` has all.
 const LISTED: usize = 8;
 
-/// Make and check patterns
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// A square of uniformly random colours: the baseline every optimised pattern must beat
     Random(RandomArgs),
     /// A pattern from any image: the mean colour of each of its cells, or the cells of an enlarged grid
@@ -41,7 +34,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct RandomArgs {
+pub(crate) struct RandomArgs {
     /// Cells along each side
     #[arg(long, default_value_t = 16)]
     cells: u32,
@@ -57,7 +50,7 @@ struct RandomArgs {
 }
 
 #[derive(clap::Args)]
-struct ImportArgs {
+pub(crate) struct ImportArgs {
     /// The image: PNG or JPEG
     image: PathBuf,
     /// Cells across, as in 24 (the rows follow from the image's shape), or across and down, as in 24x16; without it, the image must be an
@@ -73,7 +66,7 @@ struct ImportArgs {
 }
 
 #[derive(clap::Args)]
-struct CheckArgs {
+pub(crate) struct CheckArgs {
     /// The pattern: a PNG with one pixel per cell
     pattern: PathBuf,
     /// The printer file that `colour read` put the printer's colours in; without it, printing is not judged
@@ -102,11 +95,11 @@ pub(in crate::cli) struct Answer {
 }
 
 /// Runs `scaleproof pattern …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Random(args) => run_random(&args, out),
-        What::Import(args) => run_import(&args, out),
-        What::Check(args) => run_check(&args, out),
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Random(args) => run_random(&args, out),
+        Command::Import(args) => run_import(&args, out),
+        Command::Check(args) => run_check(&args, out),
     }
 }
 

@@ -147,9 +147,8 @@ struct PlacesRow {
 
 /// A plan that stops when it knows, beside the fixed one.
 fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
-    let bar = progress::steps("simulating", score::SEQUENTIAL_ROWS);
-    let plan = score::sequential_plan((args.base_rate, drop), args.power, args.least, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let plan = progress::steps("simulating", score::SEQUENTIAL_ROWS)
+        .during(|bar| score::sequential_plan((args.base_rate, drop), args.power, args.least, || bar.inc(1)))?;
     if let Some(path) = &args.output {
         files::write_atomically(path, report::plan_chart(&plan).as_bytes())?;
     }

@@ -12,21 +12,14 @@ use super::{CommandResult, units};
 use scaleproof_core::{files, spelling};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 
-/// Make scene files
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a scene.toml for tags that `print tags` then prints
     New(NewArgs),
 }
 
 #[derive(clap::Args)]
-struct NewArgs {
+pub(crate) struct NewArgs {
     /// How the tags stand; ring: tent cards in a circle, the first before the model's front, and flat tags along the model's sides
     #[arg(long, value_enum)]
     preset: Preset,
@@ -109,9 +102,9 @@ fn model_size(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// Runs `scaleproof scene …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::New(args) => run_new(args, out),
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::New(args) => run_new(args, out),
     }
 }
 

@@ -17,15 +17,8 @@ use super::CommandResult;
 use super::sessions::quoted;
 use scaleproof_core::spelling;
 
-/// Make a session of photos that are there already, show what is in one, or export it for other programs.
-#[derive(clap::Args)]
-pub(super) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(super) enum Command {
     Export(export::Args),
     Import(import::Args),
     New(new::Args),
@@ -33,12 +26,12 @@ enum What {
 }
 
 /// Runs `scaleproof session …`.
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Export(args) => export::run(args, out),
-        What::Import(args) => import::run(&args, out),
-        What::New(args) => new::run(&args, out),
-        What::Show(args) => show::run(&args, out),
+pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Export(args) => export::run(args, out),
+        Command::Import(args) => import::run(&args, out),
+        Command::New(args) => new::run(&args, out),
+        Command::Show(args) => show::run(&args, out),
     }
 }
 

@@ -15,7 +15,7 @@ use scaleproof_detect::{
 };
 
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The network (ONNX).
     model: PathBuf,
     /// The manifest to write; beside the network and named as it is, when left out.

@@ -15,7 +15,7 @@ use scaleproof_photo::draw::{self, LabelAnchor, Lettering, Pen, RgbImage};
 use scaleproof_photo::photo::{Photo, PhotoError};
 
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     #[command(flatten)]
     looking: Looking,
     /// Boxes below this confidence are not printed.

@@ -22,15 +22,8 @@ use crate::cli::{CommandResult, Outcome, Result, advice, full};
 use scaleproof_detect::{Manifest, WeightFolders, WeightsError, registered, registered_names};
 use scaleproof_photo::photo::Photo;
 
-/// List, fetch, try out and add object detectors.
-#[derive(clap::Args)]
-pub(super) struct Args {
-    #[command(subcommand)]
-    command: Command,
-}
-
 #[derive(Subcommand)]
-enum Command {
+pub(super) enum Command {
     /// Every known detector: licence, origin, and where its weights lie.
     List(ListArgs),
     #[command(flatten)]
@@ -101,7 +94,7 @@ impl Looking {
 }
 
 #[derive(clap::Args)]
-struct ListArgs {
+pub(crate) struct ListArgs {
     #[command(flatten)]
     folder: Folder,
     /// One JSON object a line.
@@ -109,8 +102,8 @@ struct ListArgs {
     json: bool,
 }
 
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.command {
+pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
         Command::List(args) => list(args, out),
         Command::Full(command) => full::detectors(command, out),
         Command::Check(args) => check::run(args, out),

@@ -16,7 +16,7 @@ use scaleproof_score::score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, tria
 /// When the AP is not within 0.01 of the published one, or none is stated, the network is run again on some of the photos with one thing changed each
 /// time: channel order, normalisation, resize, kernel, labels shifted by one. Use a set that the figure is of, such as COCO's val2017.
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The detector.
     name: String,
     /// COCO annotations of all objects in the photos.
@@ -77,10 +77,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         );
     }
     let of = |set: &LabelledPhotos, manifest: &Manifest, what: &str| {
-        let bar = progress::photos(what, set.photos.len());
-        let found = set.look(manifest, &weights, || bar.inc(1));
-        bar.finish_and_clear();
-        found
+        progress::photos(what, set.photos.len()).during(|bar| set.look(manifest, &weights, || bar.inc(1)))
     };
     let found = of(&set, &manifest, &manifest.name)?;
     let averages = set.averages(&found, 0).ok_or("the photos have no object that counts")?;

@@ -34,15 +34,8 @@ use scaleproof_surface::pattern::card::{self, CardError};
 
 pub(crate) use template::{summary, write_template};
 
-/// Print sheets in true millimetres
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
     /// Wrap a texture around a model: pieces to cut out and glue, or five panels
@@ -62,16 +55,16 @@ enum What {
 }
 
 /// Runs `scaleproof print …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Template(args) => template::run(&args, out),
-        What::Wrap(args) => wrap::run(&args, out),
-        What::Patch(args) => patch::run(&args, out),
-        What::Tags(args) => tags::run(&args, out),
-        What::Full(command) => full::print(command, out),
-        What::Chart(args) => chart::run(&args, out),
-        What::Check(args) => check::run(&args, out),
-        What::Verify(args) => verify::run(&args, out),
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Template(args) => template::run(&args, out),
+        Command::Wrap(args) => wrap::run(&args, out),
+        Command::Patch(args) => patch::run(&args, out),
+        Command::Tags(args) => tags::run(&args, out),
+        Command::Full(command) => full::print(command, out),
+        Command::Chart(args) => chart::run(&args, out),
+        Command::Check(args) => check::run(&args, out),
+        Command::Verify(args) => verify::run(&args, out),
     }
 }
 
@@ -91,14 +84,6 @@ macro_rules! value_names {
 pub(super) use value_names;
 
 value_names!(sheet_format -> SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
-
-/// Where the sheets go.
-fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput, String> {
-    SheetOutput::named(path, format).map_err(|error| match error {
-        OutputError::UnknownEnding { .. } => format!("{error}, or give --format"),
-        _ => error.to_string(),
-    })
-}
 
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
@@ -170,8 +155,8 @@ impl CutSheetArgs {
             .files(title, &["1".to_owned()], std::slice::from_ref(sheet))?)
     }
 
-    fn output(&self) -> Result<SheetOutput, String> {
-        sheet_output(&self.output, self.format)
+    fn output(&self) -> Result<SheetOutput, OutputError> {
+        SheetOutput::named(&self.output, self.format)
     }
 }
 
@@ -220,8 +205,8 @@ pub(crate) struct PaperArgs {
 }
 
 impl PaperArgs {
-    fn output(&self) -> Result<SheetOutput, String> {
-        sheet_output(&self.output, self.format)
+    fn output(&self) -> Result<SheetOutput, OutputError> {
+        SheetOutput::named(&self.output, self.format)
     }
 
     fn printer(&self) -> Result<Printer> {

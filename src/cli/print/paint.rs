@@ -9,7 +9,7 @@ use super::{CommandResult, told, write_files, written};
 use crate::cli::{Result, progress};
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
-use scaleproof_print::print::paint::{PaintArea, PaintError, PaintRequest, paint_sheets};
+use scaleproof_print::print::paint::{PaintArea, PaintRequest, paint_sheets};
 use scaleproof_print::print::template::TemplateRequest;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::{Paint, Painted, Palette, PaletteError};
@@ -93,7 +93,7 @@ pub(crate) fn run(
         min_feature_mm: paints.min_feature_mm,
         mirror: paints.mirror,
     };
-    let made = paint_sheets(pattern, &painted, &request).map_err(advised)?;
+    let made = paint_sheets(pattern, &painted, &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -108,20 +108,6 @@ pub(crate) fn run(
     );
     let paints = paint_facts(&painted, &made.areas);
     told(as_json, written(&files, Answer { sheets, paints }), words, out)
-}
-
-/// The error with the options that mend it.
-pub(super) fn advised(error: PaintError) -> String {
-    match &error {
-        PaintError::CellTooSmall { most, least_tile, .. } => {
-            format!(
-                "{error}; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more, or make fewer cells by scaleproof pattern \
-                 import --cells"
-            )
-        }
-        PaintError::NoStencil(_) => format!("{error}; give a smaller --min-feature-mm or a larger --tile-mm"),
-        _ => error.to_string(),
-    }
 }
 
 /// `print template --paints --json`.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-use super::paint::{self, Paints, PaintsAnswer, paint_facts, table};
+use super::paint::{Paints, PaintsAnswer, paint_facts, table};
 use super::{CommandResult, pieces, told, write_files, written};
 use crate::cli::model::Model;
 use crate::cli::progress;
@@ -13,7 +13,7 @@ use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::PiecesRequest;
-use scaleproof_wrap::pieces::painted::{PaintedError, PaintedPieces, PaintedRequest, flattened, painted_pieces};
+use scaleproof_wrap::pieces::painted::{PaintedPieces, PaintedRequest, flattened, painted_pieces};
 
 /// Prints the sheets.
 pub(super) fn run(
@@ -39,9 +39,8 @@ pub(super) fn run(
     let surface = (&model.mesh, &*model.materials);
     let flat = flattened(surface, tile, &request, &mut |share| {
         busy.set_position((60.0 * share) as u64)
-    });
-    let flat = flat.map_err(advised)?;
-    let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request).map_err(advised)?;
+    })?;
+    let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -62,14 +61,6 @@ pub(super) fn run(
         words.concat().join("\n"),
         out,
     )
-}
-
-/// The error with the options that mend it.
-fn advised(error: PaintedError) -> String {
-    match error {
-        PaintedError::Pieces(error) => pieces::advised(error),
-        PaintedError::Paint(error) => paint::advised(error),
-    }
 }
 
 /// `print wrap --paints --json`.

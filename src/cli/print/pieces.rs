@@ -11,7 +11,7 @@ use crate::cli::texture::NamedTexture;
 use crate::cli::{Result, progress};
 use scaleproof_plot::lettering;
 use scaleproof_surface::texture::Texture;
-use scaleproof_wrap::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
+use scaleproof_wrap::pieces::{PiecesRequest, PrintedPieces, flattened, pieces, reason};
 use scaleproof_wrap::unwrap::LeftOut;
 
 /// How the model is cut into pieces, and what is printed of them.
@@ -80,8 +80,8 @@ pub(super) fn run(
     let busy = progress::steps("unwrapping", 100);
     let surface = (&model.mesh, &*model.materials);
     // Drawing takes a little, too.
-    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64)).map_err(advised)?;
-    let made = pieces(&model.mesh, &flat, &painted.texture, &request).map_err(advised)?;
+    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64))?;
+    let made = pieces(&model.mesh, &flat, &painted.texture, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -107,17 +107,6 @@ pub(super) fn captioned(painted: &NamedTexture) -> String {
         }
         _ => hash,
     }
-}
-
-/// The error with the options that mend it.
-pub(super) fn advised(error: PiecesError) -> String {
-    let advice = match &error {
-        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
-        PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
-        PiecesError::Raster(_) => " (--dpi)",
-        _ => "",
-    };
-    format!("{error}{advice}")
 }
 
 /// `print wrap --json`. Lengths over others are mm on the surface for 1 mm on paper, or the inverse.

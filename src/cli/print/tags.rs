@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use super::{CommandResult, CutSheetArgs, told, write_files, written};
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
-use scaleproof_print::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, TagSheets, tag_sheets};
+use scaleproof_print::print::tags::{Ground, TagNote, TagRequest, TagSheets, tag_sheets};
 
 #[derive(clap::Args)]
 pub(crate) struct TagsArgs {
@@ -32,15 +32,15 @@ pub(crate) struct TagsArgs {
 pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     let media = args.sheets.media()?;
     let scene = Scene::open(&args.scene)?;
+    let (plain, whole_mat) = (args.plain, args.whole_mat);
     let made = tag_sheets(
         &scene,
         &TagRequest {
             media,
-            plain: args.plain,
-            whole_mat: args.whole_mat,
+            plain,
+            whole_mat,
         },
-    )
-    .map_err(advised)?;
+    )?;
     let title = format!("Tags of {}", scene.model.name);
     let files = args.sheets.output()?.files(&title, &made.names, &made.sheets)?;
     write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
@@ -50,20 +50,6 @@ pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     let (path, sheets) = (files[0].0.display(), count(made.sheets.len(), "sheet"));
     let words = format_args!("{path}: {sheets}: {}; print at 100 %", made.contents.join(", "));
     told(args.json, written(&files, facts(&made)), words, out)
-}
-
-/// The error with the option that mends it.
-fn advised(error: TagPrintError) -> String {
-    let instead = match &error {
-        TagPrintError::TooLarge { instead, .. } => *instead,
-        _ => Instead::Nothing,
-    };
-    let option = match instead {
-        Instead::Nothing => "",
-        Instead::WholeMat => " (--whole-mat)",
-        Instead::PlainCards => " (--plain)",
-    };
-    format!("{error}{option}")
 }
 
 /// The note with the option that serves.

@@ -153,12 +153,12 @@ fn write(
     output: &SheetOutput,
     inputs: &[Option<&Path>],
 ) -> Result<(Template, Vec<NewFile>)> {
-    let busy = progress::busy("drawing");
-    let made = draw()?;
-    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    write_files(&files, inputs)?;
-    busy.finish_and_clear();
-    Ok((made, files))
+    progress::busy("drawing").during(|_| {
+        let made = draw()?;
+        let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
+        write_files(&files, inputs)?;
+        Ok((made, files))
+    })
 }
 
 fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateRequest> {

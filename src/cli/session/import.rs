@@ -14,7 +14,7 @@ use scaleproof_session::session::import::{self, ImportRequest};
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// COCO annotations (.json), or a table (.csv) with the header file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm
     file: PathBuf,
     /// The folder with the photos, from which their names count; it gets the session.json

@@ -17,7 +17,7 @@ use scaleproof_session::session::folders::PhotoFolder;
 ///
 /// The session gets a session.json, and copies of the scene and the camera unless they lie in it. The photos stay as and where they are.
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The session's folder; one that is there keeps its files
     folder: PathBuf,
     /// Folders with the texture their photos show, as in normal=monday checker=tuesday

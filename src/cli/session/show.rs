@@ -18,7 +18,7 @@ use scaleproof_session::session::{PhotoEntry, Session};
 
 /// Show what is in a session: the scene, the camera, photos by texture and place, recordings, and what is amiss
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The session's folder
     session: PathBuf,
     /// Print it as one JSON object
@@ -94,11 +94,9 @@ fn page(session: &Session) -> Page {
 
 /// Reads every photo, as far as its header.
 fn looks(session: &Session) -> Vec<Look> {
-    let bar = progress::photos("reading", session.photos.len());
     let look = |photo: &PhotoEntry| Photo::open(&session.photo_path(photo)).map(|photo| photo.sha256);
-    let looks: Result<_, Infallible> =
-        workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1));
-    bar.finish_and_clear();
+    let looks: Result<_, Infallible> = progress::photos("reading", session.photos.len())
+        .during(|bar| workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1)));
     looks.unwrap_or_else(|never| match never {})
 }
 
