@@ -58,12 +58,7 @@ pub(in crate::cli) struct Answer<'a> {
 
 /// Runs `scaleproof colour …`.
 pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
-    match command {
-        Command::Read(args) => run_read(&args, out),
-    }
-}
-
-fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
+    let Command::Read(args) = command;
     // What is there must be a printer file, or it would be lost.
     let there = args.output.as_deref().filter(|path| path.exists());
     let old = there.map(PrinterFile::load).transpose()?;
@@ -99,15 +94,14 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
         };
         writeln!(out, "{}", serde_json::to_string(&answer)?)?;
     } else {
-        summarise(args, &readings, &disagreements, &colours, out)?;
+        summarise(&args, &readings, &disagreements, &colours, out)?;
         if let Some(path) = &args.output {
             let replaced = old.is_some_and(|file| file.colours.is_some());
             let verb = if replaced { "new colours in" } else { "written to" };
+            let path = path.display();
             writeln!(
                 out,
-                "{verb} {}; next: scaleproof pattern check P.png --printer {}",
-                path.display(),
-                path.display()
+                "{verb} {path}; next: scaleproof pattern check P.png --printer {path}"
             )?;
         }
     }
@@ -131,35 +125,23 @@ fn summarise(
             "{name}: chart {}, {flat}, {light}, ΔE2000 {off:.2} from the mean",
             colours.chart
         )?;
-        if q.at_zero > 0 {
-            say!(
-                "note: {} patches of {name} have a channel at 0; they may be darker or more saturated than read",
-                q.at_zero
-            );
+        if let count @ 1.. = q.at_zero {
+            say!("note: {count} patches of {name} have a channel at 0; they may be darker or more saturated than read");
         }
     }
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
     writeln!(
         out,
-        "mean ΔE2000 between asked and printed: {:.1}",
-        colours.delta_e_mean
-    )?;
-    writeln!(
-        out,
-        "gamut: {:.0} cubic CIELAB units, {:.0} % of sRGB; darkest {}, most saturated {}",
+        "mean ΔE2000 between asked and printed: {:.1}\n\
+         gamut: {:.0} cubic CIELAB units, {:.0} % of sRGB; darkest {}, most saturated {}\n\
+         greys between the levels are met within ΔE2000 {:.1} by interpolating\n\
+         Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be separated \
+         from the printer's.",
+        colours.delta_e_mean,
         colours.gamut_volume_lab,
         100.0 * colours.gamut_share_of_srgb,
         hex(colours.darkest_rgb),
-        hex(colours.most_saturated_rgb)
-    )?;
-    writeln!(
-        out,
-        "greys between the levels are met within ΔE2000 {:.1} by interpolating",
+        hex(colours.most_saturated_rgb),
         colours.interpolation_delta_e_mean
-    )?;
-    writeln!(
-        out,
-        "Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be separated \
-         from the printer's."
     )
 }

@@ -97,12 +97,9 @@ impl Results {
 
     /// Reads all of them, for the photos of some sessions.
     pub(super) fn open(&self, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>> {
-        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+        let (Some(class), true) = (sessions.first().map(|s| &s.scene.model.class), self.are_given()) else {
             return Ok(Vec::new());
         };
-        if self.results.is_empty() {
-            return Ok(Vec::new());
-        }
         let names = |s: &Session| -> Vec<PhotoName> {
             let folder = s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone());
             s.photos

@@ -103,12 +103,7 @@ fn model_size(text: &str) -> Result<[f64; 3], String> {
 
 /// Runs `scaleproof scene …`.
 pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
-    match command {
-        Command::New(args) => run_new(args, out),
-    }
-}
-
-fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
+    let Command::New(args) = command;
     let path = &args.output;
     // A scene may have been measured and typed in by hand; that is not lost to a second `new`.
     if path.exists() {

@@ -113,12 +113,14 @@ impl FolderFiles {
             ("--camera", self.camera.is_some()),
             ("--place", self.place != PLACE),
         ];
-        match given.iter().find(|(_, is_given)| *is_given) {
-            None => Ok(()),
-            Some((option, _)) => Err(format!(
-                "{option} is for VARIANT=FOLDER only: a session says this itself, in its session.json"
-            )),
-        }
+        given
+            .iter()
+            .filter(|(_, is_given)| *is_given)
+            .try_for_each(|(option, _)| {
+                Err(format!(
+                    "{option} is for VARIANT=FOLDER only: a session says this itself, in its session.json"
+                ))
+            })
     }
 }
 
@@ -141,15 +143,14 @@ impl OpenedPhotos {
 
     /// Nothing is written among the user's photos.
     pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
-        let real = output.canonicalize();
-        if real.is_ok_and(|real| self.folders.contains(&real)) {
-            Err(format!(
+        let is_among = output.canonicalize().is_ok_and(|real| self.folders.contains(&real));
+        let among = || {
+            format!(
                 "the report would be written among the photos in {}: name another folder with -o",
                 output.display()
-            ))
-        } else {
-            Ok(())
-        }
+            )
+        };
+        if is_among { Err(among()) } else { Ok(()) }
     }
 }
 
@@ -177,10 +178,8 @@ pub(super) fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
 /// `~/photos` as it is meant: shells leave it as it is behind an equal sign.
 fn in_home(folder: &str) -> PathBuf {
     let below = folder.strip_prefix("~/").filter(|_| !Path::new(folder).exists());
-    match below.and_then(|below| Some(dirs::home_dir()?.join(below))) {
-        Some(path) => path,
-        None => folder.into(),
-    }
+    let whole = below.and_then(|below| Some(dirs::home_dir()?.join(below)));
+    whole.unwrap_or_else(|| folder.into())
 }
 
 /// Opens sessions; none where none is named.

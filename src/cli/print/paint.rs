@@ -38,14 +38,11 @@ pub(crate) struct PaintArgs {
 
 /// How the paints are found, and what their stencils must hold.
 pub(crate) struct Paints {
-    source: Source,
+    /// From a palette, else so many.
+    palette: Option<Palette>,
+    count: usize,
     pub(super) min_feature_mm: f64,
     pub(super) mirror: bool,
-}
-
-enum Source {
-    Count(usize),
-    Palette(Palette),
 }
 
 impl PaintArgs {
@@ -55,25 +52,23 @@ impl PaintArgs {
 
     /// `None`: paper.
     pub(crate) fn paints(&self) -> Result<Option<Paints>> {
-        let source = match (self.paints, &self.palette) {
-            (Some(asked), _) => Source::Count(usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?),
-            (None, Some(file)) => Source::Palette(Palette::load(file)?),
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(Paints {
-            source,
+        let asked = self.paints.unwrap_or_default();
+        let paints = Paints {
+            count: usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?,
+            palette: self.palette.as_deref().map(Palette::load).transpose()?,
             min_feature_mm: self.min_feature_mm,
             mirror: self.mirror,
-        }))
+        };
+        Ok(self.is_asked().then_some(paints))
     }
 }
 
 impl Paints {
     /// The pattern in the paints.
     pub(super) fn painted(&self, pattern: &Pattern) -> Result<Painted, PaletteError> {
-        match &self.source {
-            Source::Count(count) => Painted::by_count(pattern, *count),
-            Source::Palette(palette) => Painted::by_palette(pattern, palette),
+        match &self.palette {
+            Some(palette) => Painted::by_palette(pattern, palette),
+            None => Painted::by_count(pattern, self.count),
         }
     }
 }
