@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::networks;
-use super::on_frames::{OnFrames, cells_of};
+use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
+use crate::cli::answer::told;
 use crate::cli::print::patch::{self, PlaceArgs};
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use scaleproof_attack::baseline::patches::{PlacedPatch, first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::Eot;
@@ -133,8 +134,7 @@ fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> 
     refuse_other_results(on)?;
     let setup = on.open(method, false, &Eot::NONE)?;
     let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
-    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
-    Ok(Outcome::Done)
+    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)
 }
 
 /// What is found without a search keeps no checkpoint, so one in the folder is another result's.
@@ -184,13 +184,13 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         };
         Ok((first_round, cells, oracle.finish()?))
     })?;
-    on.write(&setup, (method, &cells, entries), None, out)?;
+    let done = on.write(&setup, (method, &cells, entries), None, out)?;
     if args.queries < first_round {
         say!(
             "note: nothing was searched: the first round of {method} takes {first_round} images, and the pattern is one of the random ones it begins with"
         );
     }
-    Ok(Outcome::Done)
+    Ok(done)
 }
 
 /// Patches are no repeated pattern, so there is a history and no pattern.
@@ -214,13 +214,12 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
     files::write_atomically(&path, &content)?;
-    if args.on.json {
-        args.on.write_json(&history, None, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}", path.display())?;
-    super::on_frames::say_figures(&setup, &history, &args.on.class, out)?;
-    Ok(Outcome::Done)
+    let words = format!(
+        "{}{}",
+        path.display(),
+        figures_in_words(&setup, &history, &args.on.class)
+    );
+    told(args.on.json, args.on.made(&history, None), words, out)
 }
 
 fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {

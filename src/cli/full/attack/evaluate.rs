@@ -8,7 +8,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::render::{MESH, azimuths, cache, hex, named, size, textured};
+use super::render::{MESH, azimuths, cache, hex, mesh_file, named, size, textured};
 use crate::cli::detectors::{self, Folder};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
@@ -98,7 +98,7 @@ pub(super) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
-    args.mesh_file()?;
+    mesh_file(&args.model)?;
     let model = args.model.load()?;
     let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
@@ -173,7 +173,7 @@ impl EvaluateArgs {
     }
 
     fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
-        let mesh_file = self.mesh_file()?;
+        let mesh_file = mesh_file(&self.model)?;
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
@@ -193,11 +193,6 @@ impl EvaluateArgs {
             made_by: String::new(),
             mesh_file,
         })
-    }
-
-    fn mesh_file(&self) -> Result<PathBuf, String> {
-        let file = self.model.mesh.clone();
-        file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
     }
 
     /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
@@ -249,7 +244,7 @@ impl EvaluateArgs {
 
     /// The scene and the list of photos.
     fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
-        let mesh = self.mesh_file()?;
+        let mesh = mesh_file(&self.model)?;
         let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
         Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }

@@ -2,11 +2,11 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::render::{described, hex};
+use super::render::{described, file_name, hex, options};
 use crate::cli::model::ModelArgs;
 use crate::cli::print::NewFile;
 use crate::cli::{CommandResult, progress};
@@ -135,17 +135,13 @@ impl ImportArgs {
 
     /// The arguments that decide about the frames, with files by their names only.
     fn made_by(&self, scale: f64) -> String {
-        let name = self.model.mesh.as_deref().and_then(Path::file_name);
-        let mut text = format!(
-            "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}",
-            name.map(|n| n.to_string_lossy()).unwrap_or_default(),
+        format!(
+            "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}{}",
+            self.model.mesh.as_deref().map(file_name).unwrap_or_default(),
             described(&self.model),
             self.drop_m(),
             self.field_of_view_deg(),
-        );
-        if let Some(flat) = &self.flat {
-            text += &format!(" --flat {flat}");
-        }
-        text
+            options([("flat", self.flat.clone())])
+        )
     }
 }

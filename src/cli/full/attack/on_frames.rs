@@ -10,13 +10,13 @@ use serde::Serialize;
 
 use super::device::OnDevice;
 use super::networks;
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
-use crate::cli::progress;
 use crate::cli::results::Programs;
+use crate::cli::{CommandResult, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::{Entry, History, TILES_MM};
@@ -207,17 +207,15 @@ impl OnFrames {
 
     /// The sides' patterns lie below each other in one file.
     fn check_cells(&self) -> Result<(), String> {
-        let [_, rows] = self.mapping.grid(self.cells());
-        if rows > MAX_CELLS {
-            Err(format!(
-                "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
-                self.cells(),
-                self.mapping.name(),
-                MAX_CELLS * self.cells() / rows
-            ))
-        } else {
-            Ok(())
+        let (cells, laying) = (self.cells(), self.mapping.name());
+        let [_, rows] = self.mapping.grid(cells);
+        if rows <= MAX_CELLS {
+            return Ok(());
         }
+        let most = MAX_CELLS * cells / rows;
+        Err(format!(
+            "--cells is {cells}, which makes {rows} rows with --laying {laying}, and a pattern has {MAX_CELLS} at most: give up to {most}"
+        ))
     }
 
     /// Writes the result of a method, and says what it is.
@@ -227,30 +225,21 @@ impl OnFrames {
         (method, cells, entries): (&str, &[Rgb], Vec<Entry>),
         config: Option<&AttackConfig>,
         out: &mut dyn Write,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> CommandResult {
         let history = setup.history(method, self.seed, entries);
         let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
-        if self.json {
-            return self.write_json(&history, Some(&path), out);
-        }
-        let [columns, rows] = self.mapping.grid(self.cells());
-        writeln!(
-            out,
-            "{}: {columns} × {rows} cells, tile {} mm",
-            path.display(),
-            self.tile_mm()
-        )?;
-        say_figures(setup, &history, &self.class, out)
+        let ([columns, rows], tile_mm) = (self.mapping.grid(self.cells()), self.tile_mm());
+        let figures = figures_in_words(setup, &history, &self.class);
+        let words = format!(
+            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}",
+            path.display()
+        );
+        told(self.json, self.made(&history, Some(&path)), words, out)
     }
 
     /// The result for programs: what `history.json` ends with, and where the pattern is.
-    pub(super) fn write_json(
-        &self,
-        history: &History,
-        pattern: Option<&Path>,
-        out: &mut dyn Write,
-    ) -> Result<(), Box<dyn Error>> {
-        let made = Made {
+    pub(super) fn made<'a>(&'a self, history: &'a History, pattern: Option<&'a Path>) -> Made<'a> {
+        Made {
             method: &history.method,
             seed: history.seed,
             tile_mm: history.tile_mm,
@@ -260,8 +249,7 @@ impl OnFrames {
             pattern,
             queries: history.queries(),
             predicted: history.last_judged().map(|(_, figures)| figures),
-        };
-        answer(&made, out)
+        }
     }
 }
 
@@ -284,22 +272,17 @@ pub(in crate::cli) struct Made<'a> {
     predicted: Option<HeldOutFigures>,
 }
 
-/// What the held-out views say, and that they are predictions.
-pub(super) fn say_figures(
-    setup: &Setup,
-    history: &History,
-    class: &Classes,
-    out: &mut dyn Write,
-) -> Result<(), Box<dyn Error>> {
+/// What the held-out views say, and that they are predictions: lines, each after a line break.
+pub(super) fn figures_in_words(setup: &Setup, history: &History, class: &Classes) -> String {
+    let mut text = String::new();
     if let Some((entry, figures)) = history.last_judged() {
         let which = if setup.view_set.holds_out() {
             "it was not made with"
         } else {
             "it was made with (too few to hold any out)"
         };
-        writeln!(
-            out,
-            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
+        text += &format!(
+            "\npredicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
              counts as the model: {class}",
             figures.ap50,
             figures.hit_rate,
@@ -307,16 +290,13 @@ pub(super) fn say_figures(
             count(figures.views, "view"),
             count(entry.queries as usize, "image"),
             entry.wall_s
-        )?;
+        );
     }
     if setup.view_set.unseen > 0 {
-        writeln!(
-            out,
-            "left out, as the model's paint is not seen: {}",
-            count(setup.view_set.unseen, "view")
-        )?;
+        let views = count(setup.view_set.unseen, "view");
+        text += &format!("\nleft out, as the model's paint is not seen: {views}");
     }
-    Ok(())
+    text
 }
 
 /// The pattern of a file, with a note where it is another one, enlarged.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::render::hex;
+use super::render::{hex, options};
 use crate::cli::{CommandResult, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::light;
@@ -156,11 +156,13 @@ fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[FlatVariant]) -> St
         .iter()
         .map(|flat| format!("{}={}", flat.variant, light::to_hex(flat.rgb)))
         .collect();
-    let mut text = format!("attack photos {} --flat {}", names.join(" "), colours.join(" "));
-    if !args.material.is_empty() {
-        text += &format!(" --material {}", args.material.join(" "));
-    }
-    text + &format!(" --size-px {}", args.size_px)
+    let material = (!args.material.is_empty()).then(|| args.material.join(" "));
+    format!("attack photos {}", names.join(" "))
+        + &options([
+            ("flat", Some(colours.join(" "))),
+            ("material", material),
+            ("size-px", Some(args.size_px.to_string())),
+        ])
 }
 
 fn say(made: &PhotoFrames, out: &mut dyn Write) -> std::io::Result<()> {

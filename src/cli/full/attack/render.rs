@@ -114,11 +114,7 @@ pub(super) fn cache() -> PathBuf {
 
 impl RenderArgs {
     fn request(&self) -> Result<RenderRequest, Box<dyn Error>> {
-        let mesh_file = self
-            .model
-            .mesh
-            .clone()
-            .ok_or("a model without a mesh cannot be rendered: give --mesh")?;
+        let mesh_file = mesh_file(&self.model)?;
         let model = self.model.load()?;
         let viewpoints = Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
         Ok(RenderRequest {
@@ -168,41 +164,37 @@ impl RenderArgs {
 
     /// The arguments that decide about the pixels, with files by their names only.
     fn made_by(&self, mesh_file: &Path) -> String {
-        let name = |path: &Path| {
-            path.file_name()
-                .map(|n| n.to_string_lossy().into_owned())
-                .unwrap_or_default()
-        };
-        let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-        let mut text = format!(
-            "attack render --mesh {}{} --light {} --azimuth-deg {} --pitch-deg {} --distance-mm {}",
-            name(mesh_file),
+        let some = |texts: &[String]| (!texts.is_empty()).then(|| texts.join(" "));
+        let numbers = |values: &[f64]| some(&values.iter().map(f64::to_string).collect::<Vec<_>>());
+        let patterns: Vec<String> = self.pattern.iter().map(|path| file_name(path)).collect();
+        let textures: Vec<String> = self.texture.iter().map(|text| file_name(named(text).1)).collect();
+        let given = options([
+            ("light", some(&self.light)),
+            ("azimuth-deg", some(&self.azimuth_deg)),
+            ("pitch-deg", numbers(&self.pitch_deg)),
+            ("distance-mm", numbers(&self.distance_mm)),
+            ("flat", some(&self.flat)),
+            ("pattern", some(&patterns)),
+            (
+                "tile-mm",
+                self.tile_mm.filter(|_| !patterns.is_empty()).map(|mm| mm.to_string()),
+            ),
+            ("texture", some(&textures)),
+            (
+                "roughness",
+                (self.roughness != ROUGHNESS).then(|| self.roughness.to_string()),
+            ),
+        ]);
+        format!(
+            "attack render --mesh {}{}{given}{} --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
+            file_name(mesh_file),
             described(&self.model),
-            self.light.join(" "),
-            self.azimuth_deg.join(" "),
-            numbers(&self.pitch_deg),
-            numbers(&self.distance_mm),
-        );
-        if !self.flat.is_empty() {
-            text += &format!(" --flat {}", self.flat.join(" "));
-        }
-        if let (false, Some(tile_mm)) = (self.pattern.is_empty(), self.tile_mm) {
-            let names: Vec<String> = self.pattern.iter().map(|p| name(p)).collect();
-            text += &format!(" --pattern {} --tile-mm {tile_mm}", names.join(" "));
-        }
-        if !self.texture.is_empty() {
-            let names = self.texture.iter().map(|text| name(named(text).1));
-            text += &format!(" --texture {}", names.collect::<Vec<_>>().join(" "));
-        }
-        if self.roughness != ROUGHNESS {
-            text += &format!(" --roughness {}", self.roughness);
-        }
-        if self.denoise {
-            text += " --denoise";
-        }
-        text + &format!(
-            " --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
-            self.size_px, self.field_of_view_deg, self.samples, self.seed, self.position_factor
+            if self.denoise { " --denoise" } else { "" },
+            self.size_px,
+            self.field_of_view_deg,
+            self.samples,
+            self.seed,
+            self.position_factor
         )
     }
 }
@@ -275,22 +267,30 @@ pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
     texts.iter().map(|text| hex(text)).collect()
 }
 
+/// The file of a model that is to be rendered.
+pub(super) fn mesh_file(model: &ModelArgs) -> Result<PathBuf, String> {
+    let file = model.mesh.clone();
+    file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
+}
+
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Options with values, as arguments again.
+pub(super) fn options<const N: usize>(given: [(&str, Option<String>); N]) -> String {
+    let given = given.into_iter().filter_map(|(option, value)| Some((option, value?)));
+    given.map(|(option, value)| format!(" --{option} {value}")).collect()
+}
+
 /// What was said about a mesh besides its file, as arguments again.
 pub(super) fn described(model: &ModelArgs) -> String {
-    let mut text = String::new();
-    if !model.material.is_empty() {
-        text += &format!(" --material {}", model.material.join(" "));
-    }
-    if let Some(faces) = &model.faces {
-        text += &format!(" --faces {}", faces.display());
-    }
-    if let Some(length_mm) = model.length_mm {
-        text += &format!(" --length-mm {length_mm}");
-    }
-    for (key, axis) in [("front", &model.mesh_front), ("up", &model.mesh_up)] {
-        if let Some(axis) = axis {
-            text += &format!(" --mesh-{key} {axis}");
-        }
-    }
-    text
+    let material = (!model.material.is_empty()).then(|| model.material.join(" "));
+    options([
+        ("material", material),
+        ("faces", model.faces.as_ref().map(|path| path.display().to_string())),
+        ("length-mm", model.length_mm.map(|mm| mm.to_string())),
+        ("mesh-front", model.mesh_front.clone()),
+        ("mesh-up", model.mesh_up.clone()),
+    ])
 }

@@ -8,7 +8,7 @@ use clap::builder::PossibleValuesParser;
 
 use super::on_frames::{OnFrames, pattern_of};
 use crate::cli::choice::one_of;
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, progress};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
 use scaleproof_attack::run::printer::PrinterMap;
@@ -86,8 +86,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let setup = args.on.open(METHOD, true, &config.eot)?;
     let config = setup.named(config);
     let (cells, entries) = optimise(&args.on, &setup, &config)?;
-    args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
-    Ok(Outcome::Done)
+    args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)
 }
 
 /// Runs the attack with a bar that shows where it stands.
@@ -111,22 +110,19 @@ pub(super) fn optimise(
 impl RunArgs {
     /// What the options say; [`Setup::named`] adds the frames and detectors.
     fn config(&self) -> Result<AttackConfig, Box<dyn Error>> {
-        if !(1e-6..=1.0).contains(&self.rate) {
-            return Err(format!("--rate is {:e}: give a number from 0.000001 to 1", self.rate).into());
-        }
-        if !(1e-6..=0.5).contains(&self.floor) {
-            return Err(format!("--floor is {:e}: give a confidence from 0.000001 to 0.5", self.floor).into());
+        for (option, given, range, what) in [
+            ("rate", self.rate, 1e-6..=1.0, "number"),
+            ("floor", self.floor, 1e-6..=0.5, "confidence"),
+            ("smooth", self.smooth, 0.0..=1e6, "weight"),
+            ("near-weight", self.near_weight.unwrap_or(0.0), 0.0..=1e6, "weight"),
+        ] {
+            if !range.contains(&given) {
+                let (low, high) = range.into_inner();
+                return Err(format!("--{option} is {given:e}: give a {what} from {low} to {high}").into());
+            }
         }
         if !(0.0..=1.0).contains(&self.hard) {
             return Err(format!("--hard is {}: give a share from 0 to 1", self.hard).into());
-        }
-        for (name, weight) in [
-            ("smooth", self.smooth),
-            ("near-weight", self.near_weight.unwrap_or(0.0)),
-        ] {
-            if !(0.0..=1e6).contains(&weight) {
-                return Err(format!("--{name} is {weight:e}: give a weight from 0 to 1000000").into());
-            }
         }
         let range = match self.range[..] {
             [low, high] if low < high => [low, high],
