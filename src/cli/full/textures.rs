@@ -3,7 +3,6 @@
 use crate::cli::answer::{told, written};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +13,7 @@ use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::patch::{PlaceArgs, asked};
 use crate::cli::print::write_files;
 use crate::cli::texture::TextureArgs;
-use crate::cli::{CommandResult, progress, units};
+use crate::cli::{CommandResult, Result, progress, units};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
@@ -103,7 +102,7 @@ pub(crate) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
 }
 
 impl PaintedArgs {
-    fn load(&self) -> Result<(Model, Texture), Box<dyn Error>> {
+    fn load(&self) -> Result<(Model, Texture)> {
         let model = self.model.load_or(self.texture.mesh())?;
         if self.places.patch.is_empty() {
             let texture = self.texture.load(&model)?.texture;
@@ -192,7 +191,7 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     } else {
         let named = azimuths.iter().zip(&views);
         let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
-        named.map(file).collect::<Result<Vec<_>, Box<dyn Error>>>()?
+        named.map(file).collect::<Result<Vec<_>>>()?
     };
     write_files(&files, &args.painted.inputs())?;
     let words = format!("{}: {} views", args.output.display(), views.len());

@@ -1,6 +1,5 @@
 //! `scaleproof attack baseline`: the patterns an attack must beat, judged as it is.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -11,7 +10,7 @@ use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
 use crate::cli::answer::told;
 use crate::cli::print::patch::{self, PlaceArgs};
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::baseline::patches::{PlacedPatch, first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::Eot;
@@ -175,7 +174,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         classes: setup.classes.clone(),
     };
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
-    let (first_round, cells, entries) = bar.during(|bar| -> Result<_, Box<dyn Error>> {
+    let (first_round, cells, entries) = bar.during(|bar| -> Result<_> {
         let on_query = |asked: u64| bar.set_position(asked);
         let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
         let (first_round, cells) = match method {
@@ -222,7 +221,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     told(args.on.json, args.on.made(&history, None), words, out)
 }
 
-fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
+fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(scaleproof_print::print::patch::check)?;
     let of = |patch: scaleproof_print::print::patch::PanelPatch| PlacedPatch {

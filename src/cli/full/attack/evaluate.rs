@@ -4,7 +4,6 @@ use crate::cli::answer::told;
 use scaleproof_score::score::Summary;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +13,7 @@ use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use crate::cli::{at_hand, patterns};
 use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
 use scaleproof_core::files;
@@ -138,7 +137,7 @@ fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> 
 }
 
 /// Each variant against those after it.
-fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, Box<dyn Error>> {
+fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> {
     let names: Vec<&str> = variants.iter().map(String::as_str).collect();
     let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
     Ok(compared.collect::<Result<_, _>>()?)
@@ -150,7 +149,7 @@ type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
 impl EvaluateArgs {
     /// The names of what the model wears, and the paints: the plain model's, then patterns and textures in the order of the command; and what
     /// the report shows of the patterns.
-    fn paints(&self, model: &Model) -> Result<Paints, Box<dyn Error>> {
+    fn paints(&self, model: &Model) -> Result<Paints> {
         let normal = match self.normal.as_str() {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
@@ -172,7 +171,7 @@ impl EvaluateArgs {
         Ok((names, paints, worn))
     }
 
-    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
+    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest> {
         let mesh_file = mesh_file(&self.model)?;
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
@@ -196,7 +195,7 @@ impl EvaluateArgs {
     }
 
     /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
-    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>), Box<dyn Error>> {
+    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>)> {
         let (networks, programs) = self.programs.among(&self.detectors)?;
         let manifests = if networks.is_empty() && !programs.is_empty() {
             Vec::new()
@@ -224,11 +223,7 @@ impl EvaluateArgs {
 
     /// # Errors
     /// A photo that cannot be scored: the tables would miss it on one side.
-    fn scores(
-        &self,
-        folder: &Path,
-        (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>),
-    ) -> Result<Scores, Box<dyn Error>> {
+    fn scores(&self, folder: &Path, (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>)) -> Result<Scores> {
         let sessions = vec![Session::open(folder)?];
         let mut detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
         detectors.extend(programs);
@@ -243,7 +238,7 @@ impl EvaluateArgs {
     }
 
     /// The scene and the list of photos.
-    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
+    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<()> {
         let mesh = mesh_file(&self.model)?;
         let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
         Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)

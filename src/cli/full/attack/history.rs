@@ -4,12 +4,11 @@ use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::HashMap;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::CommandResult;
 use crate::cli::print::card_fault;
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::evaluate::finished::figures_of;
 use scaleproof_attack::evaluate::time_chart::{self, RenderedRun};
 use scaleproof_attack::result;
@@ -105,7 +104,7 @@ pub(in crate::cli) struct Histories<'a> {
 
 impl HistoryArgs {
     /// What the evaluation says of each run's pattern; nothing without one.
-    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, Box<dyn Error>> {
+    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>> {
         let Some(evaluation) = &self.evaluation else {
             return Ok(Vec::new());
         };
@@ -119,7 +118,7 @@ impl HistoryArgs {
         .collect()
     }
 
-    fn refuse_twice(&self) -> Result<(), Box<dyn Error>> {
+    fn refuse_twice(&self) -> Result<()> {
         let mut known = HashMap::new();
         for folder in &self.results {
             if let Some(first) = known.insert(files::whole_path(folder)?, folder) {

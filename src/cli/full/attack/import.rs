@@ -1,6 +1,5 @@
 //! `scaleproof attack import`: frames from another engine.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -9,7 +8,7 @@ use clap::ValueEnum;
 use super::render::{described, file_name, hex, options};
 use crate::cli::model::ModelArgs;
 use crate::cli::print::NewFile;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::FramePaint;
 use scaleproof_frames::frames::import::fca::{self, FcaRequest};
@@ -80,7 +79,7 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     super::say_frames(&list, new.len() / images, args.json, out)
 }
 
-fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
+fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>> {
     if args.model.mesh.is_none() {
         return Err("this layout brings no masks: give the vehicle's mesh by --mesh, as long as your model, as in --length-mm 487 --scale 10".into());
     }
@@ -117,7 +116,7 @@ impl ImportArgs {
         own.or_else(|| self.model.of_a_mesh())
     }
 
-    fn fca_request(&self) -> Result<FcaRequest, Box<dyn Error>> {
+    fn fca_request(&self) -> Result<FcaRequest> {
         let model = self.model.load()?;
         Ok(FcaRequest {
             mesh: model.mesh,

@@ -13,8 +13,8 @@ use clap::Subcommand;
 use super::advice::of_colours;
 use super::device::OnDevice;
 use super::on_frames::WhiteBoxes;
-use crate::cli::CommandResult;
 use crate::cli::detectors::{self, Folder};
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};
 use scaleproof_attack::run::Rgb;
 use scaleproof_frames::surrogate::dtn::{DtnError, file};
@@ -45,7 +45,7 @@ pub(super) struct Trained {
 }
 
 impl Trained {
-    pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>, Box<dyn Error>> {
+    pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>> {
         let device = self.on.device.open()?;
         let open = |path: &PathBuf| {
             let network = file::load(path)?.network(device.clone())?;
@@ -61,7 +61,7 @@ pub(super) fn white_boxes(
     folder: &Folder,
     class: &Classes,
     device: DeviceKind,
-) -> Result<WhiteBoxes, Box<dyn Error>> {
+) -> Result<WhiteBoxes> {
     let device = device.open()?;
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
@@ -76,11 +76,7 @@ pub(super) fn white_boxes(
 }
 
 /// CAMOU's search: the images of its first round, and the cells it found.
-pub(super) fn camou(
-    device: DeviceKind,
-    oracle: &mut BlackBox,
-    config: &SearchConfig,
-) -> Result<(u64, Vec<Rgb>), Box<dyn Error>> {
+pub(super) fn camou(device: DeviceKind, oracle: &mut BlackBox, config: &SearchConfig) -> Result<(u64, Vec<Rgb>)> {
     Ok((camou::FIRST_ROUND, camou::search(oracle, config, &device.open()?)?))
 }
 

@@ -1,6 +1,5 @@
 //! What `attack run`, `attack baseline` and `attack demo` share: frames, detectors, and the files of a result.
 
-use std::error::Error;
 use std::io::Write;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -16,7 +15,7 @@ use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
 use crate::cli::results::Programs;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::{Entry, History, TILES_MM};
@@ -136,7 +135,7 @@ impl Looking {
     }
 
     /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
-    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup> {
         let tile_mm = self.tile_mm();
         if !TILES_MM.contains(&tile_mm) {
             let (least, most) = (TILES_MM.start(), TILES_MM.end());
@@ -182,7 +181,7 @@ impl OnFrames {
     }
 
     /// As [`Looking::open`], with a folder for what the method makes.
-    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup> {
         self.check_cells()?;
         self.refuse_other_methods(method)?;
         files::check_writable(&self.output)?;
@@ -307,7 +306,7 @@ pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
 }
 
 /// The pattern of a file, which must be square.
-pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     let pattern = pattern_of(path)?;
     if pattern.columns() == pattern.rows() {
         Ok(pattern)
@@ -326,11 +325,7 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
 pub(super) type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// A program, and its name and hash.
-fn program_box(
-    program: ProgramDetector,
-    class: &Classes,
-    differentiates: bool,
-) -> Result<(String, Box<dyn WhiteBox>), Box<dyn Error>> {
+fn program_box(program: ProgramDetector, class: &Classes, differentiates: bool) -> Result<(String, Box<dyn WhiteBox>)> {
     let manifest = Manifest::of_foreign(program.card());
     if let Some(fault) = manifest.class_map_fault() {
         return Err(format!("the manifest of {} is not valid: {fault}", manifest.name).into());

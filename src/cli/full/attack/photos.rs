@@ -2,7 +2,6 @@
 
 use crate::cli::answer::told;
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::render::{hex, options};
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::photos::sessions::{
@@ -111,7 +110,7 @@ pub(in crate::cli) struct FramesOfPhotos<'a> {
     left_out: &'a [LeftOutPhoto],
 }
 
-fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
+fn flats(texts: &[String]) -> Result<Vec<FlatVariant>> {
     let mut flats: Vec<FlatVariant> = Vec::new();
     for text in texts {
         let (variant, colour) = text
@@ -134,7 +133,7 @@ fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
 }
 
 /// Where the frames will be listed.
-fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<PathBuf, Box<dyn Error>> {
+fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<PathBuf> {
     let list = super::new_list(&args.output)?;
     let mut folders = BTreeSet::new();
     for session in sessions {

@@ -1,7 +1,6 @@
 //! `scaleproof attack render`: frames from Blender Cycles.
 
 use std::collections::HashSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +8,7 @@ use std::sync::Arc;
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::texture::load_texture;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::geometry::angle::wrap_360;
 use scaleproof_frames::frames::render::{
     Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, check_folder, render,
@@ -113,7 +112,7 @@ pub(super) fn cache() -> PathBuf {
 }
 
 impl RenderArgs {
-    fn request(&self) -> Result<RenderRequest, Box<dyn Error>> {
+    fn request(&self) -> Result<RenderRequest> {
         let mesh_file = mesh_file(&self.model)?;
         let model = self.model.load()?;
         let viewpoints = Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
@@ -141,7 +140,7 @@ impl RenderArgs {
         })
     }
 
-    fn colours(&self, model: &Model) -> Result<Vec<RenderPaint>, Box<dyn Error>> {
+    fn colours(&self, model: &Model) -> Result<Vec<RenderPaint>> {
         let mut colours = Vec::new();
         for text in &self.flat {
             colours.push(RenderPaint::Flat(hex(text)?));
@@ -212,43 +211,36 @@ pub(super) fn named(text: &str) -> (String, &Path) {
 }
 
 /// A texture on the model.
-pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint, Box<dyn Error>> {
+pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint> {
     let texture = load_texture(path, model)?.texture;
     let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
     Ok(RenderPaint::Texture(name, Arc::new(image)))
 }
 
-pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
-    let bad = |text: &String| {
-        format!(
-            "azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step of a whole part of the circle, as in every45"
-        )
+pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>> {
+    let read = |text: &String| {
+        directions(text).ok_or_else(|| {
+            format!(
+                "azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step of a whole part of the circle, as in every45"
+            )
+        })
     };
-    let mut all = Vec::new();
-    for text in texts {
-        match text.strip_prefix("every") {
-            Some(step) => {
-                let step: f64 = step.parse().map_err(|_| bad(text))?;
-                let count = 360.0 / step;
-                if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
-                    return Err(bad(text).into());
-                }
-                all.extend((0..count.round() as usize).map(|i| i as f64 * step));
-            }
-            None => {
-                let degrees = text
-                    .parse()
-                    .ok()
-                    .filter(|d: &f64| d.is_finite())
-                    .ok_or_else(|| bad(text))?;
-                all.push(wrap_360(degrees));
-            }
-        }
-    }
-    Ok(all)
+    Ok(texts.iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+/// An azimuth, or one every so many degrees.
+fn directions(text: &str) -> Option<Vec<f64>> {
+    let Some(step) = text.strip_prefix("every") else {
+        let degrees: f64 = text.parse().ok()?;
+        return degrees.is_finite().then(|| vec![wrap_360(degrees)]);
+    };
+    let step: f64 = step.parse().ok()?;
+    let count = 360.0 / step;
+    let is_whole = (1.0..=360.0).contains(&count) && (count - count.round()).abs() <= 1e-9;
+    is_whole.then(|| (0..count.round() as usize).map(|i| i as f64 * step).collect())
+}
+
+pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     match (width.parse(), height.parse()) {
         (Ok(width), Ok(height)) => Ok([width, height]),
@@ -257,13 +249,13 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
 }
 
 /// A colour as six hexadecimal digits.
-pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
+pub(super) fn hex(text: &str) -> Result<[u8; 3]> {
     light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
 }
 
 /// Several colours.
-pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>> {
     texts.iter().map(|text| hex(text)).collect()
 }
 

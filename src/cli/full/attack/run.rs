@@ -1,6 +1,5 @@
 //! `scaleproof attack run`: a pattern against detectors.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -8,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 
 use super::on_frames::{OnFrames, pattern_of};
 use crate::cli::choice::one_of;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
 use scaleproof_attack::run::printer::PrinterMap;
@@ -90,11 +89,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Runs the attack with a bar that shows where it stands.
-pub(super) fn optimise(
-    on: &OnFrames,
-    setup: &Setup,
-    config: &AttackConfig,
-) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+pub(super) fn optimise(on: &OnFrames, setup: &Setup, config: &AttackConfig) -> Result<(Vec<Rgb>, Vec<Entry>)> {
     let finished = progress::steps("attacking", config.steps as usize).during(|bar| {
         let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
         attack.run(&on.output, |done, entry| {
@@ -109,7 +104,7 @@ pub(super) fn optimise(
 
 impl RunArgs {
     /// What the options say; [`Setup::named`] adds the frames and detectors.
-    fn config(&self) -> Result<AttackConfig, Box<dyn Error>> {
+    fn config(&self) -> Result<AttackConfig> {
         for (option, given, range, what) in [
             ("rate", self.rate, 1e-6..=1.0, "number"),
             ("floor", self.floor, 1e-6..=0.5, "confidence"),
@@ -149,7 +144,7 @@ impl RunArgs {
         })
     }
 
-    fn eot(&self) -> Result<Eot, Box<dyn Error>> {
+    fn eot(&self) -> Result<Eot> {
         let mut eot = self.on.mapping.usual_eot();
         if self.augment.iter().any(|name| name == "none") {
             return match self.augment.len() {
@@ -165,7 +160,7 @@ impl RunArgs {
         Ok(eot)
     }
 
-    fn near(&self) -> Result<Option<Near>, Box<dyn Error>> {
+    fn near(&self) -> Result<Option<Near>> {
         let (Some(path), Some(weight)) = (&self.near, self.near_weight) else {
             return Ok(None);
         };
@@ -187,7 +182,7 @@ impl RunArgs {
         }))
     }
 
-    fn printer(&self) -> Result<Option<PrinterMap>, Box<dyn Error>> {
+    fn printer(&self) -> Result<Option<PrinterMap>> {
         let Some(path) = &self.printer else {
             return Ok(None);
         };
@@ -202,7 +197,7 @@ impl RunArgs {
         Ok(Some(PrinterMap::new(colours.gamut(), sha256)))
     }
 
-    fn colours(&self) -> Result<CellColours, Box<dyn Error>> {
+    fn colours(&self) -> Result<CellColours> {
         match (&self.palette, self.paints) {
             (Some(path), _) => {
                 let palette = Palette::load(path)?;
