@@ -2,12 +2,15 @@
 
 use std::fmt::Display;
 use std::io::Write;
+use std::path::PathBuf;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::Serialize;
 
-use super::print::NewFile;
 use super::{CommandResult, Outcome, Result};
+
+/// The name of an output, and its schema.
+pub(super) type Named = (&'static str, Schema);
 
 /// Prints an answer as one line of JSON.
 pub(super) fn answer(answer: &impl Serialize, out: &mut dyn Write) -> Result<()> {
@@ -35,12 +38,7 @@ pub(super) struct Written<T> {
 }
 
 /// One object whose `files` are those that were written.
-pub(super) fn written<T>(files: &[NewFile], facts: T) -> Written<T> {
+pub(super) fn written<T>(files: &[(PathBuf, Vec<u8>)], facts: T) -> Written<T> {
     let files = files.iter().map(|(path, _)| path.display().to_string()).collect();
     Written { files, facts }
-}
-
-/// Prints one object whose `files` are those that were written.
-pub(super) fn write_json(files: &[NewFile], facts: impl Serialize, out: &mut dyn Write) -> Result<()> {
-    answer(&written(files, facts), out)
 }

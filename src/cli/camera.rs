@@ -14,15 +14,8 @@ use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::camera::{Camera, CameraFormat};
 
-/// Convert, show and guess camera files
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a camera file in another format; the projection stays the same
     Convert(ConvertArgs),
     /// Say in words what a camera file says: image size, fields of view, focal length, lens model
@@ -32,7 +25,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct ConvertArgs {
+pub(crate) struct ConvertArgs {
     /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal
     input: PathBuf,
     /// The camera file to write
@@ -44,7 +37,7 @@ struct ConvertArgs {
 }
 
 #[derive(clap::Args)]
-struct ShowArgs {
+pub(crate) struct ShowArgs {
     /// Camera file of any format
     file: PathBuf,
     /// One JSON object instead of text
@@ -53,7 +46,7 @@ struct ShowArgs {
 }
 
 #[derive(clap::Args)]
-struct GuessArgs {
+pub(crate) struct GuessArgs {
     /// A photo straight from the camera (JPEG or PNG with EXIF data)
     photo: PathBuf,
     /// The camera file to write (OpenCV YAML); without it the guess is only shown
@@ -62,12 +55,12 @@ struct GuessArgs {
 }
 
 /// Runs `scaleproof camera …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Convert(args) => convert(&args, out)?,
-        What::Show(args) if args.json => answer(&json(&Camera::open(&args.file)?), out)?,
-        What::Show(args) => show(&Camera::open(&args.file)?, out)?,
-        What::Guess(args) => guess(&args, out)?,
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Convert(args) => convert(&args, out)?,
+        Command::Show(args) if args.json => answer(&json(&Camera::open(&args.file)?), out)?,
+        Command::Show(args) => show(&Camera::open(&args.file)?, out)?,
+        Command::Guess(args) => guess(&args, out)?,
     }
     Ok(Outcome::Done)
 }

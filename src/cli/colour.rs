@@ -8,22 +8,15 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::print::write_files;
-use super::{CommandResult, Outcome, progress};
+use super::{CommandResult, Outcome, Result, progress};
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::tags::AprilTagC;
 use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
 use scaleproof_print::print::printer::{Printer, PrinterFile};
 use scaleproof_surface::pattern::printed::PrintedColours;
 
-/// Measure a printer's colours
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Read the chart of `print chart` in photos of it
     ///
     /// Several photos of one print are averaged. Colours are relative to the paper's white under the photo's light; the
@@ -32,7 +25,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct ReadArgs {
+pub(crate) struct ReadArgs {
     /// Photos of one print (JPEG or PNG); they are never changed
     #[arg(required = true)]
     photos: Vec<PathBuf>,
@@ -64,9 +57,9 @@ pub(in crate::cli) struct Answer<'a> {
 }
 
 /// Runs `scaleproof colour …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Read(args) => run_read(&args, out),
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Read(args) => run_read(&args, out),
     }
 }
 
@@ -75,16 +68,14 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
     let there = args.output.as_deref().filter(|path| path.exists());
     let old = there.map(PrinterFile::load).transpose()?;
     let mut tags = AprilTagC::new(&FAMILIES)?;
-    let bar = progress::photos("reading", args.photos.len());
-    let readings = args.photos.iter().map(|path| {
-        let photo = Photo::open(path).map_err(|e| e.to_string())?;
-        let reading = read(&photo, &mut tags).map_err(|e| e.to_string())?;
-        let reading = reading.map_err(|e| format!("{}: {e}", path.display()))?;
-        bar.inc(1);
-        Ok(reading)
-    });
-    let readings = readings.collect::<Result<Vec<ChartReading>, String>>()?;
-    bar.finish_and_clear();
+    let readings = progress::photos("reading", args.photos.len()).during(|bar| {
+        let readings = args.photos.iter().map(|path| {
+            let reading = read(&Photo::open(path)?, &mut tags)?;
+            bar.inc(1);
+            Ok(reading.map_err(|e| format!("{}: {e}", path.display()))?)
+        });
+        readings.collect::<Result<Vec<ChartReading>>>()
+    })?;
     let (colours, disagreements) = average(&readings, concat!("scaleproof ", env!("CARGO_PKG_VERSION")))?;
     if let Some(path) = &args.output {
         let file = PrinterFile {

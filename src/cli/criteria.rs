@@ -1,7 +1,6 @@
 //! What figures mean, as `score`, `merge` and `compare` are told: definitions, thresholds, protocols, the base and groups.
 
 use std::collections::BTreeSet;
-use std::error::Error;
 
 use scaleproof_detect::SCORE_FLOOR;
 use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
@@ -95,15 +94,5 @@ impl Tables {
             .judged_by(criteria)
             .against(&self.base)
             .grouped_by(&self.group_by)
-    }
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        GroupByError::Unknown { hint, .. } if hint.is_empty() => Some(
-            "`session import` keeps the columns of a table, and session.json has `conditions` for each photo".into(),
-        ),
-        _ => None,
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::advice::Advise;
-use super::schemas::Named;
+use super::answer::Named;
 use super::{CommandResult, Result};
 use scaleproof_detect::{Manifest, WeightFolders};
 

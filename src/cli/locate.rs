@@ -1,26 +1,25 @@
 //! `scaleproof locate`: where did the camera stand in these photos?
 
-mod overlay;
-
 use schemars::JsonSchema;
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::failing_alike::{LocateFiles, MOST_LISTED};
 use super::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::{spelling, workers};
+use scaleproof_photo::copies;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
-use scaleproof_pose::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+use scaleproof_pose::locate::{
+    Abstention, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Sigma, Warning, locate_photo,
+};
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
-use scaleproof_score::score::ScoreError;
 use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_session::overlay;
 use scaleproof_session::session::Session;
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
@@ -93,18 +92,6 @@ type PhotoAnswer = Result<LocatedPhoto, PhotoError>;
 
 const UNREADABLE: &str = "unreadable";
 
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let of_score = || match error.downcast_ref()? {
-        ScoreError::Tags(start) => Some(start),
-        _ => None,
-    };
-    match error.downcast_ref().or_else(of_score)? {
-        StartError::NotBuilt { .. } => Some("leave --tag-detector out".into()),
-        _ => None,
-    }
-}
-
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let files = LocateFiles {
         scene: Scene::open(&args.scene)?,
@@ -112,11 +99,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         scene_file: args.scene,
         camera_file: args.camera,
     };
-    let overlays = args
-        .overlay
-        .as_deref()
-        .map(|folder| overlay::places(folder, &args.photos))
-        .transpose()?;
+    let places = |folder: &PathBuf| copies::places(folder, &args.photos, "--overlay", overlay_name);
+    let overlays = args.overlay.as_ref().map(places).transpose()?;
     let answers = locate_all(&args.photos, &files.scene, &files.camera, args.tag_detector)?;
     let cause = cause(&args.photos, &answers, &files);
     let alike = is_alike(&answers, cause.is_some());
@@ -166,14 +150,12 @@ fn locate_all(
     tag_detector: TagDetectorChoice,
 ) -> Result<Vec<PhotoAnswer>, StartError> {
     let families = scene.families();
-    let bar = progress::photos("locating", photos.len());
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
         let photo = Photo::open(path);
         Ok(photo.and_then(|photo| locate_photo(&photo, scene, camera, tags)))
     };
-    let answers = workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1));
-    bar.finish_and_clear();
-    answers
+    progress::photos("locating", photos.len())
+        .during(|bar| workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1)))
 }
 
 /// The pose of a photo that has one.
@@ -212,7 +194,11 @@ fn is_alike(answers: &[PhotoAnswer], has_cause: bool) -> bool {
 
 /// `alike`: one row for all photos that were read and have no pose.
 fn write_table(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "{}", heading())?;
+    writeln!(
+        out,
+        "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
+        "photo", "azimuth", "±", "pitch", "distance", "bin", "sure", "tags", "rms"
+    )?;
     for (path, answer) in photos.iter().zip(answers) {
         if !alike || abstention(answer).is_none() {
             writeln!(out, "{}", row(path, answer))?;
@@ -297,15 +283,10 @@ fn draw(photos: &[PathBuf], answers: &[PhotoAnswer], places: &[PathBuf], files: 
     let read: Vec<_> = read
         .filter_map(|((photo, answer), place)| Some((photo, answer.as_ref().ok()?, place)))
         .collect();
-    let bar = progress::photos("drawing", read.len());
-    let drawn = workers::map(
-        &read,
-        || Ok(()),
-        |(), (photo, examined, place)| overlay::write(place, photo, examined, &files.scene, &outline),
-        || bar.inc(1),
-    );
-    bar.finish_and_clear();
-    drawn?;
+    let draw = |(): &mut (), (photo, examined, place): &(&PathBuf, &LocatedPhoto, &PathBuf)| {
+        overlay::write(place, photo, examined, &files.scene, &outline)
+    };
+    progress::photos("drawing", read.len()).during(|bar| workers::map(&read, || Ok(()), draw, || bar.inc(1)))?;
     Ok(())
 }
 
@@ -338,31 +319,10 @@ fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
     }
 }
 
-/// A pose as two lines of words.
-fn words(l: &Located) -> String {
-    let (v, s, b) = (&l.viewpoint, &l.sigma, &l.bin);
-    format!(
-        "azimuth {:.2}° ± {:.3}°, pitch {:.2}° ± {:.3}°, distance {:.1} mm ± {:.2} mm\nbin {}°/{}°/{} mm, {:.0} % sure; {} tags, rms {:.2} px",
-        v.azimuth_deg,
-        s.azimuth_deg,
-        v.pitch_deg,
-        s.pitch_deg,
-        v.distance_mm,
-        s.distance_mm,
-        b.azimuth_deg,
-        b.pitch_deg,
-        b.distance_mm,
-        (100.0 * l.bin_probability).floor(),
-        l.tags.len(),
-        l.rms_px
-    )
-}
-
-fn heading() -> String {
-    format!(
-        "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
-        "photo", "azimuth", "±", "pitch", "distance", "bin", "sure", "tags", "rms"
-    )
+/// `NAME.overlay.jpg`, and `NAME-2.overlay.jpg` for the next photo of that name.
+fn overlay_name(stem: &str, number: u32) -> String {
+    let number = if number == 1 { "" } else { &format!("-{number}") };
+    format!("{stem}{number}.overlay.jpg")
 }
 
 fn row(path: &Path, answer: &PhotoAnswer) -> String {

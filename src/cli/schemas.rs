@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use schemars::{Schema, schema_for};
+use schemars::schema_for;
 
-use super::answer::Written;
+use super::answer::{Named, Written};
 use super::{
     CommandResult, Outcome, camera, colour, demo, detectors, full, locate, pattern, plan, print, scene, score, session,
 };
@@ -19,9 +19,6 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
-
-/// The name of an output, and its schema.
-pub(super) type Named = (&'static str, Schema);
 
 fn all() -> Vec<Named> {
     let mut all = vec![

@@ -32,7 +32,7 @@ pub(super) struct FolderFiles {
     camera: Option<PathBuf>,
     /// With VARIANT=DIR: where the photos were taken. Photos are compared with those of the same place and viewpoint bin.
     #[arg(long, value_name = "NAME", default_value = PLACE)]
-    place: String,
+    pub(super) place: String,
 }
 
 /// The sessions of a run.
@@ -107,10 +107,6 @@ impl FolderFiles {
         Ok(self.camera.as_deref().ok_or(missing)?)
     }
 
-    pub(super) fn place(&self) -> &str {
-        &self.place
-    }
-
     fn refuse_for_sessions(&self) -> Result<(), String> {
         let given = [
             ("--scene", self.scene.is_some()),
@@ -129,18 +125,18 @@ impl FolderFiles {
 impl OpenedPhotos {
     /// Refuses what only stored sessions can do: `option` needs files in them.
     pub(super) fn refuse_for_folders(&self, option: &str, is_given: bool) -> Result<(), String> {
-        if is_given && !self.folders.is_empty() {
-            Err(format!(
-                "{option} needs a session, and folders of photos get no files: make one with `scaleproof session new NAME` and the same \
-                 folders, --scene and --camera, and name that instead{}",
-                match option {
-                    "--recorded" => " (once with --record)",
-                    _ => "",
-                }
-            ))
-        } else {
-            Ok(())
+        if !is_given || self.folders.is_empty() {
+            return Ok(());
         }
+        let once = if option == "--recorded" {
+            " (once with --record)"
+        } else {
+            ""
+        };
+        Err(format!(
+            "{option} needs a session, and folders of photos get no files: make one with `scaleproof session new NAME` and the same \
+             folders, --scene and --camera, and name that instead{once}"
+        ))
     }
 
     /// Nothing is written among the user's photos.

@@ -1,16 +1,14 @@
 //! What a model is painted with, as commands take it.
 
-use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use super::Result;
 use super::model::Model;
 use scaleproof_core::files;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{Card, card, says_sides};
-use scaleproof_surface::texture::{
-    FaceTexels, Mapped, MappedImages, SidePatterns, Texture, TextureError, Tile, check_same_shape,
-};
+use scaleproof_surface::texture::{FaceTexels, Mapped, MappedImages, SidePatterns, Texture, Tile, check_same_shape};
 
 /// The pattern or texture.
 #[derive(clap::Args)]
@@ -49,7 +47,7 @@ impl TextureArgs {
         self.pattern.as_deref().or(self.texture.as_deref())
     }
 
-    pub(crate) fn load(&self, model: &Model) -> Result<NamedTexture, Box<dyn Error>> {
+    pub(crate) fn load(&self, model: &Model) -> Result<NamedTexture> {
         match (&self.pattern, &self.texture) {
             (Some(path), _) => {
                 let pattern = Pattern::load(path)?;
@@ -68,7 +66,7 @@ impl TextureArgs {
 }
 
 /// A file of `--texture` on a model.
-pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, Box<dyn Error>> {
+pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture> {
     let paint = &model.materials;
     if extension(path) == "npy" {
         let (texels, sha256) = FaceTexels::load(path, &model.mesh)?;
@@ -105,7 +103,7 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
 }
 
 /// A pattern for each side of the model, where the card beside it says so.
-fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn Error>> {
+fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>> {
     if extension(path) != "png" || !says_sides(path) {
         return Ok(None);
     }
@@ -146,7 +144,7 @@ fn refuse_repeated(path: &Path) -> Result<(), String> {
 }
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.
-fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped, Box<dyn Error>> {
+fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped> {
     let is_same =
         |file: &PathBuf| file == path || matches!((file.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
     if model.file.as_ref().is_some_and(is_same) {
@@ -175,15 +173,6 @@ fn extension(path: &Path) -> String {
 
 fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// What to do about an error of the library.
-pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        TextureError::NoCoordinates { .. } => Some(" (--material or --faces)".into()),
-        TextureError::NoImages | TextureError::Material { .. } => Some("; --texture takes another image".into()),
-        _ => None,
-    }
 }
 
 #[cfg(test)]

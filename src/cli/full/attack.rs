@@ -23,8 +23,8 @@ mod run;
 pub(in crate::cli) use advice::advice;
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
+use crate::cli::answer::Named;
 use crate::cli::answer::told;
-use crate::cli::schemas::Named;
 use schemars::JsonSchema;
 use schemars::schema_for;
 use serde::Serialize;

@@ -7,10 +7,10 @@ use clap::Subcommand;
 use schemars::schema_for;
 use serde::Serialize;
 
+use crate::cli::answer::Named;
 use crate::cli::answer::{told, written};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Results;
-use crate::cli::schemas::Named;
 use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_session::session::{PhotoEntry, Session};

@@ -11,8 +11,8 @@ mod interrupt;
 mod survey;
 mod textures;
 
+use crate::cli::answer::Named;
 use crate::cli::answer::Written;
-use crate::cli::schemas::Named;
 use schemars::schema_for;
 use std::io::Write;
 

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use super::networks;
-use crate::cli::results;
+use crate::cli::advice;
 use scaleproof_attack::evaluate::EvaluateError;
 use scaleproof_attack::run::RunError;
 use scaleproof_frames::frames::render::RenderError;
@@ -63,7 +63,7 @@ fn of_chart(error: &SurrogateChartError) -> Option<&'static str> {
 fn of_program(error: &RunError) -> Option<String> {
     match error {
         RunError::ForwardPass { reason, .. } => match reason.as_ref() {
-            WhiteBoxError::Program(error) => results::advice(error),
+            WhiteBoxError::Program(error) => advice::on(error),
             WhiteBoxError::StrongestAlone { .. } => Some("leave --loss out".to_owned()),
             _ => None,
         },

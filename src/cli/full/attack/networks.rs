@@ -2,7 +2,7 @@
 
 mod train_dtn;
 
-use crate::cli::schemas::Named;
+use crate::cli::answer::Named;
 use schemars::schema_for;
 use std::error::Error;
 use std::io::Write;

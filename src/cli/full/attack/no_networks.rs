@@ -1,6 +1,6 @@
 //! In place of `networks`, in a program without the feature `attack`: detectors that are programs serve all the same.
 
-use crate::cli::schemas::Named;
+use crate::cli::answer::Named;
 use std::error::Error;
 use std::io::Write;
 
