@@ -26,15 +26,8 @@ const GREY: [u8; 3] = [96; 3];
 /// Below patches alone.
 const PAPER: [u8; 3] = [255; 3];
 
-/// Textures as images for simulators, and as previews
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a pattern or texture as one image on texture coordinates, and the mesh that uses it: for CARLA, Unreal, Unity or Blender
     ///
     /// The mesh's own coordinates are kept where they can hold an image; where they are missing, overlap or leave the image, the paint is
@@ -56,7 +49,7 @@ struct PaintedArgs {
 }
 
 #[derive(clap::Args)]
-struct BakeArgs {
+pub(crate) struct BakeArgs {
     #[command(flatten)]
     painted: PaintedArgs,
     /// Width and height of the image in pixels, as in 2048 or 2448x2432
@@ -74,7 +67,7 @@ struct BakeArgs {
 }
 
 #[derive(clap::Args)]
-struct ShowArgs {
+pub(crate) struct ShowArgs {
     #[command(flatten)]
     painted: PaintedArgs,
     /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every45
@@ -94,10 +87,10 @@ struct ShowArgs {
 }
 
 /// Runs `scaleproof texture …`.
-pub(crate) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
-    match &args.what {
-        What::Bake(args) => run_bake(args, out),
-        What::Show(args) => run_show(args, out),
+pub(crate) fn run(command: &Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Bake(args) => run_bake(args, out),
+        Command::Show(args) => run_show(args, out),
     }
 }
 

@@ -21,15 +21,8 @@ use scaleproof_attack::run::{Rgb, checkpoint, of_pattern, srgb};
 use scaleproof_core::files;
 use scaleproof_surface::pattern::Pattern;
 
-/// Make the patterns an attack must beat, and judge them by the same views
-#[derive(clap::Args)]
-pub(super) struct BaselineArgs {
-    #[command(subcommand)]
-    method: Method,
-}
-
 #[derive(Subcommand)]
-enum Method {
+pub(in crate::cli) enum Method {
     /// Uniformly random cells
     Random {
         #[command(flatten)]
@@ -60,7 +53,7 @@ enum Method {
 }
 
 #[derive(clap::Args)]
-struct SearchArgs {
+pub(in crate::cli) struct SearchArgs {
     #[command(flatten)]
     on: OnFrames,
     /// Images it may look at
@@ -69,7 +62,7 @@ struct SearchArgs {
 }
 
 #[derive(clap::Args)]
-struct PatchesArgs {
+pub(in crate::cli) struct PatchesArgs {
     #[command(flatten)]
     on: OnFrames,
     #[command(flatten)]
@@ -92,13 +85,13 @@ impl Method {
     }
 }
 
-pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
-    if args.method.on().mapping == TextureMapping::Sides {
+pub(super) fn run(method: Method, out: &mut dyn Write) -> CommandResult {
+    if method.on().mapping == TextureMapping::Sides {
         return Err(
             "--laying sides is for attack run and attack judge: a baseline is one pattern for all sides".into(),
         );
     }
-    match &args.method {
+    match &method {
         Method::Random { on } => {
             let pattern = Pattern::random(on.cells(), on.seed)?;
             finished("random", on, &of_pattern(&pattern), out)

@@ -15,7 +15,7 @@ use scaleproof_frames::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
-pub(super) struct ColoursArgs {
+pub(in crate::cli) struct ColoursArgs {
     /// Frames with linear light, in three flat colours or more per view
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,

@@ -25,7 +25,7 @@ const TILE_MM: f64 = 240.0;
 /// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
 /// minutes on two cores
 #[derive(clap::Args)]
-pub(super) struct DemoArgs {
+pub(in crate::cli) struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template
     #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/attack_demo")]
     output: PathBuf,

@@ -15,7 +15,7 @@ use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
 use crate::cli::{CommandResult, Result, progress};
 use crate::cli::{at_hand, patterns};
-use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
+use scaleproof_attack::evaluate::RenderedSet;
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
@@ -32,7 +32,7 @@ use scaleproof_surface::pattern::Pattern;
 /// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
 #[derive(clap::Args)]
 #[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
-pub(super) struct EvaluateArgs {
+pub(in crate::cli) struct EvaluateArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
@@ -105,7 +105,9 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let detectors = args.detectors()?;
     files::check_writable(&args.output)?;
     let folder = args.output.join("session");
-    render(&evaluation, &folder)?;
+    let python = || blender::find(&cache(), progress::announce);
+    progress::frames("rendering", evaluation.photos().len())
+        .during(|bar| evaluation.render(&folder, python, |done| bar.set_position(done as u64)))?;
     args.write_session(&evaluation, &folder)?;
     let mut scores = args.scores(&folder, detectors)?;
     scores.patterns = worn;
@@ -128,12 +130,6 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     };
     let words = format!("{}\npage: {}", report::evaluation_tables(&tables), page.display());
     told(args.json, &evaluated, words, out)
-}
-
-fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
-    let python = || blender::find(&cache(), progress::announce);
-    progress::frames("rendering", evaluation.photos().len())
-        .during(|bar| evaluation.render(folder, python, |done| bar.set_position(done as u64)))
 }
 
 /// Each variant against those after it.

@@ -19,7 +19,7 @@ use scaleproof_surface::pattern::card::{self, CardError};
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]
-pub(super) struct HistoryArgs {
+pub(in crate::cli) struct HistoryArgs {
     /// Folders of results
     #[arg(value_name = "DIR", required = true)]
     results: Vec<PathBuf>,

@@ -18,7 +18,7 @@ use scaleproof_frames::frames::import::import;
 #[derive(clap::Args)]
 // Only one of the layouts needs a mesh.
 #[command(mut_arg("mesh", |mesh| mesh.required_unless_present_any(["scene", "folder"]).help("The vehicle's surface: .glb, .obj, .stl or .ply (fca)")))]
-pub(super) struct ImportArgs {
+pub(in crate::cli) struct ImportArgs {
     /// The folder with import.json, poses.csv, rgb/ and mask/, or with .npz files
     #[arg(value_name = "DIR")]
     folder: PathBuf,

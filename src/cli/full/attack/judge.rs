@@ -19,7 +19,7 @@ use scaleproof_surface::pattern::Pattern;
 
 /// What detectors make of patterns on every view of frames, predicted and not rendered: a minute's look before `attack evaluate`
 #[derive(clap::Args)]
-pub(super) struct JudgeArgs {
+pub(in crate::cli) struct JudgeArgs {
     #[command(flatten)]
     on: Looking,
     /// Patterns and their names: PNG files of one size, square, or with --laying sides six squares below each other

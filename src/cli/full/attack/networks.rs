@@ -25,7 +25,7 @@ use scaleproof_pose::scene::Classes;
 
 /// More of `scaleproof attack …`.
 #[derive(Subcommand)]
-pub(super) enum Command {
+pub(in crate::cli) enum Command {
     TrainDtn(train_dtn::TrainArgs),
 }
 

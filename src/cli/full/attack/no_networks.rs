@@ -16,7 +16,7 @@ use scaleproof_gradients::device::DeviceKind;
 use scaleproof_pose::scene::Classes;
 
 #[derive(Subcommand)]
-pub(super) enum Command {}
+pub(in crate::cli) enum Command {}
 
 pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {
     match command {}

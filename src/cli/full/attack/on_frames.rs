@@ -41,7 +41,7 @@ const CELLS: u32 = 24;
 
 /// What looks at what.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct Looking {
+pub(in crate::cli) struct Looking {
     /// Folders of frames, each view in three flat colours or more; several to see several models at once
     #[arg(value_name = "FRAMES", required = true)]
     pub frames: Vec<PathBuf>,
@@ -76,7 +76,7 @@ pub(super) struct Looking {
 
 /// What looks at what, and the pattern to be made: its cells, its seed and its folder.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct OnFrames {
+pub(in crate::cli) struct OnFrames {
     #[command(flatten)]
     pub looking: Looking,
     /// Cells along each side [default: 24; of a pattern that is there already, its own]

@@ -23,7 +23,7 @@ use scaleproof_session::session::Session;
 /// Photos are located by their tags and mapped onto the reference photo of their view through the mesh that the scene names, at its
 /// exposure. Photos and views that do not fit are left out and named; the photos are never changed.
 #[derive(clap::Args)]
-pub(super) struct PhotosArgs {
+pub(in crate::cli) struct PhotosArgs {
     /// Sessions with photos of the model: photos of one place may be in several
     #[arg(value_name = "SESSION", required = true)]
     sessions: Vec<PathBuf>,

@@ -24,7 +24,7 @@ pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply";
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
 #[derive(clap::Args)]
 #[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
-pub(super) struct RenderArgs {
+pub(in crate::cli) struct RenderArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90

@@ -21,7 +21,7 @@ use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 
 /// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
 #[derive(clap::Args)]
-pub(super) struct RunArgs {
+pub(in crate::cli) struct RunArgs {
     #[command(flatten)]
     on: OnFrames,
     /// Steps of Adam
