@@ -48,12 +48,10 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
                 format!("the history of {folder} has no figures of held-out views: make the pattern again").into(),
             );
         }
-    }
-    for (folder, history) in args.results.iter().zip(&histories) {
         if !history.is_comparable(&histories[0]) {
-            let (first, other) = (args.results[0].display(), folder.display());
+            let first = args.results[0].display();
             return Err(format!(
-                "{first} and {other} were made with other frames, detectors or classes, so their figures cannot stand on one chart"
+                "{first} and {folder} were made with other frames, detectors or classes, so their figures cannot stand on one chart"
             )
             .into());
         }

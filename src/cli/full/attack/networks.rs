@@ -10,9 +10,9 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::advice::of_colours;
 use super::device::OnDevice;
 use super::on_frames::WhiteBoxes;
+use crate::cli::advice::advice_by_kind;
 use crate::cli::detectors::{self, Folder};
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};
@@ -81,13 +81,12 @@ pub(super) fn camou(device: DeviceKind, oracle: &mut BlackBox, config: &SearchCo
 }
 
 /// The option that helps in training.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<&'static str> {
-    match error.downcast_ref()? {
-        DtnError::Additive(error) => of_colours(error),
-        DtnError::NoViews { .. } => Some(" (attack render --flat, --reference)"),
-        DtnError::Width { .. } => Some(" (--width-px)"),
-        DtnError::NotFinite { .. } => Some(" (--seed)"),
-        _ => None,
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    advice_by_kind! { error,
+        DtnError::Additive(error) => super::advice::advice(error)?,
+        DtnError::NoViews { .. } => " (attack render --flat, --reference)",
+        DtnError::Width { .. } => " (--width-px)",
+        DtnError::NotFinite { .. } => " (--seed)",
     }
 }
 

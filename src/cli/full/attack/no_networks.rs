@@ -44,7 +44,7 @@ pub(super) fn camou(_: DeviceKind, _: &mut BlackBox, _: &SearchConfig) -> Result
     refused()
 }
 
-pub(super) fn advice(_: &(dyn Error + 'static)) -> Option<&'static str> {
+pub(super) fn advice(_: &(dyn Error + 'static)) -> Option<String> {
     None
 }
 
