@@ -1,6 +1,6 @@
 //! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::choice::one_of;
+use super::print::same_place;
 use super::{CommandResult, Outcome, Result};
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
@@ -57,37 +58,35 @@ pub(crate) struct GuessArgs {
 /// Runs `scaleproof camera …`.
 pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {
-        Command::Convert(args) => convert(&args, out)?,
-        Command::Show(args) if args.json => answer(&json(&Camera::open(&args.file)?), out)?,
-        Command::Show(args) => show(&Camera::open(&args.file)?, out)?,
-        Command::Guess(args) => guess(&args, out)?,
+        Command::Convert(args) => convert(&args, out),
+        Command::Show(args) => {
+            let camera = Camera::open(&args.file)?;
+            told(args.json, json(&camera), in_words(&camera), out)
+        }
+        Command::Guess(args) => guess(&args, out),
     }
-    Ok(Outcome::Done)
 }
 
-fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<()> {
-    let ends_in_cameramodel = args.output.extension().is_some_and(|e| e == "cameramodel");
-    let format = match args.format {
-        Some(format) => format,
-        None if ends_in_cameramodel => CameraFormat::Mrcal,
-        None => {
-            let name = args.output.display();
-            return Err(format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal").into());
-        }
-    };
-    let camera = Camera::open(&args.input)?;
-    let text = camera.write(format)?;
+fn convert(args: &ConvertArgs, out: &mut dyn Write) -> CommandResult {
+    let name = args.output.display();
+    let mrcal = args
+        .output
+        .extension()
+        .is_some_and(|e| e == "cameramodel")
+        .then_some(CameraFormat::Mrcal);
+    let format = args
+        .format
+        .or(mrcal)
+        .ok_or_else(|| format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal"))?;
+    let text = Camera::open(&args.input)?.write(format)?;
     save(&args.output, &text, &args.input)?;
-    writeln!(out, "{}: {} format", args.output.display(), format.name())?;
-    Ok(())
+    writeln!(out, "{name}: {} format", format.name())?;
+    Ok(Outcome::Done)
 }
 
 /// Writes a file that is not the one it was made from.
 fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
-    let same = path
-        .canonicalize()
-        .is_ok_and(|p| made_from.canonicalize().is_ok_and(|m| m == p));
-    if same {
+    if same_place(path, made_from) {
         return Err(format!("{} is the input: give the output another name", path.display()).into());
     }
     Ok(files::write_atomically(path, text.as_bytes())?)
@@ -129,33 +128,31 @@ fn json(camera: &Camera) -> Answer {
     }
 }
 
-fn show(camera: &Camera, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "image            {} × {} px", camera.width, camera.height)?;
-    writeln!(out, "focal length     fx {:.2}, fy {:.2} px", camera.fx, camera.fy)?;
-    writeln!(out, "principal point  {:.2}, {:.2} px", camera.cx, camera.cy)?;
-    if let Some([fx, fy, cx, cy]) = camera.sigma_px {
-        writeln!(
-            out,
-            "± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px"
-        )?;
-    }
-    writeln!(
-        out,
-        "field of view    {:.1}° × {:.1}°, without distortion",
-        field_deg(camera.width, camera.fx),
-        field_deg(camera.height, camera.fy)
-    )?;
-    writeln!(out, "lens model       {}", lens_model(camera))?;
+fn in_words(camera: &Camera) -> String {
+    let [across, down] = [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)];
+    let sigma =
+        |[fx, fy, cx, cy]: [f64; 4]| format!("± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px\n");
+    let mut words = format!(
+        "image            {} × {} px\nfocal length     fx {:.2}, fy {:.2} px\nprincipal point  {:.2}, {:.2} px\n\
+         {}field of view    {across:.1}° × {down:.1}°, without distortion\nlens model       {}",
+        camera.width,
+        camera.height,
+        camera.fx,
+        camera.fy,
+        camera.cx,
+        camera.cy,
+        camera.sigma_px.map(sigma).unwrap_or_default(),
+        lens_model(camera)
+    );
     if let Some(guess) = camera.guess {
-        writeln!(
-            out,
-            "guessed          focal length ± {:.1} %, so distances ± {:.1} %, azimuths about {:.2}° off",
+        words += &format!(
+            "\nguessed          focal length ± {:.1} %, so distances ± {:.1} %, azimuths about {:.2}° off",
             guess.focal_percent,
             guess.distance_percent(),
             guess.azimuth_deg()
-        )?;
+        );
     }
-    Ok(())
+    words
 }
 
 /// The coefficients that are not zero, by name.
@@ -173,13 +170,13 @@ fn lens_model(camera: &Camera) -> String {
     }
 }
 
-fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<()> {
+fn guess(args: &GuessArgs, out: &mut dyn Write) -> CommandResult {
     let photo = Photo::open(&args.photo)?;
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
     if let Some(path) = &args.output {
         save(path, &camera.write(CameraFormat::OpenCv)?, &args.photo)?;
     }
-    show(&camera, out)?;
-    Ok(())
+    writeln!(out, "{}", in_words(&camera))?;
+    Ok(Outcome::Done)
 }

@@ -110,7 +110,7 @@ pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result
 }
 
 /// Whether two paths, of files that may not be there yet, name one place.
-fn same_place(a: &Path, b: &Path) -> bool {
+pub(in crate::cli) fn same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         let folder = path
             .parent()
