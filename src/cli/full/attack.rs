@@ -23,8 +23,7 @@ mod run;
 pub(in crate::cli) use advice::advice;
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
-use crate::cli::answer::Named;
-use crate::cli::answer::told;
+use crate::cli::answer::{Named, told};
 use schemars::JsonSchema;
 use schemars::schema_for;
 use serde::Serialize;
@@ -38,15 +37,8 @@ pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::{FrameSet, LIST};
 
-/// From frames of a painted model to a pattern that detectors do not see it in
-#[derive(clap::Args)]
-pub(in crate::cli) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(in crate::cli) enum Command {
     Render(Box<render::RenderArgs>),
     Import(import::ImportArgs),
     Photos(photos::PhotosArgs),
@@ -57,7 +49,9 @@ enum What {
     #[command(flatten)]
     Networks(networks::Command),
     Run(Box<run::RunArgs>),
-    Baseline(Box<baseline::BaselineArgs>),
+    /// Make the patterns an attack must beat, and judge them by the same views
+    #[command(subcommand)]
+    Baseline(Box<baseline::Method>),
     Judge(Box<judge::JudgeArgs>),
     History(history::HistoryArgs),
     Demo(demo::DemoArgs),
@@ -65,7 +59,7 @@ enum What {
 
 /// Read every image of frames and hold them against their list
 #[derive(clap::Args)]
-struct CheckArgs {
+pub(in crate::cli) struct CheckArgs {
     /// A folder of frames
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -75,21 +69,21 @@ struct CheckArgs {
 }
 
 /// Runs `scaleproof attack …`.
-pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Render(args) => render::run(&args, out),
-        What::Import(args) => import::run(&args, out),
-        What::Photos(args) => photos::run(&args, out),
-        What::Check(args) => check(&args, out),
-        What::Colours(args) => colours::run(&args, out),
-        What::Chart(args) => chart::run(&args, out),
-        What::Evaluate(args) => evaluate::run(&args, out),
-        What::Networks(command) => networks::run(command, out),
-        What::Run(args) => run::run(&args, out),
-        What::Baseline(args) => baseline::run(&args, out),
-        What::Judge(args) => judge::run(&args, out),
-        What::History(args) => history::run(&args, out),
-        What::Demo(args) => demo::run(&args, out),
+pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Render(args) => render::run(&args, out),
+        Command::Import(args) => import::run(&args, out),
+        Command::Photos(args) => photos::run(&args, out),
+        Command::Check(args) => check(&args, out),
+        Command::Colours(args) => colours::run(&args, out),
+        Command::Chart(args) => chart::run(&args, out),
+        Command::Evaluate(args) => evaluate::run(&args, out),
+        Command::Networks(command) => networks::run(command, out),
+        Command::Run(args) => run::run(&args, out),
+        Command::Baseline(method) => baseline::run(*method, out),
+        Command::Judge(args) => judge::run(&args, out),
+        Command::History(args) => history::run(&args, out),
+        Command::Demo(args) => demo::run(&args, out),
     }
 }
 

@@ -17,15 +17,8 @@ use scaleproof_session::session::{PhotoEntry, Session};
 use scaleproof_study::chart::locate::PhotoSample;
 use scaleproof_study::chart::{ChartNumbers, capture, envelope, locate, score, stability};
 
-/// Chart methods against each other, on the same photos
-#[derive(clap::Args)]
-pub(in crate::cli) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(in crate::cli) enum Command {
     /// Every tag detector, solver and camera model: error against milliseconds against share answered
     Locate(LocateArgs),
     /// Every envelope that truth boxes are drawn around: IoU with the exact boxes against milliseconds
@@ -39,7 +32,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct LocateArgs {
+pub(in crate::cli) struct LocateArgs {
     #[command(flatten)]
     on: ChartInput,
     /// Enlarge the photos by this factor first, as if a camera of more pixels had taken them
@@ -51,7 +44,7 @@ struct LocateArgs {
 }
 
 #[derive(clap::Args)]
-struct EnvelopeArgs {
+pub(in crate::cli) struct EnvelopeArgs {
     #[command(flatten)]
     on: ChartInput,
     /// The model's mesh, .glb, .obj, .stl or .ply, where the scene names none; without any, only the box is charted
@@ -60,7 +53,7 @@ struct EnvelopeArgs {
 }
 
 #[derive(clap::Args)]
-struct StabilityArgs {
+pub(in crate::cli) struct StabilityArgs {
     #[command(flatten)]
     on: ChartInput,
     /// Simulated views at each amount of each condition
@@ -71,7 +64,7 @@ struct StabilityArgs {
 }
 
 #[derive(clap::Args)]
-struct CaptureArgs {
+pub(in crate::cli) struct CaptureArgs {
     /// A session folder; its photos are the frames
     #[arg(long, value_name = "DIR")]
     session: PathBuf,
@@ -80,7 +73,7 @@ struct CaptureArgs {
 }
 
 #[derive(clap::Args)]
-struct ScoreArgs {
+pub(in crate::cli) struct ScoreArgs {
     /// A session folder; every detector looks at its photos alone
     #[arg(long, value_name = "DIR")]
     session: PathBuf,
@@ -122,13 +115,13 @@ struct ChartFiles {
 }
 
 /// Runs `scaleproof chart …`.
-pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Locate(args) => chart_locate(&args, out),
-        What::Envelope(args) => chart_envelope(&args, out),
-        What::Stability(args) => chart_stability(&args, out),
-        What::Capture(args) => chart_capture(&args, out),
-        What::Score(args) => chart_score(&args, out),
+pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Locate(args) => chart_locate(&args, out),
+        Command::Envelope(args) => chart_envelope(&args, out),
+        Command::Stability(args) => chart_stability(&args, out),
+        Command::Capture(args) => chart_capture(&args, out),
+        Command::Score(args) => chart_score(&args, out),
     }
 }
 

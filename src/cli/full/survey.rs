@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::cli::advice::advice_by_kind;
 use crate::cli::{CommandResult, Outcome, advice, print, progress, scene};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
@@ -88,13 +89,11 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
 
 /// What to do about an error of the library, or about a tag that is left out.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let advice = match (error.downcast_ref(), error.downcast_ref()) {
-        (Some(SurveyError::NothingToSurvey), _) => "give their sizes with --sizes, and uncover them",
-        (Some(SurveyError::TwoSizes { .. }), _) => " in --sizes: correct one of them",
-        (_, Some(LeftOutReason::NoSize)) => "name it in --sizes",
-        _ => return None,
-    };
-    Some(advice.into())
+    advice_by_kind! { error,
+        SurveyError::NothingToSurvey => "give their sizes with --sizes, and uncover them",
+        SurveyError::TwoSizes { .. } => " in --sizes: correct one of them",
+        LeftOutReason::NoSize => "name it in --sizes",
+    }
 }
 
 /// The fixed tags by family and id.

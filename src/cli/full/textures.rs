@@ -3,7 +3,6 @@
 use crate::cli::answer::{told, written};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +13,7 @@ use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::patch::{PlaceArgs, asked};
 use crate::cli::print::write_files;
 use crate::cli::texture::TextureArgs;
-use crate::cli::{CommandResult, progress, units};
+use crate::cli::{CommandResult, Result, progress, units};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
@@ -27,15 +26,8 @@ const GREY: [u8; 3] = [96; 3];
 /// Below patches alone.
 const PAPER: [u8; 3] = [255; 3];
 
-/// Textures as images for simulators, and as previews
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a pattern or texture as one image on texture coordinates, and the mesh that uses it: for CARLA, Unreal, Unity or Blender
     ///
     /// The mesh's own coordinates are kept where they can hold an image; where they are missing, overlap or leave the image, the paint is
@@ -57,7 +49,7 @@ struct PaintedArgs {
 }
 
 #[derive(clap::Args)]
-struct BakeArgs {
+pub(crate) struct BakeArgs {
     #[command(flatten)]
     painted: PaintedArgs,
     /// Width and height of the image in pixels, as in 2048 or 2448x2432
@@ -75,7 +67,7 @@ struct BakeArgs {
 }
 
 #[derive(clap::Args)]
-struct ShowArgs {
+pub(crate) struct ShowArgs {
     #[command(flatten)]
     painted: PaintedArgs,
     /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every45
@@ -95,15 +87,15 @@ struct ShowArgs {
 }
 
 /// Runs `scaleproof texture …`.
-pub(crate) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
-    match &args.what {
-        What::Bake(args) => run_bake(args, out),
-        What::Show(args) => run_show(args, out),
+pub(crate) fn run(command: &Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Bake(args) => run_bake(args, out),
+        Command::Show(args) => run_show(args, out),
     }
 }
 
 impl PaintedArgs {
-    fn load(&self) -> Result<(Model, Texture), Box<dyn Error>> {
+    fn load(&self) -> Result<(Model, Texture)> {
         let model = self.model.load_or(self.texture.mesh())?;
         if self.places.patch.is_empty() {
             let texture = self.texture.load(&model)?.texture;
@@ -192,7 +184,7 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     } else {
         let named = azimuths.iter().zip(&views);
         let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
-        named.map(file).collect::<Result<Vec<_>, Box<dyn Error>>>()?
+        named.map(file).collect::<Result<Vec<_>>>()?
     };
     write_files(&files, &args.painted.inputs())?;
     let words = format!("{}: {} views", args.output.display(), views.len());

@@ -55,7 +55,7 @@ pub struct FrameAnswer {
     pub tags: Vec<SeenTag>,
 }
 
-/// A frame and what became of it, for programs.
+/// One line of `--json` for a frame.
 #[derive(Serialize, JsonSchema)]
 pub struct FrameLine<'a> {
     frame: &'a str,

@@ -1,16 +1,16 @@
 //! `scaleproof attack baseline`: the patterns an attack must beat, judged as it is.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
 
 use super::networks;
-use super::on_frames::{OnFrames, cells_of};
+use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
+use crate::cli::answer::told;
 use crate::cli::print::patch::{self, PlaceArgs};
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::baseline::patches::{PlacedPatch, first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::Eot;
@@ -21,15 +21,8 @@ use scaleproof_attack::run::{Rgb, checkpoint, of_pattern, srgb};
 use scaleproof_core::files;
 use scaleproof_surface::pattern::Pattern;
 
-/// Make the patterns an attack must beat, and judge them by the same views
-#[derive(clap::Args)]
-pub(super) struct BaselineArgs {
-    #[command(subcommand)]
-    method: Method,
-}
-
 #[derive(Subcommand)]
-enum Method {
+pub(in crate::cli) enum Method {
     /// Uniformly random cells
     Random {
         #[command(flatten)]
@@ -60,7 +53,7 @@ enum Method {
 }
 
 #[derive(clap::Args)]
-struct SearchArgs {
+pub(in crate::cli) struct SearchArgs {
     #[command(flatten)]
     on: OnFrames,
     /// Images it may look at
@@ -69,7 +62,7 @@ struct SearchArgs {
 }
 
 #[derive(clap::Args)]
-struct PatchesArgs {
+pub(in crate::cli) struct PatchesArgs {
     #[command(flatten)]
     on: OnFrames,
     #[command(flatten)]
@@ -92,13 +85,13 @@ impl Method {
     }
 }
 
-pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
-    if args.method.on().mapping == TextureMapping::Sides {
+pub(super) fn run(method: Method, out: &mut dyn Write) -> CommandResult {
+    if method.on().mapping == TextureMapping::Sides {
         return Err(
             "--laying sides is for attack run and attack judge: a baseline is one pattern for all sides".into(),
         );
     }
-    match &args.method {
+    match &method {
         Method::Random { on } => {
             let pattern = Pattern::random(on.cells(), on.seed)?;
             finished("random", on, &of_pattern(&pattern), out)
@@ -133,8 +126,7 @@ fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> 
     refuse_other_results(on)?;
     let setup = on.open(method, false, &Eot::NONE)?;
     let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
-    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
-    Ok(Outcome::Done)
+    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)
 }
 
 /// What is found without a search keeps no checkpoint, so one in the folder is another result's.
@@ -175,7 +167,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         classes: setup.classes.clone(),
     };
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
-    let (first_round, cells, entries) = bar.during(|bar| -> Result<_, Box<dyn Error>> {
+    let (first_round, cells, entries) = bar.during(|bar| -> Result<_> {
         let on_query = |asked: u64| bar.set_position(asked);
         let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
         let (first_round, cells) = match method {
@@ -184,13 +176,13 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         };
         Ok((first_round, cells, oracle.finish()?))
     })?;
-    on.write(&setup, (method, &cells, entries), None, out)?;
+    let done = on.write(&setup, (method, &cells, entries), None, out)?;
     if args.queries < first_round {
         say!(
             "note: nothing was searched: the first round of {method} takes {first_round} images, and the pattern is one of the random ones it begins with"
         );
     }
-    Ok(Outcome::Done)
+    Ok(done)
 }
 
 /// Patches are no repeated pattern, so there is a history and no pattern.
@@ -214,16 +206,15 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
     files::write_atomically(&path, &content)?;
-    if args.on.json {
-        args.on.write_json(&history, None, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}", path.display())?;
-    super::on_frames::say_figures(&setup, &history, &args.on.class, out)?;
-    Ok(Outcome::Done)
+    let words = format!(
+        "{}{}",
+        path.display(),
+        figures_in_words(&setup, &history, &args.on.class)
+    );
+    told(args.on.json, args.on.made(&history, None), words, out)
 }
 
-fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
+fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(scaleproof_print::print::patch::check)?;
     let of = |patch: scaleproof_print::print::patch::PanelPatch| PlacedPatch {

@@ -13,7 +13,7 @@ use scaleproof_frames::surrogate::renderer::NeuralRenderer;
 
 /// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
-pub(super) struct ChartArgs {
+pub(in crate::cli) struct ChartArgs {
     /// A folder of frames
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,

@@ -1,7 +1,6 @@
 //! `scaleproof attack colours`: further flat colours of rendered views, without rendering.
 
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -9,14 +8,14 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::render::hexes;
-use crate::cli::CommandResult;
+use crate::cli::{CommandResult, Result};
 use scaleproof_core::files;
 use scaleproof_frames::frames::{FrameSet, light};
 use scaleproof_frames::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
-pub(super) struct ColoursArgs {
+pub(in crate::cli) struct ColoursArgs {
     /// Frames with linear light, in three flat colours or more per view
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -45,7 +44,7 @@ pub(super) fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
     super::say_frames(&list, frames, args.json, out)
 }
 
-fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>> {
     let mut colours = hexes(&args.flat)?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = colours.iter().find(|rgb| !seen.insert(**rgb)) {

@@ -1,6 +1,5 @@
 //! `scaleproof attack demo`: from stored frames to a pattern, its template and its score.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -10,7 +9,7 @@ use super::run::{METHOD, optimise};
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_attack::result::PATTERN;
 use scaleproof_attack::run::judge::judge;
 use scaleproof_attack::run::view_set::TextureMapping;
@@ -26,7 +25,7 @@ const TILE_MM: f64 = 240.0;
 /// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
 /// minutes on two cores
 #[derive(clap::Args)]
-pub(super) struct DemoArgs {
+pub(in crate::cli) struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template
     #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/attack_demo")]
     output: PathBuf,
@@ -88,7 +87,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The pattern beside a grey model and a random pattern.
-fn table(setup: &Setup, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+fn table(setup: &Setup, cells: &[Rgb], out: &mut dyn Write) -> Result<()> {
     let grey = srgb(&vec![[128; 3]; cells.len()]);
     let random = of_pattern(&Pattern::random(CELLS, 1)?);
     writeln!(

@@ -4,19 +4,18 @@ use crate::cli::answer::told;
 use scaleproof_score::score::Summary;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::render::{MESH, azimuths, cache, hex, named, size, textured};
+use super::render::{MESH, azimuths, cache, hex, mesh_file, named, size, textured};
 use crate::cli::detectors::{self, Folder};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use crate::cli::{at_hand, patterns};
-use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
+use scaleproof_attack::evaluate::RenderedSet;
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
@@ -33,7 +32,7 @@ use scaleproof_surface::pattern::Pattern;
 /// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
 #[derive(clap::Args)]
 #[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
-pub(super) struct EvaluateArgs {
+pub(in crate::cli) struct EvaluateArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
@@ -98,7 +97,7 @@ pub(super) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
-    args.mesh_file()?;
+    mesh_file(&args.model)?;
     let model = args.model.load()?;
     let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
@@ -106,7 +105,9 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let detectors = args.detectors()?;
     files::check_writable(&args.output)?;
     let folder = args.output.join("session");
-    render(&evaluation, &folder)?;
+    let python = || blender::find(&cache(), progress::announce);
+    progress::frames("rendering", evaluation.photos().len())
+        .during(|bar| evaluation.render(&folder, python, |done| bar.set_position(done as u64)))?;
     args.write_session(&evaluation, &folder)?;
     let mut scores = args.scores(&folder, detectors)?;
     scores.patterns = worn;
@@ -131,14 +132,8 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     told(args.json, &evaluated, words, out)
 }
 
-fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
-    let python = || blender::find(&cache(), progress::announce);
-    progress::frames("rendering", evaluation.photos().len())
-        .during(|bar| evaluation.render(folder, python, |done| bar.set_position(done as u64)))
-}
-
 /// Each variant against those after it.
-fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, Box<dyn Error>> {
+fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> {
     let names: Vec<&str> = variants.iter().map(String::as_str).collect();
     let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
     Ok(compared.collect::<Result<_, _>>()?)
@@ -150,7 +145,7 @@ type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
 impl EvaluateArgs {
     /// The names of what the model wears, and the paints: the plain model's, then patterns and textures in the order of the command; and what
     /// the report shows of the patterns.
-    fn paints(&self, model: &Model) -> Result<Paints, Box<dyn Error>> {
+    fn paints(&self, model: &Model) -> Result<Paints> {
         let normal = match self.normal.as_str() {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
@@ -172,8 +167,8 @@ impl EvaluateArgs {
         Ok((names, paints, worn))
     }
 
-    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
-        let mesh_file = self.mesh_file()?;
+    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest> {
+        let mesh_file = mesh_file(&self.model)?;
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
@@ -195,13 +190,8 @@ impl EvaluateArgs {
         })
     }
 
-    fn mesh_file(&self) -> Result<PathBuf, String> {
-        let file = self.model.mesh.clone();
-        file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
-    }
-
     /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
-    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>), Box<dyn Error>> {
+    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>)> {
         let (networks, programs) = self.programs.among(&self.detectors)?;
         let manifests = if networks.is_empty() && !programs.is_empty() {
             Vec::new()
@@ -229,11 +219,7 @@ impl EvaluateArgs {
 
     /// # Errors
     /// A photo that cannot be scored: the tables would miss it on one side.
-    fn scores(
-        &self,
-        folder: &Path,
-        (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>),
-    ) -> Result<Scores, Box<dyn Error>> {
+    fn scores(&self, folder: &Path, (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>)) -> Result<Scores> {
         let sessions = vec![Session::open(folder)?];
         let mut detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
         detectors.extend(programs);
@@ -248,8 +234,8 @@ impl EvaluateArgs {
     }
 
     /// The scene and the list of photos.
-    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
-        let mesh = self.mesh_file()?;
+    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<()> {
+        let mesh = mesh_file(&self.model)?;
         let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
         Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }

@@ -4,12 +4,11 @@ use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::HashMap;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::CommandResult;
 use crate::cli::print::card_fault;
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::evaluate::finished::figures_of;
 use scaleproof_attack::evaluate::time_chart::{self, RenderedRun};
 use scaleproof_attack::result;
@@ -20,7 +19,7 @@ use scaleproof_surface::pattern::card::{self, CardError};
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]
-pub(super) struct HistoryArgs {
+pub(in crate::cli) struct HistoryArgs {
     /// Folders of results
     #[arg(value_name = "DIR", required = true)]
     results: Vec<PathBuf>,
@@ -49,12 +48,10 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
                 format!("the history of {folder} has no figures of held-out views: make the pattern again").into(),
             );
         }
-    }
-    for (folder, history) in args.results.iter().zip(&histories) {
         if !history.is_comparable(&histories[0]) {
-            let (first, other) = (args.results[0].display(), folder.display());
+            let first = args.results[0].display();
             return Err(format!(
-                "{first} and {other} were made with other frames, detectors or classes, so their figures cannot stand on one chart"
+                "{first} and {folder} were made with other frames, detectors or classes, so their figures cannot stand on one chart"
             )
             .into());
         }
@@ -105,7 +102,7 @@ pub(in crate::cli) struct Histories<'a> {
 
 impl HistoryArgs {
     /// What the evaluation says of each run's pattern; nothing without one.
-    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, Box<dyn Error>> {
+    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>> {
         let Some(evaluation) = &self.evaluation else {
             return Ok(Vec::new());
         };
@@ -119,7 +116,7 @@ impl HistoryArgs {
         .collect()
     }
 
-    fn refuse_twice(&self) -> Result<(), Box<dyn Error>> {
+    fn refuse_twice(&self) -> Result<()> {
         let mut known = HashMap::new();
         for folder in &self.results {
             if let Some(first) = known.insert(files::whole_path(folder)?, folder) {

@@ -3,7 +3,6 @@
 use crate::cli::answer::told;
 use scaleproof_pose::scene::Classes;
 use schemars::JsonSchema;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
@@ -11,7 +10,7 @@ use serde::Serialize;
 
 use super::on_frames::{Looking, pattern_of};
 use super::render::{hex, named};
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::judged::{JudgedPattern, NamedCells, judged};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::{of_pattern, srgb};
@@ -20,7 +19,7 @@ use scaleproof_surface::pattern::Pattern;
 
 /// What detectors make of patterns on every view of frames, predicted and not rendered: a minute's look before `attack evaluate`
 #[derive(clap::Args)]
-pub(super) struct JudgeArgs {
+pub(in crate::cli) struct JudgeArgs {
     #[command(flatten)]
     on: Looking,
     /// Patterns and their names: PNG files of one size, square, or with --laying sides six squares below each other
@@ -54,7 +53,7 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
 type Loaded<'a> = (String, &'a Path, Pattern);
 
 impl JudgeArgs {
-    fn loaded(&self) -> Result<Vec<Loaded<'_>>, Box<dyn Error>> {
+    fn loaded(&self) -> Result<Vec<Loaded<'_>>> {
         let mut loaded = Vec::<Loaded>::new();
         for text in &self.patterns {
             let (name, path) = named(text);
@@ -75,7 +74,7 @@ impl JudgeArgs {
 
     /// How many cells the patterns have along each side, the width of one repeat of all of them, and their names and cells, the plain colour
     /// first.
-    fn asked(&self) -> Result<(u32, f64, Vec<NamedCells>), Box<dyn Error>> {
+    fn asked(&self) -> Result<(u32, f64, Vec<NamedCells>)> {
         let loaded = self.loaded()?;
         let files: Vec<(&Path, &Pattern)> = loaded.iter().map(|(_, path, pattern)| (*path, pattern)).collect();
         let tile_mm = self.on.tile_mm_of(&files)?;

@@ -1,6 +1,5 @@
 //! What `attack run`, `attack baseline` and `attack demo` share: frames, detectors, and the files of a result.
 
-use std::error::Error;
 use std::io::Write;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -10,13 +9,13 @@ use serde::Serialize;
 
 use super::device::OnDevice;
 use super::networks;
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
-use crate::cli::progress;
 use crate::cli::results::Programs;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::{Entry, History, TILES_MM};
@@ -42,7 +41,7 @@ const CELLS: u32 = 24;
 
 /// What looks at what.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct Looking {
+pub(in crate::cli) struct Looking {
     /// Folders of frames, each view in three flat colours or more; several to see several models at once
     #[arg(value_name = "FRAMES", required = true)]
     pub frames: Vec<PathBuf>,
@@ -77,7 +76,7 @@ pub(super) struct Looking {
 
 /// What looks at what, and the pattern to be made: its cells, its seed and its folder.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct OnFrames {
+pub(in crate::cli) struct OnFrames {
     #[command(flatten)]
     pub looking: Looking,
     /// Cells along each side [default: 24; of a pattern that is there already, its own]
@@ -136,7 +135,7 @@ impl Looking {
     }
 
     /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
-    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup> {
         let tile_mm = self.tile_mm();
         if !TILES_MM.contains(&tile_mm) {
             let (least, most) = (TILES_MM.start(), TILES_MM.end());
@@ -182,7 +181,7 @@ impl OnFrames {
     }
 
     /// As [`Looking::open`], with a folder for what the method makes.
-    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup> {
         self.check_cells()?;
         self.refuse_other_methods(method)?;
         files::check_writable(&self.output)?;
@@ -207,17 +206,15 @@ impl OnFrames {
 
     /// The sides' patterns lie below each other in one file.
     fn check_cells(&self) -> Result<(), String> {
-        let [_, rows] = self.mapping.grid(self.cells());
-        if rows > MAX_CELLS {
-            Err(format!(
-                "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
-                self.cells(),
-                self.mapping.name(),
-                MAX_CELLS * self.cells() / rows
-            ))
-        } else {
-            Ok(())
+        let (cells, laying) = (self.cells(), self.mapping.name());
+        let [_, rows] = self.mapping.grid(cells);
+        if rows <= MAX_CELLS {
+            return Ok(());
         }
+        let most = MAX_CELLS * cells / rows;
+        Err(format!(
+            "--cells is {cells}, which makes {rows} rows with --laying {laying}, and a pattern has {MAX_CELLS} at most: give up to {most}"
+        ))
     }
 
     /// Writes the result of a method, and says what it is.
@@ -227,30 +224,21 @@ impl OnFrames {
         (method, cells, entries): (&str, &[Rgb], Vec<Entry>),
         config: Option<&AttackConfig>,
         out: &mut dyn Write,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> CommandResult {
         let history = setup.history(method, self.seed, entries);
         let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
-        if self.json {
-            return self.write_json(&history, Some(&path), out);
-        }
-        let [columns, rows] = self.mapping.grid(self.cells());
-        writeln!(
-            out,
-            "{}: {columns} × {rows} cells, tile {} mm",
-            path.display(),
-            self.tile_mm()
-        )?;
-        say_figures(setup, &history, &self.class, out)
+        let ([columns, rows], tile_mm) = (self.mapping.grid(self.cells()), self.tile_mm());
+        let figures = figures_in_words(setup, &history, &self.class);
+        let words = format!(
+            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}",
+            path.display()
+        );
+        told(self.json, self.made(&history, Some(&path)), words, out)
     }
 
     /// The result for programs: what `history.json` ends with, and where the pattern is.
-    pub(super) fn write_json(
-        &self,
-        history: &History,
-        pattern: Option<&Path>,
-        out: &mut dyn Write,
-    ) -> Result<(), Box<dyn Error>> {
-        let made = Made {
+    pub(super) fn made<'a>(&'a self, history: &'a History, pattern: Option<&'a Path>) -> Made<'a> {
+        Made {
             method: &history.method,
             seed: history.seed,
             tile_mm: history.tile_mm,
@@ -260,8 +248,7 @@ impl OnFrames {
             pattern,
             queries: history.queries(),
             predicted: history.last_judged().map(|(_, figures)| figures),
-        };
-        answer(&made, out)
+        }
     }
 }
 
@@ -284,22 +271,17 @@ pub(in crate::cli) struct Made<'a> {
     predicted: Option<HeldOutFigures>,
 }
 
-/// What the held-out views say, and that they are predictions.
-pub(super) fn say_figures(
-    setup: &Setup,
-    history: &History,
-    class: &Classes,
-    out: &mut dyn Write,
-) -> Result<(), Box<dyn Error>> {
+/// What the held-out views say, and that they are predictions: lines, each after a line break.
+pub(super) fn figures_in_words(setup: &Setup, history: &History, class: &Classes) -> String {
+    let mut text = String::new();
     if let Some((entry, figures)) = history.last_judged() {
         let which = if setup.view_set.holds_out() {
             "it was not made with"
         } else {
             "it was made with (too few to hold any out)"
         };
-        writeln!(
-            out,
-            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
+        text += &format!(
+            "\npredicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
              counts as the model: {class}",
             figures.ap50,
             figures.hit_rate,
@@ -307,16 +289,13 @@ pub(super) fn say_figures(
             count(figures.views, "view"),
             count(entry.queries as usize, "image"),
             entry.wall_s
-        )?;
+        );
     }
     if setup.view_set.unseen > 0 {
-        writeln!(
-            out,
-            "left out, as the model's paint is not seen: {}",
-            count(setup.view_set.unseen, "view")
-        )?;
+        let views = count(setup.view_set.unseen, "view");
+        text += &format!("\nleft out, as the model's paint is not seen: {views}");
     }
-    Ok(())
+    text
 }
 
 /// The pattern of a file, with a note where it is another one, enlarged.
@@ -327,7 +306,7 @@ pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
 }
 
 /// The pattern of a file, which must be square.
-pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     let pattern = pattern_of(path)?;
     if pattern.columns() == pattern.rows() {
         Ok(pattern)
@@ -346,11 +325,7 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
 pub(super) type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// A program, and its name and hash.
-fn program_box(
-    program: ProgramDetector,
-    class: &Classes,
-    differentiates: bool,
-) -> Result<(String, Box<dyn WhiteBox>), Box<dyn Error>> {
+fn program_box(program: ProgramDetector, class: &Classes, differentiates: bool) -> Result<(String, Box<dyn WhiteBox>)> {
     let manifest = Manifest::of_foreign(program.card());
     if let Some(fault) = manifest.class_map_fault() {
         return Err(format!("the manifest of {} is not valid: {fault}", manifest.name).into());

@@ -2,15 +2,14 @@
 
 use crate::cli::answer::told;
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::render::hex;
-use crate::cli::{CommandResult, progress};
+use super::render::{hex, options};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::photos::sessions::{
@@ -24,7 +23,7 @@ use scaleproof_session::session::Session;
 /// Photos are located by their tags and mapped onto the reference photo of their view through the mesh that the scene names, at its
 /// exposure. Photos and views that do not fit are left out and named; the photos are never changed.
 #[derive(clap::Args)]
-pub(super) struct PhotosArgs {
+pub(in crate::cli) struct PhotosArgs {
     /// Sessions with photos of the model: photos of one place may be in several
     #[arg(value_name = "SESSION", required = true)]
     sessions: Vec<PathBuf>,
@@ -111,7 +110,7 @@ pub(in crate::cli) struct FramesOfPhotos<'a> {
     left_out: &'a [LeftOutPhoto],
 }
 
-fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
+fn flats(texts: &[String]) -> Result<Vec<FlatVariant>> {
     let mut flats: Vec<FlatVariant> = Vec::new();
     for text in texts {
         let (variant, colour) = text
@@ -134,7 +133,7 @@ fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
 }
 
 /// Where the frames will be listed.
-fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<PathBuf, Box<dyn Error>> {
+fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<PathBuf> {
     let list = super::new_list(&args.output)?;
     let mut folders = BTreeSet::new();
     for session in sessions {
@@ -156,11 +155,13 @@ fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[FlatVariant]) -> St
         .iter()
         .map(|flat| format!("{}={}", flat.variant, light::to_hex(flat.rgb)))
         .collect();
-    let mut text = format!("attack photos {} --flat {}", names.join(" "), colours.join(" "));
-    if !args.material.is_empty() {
-        text += &format!(" --material {}", args.material.join(" "));
-    }
-    text + &format!(" --size-px {}", args.size_px)
+    let material = (!args.material.is_empty()).then(|| args.material.join(" "));
+    format!("attack photos {}", names.join(" "))
+        + &options([
+            ("flat", Some(colours.join(" "))),
+            ("material", material),
+            ("size-px", Some(args.size_px.to_string())),
+        ])
 }
 
 fn say(made: &PhotoFrames, out: &mut dyn Write) -> std::io::Result<()> {

@@ -3,7 +3,6 @@
 use scaleproof_frames::surrogate::dtn::training::TrainingProgress;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 use std::path::PathBuf;
@@ -11,7 +10,7 @@ use std::path::PathBuf;
 use crate::cli::answer::told;
 use crate::cli::full::attack::device::OnDevice;
 use crate::cli::full::attack::render::hexes;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
@@ -147,7 +146,7 @@ fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> String {
     text + &args.output.display().to_string()
 }
 
-fn frames(args: &TrainArgs, references: &[[u8; 3]]) -> Result<TrainingSet, Box<dyn Error>> {
+fn frames(args: &TrainArgs, references: &[[u8; 3]]) -> Result<TrainingSet> {
     let mut folders = FrameSet::open_all(args.frames.iter().chain(&args.validation))?;
     let validation = args.validation.as_ref().and_then(|_| folders.pop());
     let width = args.width_px.unwrap_or(folders[0].list.size_px[0]);
