@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::choice::one_of;
-use super::print::same_place;
 use super::{CommandResult, Outcome, Result};
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
@@ -86,7 +85,7 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> CommandResult {
 
 /// Writes a file that is not the one it was made from.
 fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
-    if same_place(path, made_from) {
+    if files::is_same(path, made_from) {
         return Err(format!("{} is the input: give the output another name", path.display()).into());
     }
     Ok(files::write_atomically(path, text.as_bytes())?)

@@ -170,7 +170,8 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
     for row in &plan.table {
         let less = args
             .least
-            .map_or_else(String::new, |_| format!("{:<13.3}", row.less_than_least_shown));
+            .map(|_| format!("{:<13.3}", row.less_than_least_shown))
+            .unwrap_or_default();
         writeln!(
             out,
             "{:<11}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{} %",

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Result;
-use scaleproof_core::spelling;
+use scaleproof_core::{files, spelling};
 use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
 use scaleproof_session::session::{Session, SessionError};
 
@@ -200,13 +200,9 @@ pub(super) fn session(place: &Path) -> Result<Session> {
         return Err(no_session(place)?.into());
     }
     if place.is_file() && Listing::is_photo(place) {
-        let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let pair = pair_of("normal", folder.unwrap_or(Path::new(".")));
-        return Err(format!(
-            "{} is a photo: name its folder and the texture it shows, as in {pair}, with --scene and --camera",
-            place.display()
-        )
-        .into());
+        let (photo, pair) = (place.display(), pair_of("normal", files::folder_of(place)));
+        let meant = format!("name its folder and the texture it shows, as in {pair}, with --scene and --camera");
+        return Err(format!("{photo} is a photo: {meant}").into());
     }
     Session::open(place).map_err(|e: SessionError| e.into())
 }

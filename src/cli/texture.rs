@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use super::Result;
 use super::model::Model;
-use super::print::same_place;
 use scaleproof_core::files;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
@@ -102,12 +101,8 @@ fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>> {
     let pattern = Pattern::load(path)?;
     let card = card(path, &pattern)?;
     let Some(patterns) = SidePatterns::new(&pattern, card.tile_mm, &model.mesh)? else {
-        return Err(format!(
-            "{} has {} rows, which are not those of six sides",
-            path.display(),
-            pattern.rows()
-        )
-        .into());
+        let (path, rows) = (path.display(), pattern.rows());
+        return Err(format!("{path} has {rows} rows, which are not those of six sides").into());
     };
     let (texture, sha256) = (Texture::Sides(patterns), pattern.sha256().to_owned());
     Ok(Some(named(path, texture, sha256, vec![Card::path(path)])))
@@ -131,7 +126,7 @@ fn refuse_repeated(path: &Path) -> Result<(), String> {
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.
 fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped> {
-    if model.file.as_ref().is_some_and(|file| same_place(file, path)) {
+    if model.file.as_ref().is_some_and(|file| file == path || files::is_same(file, path)) {
         return Ok(MappedImages::from_mesh(&model.mesh, &model.materials)?);
     }
     let textured = Mesh::load(path, &MeshPlacement::default())?;

@@ -110,28 +110,25 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 fn text(validated: &Validated) -> String {
-    let Validated {
-        detector,
-        photos,
-        boxes,
-        labels,
-        averages,
-        ..
-    } = validated;
+    let (v, averages) = (validated, &validated.averages);
     let mut lines = vec![
-        format!("{detector}: {photos} photos, {boxes} boxes, different labels: {labels}"),
+        format!(
+            "{}: {} photos, {} boxes, different labels: {}",
+            v.detector, v.photos, v.boxes, v.labels
+        ),
         format!("AP@[.5:.95] {:.3}, AP@0.5 {:.3}", averages.ap_50_95, averages.ap_50),
     ];
     if let Some(published) = validated.published_ap {
         let difference = averages.ap_50_95 - published;
         let left_out = validated.left_out.len();
-        lines.push(match difference.abs() <= CLOSE {
-            _ if left_out > 0 => {
-                format!("published {published:.3}: {difference:+.3}, over other labels: {left_out} left out")
-            }
-            true => format!("published {published:.3}: the same within {CLOSE}"),
-            false => format!("published {published:.3}: {difference:+.3}"),
-        });
+        let found = if left_out > 0 {
+            format!("{difference:+.3}, over other labels: {left_out} left out")
+        } else if difference.abs() <= CLOSE {
+            format!("the same within {CLOSE}")
+        } else {
+            format!("{difference:+.3}")
+        };
+        lines.push(format!("published {published:.3}: {found}"));
     }
     if let Some(trials) = &validated.trials {
         let head = format!("on {} of the photos", trials.photos);
@@ -144,10 +141,11 @@ fn text(validated: &Validated) -> String {
         lines.extend(
             changed.map(|trial| format!("{} {}", row(&trial.change, &trial.averages), least(trial.least_gain))),
         );
+        let none = format!("none of these changes gains {LEAST_GAIN} beyond chance");
         lines.push(match &trials.explained_by {
             Some(change) => format!("explained by: {change}"),
-            None if validated.published_ap.is_none() => format!("none of these changes gains {LEAST_GAIN} beyond chance"),
-            None => format!("none of these changes gains {LEAST_GAIN} beyond chance: something else differs, or the photos are too few"),
+            None if validated.published_ap.is_none() => none,
+            None => format!("{none}: something else differs, or the photos are too few"),
         });
     }
     lines.join("\n") + "\n"

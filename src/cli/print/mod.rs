@@ -91,34 +91,22 @@ pub(super) type NewFile = (PathBuf, Vec<u8>);
 /// Writes all files, or none, and none over an input.
 pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<()> {
     for (i, (path, _)) in files.iter().enumerate() {
-        if inputs.iter().flatten().any(|input| same_place(input, path)) {
-            return Err(format!(
-                "{} is an input, which would be overwritten; give another output file",
-                path.display()
-            )
-            .into());
+        let (name, is_same) = (path.display(), |other: &Path| same_place(other, path));
+        if inputs.iter().flatten().any(|input| is_same(input)) {
+            return Err(format!("{name} is an input, which would be overwritten; give another output file").into());
         }
-        if files[..i].iter().any(|(other, _)| same_place(other, path)) {
-            return Err(format!(
-                "two files would be written as {}; give them different names",
-                path.display()
-            )
-            .into());
+        if files[..i].iter().any(|(other, _)| is_same(other)) {
+            return Err(format!("two files would be written as {name}; give them different names").into());
         }
     }
     Ok(files::write_all_atomically(files)?)
 }
 
 /// Whether two paths, of files that may not be there yet, name one place.
-pub(in crate::cli) fn same_place(a: &Path, b: &Path) -> bool {
+fn same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
-        let folder = path
-            .parent()
-            .filter(|p| !p.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        path.canonicalize()
-            .ok()
-            .or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
+        let in_folder = || Some(files::folder_of(path).canonicalize().ok()?.join(path.file_name()?));
+        path.canonicalize().ok().or_else(in_folder)
     };
     a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }

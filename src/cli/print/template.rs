@@ -117,33 +117,21 @@ fn run_pattern(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
 
 fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
     if args.paint.is_asked() {
-        return Err(format!(
-            "stencils and sheets to paint by number are made of cells, and a texture has none; make a pattern of it: scaleproof pattern import {} \
-             --cells 24 -o pattern.png",
-            path.display()
-        )
-        .into());
+        let command = format!("scaleproof pattern import {} --cells 24 -o pattern.png", path.display());
+        let sheets = "stencils and sheets to paint by number are made of cells, and a texture has none";
+        return Err(format!("{sheets}; make a pattern of it: {command}").into());
     }
     let texture = enlarged::picture(path)?;
-    let request = request(
-        args,
-        path,
-        args.tile_mm
-            .ok_or("a texture needs the width of one repeat: give --tile-mm")?,
-    )?;
+    let missing = "a texture needs the width of one repeat: give --tile-mm";
+    let request = request(args, path, args.tile_mm.ok_or(missing)?)?;
     let draw = || texture_template(&texture, args.dpi, &request);
     print((args, path, &request), &draw, Grain::PixelMm, out)
 }
 
 /// Draws a template and writes it to a PDF.
 pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template> {
-    Ok(write(
-        &|| template(pattern, request),
-        request,
-        &SheetOutput::named(output, Some(SheetFormat::Pdf))?,
-        &[],
-    )?
-    .0)
+    let output = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
+    Ok(write(&|| template(pattern, request), request, &output, &[])?.0)
 }
 
 /// Gives the files as well.

@@ -134,8 +134,7 @@ const TRIAL_LIMIT: Duration = Duration::from_secs(30);
 /// The network as seen from a manifest: by its name when they lie together, else by its whole path.
 pub fn weights_seen_from(manifest: &Path, model: &Path) -> String {
     let folder = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new("."));
+        let folder = files::folder_of(path);
         folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
     };
     let file = model.file_name().map(Path::new).unwrap_or(model);
