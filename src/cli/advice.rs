@@ -1,20 +1,124 @@
-//! What to do about an error: the library says what is wrong, and the commands know their options.
+//! What to do about an error: the library says what is wrong, and the program knows its options.
 
 use std::error::Error;
+use std::ffi::OsStr;
+use std::path::Path;
 
-/// Advice on one error: what follows its sentence after a colon, or at once if it begins with a comma or a space. `None` where the sentence
-/// says all.
+use scaleproof_detect::{
+    ManifestError, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError, RegisterError,
+    WeightsError,
+};
+use scaleproof_pose::tags::StartError;
+use scaleproof_print::print::output::OutputError;
+use scaleproof_print::print::paint::PaintError;
+use scaleproof_print::print::tags::{Instead, TagPrintError};
+use scaleproof_print::print::template::TemplateError;
+use scaleproof_print::print::wrap::WrapError;
+use scaleproof_score::score::shard::ShardError;
+use scaleproof_score::score::{CompareError, EvaluatedDetectorError, GroupByError, RecordError, ScoreError};
+use scaleproof_session::session::NewSessionError;
+use scaleproof_session::session::import::SessionImportError;
+use scaleproof_surface::mesh::MeshError;
+use scaleproof_surface::pattern::PatternError;
+use scaleproof_surface::texture::TextureError;
+use scaleproof_wrap::pieces::painted::PaintedError;
+use scaleproof_wrap::pieces::{PiecesError, UnwrapError};
+
+/// Advice on one error: what follows its sentence after a colon, or at once if it begins with a comma, a semicolon or a space. `None` where
+/// the sentence says all.
 pub(super) type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
 
-/// An error's sentence with the advice of the commands on it, or on what it wraps.
+/// The advice of the first kind of error that this one is.
+macro_rules! advice_by_kind {
+    ($error:ident, $($kind:pat $(if $guard:expr)? => $advice:expr,)+) => {{
+        $(if let Some($kind) = $error.downcast_ref() $(&& $guard)? {
+            return Some($advice.into());
+        })+
+        None
+    }};
+}
+#[cfg(feature = "full")]
+pub(super) use advice_by_kind;
+
+/// An error's sentence with the advice on it, or on what it wraps.
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
-    let on = |e| super::ADVICE.iter().copied().flatten().find_map(|advise| advise(e));
-    match wrapped.find_map(on) {
+    let on_more = |e| super::MORE_ADVICE.iter().find_map(|advise| advise(e));
+    match wrapped.find_map(|e| on(e).or_else(|| on_more(e))) {
         Some(advice) if advice.starts_with([',', ' ', ';']) => format!("{error}{advice}"),
         Some(advice) => format!("{error}: {advice}"),
         None => error.to_string(),
     }
+}
+
+/// The advice on an error that a program of any features has. Errors that say only what they wrap have none of their own.
+pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
+    advice_by_kind! { error,
+        EvaluatedDetectorError::Weights(e) => on(e)?,
+        EvaluatedDetectorError::Recorded(e) => on(e)?,
+        EvaluatedDetectorError::NoSuchClass(e) => on(e)?,
+        EvaluatedDetectorError::Outside(e) => on(e)?,
+        RegisterError::Weights(e) => on(e)?,
+        ShardError::Detector(e) => on(e)?,
+        ScoreError::Program(e) => on(e)?,
+        ScoreError::Tags(e) => on(e)?,
+        ProgramError::Lost(e) => on(e.as_ref())?,
+        CompareError::NoBase { .. } => "name one of these with --base",
+        GroupByError::Unknown { hint, .. } if hint.is_empty() =>
+            "`session import` keeps the columns of a table, and session.json has `conditions` for each photo",
+        WeightsError::Missing { file, .. } => format!(", or name a folder with {file} by --detectors"),
+        WeightsError::NoCache => ", or name a folder by --detectors",
+        ManifestError::NoManifest { network, .. } => format!("run `scaleproof detectors add {}` first", network.display()),
+        RecordedError::Changed { .. } => "record it again with --record",
+        NoSuchClass { .. } => " (written by `scaleproof detectors add --map`)",
+        ProposeError::OtherSize { .. } => "leave --size out",
+        ProposeError::Trial { .. } => "name the input's size by --size",
+        ProposeError::Ambiguous { .. } => "name yours by --family",
+        ProposeError::NoLabels { .. } => "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line",
+        ProposalNote::LabelsByCount { .. } => "name others by --labels",
+        ProposalNote::OpenSize { .. } => ", name another by --size",
+        StartError::NotBuilt { .. } => "leave --tag-detector out",
+        ShardError::NotAShard { .. } => "name the files that score --shard wrote",
+        WrapError::OtherSize { .. } =>
+            "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene",
+        MeshError::NoModel { .. } => " (--length-mm)",
+        MeshError::LifeSize { .. } => "; the option is --length-mm",
+        PatternError::TooManyCells { path, .. } => to_import(path),
+        PatternError::NotPng { path } if path.extension().is_some_and(is_jpeg) => to_import(path),
+        TemplateError::CellTooSmall { .. } => ", as `scaleproof pattern import IMAGE --cells 24` makes them",
+        OutputError::UnknownEnding { .. } => ", or give --format",
+        PaintedError::Pieces(e) => on(e)?,
+        PaintedError::Paint(e) => on(e)?,
+        PaintError::CellTooSmall { most, least_tile, .. } => format!(
+            "; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more, or make fewer cells by scaleproof pattern import --cells"
+        ),
+        PaintError::NoStencil(_) => "; give a smaller --min-feature-mm or a larger --tile-mm",
+        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
+        PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
+        PiecesError::Raster(_) => " (--dpi)",
+        TagPrintError::TooLarge { instead: Instead::WholeMat, .. } => " (--whole-mat)",
+        TagPrintError::TooLarge { instead: Instead::PlainCards, .. } => " (--plain)",
+        ProgramError::TooLong { .. } => "give it more time by --detector-timeout",
+        OutsideError::NumberedImages { .. } => "name the COCO file of its images by --images",
+        OutsideError::UnknownCategory { .. } => "say what its categories are called by --categories",
+        OutsideError::WhoseCategories { images, .. } => format!("say by --categories, which may be {} too", images.display()),
+        OutsideError::NotListed { .. } => "run the other program on it too (see `scaleproof session export`)",
+        RecordError::Exists { .. } => "add --replace to store it anew, or play it with --recorded",
+        ScoreError::NotRecorded { .. } => "run without --recorded, or record them again with --record",
+        SessionImportError::NoVariant { .. } => ", or give --variant for all",
+        NewSessionError::NotEmpty { .. } => "with --copy name a new folder",
+        TextureError::NoCoordinates { .. } => " (--material or --faces)",
+        TextureError::NoImages | TextureError::Material { .. } => "; --texture takes another image",
+    }
+}
+
+fn to_import(path: &Path) -> String {
+    let path = path.display();
+    format!(", or make one of the image: scaleproof pattern import {path} --cells 24 -o pattern.png")
+}
+
+fn is_jpeg(ending: &OsStr) -> bool {
+    ["jpg", "jpeg"].iter().any(|known| ending.eq_ignore_ascii_case(known))
 }
 
 #[cfg(test)]

@@ -1,12 +1,16 @@
 //! What `--json` prints. Every answer is a type whose JSON Schema is in `docs/schema` (`scaleproof schemas`).
 
+use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
 
 use schemars::{JsonSchema, Schema};
 use serde::Serialize;
 
-use super::Result;
+use super::{CommandResult, Outcome, Result};
+
+/// The name of an output, and its schema.
+pub(super) type Named = (&'static str, Schema);
 
 /// The name of an output, and its schema.
 pub(super) type Named = (&'static str, Schema);
@@ -15,6 +19,16 @@ pub(super) type Named = (&'static str, Schema);
 pub(super) fn answer(answer: &impl Serialize, out: &mut dyn Write) -> Result<()> {
     // As a value first: its keys are in alphabetical order.
     Ok(writeln!(out, "{}", serde_json::to_value(answer)?)?)
+}
+
+/// Prints an answer: as one line of JSON, or in words.
+pub(super) fn told(as_json: bool, facts: impl Serialize, words: impl Display, out: &mut dyn Write) -> CommandResult {
+    if as_json {
+        answer(&facts, out)?;
+    } else {
+        writeln!(out, "{words}")?;
+    }
+    Ok(Outcome::Done)
 }
 
 /// What a command that writes files prints.
@@ -26,8 +40,8 @@ pub(super) struct Written<T> {
     facts: T,
 }
 
-/// Prints one object whose `files` are those that were written.
-pub(super) fn write_json(files: &[(PathBuf, Vec<u8>)], facts: impl Serialize, out: &mut dyn Write) -> Result<()> {
+/// One object whose `files` are those that were written.
+pub(super) fn written<T>(files: &[(PathBuf, Vec<u8>)], facts: T) -> Written<T> {
     let files = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    answer(&Written { files, facts }, out)
+    Written { files, facts }
 }

@@ -68,17 +68,14 @@ fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Man
     let (here, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| folders.find(m).is_some());
     if here.is_empty() {
         let is_stored = |s: &Session| !Recording::names_in(&EvaluatedDetector::recordings_of(&s.folder)).is_empty();
-        let or = if sessions.iter().all(is_stored) {
-            ", or score what the session stores with --recorded"
-        } else {
-            ""
-        };
+        let stored = ", or score what the session stores with --recorded";
+        let or = if sessions.iter().all(is_stored) { stored } else { "" };
         return Err(format!("no detector's weights are here: get them with `scaleproof detectors fetch`{or}").into());
     }
     if !missing.is_empty() {
+        let names = listed(&missing);
         say!(
-            "note: not scored, because their weights are not here: {} (get them with `scaleproof detectors fetch`)",
-            listed(&missing)
+            "note: not scored, because their weights are not here: {names} (get them with `scaleproof detectors fetch`)"
         );
     }
     Ok(here)

@@ -1,6 +1,6 @@
 //! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
@@ -14,15 +14,8 @@ use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::camera::{Camera, CameraFormat};
 
-/// Convert, show and guess camera files
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a camera file in another format; the projection stays the same
     Convert(ConvertArgs),
     /// Say in words what a camera file says: image size, fields of view, focal length, lens model
@@ -32,7 +25,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct ConvertArgs {
+pub(crate) struct ConvertArgs {
     /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal
     input: PathBuf,
     /// The camera file to write
@@ -44,7 +37,7 @@ struct ConvertArgs {
 }
 
 #[derive(clap::Args)]
-struct ShowArgs {
+pub(crate) struct ShowArgs {
     /// Camera file of any format
     file: PathBuf,
     /// One JSON object instead of text
@@ -53,7 +46,7 @@ struct ShowArgs {
 }
 
 #[derive(clap::Args)]
-struct GuessArgs {
+pub(crate) struct GuessArgs {
     /// A photo straight from the camera (JPEG or PNG with EXIF data)
     photo: PathBuf,
     /// The camera file to write (OpenCV YAML); without it the guess is only shown
@@ -62,39 +55,37 @@ struct GuessArgs {
 }
 
 /// Runs `scaleproof camera …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Convert(args) => convert(&args, out)?,
-        What::Show(args) if args.json => answer(&json(&Camera::open(&args.file)?), out)?,
-        What::Show(args) => show(&Camera::open(&args.file)?, out)?,
-        What::Guess(args) => guess(&args, out)?,
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Convert(args) => convert(&args, out),
+        Command::Show(args) => {
+            let camera = Camera::open(&args.file)?;
+            told(args.json, json(&camera), in_words(&camera), out)
+        }
+        Command::Guess(args) => guess(&args, out),
     }
-    Ok(Outcome::Done)
 }
 
-fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<()> {
-    let ends_in_cameramodel = args.output.extension().is_some_and(|e| e == "cameramodel");
-    let format = match args.format {
-        Some(format) => format,
-        None if ends_in_cameramodel => CameraFormat::Mrcal,
-        None => {
-            let name = args.output.display();
-            return Err(format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal").into());
-        }
-    };
-    let camera = Camera::open(&args.input)?;
-    let text = camera.write(format)?;
+fn convert(args: &ConvertArgs, out: &mut dyn Write) -> CommandResult {
+    let name = args.output.display();
+    let mrcal = args
+        .output
+        .extension()
+        .is_some_and(|e| e == "cameramodel")
+        .then_some(CameraFormat::Mrcal);
+    let format = args
+        .format
+        .or(mrcal)
+        .ok_or_else(|| format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal"))?;
+    let text = Camera::open(&args.input)?.write(format)?;
     save(&args.output, &text, &args.input)?;
-    writeln!(out, "{}: {} format", args.output.display(), format.name())?;
-    Ok(())
+    writeln!(out, "{name}: {} format", format.name())?;
+    Ok(Outcome::Done)
 }
 
 /// Writes a file that is not the one it was made from.
 fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
-    let same = path
-        .canonicalize()
-        .is_ok_and(|p| made_from.canonicalize().is_ok_and(|m| m == p));
-    if same {
+    if files::is_same(path, made_from) {
         return Err(format!("{} is the input: give the output another name", path.display()).into());
     }
     Ok(files::write_atomically(path, text.as_bytes())?)
@@ -136,33 +127,31 @@ fn json(camera: &Camera) -> Answer {
     }
 }
 
-fn show(camera: &Camera, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "image            {} × {} px", camera.width, camera.height)?;
-    writeln!(out, "focal length     fx {:.2}, fy {:.2} px", camera.fx, camera.fy)?;
-    writeln!(out, "principal point  {:.2}, {:.2} px", camera.cx, camera.cy)?;
-    if let Some([fx, fy, cx, cy]) = camera.sigma_px {
-        writeln!(
-            out,
-            "± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px"
-        )?;
-    }
-    writeln!(
-        out,
-        "field of view    {:.1}° × {:.1}°, without distortion",
-        field_deg(camera.width, camera.fx),
-        field_deg(camera.height, camera.fy)
-    )?;
-    writeln!(out, "lens model       {}", lens_model(camera))?;
+fn in_words(camera: &Camera) -> String {
+    let [across, down] = [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)];
+    let sigma =
+        |[fx, fy, cx, cy]: [f64; 4]| format!("± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px\n");
+    let mut words = format!(
+        "image            {} × {} px\nfocal length     fx {:.2}, fy {:.2} px\nprincipal point  {:.2}, {:.2} px\n\
+         {}field of view    {across:.1}° × {down:.1}°, without distortion\nlens model       {}",
+        camera.width,
+        camera.height,
+        camera.fx,
+        camera.fy,
+        camera.cx,
+        camera.cy,
+        camera.sigma_px.map(sigma).unwrap_or_default(),
+        lens_model(camera)
+    );
     if let Some(guess) = camera.guess {
-        writeln!(
-            out,
-            "guessed          focal length ± {:.1} %, so distances ± {:.1} %, azimuths about {:.2}° off",
+        words += &format!(
+            "\nguessed          focal length ± {:.1} %, so distances ± {:.1} %, azimuths about {:.2}° off",
             guess.focal_percent,
             guess.distance_percent(),
             guess.azimuth_deg()
-        )?;
+        );
     }
-    Ok(())
+    words
 }
 
 /// The coefficients that are not zero, by name.
@@ -180,13 +169,13 @@ fn lens_model(camera: &Camera) -> String {
     }
 }
 
-fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<()> {
+fn guess(args: &GuessArgs, out: &mut dyn Write) -> CommandResult {
     let photo = Photo::open(&args.photo)?;
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
     if let Some(path) = &args.output {
         save(path, &camera.write(CameraFormat::OpenCv)?, &args.photo)?;
     }
-    show(&camera, out)?;
-    Ok(())
+    writeln!(out, "{}", in_words(&camera))?;
+    Ok(Outcome::Done)
 }

@@ -8,22 +8,15 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::print::write_files;
-use super::{CommandResult, Outcome, progress};
+use super::{CommandResult, Outcome, Result, progress};
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::tags::AprilTagC;
 use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
 use scaleproof_print::print::printer::{Printer, PrinterFile};
 use scaleproof_surface::pattern::printed::PrintedColours;
 
-/// Measure a printer's colours
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Read the chart of `print chart` in photos of it
     ///
     /// Several photos of one print are averaged. Colours are relative to the paper's white under the photo's light; the
@@ -32,7 +25,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct ReadArgs {
+pub(crate) struct ReadArgs {
     /// Photos of one print (JPEG or PNG); they are never changed
     #[arg(required = true)]
     photos: Vec<PathBuf>,
@@ -64,27 +57,20 @@ pub(in crate::cli) struct Answer<'a> {
 }
 
 /// Runs `scaleproof colour …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Read(args) => run_read(&args, out),
-    }
-}
-
-fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    let Command::Read(args) = command;
     // What is there must be a printer file, or it would be lost.
     let there = args.output.as_deref().filter(|path| path.exists());
     let old = there.map(PrinterFile::load).transpose()?;
     let mut tags = AprilTagC::new(&FAMILIES)?;
-    let bar = progress::photos("reading", args.photos.len());
-    let readings = args.photos.iter().map(|path| {
-        let photo = Photo::open(path).map_err(|e| e.to_string())?;
-        let reading = read(&photo, &mut tags).map_err(|e| e.to_string())?;
-        let reading = reading.map_err(|e| format!("{}: {e}", path.display()))?;
-        bar.inc(1);
-        Ok(reading)
-    });
-    let readings = readings.collect::<Result<Vec<ChartReading>, String>>()?;
-    bar.finish_and_clear();
+    let readings = progress::photos("reading", args.photos.len()).during(|bar| {
+        let readings = args.photos.iter().map(|path| {
+            let reading = read(&Photo::open(path)?, &mut tags)?;
+            bar.inc(1);
+            Ok(reading.map_err(|e| format!("{}: {e}", path.display()))?)
+        });
+        readings.collect::<Result<Vec<ChartReading>>>()
+    })?;
     let (colours, disagreements) = average(&readings, concat!("scaleproof ", env!("CARGO_PKG_VERSION")))?;
     if let Some(path) = &args.output {
         let file = PrinterFile {
@@ -108,15 +94,14 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
         };
         writeln!(out, "{}", serde_json::to_string(&answer)?)?;
     } else {
-        summarise(args, &readings, &disagreements, &colours, out)?;
+        summarise(&args, &readings, &disagreements, &colours, out)?;
         if let Some(path) = &args.output {
             let replaced = old.is_some_and(|file| file.colours.is_some());
             let verb = if replaced { "new colours in" } else { "written to" };
+            let path = path.display();
             writeln!(
                 out,
-                "{verb} {}; next: scaleproof pattern check P.png --printer {}",
-                path.display(),
-                path.display()
+                "{verb} {path}; next: scaleproof pattern check P.png --printer {path}"
             )?;
         }
     }
@@ -140,35 +125,23 @@ fn summarise(
             "{name}: chart {}, {flat}, {light}, ΔE2000 {off:.2} from the mean",
             colours.chart
         )?;
-        if q.at_zero > 0 {
-            say!(
-                "note: {} patches of {name} have a channel at 0; they may be darker or more saturated than read",
-                q.at_zero
-            );
+        if let count @ 1.. = q.at_zero {
+            say!("note: {count} patches of {name} have a channel at 0; they may be darker or more saturated than read");
         }
     }
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
     writeln!(
         out,
-        "mean ΔE2000 between asked and printed: {:.1}",
-        colours.delta_e_mean
-    )?;
-    writeln!(
-        out,
-        "gamut: {:.0} cubic CIELAB units, {:.0} % of sRGB; darkest {}, most saturated {}",
+        "mean ΔE2000 between asked and printed: {:.1}\n\
+         gamut: {:.0} cubic CIELAB units, {:.0} % of sRGB; darkest {}, most saturated {}\n\
+         greys between the levels are met within ΔE2000 {:.1} by interpolating\n\
+         Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be separated \
+         from the printer's.",
+        colours.delta_e_mean,
         colours.gamut_volume_lab,
         100.0 * colours.gamut_share_of_srgb,
         hex(colours.darkest_rgb),
-        hex(colours.most_saturated_rgb)
-    )?;
-    writeln!(
-        out,
-        "greys between the levels are met within ΔE2000 {:.1} by interpolating",
+        hex(colours.most_saturated_rgb),
         colours.interpolation_delta_e_mean
-    )?;
-    writeln!(
-        out,
-        "Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be separated \
-         from the printer's."
     )
 }

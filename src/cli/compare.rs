@@ -1,6 +1,5 @@
 //! `scaleproof compare`: is one texture harder to detect than another, and can these photos tell?
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -10,7 +9,7 @@ use super::patterns::Patterns;
 use super::{CommandResult, Outcome, at_hand, detectors, results, score as score_command, sessions};
 use scaleproof_core::files;
 use scaleproof_score::report;
-use scaleproof_score::score::{self, ClusteredBy, CompareError, SealedPlan};
+use scaleproof_score::score::{self, ClusteredBy, SealedPlan};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
@@ -66,14 +65,6 @@ pub(super) fn inside(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
         _ => Err("give a number above 0 and below 1".into()),
-    }
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        CompareError::NoBase { .. } => Some("name one of these with --base".into()),
-        _ => None,
     }
 }
 

@@ -1,7 +1,6 @@
 //! What figures mean, as `score`, `merge` and `compare` are told: definitions, thresholds, protocols, the base and groups.
 
 use std::collections::BTreeSet;
-use std::error::Error;
 
 use scaleproof_detect::SCORE_FLOOR;
 use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
@@ -43,9 +42,9 @@ impl Reading {
             return Ok(Criteria::of(protocol));
         }
         if !(SCORE_FLOOR..=1.0).contains(&self.confidence) {
-            let confidence = self.confidence;
             return Err(format!(
-                "--confidence is {confidence}: give a number from {SCORE_FLOOR} to 1"
+                "--confidence is {}: give a number from {SCORE_FLOOR} to 1",
+                self.confidence
             ));
         }
         Ok(Criteria {
@@ -74,19 +73,13 @@ impl Tables {
         self.group_by
             .iter()
             .try_for_each(|group| group.check_sessions(sessions))?;
-        let variants: BTreeSet<&str> = sessions
-            .iter()
-            .flat_map(|s| s.photos.iter().map(|p| p.variant.as_str()))
-            .collect();
+        let photos = sessions.iter().flat_map(|s| &s.photos);
+        let variants: BTreeSet<&str> = photos.map(|p| p.variant.as_str()).collect();
         if self.base == score::BASE_VARIANT || variants.contains(self.base.as_str()) {
-            Ok(())
-        } else {
-            Err(CompareError::NoBase {
-                base: self.base.clone(),
-                variants: variants.into_iter().collect::<Vec<_>>().join(", "),
-            }
-            .into())
+            return Ok(());
         }
+        let (base, variants) = (self.base.clone(), variants.into_iter().collect::<Vec<_>>().join(", "));
+        Err(CompareError::NoBase { base, variants }.into())
     }
 
     /// The run under these criteria, with these drops and groups.
@@ -95,15 +88,5 @@ impl Tables {
             .judged_by(criteria)
             .against(&self.base)
             .grouped_by(&self.group_by)
-    }
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        GroupByError::Unknown { hint, .. } if hint.is_empty() => Some(
-            "`session import` keeps the columns of a table, and session.json has `conditions` for each photo".into(),
-        ),
-        _ => None,
     }
 }

@@ -5,7 +5,8 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, Result, advice, detectors, locate, print, score};
+use super::answer::told;
+use super::{CommandResult, Result, advice, detectors, locate, print, score};
 use scaleproof_core::files;
 use scaleproof_detect::{Manifest, Runtime, WeightFolders};
 use scaleproof_print::print::paper::{Orientation, Paper};
@@ -32,26 +33,12 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    if !args.json {
-        let made = make(&args, out)?;
-        writeln!(
-            out,
-            "\nreport:   {}\ntemplate: {}\n",
-            made.report.display(),
-            made.template.display()
-        )?;
-        writeln!(out, "{}", report::summary_table(&made.scores))?;
-        return Ok(Outcome::Done);
-    }
-    let made = make(&args, &mut std::io::sink())?;
-    let answer = Answer {
-        pattern: made.pattern,
-        template: made.template,
-        report: made.report,
-        summary: args.output.join("summary.json"),
-    };
-    crate::cli::answer::answer(&answer, out)?;
-    Ok(Outcome::Done)
+    let steps: &mut dyn Write = if args.json { &mut std::io::sink() } else { out };
+    let (made, scores) = make(&args, steps)?;
+    let (report, template) = (made.report.display(), made.template.display());
+    let table = report::summary_table(&scores);
+    let words = format!("\nreport:   {report}\ntemplate: {template}\n\n{table}");
+    told(args.json, &made, words, out)
 }
 
 /// `demo --json`: the paths of what the demo made.
@@ -67,16 +54,8 @@ pub(super) struct Answer {
     summary: PathBuf,
 }
 
-/// What the demo has made.
-struct DemoFiles {
-    pattern: PathBuf,
-    template: PathBuf,
-    report: PathBuf,
-    scores: Scores,
-}
-
 /// The three steps, reported to `out`.
-fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles> {
+fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
@@ -91,14 +70,19 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles> {
     let detectors = detectors(&session, &args.folder.folders()?, out)?;
     let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &detectors)?;
     let scores = score::score_with_progress(vec![session], detectors, &Options::default())?;
-    let page = report::write(&args.output, &scores, Some(&speeds))?;
+    let report = report::write(&args.output, &scores, Some(&speeds))?;
     score::caution(&scores);
-    Ok(DemoFiles {
-        pattern: png,
-        template: pdf,
-        report: page,
+    let summary = args.output.join("summary.json");
+    let (pattern, template) = (png, pdf);
+    Ok((
+        Answer {
+            pattern,
+            template,
+            report,
+            summary,
+        },
         scores,
-    })
+    ))
 }
 
 /// For a panel as large as the model's side.
@@ -165,15 +149,13 @@ fn detectors(session: &Session, folders: &WeightFolders, out: &mut dyn Write) ->
         });
     }
     if !played_back.is_empty() {
+        let (names, why) = (
+            played_back.join(", "),
+            why_not.unwrap_or_else(|| "their weights are not here".into()),
+        );
         writeln!(
             out,
-            "scored from RECORDED detections, not by running them: {}",
-            played_back.join(", ")
-        )?;
-        writeln!(
-            out,
-            "because {}",
-            why_not.unwrap_or_else(|| "their weights are not here".into())
+            "scored from RECORDED detections, not by running them: {names}\nbecause {why}"
         )?;
     }
     Ok(detectors)

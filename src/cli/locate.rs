@@ -1,26 +1,25 @@
 //! `scaleproof locate`: where did the camera stand in these photos?
 
-mod overlay;
-
 use schemars::JsonSchema;
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::failing_alike::{LocateFiles, MOST_LISTED};
 use super::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::{spelling, workers};
+use scaleproof_photo::copies;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
-use scaleproof_pose::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+use scaleproof_pose::locate::{
+    Abstention, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Sigma, Warning, locate_photo,
+};
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
-use scaleproof_score::score::ScoreError;
 use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_session::overlay;
 use scaleproof_session::session::Session;
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
@@ -91,19 +90,10 @@ pub(in crate::cli) struct OutputLine {
 /// What was found in a photo, or why it cannot be read.
 type PhotoAnswer = Result<LocatedPhoto, PhotoError>;
 
-const UNREADABLE: &str = "unreadable";
+/// Photos, each with what was found.
+type Answered<'a> = [(&'a Path, PhotoAnswer)];
 
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let of_score = || match error.downcast_ref()? {
-        ScoreError::Tags(start) => Some(start),
-        _ => None,
-    };
-    match error.downcast_ref().or_else(of_score)? {
-        StartError::NotBuilt { .. } => Some("leave --tag-detector out".into()),
-        _ => None,
-    }
-}
+const UNREADABLE: &str = "unreadable";
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let files = LocateFiles {
@@ -112,32 +102,31 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         scene_file: args.scene,
         camera_file: args.camera,
     };
-    let overlays = args
-        .overlay
-        .as_deref()
-        .map(|folder| overlay::places(folder, &args.photos))
-        .transpose()?;
+    let places = |folder: &PathBuf| copies::places(folder, &args.photos, "--overlay", overlay_name);
+    let overlays = args.overlay.as_ref().map(places).transpose()?;
     let answers = locate_all(&args.photos, &files.scene, &files.camera, args.tag_detector)?;
-    let cause = cause(&args.photos, &answers, &files);
+    let read: Vec<_> = answers
+        .iter()
+        .filter_map(|(path, answer)| Some((*path, answer.as_ref().ok()?)))
+        .collect();
+    let cause = files.cause(&read);
     let alike = is_alike(&answers, cause.is_some());
     if args.json {
-        for (path, answer) in args.photos.iter().zip(&answers) {
+        for (path, answer) in &answers {
             writeln!(out, "{}", serde_json::to_string(&line(path, answer))?)?;
         }
     } else {
-        write_table(&args.photos, &answers, alike, out)?;
+        write_table(&answers, alike, out)?;
     }
-    explain(&args.photos, &answers, alike);
+    explain(&answers, alike);
     cause.iter().for_each(|cause| say!("note: {cause}"));
     if let (Some(folder), Some(places)) = (&args.overlay, &overlays) {
-        draw(&args.photos, &answers, places, &files)?;
-        let drawn = answers.iter().filter(|answer| answer.is_ok()).count();
-        let images = spelling::count(drawn, "image");
+        draw(&answers, places, &files)?;
+        let images = spelling::count(read.len(), "image");
         say!("note: {images} of what was found in {}", folder.display());
     }
-    let unreadable = answers.iter().any(Result::is_err);
-    let none_located = answers.iter().all(|answer| located(answer).is_none());
-    Ok(if unreadable || none_located {
+    let none_located = answers.iter().all(|(_, answer)| located(answer).is_none());
+    Ok(if read.len() < answers.len() || none_located {
         Outcome::SomeInputBad
     } else {
         Outcome::Done
@@ -153,27 +142,26 @@ pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<()> {
         session.known_camera()?,
         TagDetectorChoice::default(),
     )?;
-    write_table(&photos, &answers, false, out)?;
-    explain(&photos, &answers, false);
+    write_table(&answers, false, out)?;
+    explain(&answers, false);
     Ok(())
 }
 
 /// One answer per photo, in their order.
-fn locate_all(
-    photos: &[PathBuf],
+fn locate_all<'a>(
+    photos: &'a [PathBuf],
     scene: &Scene,
     camera: &Camera,
     tag_detector: TagDetectorChoice,
-) -> Result<Vec<PhotoAnswer>, StartError> {
+) -> Result<Vec<(&'a Path, PhotoAnswer)>, StartError> {
     let families = scene.families();
-    let bar = progress::photos("locating", photos.len());
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
         let photo = Photo::open(path);
         Ok(photo.and_then(|photo| locate_photo(&photo, scene, camera, tags)))
     };
-    let answers = workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1));
-    bar.finish_and_clear();
-    answers
+    let answers = progress::photos("locating", photos.len())
+        .during(|bar| workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1)))?;
+    Ok(photos.iter().map(PathBuf::as_path).zip(answers).collect())
 }
 
 /// The pose of a photo that has one.
@@ -186,6 +174,13 @@ fn abstention(answer: &PhotoAnswer) -> Option<&Abstention> {
     answer.as_ref().ok()?.result.as_ref().err()
 }
 
+/// The photos that could be read and have no pose, and why.
+fn abstained<'a>(answers: &'a Answered) -> impl Iterator<Item = (&'a Path, &'a Abstention)> {
+    answers
+        .iter()
+        .filter_map(|(path, answer)| Some((*path, abstention(answer)?)))
+}
+
 /// The word for programs why there is no pose.
 fn code(answer: &PhotoAnswer) -> Option<&'static str> {
     match answer {
@@ -194,32 +189,27 @@ fn code(answer: &PhotoAnswer) -> Option<&'static str> {
     }
 }
 
-/// The one cause for nearly all photos, as a sentence, if there is one.
-fn cause(photos: &[PathBuf], answers: &[PhotoAnswer], files: &LocateFiles) -> Option<String> {
-    let read = photos
-        .iter()
-        .zip(answers)
-        .filter_map(|(path, answer)| Some((path.as_path(), answer.as_ref().ok()?)));
-    files.cause(&read.collect::<Vec<_>>())
-}
-
 /// Whether the photos without a pose are reported together: they have one cause, or no photo has a pose and all lack it for one reason.
-fn is_alike(answers: &[PhotoAnswer], has_cause: bool) -> bool {
-    let codes: BTreeSet<Option<&str>> = answers.iter().map(code).collect();
-    let without_pose = answers.iter().filter(|answer| abstention(answer).is_some()).count();
-    without_pose > MOST_LISTED && (has_cause || codes.len() == 1)
+fn is_alike(answers: &Answered, has_cause: bool) -> bool {
+    let codes: BTreeSet<Option<&str>> = answers.iter().map(|(_, answer)| code(answer)).collect();
+    abstained(answers).count() > MOST_LISTED && (has_cause || codes.len() == 1)
 }
 
 /// `alike`: one row for all photos that were read and have no pose.
-fn write_table(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "{}", heading())?;
-    for (path, answer) in photos.iter().zip(answers) {
-        if !alike || abstention(answer).is_none() {
-            writeln!(out, "{}", row(path, answer))?;
-        }
+fn write_table(answers: &Answered, alike: bool, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
+        "photo", "azimuth", "±", "pitch", "distance", "bin", "sure", "tags", "rms"
+    )?;
+    for (path, answer) in answers
+        .iter()
+        .filter(|(_, answer)| !alike || abstention(answer).is_none())
+    {
+        writeln!(out, "{}", row(path, answer))?;
     }
-    let codes: BTreeSet<&str> = answers.iter().filter_map(abstention).map(Abstention::code).collect();
     if alike {
+        let codes: BTreeSet<&str> = abstained(answers).map(|(_, reason)| reason.code()).collect();
         let codes: Vec<&str> = codes.into_iter().collect();
         writeln!(out, "{}: no pose ({})", without_pose(answers), codes.join(", "))?;
     }
@@ -227,8 +217,8 @@ fn write_table(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool, out: &m
 }
 
 /// `all 24 photos`, `23 of 24 photos`.
-fn without_pose(answers: &[PhotoAnswer]) -> String {
-    let count = answers.iter().filter(|answer| abstention(answer).is_some()).count();
+fn without_pose(answers: &Answered) -> String {
+    let count = abstained(answers).count();
     if count == answers.len() {
         format!("all {count} photos")
     } else {
@@ -238,36 +228,26 @@ fn without_pose(answers: &[PhotoAnswer]) -> String {
 
 /// Says on standard error why photos got no pose, which tags were rejected, and once each what to know before believing
 /// the answers.
-fn explain(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool) {
-    let each = || photos.iter().zip(answers);
-    for (path, found) in each().filter_map(|(path, answer)| Some((path, located(answer)?))) {
+fn explain(answers: &Answered, alike: bool) {
+    for (path, found) in answers
+        .iter()
+        .filter_map(|(path, answer)| Some((path.display(), located(answer)?)))
+    {
         for tag in found.ignored_tags.iter().filter(|tag| tag.why.is_outlier()) {
-            say!(
-                "note on {}: tag {} {}; it was left out",
-                path.display(),
-                tag.id,
-                tag.why
-            );
+            say!("note on {path}: tag {} {}; it was left out", tag.id, tag.why);
         }
     }
     unreadable(answers);
-    let mut abstained = each().filter_map(|(path, answer)| Some((path, abstention(answer)?)));
-    match abstained.next() {
+    match abstained(answers).next() {
         Some((first, reason)) if alike => {
-            say!(
-                "no pose for {}; {}, for one: {reason}",
-                without_pose(answers),
-                first.display()
-            );
+            let photos = without_pose(answers);
+            say!("no pose for {photos}; {}, for one: {reason}", first.display());
         }
-        first => {
-            let all = first.into_iter().chain(abstained);
-            all.for_each(|(path, reason)| say!("no pose for {}: {reason}", path.display()));
-        }
+        _ => abstained(answers).for_each(|(path, reason)| say!("no pose for {}: {reason}", path.display())),
     }
     let cautions: BTreeSet<String> = answers
         .iter()
-        .flatten()
+        .flat_map(|(_, answer)| answer)
         .filter(|examined| examined.result.is_ok())
         .flat_map(|examined| &examined.fitted)
         .flat_map(FittedCamera::cautions)
@@ -276,8 +256,8 @@ fn explain(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool) {
 }
 
 /// What is wrong with files names them already. Of many that are wrong in one way, the first is named.
-fn unreadable(answers: &[PhotoAnswer]) {
-    let errors: Vec<&PhotoError> = answers.iter().filter_map(|answer| answer.as_ref().err()).collect();
+fn unreadable(answers: &Answered) {
+    let errors: Vec<&PhotoError> = answers.iter().filter_map(|(_, answer)| answer.as_ref().err()).collect();
     let kinds: Vec<_> = errors.iter().map(|e| std::mem::discriminant(*e)).collect();
     let is_one_kind = kinds.windows(2).all(|pair| pair[0] == pair[1]);
     match &errors[..] {
@@ -290,22 +270,17 @@ fn unreadable(answers: &[PhotoAnswer]) {
 }
 
 /// Writes the image of every photo that could be read.
-fn draw(photos: &[PathBuf], answers: &[PhotoAnswer], places: &[PathBuf], files: &LocateFiles) -> Result<()> {
+fn draw(answers: &Answered, places: &[PathBuf], files: &LocateFiles) -> Result<()> {
     let folder = files.scene_file.parent().unwrap_or(Path::new(""));
     let outline = EnvelopeShape::open(&files.scene.model, folder)?;
-    let read = photos.iter().zip(answers).zip(places);
+    let read = answers.iter().zip(places);
     let read: Vec<_> = read
-        .filter_map(|((photo, answer), place)| Some((photo, answer.as_ref().ok()?, place)))
+        .filter_map(|((photo, answer), place)| Some((*photo, answer.as_ref().ok()?, place)))
         .collect();
-    let bar = progress::photos("drawing", read.len());
-    let drawn = workers::map(
-        &read,
-        || Ok(()),
-        |(), (photo, examined, place)| overlay::write(place, photo, examined, &files.scene, &outline),
-        || bar.inc(1),
-    );
-    bar.finish_and_clear();
-    drawn?;
+    let draw = |(): &mut (), (photo, examined, place): &(&Path, &LocatedPhoto, &PathBuf)| {
+        overlay::write(place, photo, examined, &files.scene, &outline)
+    };
+    progress::photos("drawing", read.len()).during(|bar| workers::map(&read, || Ok(()), draw, || bar.inc(1)))?;
     Ok(())
 }
 
@@ -338,31 +313,10 @@ fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
     }
 }
 
-/// A pose as two lines of words.
-fn words(l: &Located) -> String {
-    let (v, s, b) = (&l.viewpoint, &l.sigma, &l.bin);
-    format!(
-        "azimuth {:.2}° ± {:.3}°, pitch {:.2}° ± {:.3}°, distance {:.1} mm ± {:.2} mm\nbin {}°/{}°/{} mm, {:.0} % sure; {} tags, rms {:.2} px",
-        v.azimuth_deg,
-        s.azimuth_deg,
-        v.pitch_deg,
-        s.pitch_deg,
-        v.distance_mm,
-        s.distance_mm,
-        b.azimuth_deg,
-        b.pitch_deg,
-        b.distance_mm,
-        (100.0 * l.bin_probability).floor(),
-        l.tags.len(),
-        l.rms_px
-    )
-}
-
-fn heading() -> String {
-    format!(
-        "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
-        "photo", "azimuth", "±", "pitch", "distance", "bin", "sure", "tags", "rms"
-    )
+/// `NAME.overlay.jpg`, and `NAME-2.overlay.jpg` for the next photo of that name.
+fn overlay_name(stem: &str, number: u32) -> String {
+    let number = if number == 1 { "" } else { &format!("-{number}") };
+    format!("{stem}{number}.overlay.jpg")
 }
 
 fn row(path: &Path, answer: &PhotoAnswer) -> String {

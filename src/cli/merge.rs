@@ -1,12 +1,11 @@
 //! `scaleproof merge`: the shards of a run become its report.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, detectors, score as score_command};
 use scaleproof_core::files;
-use scaleproof_score::score::shard::{self, ShardError};
+use scaleproof_score::score::shard;
 use scaleproof_score::{report, score};
 
 /// Put the shards of `score --shard` together: the same files as one run over all photos writes, byte for byte.
@@ -25,15 +24,6 @@ pub(super) struct Args {
     /// Print summary.json instead of the table.
     #[arg(long)]
     json: bool,
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        ShardError::NotAShard { .. } => Some("name the files that score --shard wrote".into()),
-        ShardError::Detector(e) => detectors::advice(e),
-        _ => None,
-    }
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {

@@ -8,12 +8,10 @@ mod choice;
 mod colour;
 mod compare;
 mod completions;
-mod copies;
 mod criteria;
 mod demo;
 mod detectors;
 mod enlarged;
-mod failing_alike;
 #[cfg(feature = "full")]
 mod full;
 #[cfg(not(feature = "full"))]
@@ -61,14 +59,28 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Demo(demo::Args),
-    Print(print::Args),
-    Scene(scene::Args),
-    Pattern(pattern::Args),
-    Camera(camera::Args),
-    Colour(colour::Args),
+    /// Print sheets in true millimetres
+    #[command(subcommand)]
+    Print(print::Command),
+    /// Make scene files
+    #[command(subcommand)]
+    Scene(scene::Command),
+    /// Make and check patterns
+    #[command(subcommand)]
+    Pattern(pattern::Command),
+    /// Convert, show and guess camera files
+    #[command(subcommand)]
+    Camera(camera::Command),
+    /// Measure a printer's colours
+    #[command(subcommand)]
+    Colour(colour::Command),
     Locate(locate::Args),
-    Detectors(detectors::Args),
-    Session(session::Args),
+    /// List, fetch, try out and add object detectors.
+    #[command(subcommand)]
+    Detectors(detectors::Command),
+    /// Make a session of photos that are there already, show what is in one, or export it for other programs.
+    #[command(subcommand)]
+    Session(session::Command),
     Score(score::Args),
     Merge(merge::Args),
     Compare(compare::Args),
@@ -82,6 +94,8 @@ enum Command {
     Schemas(schemas::Args),
 }
 
+use full::ADVICE as MORE_ADVICE;
+
 /// What a finished command says to the shell.
 enum Outcome {
     Done,
@@ -92,25 +106,6 @@ enum Outcome {
 type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
 
 type CommandResult = Result<Outcome>;
-
-/// The advice of each command that has some.
-const ADVICE: [&[advice::Advise]; 2] = [
-    full::ADVICE,
-    &[
-        compare::advice,
-        criteria::advice,
-        detectors::advice,
-        locate::advice,
-        merge::advice,
-        model::advice,
-        pattern::advice,
-        print::template::advice,
-        results::advice,
-        score::advice,
-        session::advice,
-        texture::advice,
-    ],
-];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub(crate) fn main() -> ExitCode {
@@ -141,14 +136,14 @@ pub(crate) fn main() -> ExitCode {
     };
     let result = match cli.command {
         Command::Demo(args) => demo::run(args, out),
-        Command::Print(args) => print::run(args, out),
-        Command::Scene(args) => scene::run(args, out),
-        Command::Pattern(args) => pattern::run(args, out),
-        Command::Camera(args) => camera::run(args, out),
-        Command::Colour(args) => colour::run(args, out),
+        Command::Print(command) => print::run(command, out),
+        Command::Scene(command) => scene::run(command, out),
+        Command::Pattern(command) => pattern::run(command, out),
+        Command::Camera(command) => camera::run(command, out),
+        Command::Colour(command) => colour::run(command, out),
         Command::Locate(args) => locate::run(args, out),
-        Command::Detectors(args) => detectors::run(args, out),
-        Command::Session(args) => session::run(args, out),
+        Command::Detectors(command) => detectors::run(command, out),
+        Command::Session(command) => session::run(command, out),
         Command::Score(args) => score::run(args, out),
         Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),

@@ -1,12 +1,12 @@
 //! The model that a command works on: its mesh, which of it is paint, its size.
 
-use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use super::Result;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
 use scaleproof_print::print::template::check_scale;
-use scaleproof_print::print::wrap::{WrapError, check_size};
+use scaleproof_print::print::wrap::check_size;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement};
 
 /// The model.
@@ -47,13 +47,21 @@ pub(crate) struct Model {
     pub scale: f64,
 }
 
+impl Model {
+    /// `a model of 455 × 186 × 128 mm`
+    pub(crate) fn in_words(&self) -> String {
+        let [length, width, height] = self.mesh.size_mm();
+        format!("a model of {length:.0} × {width:.0} × {height:.0} mm")
+    }
+}
+
 impl ModelArgs {
-    pub(crate) fn load(&self) -> Result<Model, Box<dyn Error>> {
+    pub(crate) fn load(&self) -> Result<Model> {
         self.load_or(None)
     }
 
     /// Loads the model; without `--mesh`, the mesh that brings the texture is taken, if there is one.
-    pub(crate) fn load_or(&self, textured: Option<&Path>) -> Result<Model, Box<dyn Error>> {
+    pub(crate) fn load_or(&self, textured: Option<&Path>) -> Result<Model> {
         let scene = self.scene.as_deref().map(Scene::open).transpose()?;
         let file = self.mesh.as_deref().or(textured);
         let mesh = match (file, &scene) {
@@ -119,17 +127,5 @@ impl ModelArgs {
             up: axis(&self.mesh_up)?,
             length_mm: self.length_mm,
         })
-    }
-}
-
-/// What to do about an error of the library.
-pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(WrapError::OtherSize { .. }) = error.downcast_ref() {
-        return Some("; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene".into());
-    }
-    match error.downcast_ref()? {
-        MeshError::NoModel { .. } => Some(" (--length-mm)".into()),
-        MeshError::LifeSize { .. } => Some("; the option is --length-mm".into()),
-        _ => None,
     }
 }

@@ -1,15 +1,13 @@
 //! `scaleproof pattern`: make patterns, and check what a printer makes of them.
 
 use schemars::JsonSchema;
-use std::error::Error;
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::answer::write_json;
+use super::answer::{told, written};
 use super::enlarged::{note_enlarged, picture};
 use super::print::write_files;
 use super::{CommandResult, Outcome};
@@ -20,20 +18,13 @@ use scaleproof_surface::pattern::fate::{PatternFate, fate};
 use scaleproof_surface::pattern::gamut::PRINTABLE_DELTA_E;
 use scaleproof_surface::pattern::import::{enlarged_pattern, in_cells, rows_for};
 use scaleproof_surface::pattern::picture::Picture;
-use scaleproof_surface::pattern::{Pattern, PatternError, contrast};
+use scaleproof_surface::pattern::{Pattern, contrast};
 
 /// So many of the worst colours are listed; `--json` has all.
 const LISTED: usize = 8;
 
-/// Make and check patterns
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// A square of uniformly random colours: the baseline every optimised pattern must beat
     Random(RandomArgs),
     /// A pattern from any image: the mean colour of each of its cells, or the cells of an enlarged grid
@@ -43,7 +34,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-struct RandomArgs {
+pub(crate) struct RandomArgs {
     /// Cells along each side
     #[arg(long, default_value_t = 16)]
     cells: u32,
@@ -59,7 +50,7 @@ struct RandomArgs {
 }
 
 #[derive(clap::Args)]
-struct ImportArgs {
+pub(crate) struct ImportArgs {
     /// The image: PNG or JPEG
     image: PathBuf,
     /// Cells across, as in 24 (the rows follow from the image's shape), or across and down, as in 24x16; without it, the image must be an
@@ -75,7 +66,7 @@ struct ImportArgs {
 }
 
 #[derive(clap::Args)]
-struct CheckArgs {
+pub(crate) struct CheckArgs {
     /// The pattern: a PNG with one pixel per cell
     pattern: PathBuf,
     /// The printer file that `colour read` put the printer's colours in; without it, printing is not judged
@@ -105,11 +96,11 @@ pub(in crate::cli) struct Answer {
 }
 
 /// Runs `scaleproof pattern …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Random(args) => run_random(&args, out),
-        What::Import(args) => run_import(&args, out),
-        What::Check(args) => run_check(&args, out),
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Random(args) => run_random(&args, out),
+        Command::Import(args) => run_import(&args, out),
+        Command::Check(args) => run_check(&args, out),
     }
 }
 
@@ -117,18 +108,15 @@ fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::random(args.cells, args.seed)?;
     let new = [(args.output.clone(), pattern.to_png()?)];
     files::write_all_atomically(&new)?;
-    if args.json {
-        let facts = Random {
-            cells: args.cells,
-            seed: args.seed,
-            pattern_sha256: pattern.sha256().to_owned(),
-        };
-        write_json(&new, facts, out)?;
-        return Ok(Outcome::Done);
-    }
-    let (path, cells) = (args.output.display(), args.cells);
-    writeln!(out, "{path}: {cells} × {cells} random cells, seed {}", args.seed)?;
-    Ok(Outcome::Done)
+    let (path, cells, seed) = (args.output.display(), args.cells, args.seed);
+    let pattern_sha256 = pattern.sha256().to_owned();
+    let facts = Random {
+        cells,
+        seed,
+        pattern_sha256,
+    };
+    let words = format_args!("{path}: {cells} × {cells} random cells, seed {seed}");
+    told(args.json, written(&new, facts), words, out)
 }
 
 /// `pattern random --json`.
@@ -184,30 +172,24 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
             "note: {image} is an enlarged grid of {across}×{down} cells, which --cells mixes; leave it out to have them"
         );
     }
-    if args.json {
-        let facts = Imported {
-            columns,
-            rows,
-            pixels_per_cell: pixels,
-            enlarged_grid: grid,
-            pattern_sha256: pattern.sha256().to_owned(),
-        };
-        write_json(&new, facts, out)?;
-        return Ok(Outcome::Done);
-    }
     let [wide, high] = pixels.map(number);
-    let output = args.output.display();
-    match &args.cells {
-        None => writeln!(
-            out,
-            "{output}: {image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each"
-        )?,
-        Some(_) => writeln!(
-            out,
-            "{output}: {columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"
-        )?,
-    }
-    Ok(Outcome::Done)
+    let words = match &args.cells {
+        None => format!("{image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each"),
+        Some(_) => format!("{columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"),
+    };
+    let facts = Imported {
+        columns,
+        rows,
+        pixels_per_cell: pixels,
+        enlarged_grid: grid,
+        pattern_sha256: pattern.sha256().to_owned(),
+    };
+    told(
+        args.json,
+        written(&new, facts),
+        format_args!("{}: {words}", args.output.display()),
+        out,
+    )
 }
 
 /// Columns and rows.
@@ -218,23 +200,6 @@ fn cells(text: &str, picture: &Picture) -> Result<[u32; 2], String> {
         None => number(text).map(|columns| [columns, rows_for(picture, columns)]),
     };
     cells.ok_or_else(|| format!("'{text}' is no number of cells; write 24, or 24x16 for columns and rows"))
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let path = match error.downcast_ref()? {
-        PatternError::TooManyCells { path, .. } => path,
-        PatternError::NotPng { path } if path.extension().is_some_and(is_jpeg) => path,
-        _ => return None,
-    };
-    Some(format!(
-        ", or make one of the image: scaleproof pattern import {} --cells 24 -o pattern.png",
-        path.display()
-    ))
-}
-
-fn is_jpeg(ending: &OsStr) -> bool {
-    ["jpg", "jpeg"].iter().any(|known| ending.eq_ignore_ascii_case(known))
 }
 
 fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
@@ -308,21 +273,14 @@ fn describe(args: &CheckArgs, answer: &Answer, out: &mut dyn Write) -> std::io::
         print.nps
     )?;
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
-    let row =
-        |a: &str, b: &str, c: &str, d: &str, e: &str, f: &str| format!("{a:<9}{b:>6}  {c:<9}{d:>7}  {e:<16}{f:>7}");
-    writeln!(
-        out,
-        "{}",
-        row("colour", "cells", "printed", "ΔE2000", "best: ask → get", "ΔE2000")
-    )?;
+    writeln!(out, "colour    cells  printed   ΔE2000  best: ask → get  ΔE2000")?;
     for c in print.colours.iter().take(LISTED) {
-        let (printed_off, best_off) = (format!("{:.1}", c.printed_delta_e), format!("{:.1}", c.best_delta_e));
         let best = format!("{}→{}", hex(c.best_ask_rgb), hex(c.best_rgb));
         let (wanted, printed) = (hex(c.wanted_rgb), hex(c.printed_rgb));
+        let (cells, printed_off, best_off) = (c.cells, c.printed_delta_e, c.best_delta_e);
         writeln!(
             out,
-            "{}",
-            row(&wanted, &c.cells.to_string(), &printed, &printed_off, &best, &best_off)
+            "{wanted:<9}{cells:>6}  {printed:<9}{printed_off:>7.1}  {best:<16}{best_off:>7.1}"
         )?;
     }
     match print.colours.len().saturating_sub(LISTED) {

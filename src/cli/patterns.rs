@@ -31,14 +31,11 @@ impl Patterns {
     pub(super) fn of(&self, sessions: &[Session]) -> Result<Vec<WornPattern>> {
         let photos = sessions.iter().flat_map(|s| &s.photos);
         let variants: BTreeSet<&str> = photos.map(|p| p.variant.as_str()).collect();
-        let colours = match &self.printer {
-            Some(path) => Some(
-                PrinterFile::load(path)?
-                    .colours
-                    .ok_or_else(|| format!("{} has the printer's lengths but not its colours", path.display()))?,
-            ),
-            None => None,
+        let colours = |path: &PathBuf| -> Result<_> {
+            let without = || format!("{} has the printer's lengths but not its colours", path.display());
+            Ok(PrinterFile::load(path)?.colours.ok_or_else(without)?)
         };
+        let colours = self.printer.as_ref().map(colours).transpose()?;
         let mut seen = BTreeSet::new();
         let mut worn = Vec::new();
         for text in &self.patterns {

@@ -2,7 +2,7 @@
 
 pub(super) mod sealed;
 
-use crate::cli::answer::answer;
+use crate::cli::answer::{answer, told};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
@@ -13,10 +13,8 @@ use super::{CommandResult, Outcome, progress};
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_core::{files, spelling};
-use scaleproof_plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use scaleproof_pose::scene::Scene;
-use scaleproof_score::score;
-use scaleproof_score::score::SequentialPlan;
+use scaleproof_score::{report, score};
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
 ///
@@ -61,14 +59,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if let (Some(scene), Some(path)) = (&args.scene, &args.sealing.seal) {
-        let beside = sealed::Beside {
-            scene,
-            places: args.places,
-            is_sequential: args.sequential,
-            least: args.least,
-            as_json: args.json,
-        };
-        return sealed::seal(path, &args.sealing, &beside, out);
+        return sealed::seal(path, scene, &args, out);
     }
     match &args.scene {
         Some(_) if args.sequential => {
@@ -84,36 +75,31 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     let bins = usize::from(args.bins);
     let pairs = score::pairs_needed(args.base_rate, drop, args.power, 0.05 / bins as f64)?;
-    if args.json {
-        let plan = PairsNeeded {
-            pairs: pairs * bins,
-            pairs_per_bin: pairs,
-            bins,
-            photos: 2 * pairs * bins,
-            base_rate: args.base_rate,
-            drop,
-            power: args.power,
-        };
-        answer(&plan, out)?;
-        return Ok(Outcome::Done);
-    }
+    let plan = PairsNeeded {
+        pairs: pairs * bins,
+        pairs_per_bin: pairs,
+        bins,
+        photos: 2 * pairs * bins,
+        base_rate: args.base_rate,
+        drop,
+        power: args.power,
+    };
     let each = if bins > 1 {
-        format!(" in each of {bins} bins, {} pairs in all", pairs * bins)
+        format!(" in each of {bins} bins, {} pairs in all", plan.pairs)
     } else {
         String::new()
     };
     let digits = decimals(args.base_rate).max(decimals(drop));
-    writeln!(
-        out,
+    let words = format!(
         "{pairs} pairs{each}: {} photos, one of each texture at each place and bin.\n\
          A drop of the hit rate from {:.digits$} to {:.digits$} is then shown (McNemar, p < 0.05) with a chance of at least {}. Repeats at the same place and \
          bin count as one.",
-        2 * pairs * bins,
+        plan.photos,
         args.base_rate,
         args.base_rate - drop,
         args.power
-    )?;
-    Ok(Outcome::Done)
+    );
+    told(args.json, plan, words, out)
 }
 
 /// `plan --json`.
@@ -162,11 +148,10 @@ struct PlacesRow {
 
 /// A plan that stops when it knows, beside the fixed one.
 fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
-    let bar = progress::steps("simulating", score::SEQUENTIAL_ROWS);
-    let plan = score::sequential_plan((args.base_rate, drop), args.power, args.least, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let plan = progress::steps("simulating", score::SEQUENTIAL_ROWS)
+        .during(|bar| score::sequential_plan((args.base_rate, drop), args.power, args.least, || bar.inc(1)))?;
     if let Some(path) = &args.output {
-        files::write_atomically(path, chart(&plan).as_bytes())?;
+        files::write_atomically(path, report::plan_chart(&plan).as_bytes())?;
     }
     if args.json {
         writeln!(out, "{}", serde_json::to_string(&plan)?)?;
@@ -186,7 +171,8 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
     for row in &plan.table {
         let less = args
             .least
-            .map_or_else(String::new, |_| format!("{:<13.3}", row.less_than_least_shown));
+            .map(|_| format!("{:<13.3}", row.less_than_least_shown))
+            .unwrap_or_default();
         writeln!(
             out,
             "{:<11}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{} %",
@@ -207,47 +193,6 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
         writeln!(out, "chart: {}", path.display())?;
     }
     Ok(Outcome::Done)
-}
-
-/// Pairs, and how often a drop is shown, against the real drop.
-fn chart(plan: &SequentialPlan) -> String {
-    let steps: Vec<String> = plan.table.iter().map(|row| digits(row.real_drop, 3)).collect();
-    let panel = |title: &str, of: &dyn Fn(&score::Expected) -> [f64; 2]| {
-        let both: Vec<[f64; 2]> = plan.table.iter().map(of).collect();
-        let line = |series: usize| PlotLine {
-            series,
-            values: both.iter().map(|values| Some(values[series])).collect(),
-            is_dashed: series == 1,
-        };
-        PlotPanel {
-            title: title.to_owned(),
-            steps: steps.clone(),
-            y: PlotAxis::around(
-                "real drop of the hit rate",
-                Scale::Linear,
-                both.iter().flatten().copied(),
-            ),
-            lines: vec![line(0), line(1)],
-        }
-    };
-    let fixed = plan.fixed_pairs as f64;
-    let all = [
-        panel("mean pairs until it stops", &|row| [row.mean_pairs, fixed]),
-        panel("share that shows a drop", &|row| [row.drop_shown, row.fixed_drop_shown]),
-        panel("share of the pairs that is saved", &|row| [row.saved, 0.0]),
-    ];
-    let notes = [
-        format!(
-            "Planned: a drop of {} from {}, shown with a chance of {}.",
-            plan.drop, plan.base_rate, plan.power
-        ),
-        format!(
-            "At most {} pairs, looked at after each; {} experiments a point.",
-            plan.budget_pairs, plan.experiments
-        ),
-    ];
-    let series = ["stops when it knows".to_owned(), "fixed plan".to_owned()];
-    panels("Photos until the question is decided", &notes, &series, 3, &all)
 }
 
 /// Places, photos and the smallest drop they show, for the bins of a scene.

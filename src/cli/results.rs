@@ -1,15 +1,13 @@
 //! Detectors that are other programs: `--results NAME=FILE`, whose detections lie in files, and `--detector exec:PROGRAM`, which run.
 
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::full;
+use super::{Result, full};
 use scaleproof_detect::{
-    Manifest, OutsideError, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
-    ResultsRequest,
+    Manifest, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError, ResultsRequest,
 };
-use scaleproof_score::score::{EvaluatedDetector, EvaluatedDetectorError, ScoreError};
+use scaleproof_score::score::EvaluatedDetector;
 use scaleproof_session::session::Session;
 
 /// Detections from outside.
@@ -87,11 +85,7 @@ impl Results {
     }
 
     /// Starts the programs for the photos of some sessions.
-    pub(super) fn start(
-        &self,
-        programs: Vec<ProgramSpec>,
-        sessions: &[Session],
-    ) -> Result<Vec<EvaluatedDetector>, Box<dyn Error>> {
+    pub(super) fn start(&self, programs: Vec<ProgramSpec>, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>> {
         let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
             return Ok(Vec::new());
         };
@@ -102,13 +96,10 @@ impl Results {
     }
 
     /// Reads all of them, for the photos of some sessions.
-    pub(super) fn open(&self, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>, Box<dyn Error>> {
-        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+    pub(super) fn open(&self, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>> {
+        let (Some(class), true) = (sessions.first().map(|s| &s.scene.model.class), self.are_given()) else {
             return Ok(Vec::new());
         };
-        if self.results.is_empty() {
-            return Ok(Vec::new());
-        }
         let names = |s: &Session| -> Vec<PhotoName> {
             let folder = s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone());
             s.photos
@@ -140,32 +131,5 @@ fn name_and_path(given: &str) -> Result<(&str, &Path), String> {
         (_, "") => Err(wrong("names no file")),
         (false, _) => Err(wrong("has a name that is not of letters, digits, `_`, `-` and `.`")),
         (true, path) => Ok((name, Path::new(path))),
-    }
-}
-
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(EvaluatedDetectorError::Outside(e)) = error.downcast_ref() {
-        return advice(e);
-    }
-    if let Some(ScoreError::Program(e)) = error.downcast_ref() {
-        return advice(e);
-    }
-    if let Some(ProgramError::Lost(e)) = error.downcast_ref() {
-        return advice(e.as_ref());
-    }
-    if let Some(ProgramError::TooLong { .. }) = error.downcast_ref() {
-        return Some("give it more time by --detector-timeout".into());
-    }
-    match error.downcast_ref()? {
-        OutsideError::NumberedImages { .. } => Some("name the COCO file of its images by --images".into()),
-        OutsideError::UnknownCategory { .. } => Some("say what its categories are called by --categories".into()),
-        OutsideError::WhoseCategories { images, .. } => {
-            Some(format!("say by --categories, which may be {} too", images.display()))
-        }
-        OutsideError::NotListed { .. } => {
-            Some("run the other program on it too (see `scaleproof session export`)".into())
-        }
-        _ => None,
     }
 }

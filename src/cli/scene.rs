@@ -7,26 +7,19 @@ use std::path::PathBuf;
 
 use clap::{Subcommand, ValueEnum};
 
-use super::answer::write_json;
-use super::{CommandResult, Outcome, units};
+use super::answer::{told, written};
+use super::{CommandResult, units};
 use scaleproof_core::{files, spelling};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 
-/// Make scene files
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a scene.toml for tags that `print tags` then prints
     New(NewArgs),
 }
 
 #[derive(clap::Args)]
-struct NewArgs {
+pub(crate) struct NewArgs {
     /// How the tags stand; ring: tent cards in a circle, the first before the model's front, and flat tags along the model's sides
     #[arg(long, value_enum)]
     preset: Preset,
@@ -109,18 +102,12 @@ fn model_size(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// Runs `scaleproof scene …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::New(args) => run_new(args, out),
-    }
-}
-
-fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    let Command::New(args) = command;
     let path = &args.output;
     // A scene may have been measured and typed in by hand; that is not lost to a second `new`.
     if path.exists() {
-        let sentence = format!("{} is there already; give another name or remove it", path.display());
-        return Err(sentence.into());
+        return Err(format!("{} is there already; give another name or remove it", path.display()).into());
     }
     let Preset::Ring = args.preset;
     let ring = TagRing {
@@ -150,18 +137,12 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
     let new = [(path.clone(), text.into_bytes())];
     files::write_all_atomically(&new)?;
     units::note(doubt);
-    if args.json {
-        let tags = scene.tags.len();
-        write_json(&new, Answer { tags }, out)?;
-        return Ok(Outcome::Done);
-    }
-    let (count, radius) = (args.tags, args.radius_mm);
-    writeln!(
-        out,
-        "{}: {count} tent cards on a ring of {radius} mm and {count} flat tags; print them with `scaleproof print tags`",
-        path.display()
-    )?;
-    Ok(Outcome::Done)
+    let (path, count, radius) = (path.display(), args.tags, args.radius_mm);
+    let words = format_args!(
+        "{path}: {count} tent cards on a ring of {radius} mm and {count} flat tags; print them with `scaleproof print tags`"
+    );
+    let tags = scene.tags.len();
+    told(args.json, written(&new, Answer { tags }), words, out)
 }
 
 /// `scene new --json`.

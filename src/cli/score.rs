@@ -1,23 +1,22 @@
 //! `scaleproof score`: how well do detectors see the model in these sessions?
 
-use crate::cli::answer::answer;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, detectors, progress, results, sessions};
 use scaleproof_core::{files, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_score::report;
 use scaleproof_score::score::shard::{Run, Shard, ShardId};
 use scaleproof_score::score::{
-    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, RecordError, Robustness, ScoreError, Scores, Settings,
+    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, Robustness, ScoreError, Scores, Settings,
 };
 use scaleproof_session::session::Session;
 
@@ -128,17 +127,6 @@ impl Effort {
     }
 }
 
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(RecordError::Exists { .. }) = error.downcast_ref() {
-        return Some("add --replace to store it anew, or play it with --recorded".into());
-    }
-    match error.downcast_ref()? {
-        ScoreError::NotRecorded { .. } => Some("run without --recorded, or record them again with --record".into()),
-        _ => None,
-    }
-}
-
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let applied = args.settings.as_deref().map(Settings::open).transpose()?;
     let settings = applied
@@ -187,13 +175,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let options = args.effort.options_with(&detectors, settings.tags()?)?;
     if let Some(shard) = args.shard {
         let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
-        if args.json {
-            let shard = shard.to_string();
-            answer(&WrittenShard { shard, file: path }, out)?
-        } else {
-            writeln!(out, "shard {shard}: {}", path.display())?
-        }
-        return Ok(Outcome::Done);
+        let words = format!("shard {shard}: {}", path.display());
+        let shard = shard.to_string();
+        return told(args.json, WrittenShard { shard, file: path }, words, out);
     }
     let scores = score_with_progress(opened.sessions, detectors, &options)?;
     let mut scores = args.judging.tables.made(scores, criteria)?;
@@ -244,11 +228,11 @@ pub(super) fn score_with_progress(
     options: &Options,
 ) -> Result<Scores, ScoreError> {
     let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
-    let sets: Vec<_> = sessions.iter().filter_map(failing_alike::SessionFiles::of).collect();
+    let sets: Vec<_> = sessions.iter().filter_map(score::SessionFiles::new).collect();
     let scores = score::score(sessions, detectors, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
-    failing_alike::explained(scores, &sets)
+    score::explained(scores, &sets)
 }
 
 /// Looks at the photos of other sessions, and holds the order of the variants against theirs.
@@ -256,7 +240,7 @@ fn against(scores: &Scores, others: Vec<Session>, args: &Args, options: &Options
     let names = &args.detectors;
     let detectors = at_hand::evaluated(&others, names, args.recorded, &args.folder, &args.results)?;
     let others = score_with_progress(others, detectors, options)?.judged_by(scores.criteria);
-    failing_alike::say_not_scored(&others);
+    say_not_scored(&others);
     Ok(score::ranking(scores, &others))
 }
 
@@ -308,9 +292,16 @@ fn write_shard(
     Ok(shard.write(&args.output)?)
 }
 
+/// Says on standard error which photos were left out.
+pub(super) fn say_not_scored(scores: &Scores) {
+    score::not_scored(scores)
+        .iter()
+        .for_each(|line| say!("not scored: {line}"));
+}
+
 /// Says on standard error which photos were left out, and what to know before believing the figures.
 pub(super) fn caution(scores: &Scores) {
-    failing_alike::say_not_scored(scores);
+    say_not_scored(scores);
     for caution in &scores.cautions {
         say!("note: {caution}");
     }

@@ -8,7 +8,6 @@ mod show;
 use crate::cli::answer::Named;
 use schemars::schema_for;
 use std::collections::BTreeMap;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
@@ -17,51 +16,27 @@ use clap::Subcommand;
 use super::CommandResult;
 use super::sessions::quoted;
 use scaleproof_core::spelling;
-use scaleproof_session::session::import::SessionImportError;
-use scaleproof_session::session::{NewSessionError, PhotoEntry};
-
-/// Make a session of photos that are there already, show what is in one, or export it for other programs.
-#[derive(clap::Args)]
-pub(super) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
 
 #[derive(Subcommand)]
-enum What {
+pub(super) enum Command {
     Export(export::Args),
     Import(import::Args),
     New(new::Args),
     Show(show::Args),
 }
 
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(SessionImportError::NoVariant { .. }) = error.downcast_ref() {
-        return Some(", or give --variant for all".into());
-    }
-    match error.downcast_ref()? {
-        NewSessionError::NotEmpty { .. } => Some("with --copy name a new folder".into()),
-        _ => None,
-    }
-}
-
 /// Runs `scaleproof session …`.
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Export(args) => export::run(args, out),
-        What::Import(args) => import::run(&args, out),
-        What::New(args) => new::run(&args, out),
-        What::Show(args) => show::run(&args, out),
+pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Export(args) => export::run(args, out),
+        Command::Import(args) => import::run(&args, out),
+        Command::New(args) => new::run(&args, out),
+        Command::Show(args) => show::run(&args, out),
     }
 }
 
 /// How many photos each texture has.
-fn by_variant(photos: &[PhotoEntry]) -> BTreeMap<&str, usize> {
-    by_variant_of(photos.iter().map(|photo| photo.variant.as_str()))
-}
-
-fn by_variant_of<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
+fn by_variant<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
     let mut variants = BTreeMap::new();
     for variant in photos {
         *variants.entry(variant).or_default() += 1;
@@ -70,15 +45,14 @@ fn by_variant_of<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str,
 }
 
 /// The session that was made, and what to do with it.
-fn in_words(path: &Path, photos: &[PhotoEntry], folder: &Path) -> String {
-    let variants = by_variant(photos).into_iter();
-    let variants: Vec<_> = variants.map(|(name, count)| format!("{name} {count}")).collect();
+fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usize>, folder: &Path) -> String {
+    let variants: Vec<_> = variants.iter().map(|(name, count)| format!("{name} {count}")).collect();
     format!(
         "{}: {} ({}); score {} with `scaleproof score {} -o REPORT`",
         path.display(),
-        spelling::count(photos.len(), "photo"),
+        spelling::count(photos, "photo"),
         variants.join(", "),
-        spelling::choose(photos.len(), "it", "them"),
+        spelling::choose(photos, "it", "them"),
         quoted(&folder.display().to_string())
     )
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Result;
-use scaleproof_core::spelling;
+use scaleproof_core::{files, spelling};
 use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
 use scaleproof_session::session::{Session, SessionError};
 
@@ -32,7 +32,7 @@ pub(super) struct FolderFiles {
     camera: Option<PathBuf>,
     /// With VARIANT=DIR: where the photos were taken. Photos are compared with those of the same place and viewpoint bin.
     #[arg(long, value_name = "NAME", default_value = PLACE)]
-    place: String,
+    pub(super) place: String,
 }
 
 /// The sessions of a run.
@@ -107,53 +107,50 @@ impl FolderFiles {
         Ok(self.camera.as_deref().ok_or(missing)?)
     }
 
-    pub(super) fn place(&self) -> &str {
-        &self.place
-    }
-
     fn refuse_for_sessions(&self) -> Result<(), String> {
         let given = [
             ("--scene", self.scene.is_some()),
             ("--camera", self.camera.is_some()),
             ("--place", self.place != PLACE),
         ];
-        match given.iter().find(|(_, is_given)| *is_given) {
-            None => Ok(()),
-            Some((option, _)) => Err(format!(
-                "{option} is for VARIANT=FOLDER only: a session says this itself, in its session.json"
-            )),
-        }
+        given
+            .iter()
+            .filter(|(_, is_given)| *is_given)
+            .try_for_each(|(option, _)| {
+                Err(format!(
+                    "{option} is for VARIANT=FOLDER only: a session says this itself, in its session.json"
+                ))
+            })
     }
 }
 
 impl OpenedPhotos {
     /// Refuses what only stored sessions can do: `option` needs files in them.
     pub(super) fn refuse_for_folders(&self, option: &str, is_given: bool) -> Result<(), String> {
-        if is_given && !self.folders.is_empty() {
-            Err(format!(
-                "{option} needs a session, and folders of photos get no files: make one with `scaleproof session new NAME` and the same \
-                 folders, --scene and --camera, and name that instead{}",
-                match option {
-                    "--recorded" => " (once with --record)",
-                    _ => "",
-                }
-            ))
-        } else {
-            Ok(())
+        if !is_given || self.folders.is_empty() {
+            return Ok(());
         }
+        let once = if option == "--recorded" {
+            " (once with --record)"
+        } else {
+            ""
+        };
+        Err(format!(
+            "{option} needs a session, and folders of photos get no files: make one with `scaleproof session new NAME` and the same \
+             folders, --scene and --camera, and name that instead{once}"
+        ))
     }
 
     /// Nothing is written among the user's photos.
     pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
-        let real = output.canonicalize();
-        if real.is_ok_and(|real| self.folders.contains(&real)) {
-            Err(format!(
+        let is_among = output.canonicalize().is_ok_and(|real| self.folders.contains(&real));
+        let among = || {
+            format!(
                 "the report would be written among the photos in {}: name another folder with -o",
                 output.display()
-            ))
-        } else {
-            Ok(())
-        }
+            )
+        };
+        if is_among { Err(among()) } else { Ok(()) }
     }
 }
 
@@ -181,10 +178,8 @@ pub(super) fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
 /// `~/photos` as it is meant: shells leave it as it is behind an equal sign.
 fn in_home(folder: &str) -> PathBuf {
     let below = folder.strip_prefix("~/").filter(|_| !Path::new(folder).exists());
-    match below.and_then(|below| Some(dirs::home_dir()?.join(below))) {
-        Some(path) => path,
-        None => folder.into(),
-    }
+    let whole = below.and_then(|below| Some(dirs::home_dir()?.join(below)));
+    whole.unwrap_or_else(|| folder.into())
 }
 
 /// Opens sessions; none where none is named.
@@ -205,13 +200,9 @@ pub(super) fn session(place: &Path) -> Result<Session> {
         return Err(no_session(place)?.into());
     }
     if place.is_file() && Listing::is_photo(place) {
-        let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let pair = pair_of("normal", folder.unwrap_or(Path::new(".")));
-        return Err(format!(
-            "{} is a photo: name its folder and the texture it shows, as in {pair}, with --scene and --camera",
-            place.display()
-        )
-        .into());
+        let (photo, pair) = (place.display(), pair_of("normal", files::folder_of(place)));
+        let meant = format!("name its folder and the texture it shows, as in {pair}, with --scene and --camera");
+        return Err(format!("{photo} is a photo: {meant}").into());
     }
     Session::open(place).map_err(|e: SessionError| e.into())
 }

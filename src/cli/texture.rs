@@ -1,16 +1,14 @@
 //! What a model is painted with, as commands take it.
 
-use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use super::Result;
 use super::model::Model;
 use scaleproof_core::files;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{Card, card, says_sides};
-use scaleproof_surface::texture::{
-    FaceTexels, Mapped, MappedImages, SidePatterns, Texture, TextureError, Tile, check_same_shape,
-};
+use scaleproof_surface::texture::{FaceTexels, Mapped, MappedImages, SidePatterns, Texture, Tile, check_same_shape};
 
 /// The pattern or texture.
 #[derive(clap::Args)]
@@ -49,17 +47,18 @@ impl TextureArgs {
         self.pattern.as_deref().or(self.texture.as_deref())
     }
 
-    pub(crate) fn load(&self, model: &Model) -> Result<NamedTexture, Box<dyn Error>> {
+    pub(crate) fn load(&self, model: &Model) -> Result<NamedTexture> {
         match (&self.pattern, &self.texture) {
             (Some(path), _) => {
                 let pattern = Pattern::load(path)?;
                 let tile_mm = super::print::tile_mm(self.tile_mm, path, &pattern)?;
-                Ok(NamedTexture {
-                    name: name_of(path),
-                    sha256: pattern.sha256().to_owned(),
-                    texture: Texture::Tile(Tile::new(pattern, tile_mm)),
-                    images: Vec::new(),
-                })
+                let sha256 = pattern.sha256().to_owned();
+                Ok(named(
+                    path,
+                    Texture::Tile(Tile::new(pattern, tile_mm)),
+                    sha256,
+                    Vec::new(),
+                ))
             }
             (None, Some(path)) => load_texture(path, model),
             (None, None) => Err("give --pattern or --texture".into()),
@@ -68,16 +67,10 @@ impl TextureArgs {
 }
 
 /// A file of `--texture` on a model.
-pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, Box<dyn Error>> {
-    let paint = &model.materials;
+pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture> {
     if extension(path) == "npy" {
         let (texels, sha256) = FaceTexels::load(path, &model.mesh)?;
-        return Ok(NamedTexture {
-            name: name_of(path),
-            texture: Texture::Faces(texels),
-            sha256,
-            images: Vec::new(),
-        });
+        return Ok(named(path, Texture::Faces(texels), sha256, Vec::new()));
     }
     if let Some(sides) = of_sides(path, model)? {
         return Ok(sides);
@@ -86,26 +79,21 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
     let (mapped, sha256) = if is_mesh(path) {
         let mapped = textured_mesh(path, model)?;
         let own = files::sha256_hex(&files::read(path)?);
-        let sha256 = files::sha256_hex([&[own], &mapped.sha256[..]].concat().concat().as_bytes());
-        (mapped, sha256)
+        let all = own + &mapped.sha256.concat();
+        (mapped, files::sha256_hex(all.as_bytes()))
     } else {
-        let mapped = MappedImages::from_image(&model.mesh, paint, path)?;
+        let mapped = MappedImages::from_image(&model.mesh, &model.materials, path)?;
         let sha256 = mapped.sha256.concat();
         (mapped, sha256)
     };
     for note in &mapped.notes {
         say!("note: {note}");
     }
-    Ok(NamedTexture {
-        name: name_of(path),
-        texture: Texture::Images(mapped.images),
-        sha256,
-        images: mapped.files,
-    })
+    Ok(named(path, Texture::Images(mapped.images), sha256, mapped.files))
 }
 
 /// A pattern for each side of the model, where the card beside it says so.
-fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn Error>> {
+fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>> {
     if extension(path) != "png" || !says_sides(path) {
         return Ok(None);
     }
@@ -113,19 +101,11 @@ fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn 
     let pattern = Pattern::load(path)?;
     let card = card(path, &pattern)?;
     let Some(patterns) = SidePatterns::new(&pattern, card.tile_mm, &model.mesh)? else {
-        return Err(format!(
-            "{} has {} rows, which are not those of six sides",
-            path.display(),
-            pattern.rows()
-        )
-        .into());
+        let (path, rows) = (path.display(), pattern.rows());
+        return Err(format!("{path} has {rows} rows, which are not those of six sides").into());
     };
-    Ok(Some(NamedTexture {
-        name: name_of(path),
-        sha256: pattern.sha256().to_owned(),
-        texture: Texture::Sides(patterns),
-        images: vec![Card::path(path)],
-    }))
+    let (texture, sha256) = (Texture::Sides(patterns), pattern.sha256().to_owned());
+    Ok(Some(named(path, texture, sha256, vec![Card::path(path)])))
 }
 
 /// A pattern with a card is no image for texture coordinates, which would stretch it.
@@ -135,21 +115,18 @@ fn refuse_repeated(path: &Path) -> Result<(), String> {
         return Ok(());
     }
     let pattern = Pattern::load(path).ok();
-    match pattern.and_then(|pattern| card(path, &pattern).ok()) {
-        Some(card) => Err(format!(
-            "{} is a pattern to be repeated every {} mm (so says its card): give it by --pattern",
-            path.display(),
-            card.tile_mm
-        )),
-        None => Ok(()),
-    }
+    let Some(card) = pattern.and_then(|pattern| card(path, &pattern).ok()) else {
+        return Ok(());
+    };
+    let (path, mm) = (path.display(), card.tile_mm);
+    Err(format!(
+        "{path} is a pattern to be repeated every {mm} mm (so says its card): give it by --pattern"
+    ))
 }
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.
-fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped, Box<dyn Error>> {
-    let is_same =
-        |file: &PathBuf| file == path || matches!((file.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    if model.file.as_ref().is_some_and(is_same) {
+fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped> {
+    if model.file.as_ref().is_some_and(|file| file == path || files::is_same(file, path)) {
         return Ok(MappedImages::from_mesh(&model.mesh, &model.materials)?);
     }
     let textured = Mesh::load(path, &MeshPlacement::default())?;
@@ -173,16 +150,13 @@ fn extension(path: &Path) -> String {
         .to_ascii_lowercase()
 }
 
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// What to do about an error of the library.
-pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        TextureError::NoCoordinates { .. } => Some(" (--material or --faces)".into()),
-        TextureError::NoImages | TextureError::Material { .. } => Some("; --texture takes another image".into()),
-        _ => None,
+fn named(path: &Path, texture: Texture, sha256: String, images: Vec<PathBuf>) -> NamedTexture {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    NamedTexture {
+        name,
+        texture,
+        sha256,
+        images,
     }
 }
 

@@ -3,6 +3,7 @@
 //! - [`run`]: the attack itself;
 //! - [`baseline`]: its rivals;
 //! - [`setup`]: what both are made on and against;
+//! - [`judged`]: patterns on every view of frames;
 //! - [`result`]: the files of their results;
 //! - [`evaluate`]: patterns rendered on the model, as photos with exact truth.
 //!
@@ -19,6 +20,7 @@
 
 pub mod baseline;
 pub mod evaluate;
+pub mod judged;
 pub mod result;
 pub mod run;
 pub mod setup;

@@ -195,7 +195,13 @@ pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
     path.canonicalize().map_err(|e| FileError::read(path, &e))
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// Whether two paths lead to one file or folder that is there.
+pub fn is_same(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The folder that a path lies in; `.` for a mere name.
+pub fn folder_of(path: &Path) -> &Path {
     path.parent()
         .filter(|p| !p.as_os_str().is_empty())
         .unwrap_or(Path::new("."))

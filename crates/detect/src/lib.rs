@@ -47,7 +47,10 @@ pub use program::{
     Gradients, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError,
     keep_programs_in_our_group, kill_programs, protocol,
 };
-pub use propose::{Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, propose, python_names};
+pub use propose::{
+    Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, own_name, propose, python_names,
+    weights_seen_from,
+};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{Speed, SpeedError, Speeds};
 pub use weights::{WeightFolders, WeightsError};

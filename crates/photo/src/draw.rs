@@ -3,7 +3,8 @@
 //! Whatever lies outside the image, or is no number, is simply not drawn. Same input, same pixels.
 
 use ab_glyph::{Font, FontRef, OutlinedGlyph, ScaleFont, point};
-use image::{Rgb, RgbImage};
+use image::Rgb;
+pub use image::RgbImage;
 
 /// Space around a label's text, by the size of its letters.
 const MARGIN: f64 = 0.3;

@@ -12,5 +12,6 @@
 //! # Ok::<(), scaleproof_photo::photo::PhotoError>(())
 //! ```
 
+pub mod copies;
 pub mod draw;
 pub mod photo;

@@ -10,4 +10,5 @@
 //! ```
 
 pub mod envelope;
+pub mod overlay;
 pub mod session;

@@ -55,6 +55,16 @@ impl Progress {
         }
     }
 
+    /// Does the work that this shows, and finishes when it is done; after an error it just goes.
+    ///
+    /// # Errors
+    /// Those of the work.
+    pub fn during<T, E>(self, work: impl FnOnce(&Self) -> Result<T, E>) -> Result<T, E> {
+        let done = work(&self)?;
+        self.finish_and_clear();
+        Ok(done)
+    }
+
     pub fn inc(&self, steps: u64) {
         self.bar.inc(steps);
     }

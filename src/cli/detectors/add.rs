@@ -1,20 +1,21 @@
 //! `scaleproof detectors add`: from an ONNX file to a manifest of the user's own.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{CommandResult, Outcome, Result, advice};
+use crate::cli::{CommandResult, Result, advice};
 use scaleproof_core::files;
 use scaleproof_detect::{
-    self as detect, Family, Hints, Labels, Manifest, ProposalNote, ProposeError, Runtime, WeightFolders, propose,
+    self as detect, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, own_name, propose,
+    weights_seen_from,
 };
 
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The network (ONNX).
     model: PathBuf,
     /// The manifest to write; beside the network and named as it is, when left out.
@@ -40,30 +41,11 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// What to do about an error of the library, or about what it takes for granted.
-pub(super) fn advice(error: &(dyn std::error::Error + 'static)) -> Option<String> {
-    let advice = match (error.downcast_ref(), error.downcast_ref()) {
-        (Some(ProposeError::OtherSize { .. }), _) => "leave --size out",
-        (Some(ProposeError::Trial { .. }), _) => "name the input's size by --size",
-        (Some(ProposeError::Ambiguous { .. }), _) => "name yours by --family",
-        (Some(ProposeError::NoLabels { .. }), _) => {
-            "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line"
-        }
-        (_, Some(ProposalNote::LabelsByCount { .. })) => "name others by --labels",
-        (_, Some(ProposalNote::OpenSize { .. })) => ", name another by --size",
-        _ => return None,
-    };
-    Some(advice.into())
-}
-
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let path = args.output.clone().unwrap_or_else(|| args.model.with_extension("toml"));
     if path.exists() {
-        let text = format!(
-            "{} is already there: remove it, or name another file by --output",
-            path.display()
-        );
-        return Err(text.into());
+        let there = path.display();
+        return Err(format!("{there} is already there: remove it, or name another file by --output").into());
     }
     if path.extension().is_none_or(|e| e != "toml") {
         return Err(format!(
@@ -81,13 +63,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     // First, so that a file that cannot be read is named as such.
     files::read(&args.model)?;
     let runtime = Runtime::load()?;
-    let proposal = propose(
-        runtime,
-        &args.model,
-        &weights(&args.model, &path),
-        &name(&args.model)?,
-        hints,
-    );
+    let (weights, name) = (weights_seen_from(&path, &args.model), own_name(&args.model)?);
+    let proposal = propose(runtime, &args.model, &weights, &name, hints);
     let proposal = proposal.map_err(|e| match e {
         // These name the file themselves.
         ProposeError::File(_) | ProposeError::Detect(_) => advice::sentence(&e),
@@ -103,27 +80,20 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         say!("note: {note}");
     }
     let registered = args.register.then(|| register(&path)).transpose()?;
-    if args.json {
-        let added = Added {
-            name: &manifest.name,
-            manifest: &path,
-            family: proposal.family.name(),
-            registered: registered.as_deref(),
-            notes: &notes,
-        };
-        answer(&added, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "manifest: {}", path.display())?;
-    if let Some(registered) = &registered {
-        writeln!(out, "registered: {}", registered.display())?;
-    }
-    let called = match registered {
-        Some(_) => manifest.name,
-        None => path.display().to_string(),
+    let file = path.display().to_string();
+    let (on_list, called) = match &registered {
+        Some(list) => (format!("registered: {}\n", list.display()), &manifest.name),
+        None => (String::new(), &file),
     };
-    writeln!(out, "try it: scaleproof detectors check --detector {called} PHOTO…")?;
-    Ok(Outcome::Done)
+    let words = format!("manifest: {file}\n{on_list}try it: scaleproof detectors check --detector {called} PHOTO…");
+    let added = Added {
+        name: &manifest.name,
+        manifest: &path,
+        family: proposal.family.name(),
+        registered: registered.as_deref(),
+        notes: &notes,
+    };
+    told(args.json, added, words, out)
 }
 
 /// The manifest as it lies there now, weights beside it.
@@ -164,39 +134,6 @@ fn labels(text: &str) -> Result<Labels> {
         .map_err(|e| format!("--labels {text} is neither coco80, coco91 nor voc20, and as a file: {e}"))?;
     let names = lines.lines().map(str::trim).filter(|line| !line.is_empty());
     Ok(Labels::of_names(names.map(str::to_owned).collect()).map_err(|e| format!("{text}: {e}"))?)
-}
-
-/// The network as seen from the manifest: by its name when they lie together, else by its whole path.
-fn weights(model: &Path, manifest: &Path) -> String {
-    let folder = |p: &Path| {
-        let folder = p
-            .parent()
-            .filter(|f| !f.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
-    };
-    let file = model.file_name().map(Path::new).unwrap_or(model);
-    let seen = if folder(model) == folder(manifest) {
-        file.to_owned()
-    } else {
-        folder(model).join(file)
-    };
-    seen.to_string_lossy().into_owned()
-}
-
-/// The file's name without its ending, in the characters that a manifest's name may have; never a built-in detector's.
-fn name(model: &Path) -> Result<String> {
-    let stem = model.file_stem().unwrap_or_default().to_string_lossy();
-    let plain = |c: char| {
-        if c.is_ascii_alphanumeric() || "._-".contains(c) {
-            c
-        } else {
-            '_'
-        }
-    };
-    let name: String = stem.trim_start_matches('.').chars().map(plain).collect();
-    let taken = name.is_empty() || Manifest::all()?.iter().any(|m| m.name == name);
-    Ok(if taken { format!("own_{name}") } else { name })
 }
 
 /// `detectors add --json`.

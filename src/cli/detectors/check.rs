@@ -6,17 +6,16 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Looking, drawn};
-use crate::cli::Result;
-use crate::cli::copies::CopiesError;
+use super::Looking;
 use crate::cli::{CommandResult, Outcome};
-use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Detection, Detector, Manifest, Runtime};
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::copies;
+use scaleproof_photo::draw::{self, LabelAnchor, Lettering, Pen, RgbImage};
+use scaleproof_photo::photo::{Photo, PhotoError};
 
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     #[command(flatten)]
     looking: Looking,
     /// Boxes below this confidence are not printed.
@@ -50,7 +49,10 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
     }
     let (detectors, photos) = args.looking.open()?;
-    let mut saved = Saved::new(&args)?;
+    // With --save: where the copy of each photo goes, and what is drawn in it.
+    let places = |folder: &PathBuf| copies::places(folder, &args.looking.photos, "--save", copy_name);
+    let places = args.save.as_ref().map(places).transpose()?.unwrap_or_default();
+    let mut marks: Vec<Vec<Mark>> = vec![Vec::new(); places.len()];
     let runtime = Runtime::load()?;
     for (number, (manifest, weights)) in detectors.iter().enumerate() {
         let mut detector = Detector::open(runtime, manifest, weights)?;
@@ -59,7 +61,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
             let image = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
             let mut found = detector.detect_reduced(&image, photo.width, photo.height)?;
             found.retain(|d| d.score >= args.confidence);
-            if let Some(marks) = saved.marks.get_mut(index) {
+            if let Some(marks) = marks.get_mut(index) {
                 marks.extend(found.iter().map(|d| (number, d.box_px, text(manifest, d))));
             }
             if !args.json {
@@ -67,65 +69,70 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
             }
             for d in &found {
                 let label = manifest.labels.name(d.label).unwrap_or("?");
-                let counts_as = manifest.counts_as(d.label).filter(|counted| *counted != label);
-                let file = path.display().to_string();
                 let line = DetectionLine {
                     detector: &manifest.name,
-                    file,
+                    file: path.display().to_string(),
                     label,
-                    counts_as,
+                    counts_as: manifest.counts_as(d.label).filter(|counted| *counted != label),
                     score: d.score,
                     box_px: d.box_px,
                 };
-                writeln!(
-                    out,
-                    "{}",
-                    if args.json {
-                        serde_json::to_string(&line)?
-                    } else {
-                        row(&line)
-                    }
-                )?;
+                let words = if args.json {
+                    serde_json::to_string(&line)?
+                } else {
+                    row(&line)
+                };
+                writeln!(out, "{words}")?;
             }
         }
     }
-    saved.write(&photos, out, args.json)?;
+    for ((place, photo), marks) in places.iter().zip(&photos).zip(&marks) {
+        copies::write(place, &drawn(photo, marks)?)?;
+        // As JSON each line is a detection.
+        if !args.json {
+            writeln!(out, "{}", place.display())?;
+        }
+    }
     Ok(Outcome::Done)
 }
 
-/// The copies for `--save`; nothing without it.
-struct Saved {
-    paths: Vec<PathBuf>,
-    /// By the photo's number: detector, box and text of each detection.
-    marks: Vec<Vec<(usize, BoxPx, String)>>,
+/// Colours of the detectors, in their order; told apart by the colour-blind (Okabe & Ito 2008).
+const COLOURS: [[u8; 3]; 6] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 158, 115],
+    [240, 228, 66],
+    [213, 94, 0],
+    [204, 121, 167],
+];
+
+/// A box in a photo: the number of its detector, and what it is called.
+type Mark = (usize, BoxPx, String);
+
+/// The name of a copy, numbered where two photos have the same name.
+fn copy_name(stem: &str, number: u32) -> String {
+    let number = if number == 1 { "" } else { &format!("_{number}") };
+    format!("{stem}_detections{number}.jpg")
 }
 
-impl Saved {
-    fn new(args: &Args) -> Result<Saved, CopiesError> {
-        let paths = match &args.save {
-            None => Vec::new(),
-            Some(folder) => drawn::places(folder, &args.looking.photos)?,
+/// The photo with its boxes drawn in.
+fn drawn(photo: &Photo, marks: &[Mark]) -> Result<RgbImage, PhotoError> {
+    let mut image = photo.rgb(1)?;
+    let (width_px, size_px) = draw::readable_px(&image);
+    for (detector, box_px, text) in marks {
+        let colour = COLOURS[detector % COLOURS.len()];
+        // A box counts from the image's edge, a drawing from the middle of its first pixel.
+        let [left, top, right, bottom] = [box_px.x1, box_px.y1, box_px.x2, box_px.y2].map(|v| v - 0.5);
+        draw::rectangle(&mut image, [left, top], [right, bottom], Pen { colour, width_px });
+        let (colour, ground) = ([0; 3], colour);
+        let lettering = Lettering {
+            colour,
+            ground,
+            size_px,
         };
-        Ok(Saved {
-            marks: vec![Vec::new(); paths.len()],
-            paths,
-        })
+        draw::label(&mut image, [left, top], LabelAnchor::BottomLeft, text, lettering);
     }
-
-    /// Draws and writes the copies; with `json` their paths are not printed, as each line there is a detection.
-    fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<()> {
-        for ((path, photo), marks) in self.paths.iter().zip(photos).zip(&self.marks) {
-            let mut image = photo.rgb(1)?;
-            for (detector, box_px, text) in marks {
-                drawn::draw_box(&mut image, *box_px, text, drawn::colour(*detector));
-            }
-            files::replace_atomically(path, &drawn::jpeg(&image)?)?;
-            if !json {
-                writeln!(out, "{}", path.display())?;
-            }
-        }
-        Ok(())
-    }
+    Ok(image)
 }
 
 /// As in "yolox_nano: car 0.87".

@@ -2,7 +2,6 @@
 
 mod add;
 mod check;
-mod drawn;
 mod registry;
 mod speed;
 mod validate;
@@ -14,29 +13,17 @@ use crate::cli::answer::answer;
 use schemars::JsonSchema;
 use schemars::schema_for;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
 
 use crate::cli::{CommandResult, Outcome, Result, advice, full};
-use scaleproof_detect::{
-    Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError, registered,
-    registered_names,
-};
+use scaleproof_detect::{Manifest, WeightFolders, WeightsError, registered, registered_names};
 use scaleproof_photo::photo::Photo;
-use scaleproof_score::score::EvaluatedDetectorError;
-
-/// List, fetch, try out and add object detectors.
-#[derive(clap::Args)]
-pub(super) struct Args {
-    #[command(subcommand)]
-    command: Command,
-}
 
 #[derive(Subcommand)]
-enum Command {
+pub(super) enum Command {
     /// Every known detector: licence, origin, and where its weights lie.
     List(ListArgs),
     #[command(flatten)]
@@ -107,7 +94,7 @@ impl Looking {
 }
 
 #[derive(clap::Args)]
-struct ListArgs {
+pub(crate) struct ListArgs {
     #[command(flatten)]
     folder: Folder,
     /// One JSON object a line.
@@ -115,38 +102,8 @@ struct ListArgs {
     json: bool,
 }
 
-/// What to do about an error of the library.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref() {
-        Some(EvaluatedDetectorError::Weights(e)) => return advice(e),
-        Some(EvaluatedDetectorError::Recorded(e)) => return advice(e),
-        Some(EvaluatedDetectorError::NoSuchClass(e)) => return advice(e),
-        _ => {}
-    }
-    if let Some(RegisterError::Weights(e)) = error.downcast_ref() {
-        return advice(e);
-    }
-    match error.downcast_ref() {
-        Some(WeightsError::Missing { file, .. }) => {
-            return Some(format!(", or name a folder with {file} by --detectors"));
-        }
-        Some(WeightsError::NoCache) => return Some(", or name a folder by --detectors".into()),
-        _ => {}
-    }
-    if let Some(ManifestError::NoManifest { network, .. }) = error.downcast_ref() {
-        return Some(format!("run `scaleproof detectors add {}` first", network.display()));
-    }
-    if let Some(RecordedError::Changed { .. }) = error.downcast_ref() {
-        return Some("record it again with --record".into());
-    }
-    let is_class = error.is::<NoSuchClass>();
-    is_class
-        .then(|| " (written by `scaleproof detectors add --map`)".into())
-        .or_else(|| add::advice(error))
-}
-
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.command {
+pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
         Command::List(args) => list(args, out),
         Command::Full(command) => full::detectors(command, out),
         Command::Check(args) => check::run(args, out),

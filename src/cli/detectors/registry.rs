@@ -7,7 +7,7 @@ use crate::cli::{CommandResult, Outcome};
 use scaleproof_detect as detect;
 
 #[derive(clap::Args)]
-pub(super) struct RegisterArgs {
+pub(crate) struct RegisterArgs {
     /// The detector's manifest (.toml), or its ONNX file with the manifest beside it.
     manifest: String,
     #[command(flatten)]
@@ -15,7 +15,7 @@ pub(super) struct RegisterArgs {
 }
 
 #[derive(clap::Args)]
-pub(super) struct RemoveArgs {
+pub(crate) struct RemoveArgs {
     /// The registered detector.
     name: String,
 }

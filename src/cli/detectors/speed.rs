@@ -12,7 +12,7 @@ use scaleproof_detect::{Speed, Speeds};
 /// Give photos of the size that will be scored. The time runs from the decoded photo to its boxes; the fastest of twenty rounds counts for
 /// each photo.
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     #[command(flatten)]
     looking: Looking,
     /// What to call the machine, e.g. "laptop, Core i5-1240P"; stands beside the chart.

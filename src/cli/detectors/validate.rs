@@ -7,16 +7,16 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Folder, present};
-use crate::cli::{CommandResult, Outcome, Result, progress};
+use crate::cli::{CommandResult, Outcome, progress};
 use scaleproof_detect::Manifest;
-use scaleproof_score::score::{Averages, LabelledPhotos, feedings};
+use scaleproof_score::score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, trials};
 
 /// Score labelled photos and put the AP beside the published one; where they differ, say what explains it.
 ///
 /// When the AP is not within 0.01 of the published one, or none is stated, the network is run again on some of the photos with one thing changed each
 /// time: channel order, normalisation, resize, kernel, labels shifted by one. Use a set that the figure is of, such as COCO's val2017.
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The detector.
     name: String,
     /// COCO annotations of all objects in the photos.
@@ -41,9 +41,6 @@ pub(super) struct Args {
 /// As close to the published figure as other kernels, roundings and versions leave it.
 const CLOSE: f64 = 0.01;
 
-/// A change explains a difference when it gains this much, beyond the chance of the photos too.
-const LEAST_GAIN: f64 = 0.02;
-
 /// `detectors validate --json`.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct Validated {
@@ -63,27 +60,6 @@ pub(in crate::cli) struct Validated {
     trials: Option<Trials>,
 }
 
-/// The manifest with one thing changed at a time.
-#[derive(Serialize, JsonSchema)]
-struct Trials {
-    /// Photos of the trials.
-    photos: usize,
-    /// Averages of these photos.
-    as_the_manifest_says: Averages,
-    changed: Vec<Trial>,
-    /// Of the changes that gain enough, the one that reaches the most.
-    explained_by: Option<String>,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct Trial {
-    /// What was changed.
-    change: String,
-    averages: Averages,
-    /// Lower end of the 95 % interval of its gain in AP@[.5:.95]; `null` with fewer than six photos.
-    least_gain: Option<f64>,
-}
-
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if let Some(published) = args.published.filter(|ap| !(0.0..=1.0).contains(ap)) {
         return Err(format!("--published is {published}: give an AP from 0 to 1, such as 0.258").into());
@@ -101,10 +77,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         );
     }
     let of = |set: &LabelledPhotos, manifest: &Manifest, what: &str| {
-        let bar = progress::photos(what, set.photos.len());
-        let found = set.look(manifest, &weights, || bar.inc(1));
-        bar.finish_and_clear();
-        found
+        progress::photos(what, set.photos.len()).during(|bar| set.look(manifest, &weights, || bar.inc(1)))
     };
     let found = of(&set, &manifest, &manifest.name)?;
     let averages = set.averages(&found, 0).ok_or("the photos have no object that counts")?;
@@ -112,10 +85,11 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let is_as_published =
         set.unknown.is_empty() && published_ap.is_some_and(|ap| (averages.ap_50_95 - ap).abs() <= CLOSE);
     let [boxes, labels] = set.counts();
+    let nothing = "the photos of the trial have no object that counts: give more by --trial-photos";
     let trials = if is_as_published {
         None
     } else {
-        Some(trials(&manifest, &set.sample(args.trial_photos as usize), &of)?)
+        Some(trials(&manifest, &set.sample(args.trial_photos as usize), &of)?.ok_or(nothing)?)
     };
     let validated = Validated {
         detector: manifest.name.clone(),
@@ -135,66 +109,26 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-type Look<'a> = dyn Fn(
-        &LabelledPhotos,
-        &Manifest,
-        &str,
-    ) -> std::result::Result<Vec<Vec<scaleproof_detect::Detection>>, scaleproof_score::score::LabelledError>
-    + 'a;
-
-fn trials(manifest: &Manifest, sample: &LabelledPhotos, look: &Look) -> Result<Trials> {
-    let nothing = "the photos of the trial have no object that counts: give more by --trial-photos";
-    let found = look(sample, manifest, "as it is")?;
-    let base = sample.averages(&found, 0).ok_or(nothing)?;
-    let mut changed = Vec::new();
-    for feeding in feedings(manifest) {
-        let fed_otherwise = match feeding.shift {
-            0 => look(sample, &feeding.manifest, &feeding.what)?,
-            _ => found.clone(),
-        };
-        let averages = sample.averages(&fed_otherwise, feeding.shift).ok_or(nothing)?;
-        let least_gain = sample.least_gain(&found, (&fed_otherwise, feeding.shift));
-        changed.push(Trial {
-            change: feeding.what,
-            averages,
-            least_gain,
-        });
-    }
-    changed.sort_by(|a, b| b.averages.ap_50_95.total_cmp(&a.averages.ap_50_95));
-    let explains = |trial: &&Trial| {
-        trial.least_gain.is_some_and(|gain| gain >= LEAST_GAIN) && trial.averages.ap_50_95 >= base.ap_50_95 + LEAST_GAIN
-    };
-    Ok(Trials {
-        photos: sample.photos.len(),
-        as_the_manifest_says: base,
-        explained_by: changed.iter().find(explains).map(|trial| trial.change.clone()),
-        changed,
-    })
-}
-
 fn text(validated: &Validated) -> String {
-    let Validated {
-        detector,
-        photos,
-        boxes,
-        labels,
-        averages,
-        ..
-    } = validated;
+    let (v, averages) = (validated, &validated.averages);
     let mut lines = vec![
-        format!("{detector}: {photos} photos, {boxes} boxes, different labels: {labels}"),
+        format!(
+            "{}: {} photos, {} boxes, different labels: {}",
+            v.detector, v.photos, v.boxes, v.labels
+        ),
         format!("AP@[.5:.95] {:.3}, AP@0.5 {:.3}", averages.ap_50_95, averages.ap_50),
     ];
     if let Some(published) = validated.published_ap {
         let difference = averages.ap_50_95 - published;
         let left_out = validated.left_out.len();
-        lines.push(match difference.abs() <= CLOSE {
-            _ if left_out > 0 => {
-                format!("published {published:.3}: {difference:+.3}, over other labels: {left_out} left out")
-            }
-            true => format!("published {published:.3}: the same within {CLOSE}"),
-            false => format!("published {published:.3}: {difference:+.3}"),
-        });
+        let found = if left_out > 0 {
+            format!("{difference:+.3}, over other labels: {left_out} left out")
+        } else if difference.abs() <= CLOSE {
+            format!("the same within {CLOSE}")
+        } else {
+            format!("{difference:+.3}")
+        };
+        lines.push(format!("published {published:.3}: {found}"));
     }
     if let Some(trials) = &validated.trials {
         let head = format!("on {} of the photos", trials.photos);
@@ -207,10 +141,11 @@ fn text(validated: &Validated) -> String {
         lines.extend(
             changed.map(|trial| format!("{} {}", row(&trial.change, &trial.averages), least(trial.least_gain))),
         );
+        let none = format!("none of these changes gains {LEAST_GAIN} beyond chance");
         lines.push(match &trials.explained_by {
             Some(change) => format!("explained by: {change}"),
-            None if validated.published_ap.is_none() => format!("none of these changes gains {LEAST_GAIN} beyond chance"),
-            None => format!("none of these changes gains {LEAST_GAIN} beyond chance: something else differs, or the photos are too few"),
+            None if validated.published_ap.is_none() => none,
+            None => format!("{none}: something else differs, or the photos are too few"),
         });
     }
     lines.join("\n") + "\n"

@@ -7,8 +7,7 @@ use std::path::PathBuf;
 use crate::cli::{
     CommandResult, Outcome, Result, at_hand, detectors, progress, results, score as score_command, sessions,
 };
-use scaleproof_core::{files, workers};
-use scaleproof_photo::photo::Photo;
+use scaleproof_core::files;
 use scaleproof_score::score::{self, EvaluatedDetector, Scores};
 use scaleproof_session::envelope::EnvelopeShape;
 use scaleproof_session::session::Session;
@@ -49,13 +48,17 @@ pub(in crate::cli) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let session = sessions::session(&args.session)?;
     check(args, &session)?;
     files::check_writable(&args.output)?;
-    let samples = samples(&session)?;
-    let unreadable = session.photos.len() - samples.len();
-    let poses = poses(&session, &samples)?;
+    let bar = progress::photos("reading", session.photos.len());
+    let (samples, unreadable) = Sample::all_of(&session, || bar.inc(1));
+    bar.finish_and_clear();
+    unreadable.iter().for_each(|e| say!("note: left out: {e}"));
+    let camera = session.known_camera()?;
+    let poses = progress::photos("measuring", samples.len())
+        .during(|bar| advise::advise_poses(&samples, &session.scene, camera, || bar.inc(1)))?;
     let figures = figures(args, &session)?;
     let advice = Advice {
         session: session.name.clone(),
-        unreadable,
+        unreadable: unreadable.len(),
         poses,
         figures,
     };
@@ -70,21 +73,15 @@ pub(in crate::cli) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     if args.json {
         write!(out, "{json}")?
     } else {
-        writeln!(
-            out,
-            "{}\n\npage: {}\nsettings: {}",
-            advise::table(&advice),
-            page.display(),
-            settings.display()
-        )?
+        let (table, page, settings) = (advise::table(&advice), page.display(), settings.display());
+        writeln!(out, "{table}\n\npage: {page}\nsettings: {settings}")?
     }
     Ok(Outcome::Done)
 }
 
 /// Finds out before anything is measured what cannot work.
 fn check(args: &Args, session: &Session) -> Result<()> {
-    let real = |path: &std::path::Path| path.canonicalize().ok();
-    if real(&args.output).is_some() && real(&args.output) == real(&session.folder) {
+    if files::is_same(&args.output, &session.folder) {
         return Err(format!(
             "the advice would be written among the photos in {}: name another folder with -o",
             args.output.display()
@@ -110,44 +107,6 @@ fn check(args: &Args, session: &Session) -> Result<()> {
 /// Whether detections are looked at.
 fn looks(args: &Args) -> bool {
     !args.detectors.is_empty() || args.recorded || args.results.are_given()
-}
-
-fn poses(session: &Session, samples: &[Sample]) -> Result<advise::PoseAdvice> {
-    let camera = session.known_camera()?;
-    let bar = progress::photos("measuring", samples.len());
-    let advice = advise::advise_poses(samples, &session.scene, camera, || bar.inc(1))?;
-    bar.finish_and_clear();
-    Ok(advice)
-}
-
-/// The photos, decoded; those that cannot be are noted and left out.
-fn samples(session: &Session) -> Result<Vec<Sample>> {
-    let bar = progress::photos("reading", session.photos.len());
-    let read = workers::map(
-        &session.photos,
-        || Ok(()),
-        |(), entry| -> Result<_, std::convert::Infallible> {
-            let decoded = Photo::open(&session.photo_path(entry)).and_then(|photo| {
-                Ok(Sample {
-                    file: entry.file.clone(),
-                    luma: photo.luma()?,
-                    turned_deg: photo.turned_deg,
-                })
-            });
-            Ok(decoded)
-        },
-        || bar.inc(1),
-    );
-    bar.finish_and_clear();
-    let Ok(read) = read;
-    let mut samples = Vec::new();
-    for decoded in read {
-        match decoded {
-            Ok(sample) => samples.push(sample),
-            Err(e) => say!("note: left out: {e}"),
-        }
-    }
-    Ok(samples)
 }
 
 /// What the findings depend on; none where no detector looks.

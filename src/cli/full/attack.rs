@@ -22,8 +22,7 @@ mod run;
 
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
-use crate::cli::answer::Named;
-use crate::cli::answer::answer;
+use crate::cli::answer::{Named, told};
 use schemars::JsonSchema;
 use schemars::schema_for;
 use serde::Serialize;
@@ -33,21 +32,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::CommandResult;
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::FrameSet;
-use scaleproof_gradients::WhiteBox;
-
-/// From frames of a painted model to a pattern that detectors do not see it in
-#[derive(clap::Args)]
-pub(in crate::cli) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
+use scaleproof_frames::frames::{FrameSet, LIST};
 
 #[derive(Subcommand)]
-enum What {
+pub(in crate::cli) enum Command {
     Render(Box<render::RenderArgs>),
     Import(import::ImportArgs),
     Photos(photos::PhotosArgs),
@@ -58,7 +49,9 @@ enum What {
     #[command(flatten)]
     Networks(networks::Command),
     Run(Box<run::RunArgs>),
-    Baseline(Box<baseline::BaselineArgs>),
+    /// Make the patterns an attack must beat, and judge them by the same views
+    #[command(subcommand)]
+    Baseline(Box<baseline::Method>),
     Judge(Box<judge::JudgeArgs>),
     History(history::HistoryArgs),
     Demo(demo::DemoArgs),
@@ -66,7 +59,7 @@ enum What {
 
 /// Read every image of frames and hold them against their list
 #[derive(clap::Args)]
-struct CheckArgs {
+pub(in crate::cli) struct CheckArgs {
     /// A folder of frames
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -84,21 +77,21 @@ pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// Runs `scaleproof attack …`.
-pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Render(args) => render::run(&args, out),
-        What::Import(args) => import::run(&args, out),
-        What::Photos(args) => photos::run(&args, out),
-        What::Check(args) => check(&args, out),
-        What::Colours(args) => colours::run(&args, out),
-        What::Chart(args) => chart::run(&args, out),
-        What::Evaluate(args) => evaluate::run(&args, out),
-        What::Networks(command) => networks::run(command, out),
-        What::Run(args) => run::run(&args, out),
-        What::Baseline(args) => baseline::run(&args, out),
-        What::Judge(args) => judge::run(&args, out),
-        What::History(args) => history::run(&args, out),
-        What::Demo(args) => demo::run(&args, out),
+pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Render(args) => render::run(&args, out),
+        Command::Import(args) => import::run(&args, out),
+        Command::Photos(args) => photos::run(&args, out),
+        Command::Check(args) => check(&args, out),
+        Command::Colours(args) => colours::run(&args, out),
+        Command::Chart(args) => chart::run(&args, out),
+        Command::Evaluate(args) => evaluate::run(&args, out),
+        Command::Networks(command) => networks::run(command, out),
+        Command::Run(args) => run::run(&args, out),
+        Command::Baseline(method) => baseline::run(*method, out),
+        Command::Judge(args) => judge::run(&args, out),
+        Command::History(args) => history::run(&args, out),
+        Command::Demo(args) => demo::run(&args, out),
     }
 }
 
@@ -120,30 +113,30 @@ pub(in crate::cli) struct CheckedFrames {
     size_px: [u32; 2],
 }
 
+/// Where frames will be listed in a folder that has none yet.
+fn new_list(folder: &Path) -> Result<PathBuf, String> {
+    let list = folder.join(LIST);
+    if list.exists() {
+        Err(format!("{} is there already; give another folder", list.display()))
+    } else {
+        Ok(list)
+    }
+}
+
 /// What a command that wrote frames ends with.
 fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
-    if json {
-        let file = list.to_owned();
-        answer(&WrittenFrames { file, frames }, out)?
-    } else {
-        writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?
-    }
-    Ok(Outcome::Done)
+    let words = format!("{}: {}", list.display(), count(frames, "frame"));
+    let file = list.to_owned();
+    told(json, WrittenFrames { file, frames }, words, out)
 }
 
 fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
-    for frame in &set.list.frames {
-        set.check_images(frame)?;
-    }
-    let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
-    if args.json {
-        let size_px = [width, height];
-        answer(&CheckedFrames { frames, size_px }, out)?
-    } else {
-        writeln!(out, "{frames} frames of {width}×{height} px are whole")?
-    }
-    Ok(Outcome::Done)
+    set.list.frames.iter().try_for_each(|frame| set.check_images(frame))?;
+    let (size_px, frames) = (set.list.size_px, set.list.frames.len());
+    let [width, height] = size_px;
+    let words = format!("{frames} frames of {width}×{height} px are whole");
+    told(args.json, CheckedFrames { frames, size_px }, words, out)
 }
 
 /// The schemas of what these commands print.

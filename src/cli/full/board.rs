@@ -5,9 +5,9 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::cli::answer::write_json;
+use crate::cli::answer::{told, written};
 use crate::cli::print::{CutSheetArgs, value_names, write_files};
-use crate::cli::{CommandResult, Outcome, units};
+use crate::cli::{CommandResult, units};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
 use scaleproof_print::print::board::{BoardError, BoardKind, BoardRequest, board};
@@ -78,18 +78,13 @@ pub(crate) fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
     write_files(&files, &[args.sheets.printer.as_deref()])?;
     units::note(doubt(args.squares, args.square_mm));
-    if args.json {
-        let definition = definition_path.display().to_string();
-        let facts = Answer {
-            board: line,
-            definition,
-        };
-        write_json(&files, facts, out)?;
-        return Ok(Outcome::Done);
-    }
-    let (pdf, definition) = (files[0].0.display(), definition_path.display());
-    writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
-    Ok(Outcome::Done)
+    let (pdf, definition) = (files[0].0.display(), definition_path.display().to_string());
+    let words = format!("{pdf}: {line}; print at 100 %; described by {definition}");
+    let facts = Answer {
+        board: line,
+        definition,
+    };
+    told(args.json, written(&files, facts), words, out)
 }
 
 /// `print board --json`.

@@ -8,7 +8,7 @@ use crate::cli::print::write_files;
 use crate::cli::{CommandResult, Outcome, progress};
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::CameraFormat;
-use scaleproof_rig::calibrate::{self, Calibration};
+use scaleproof_rig::calibrate;
 
 /// Find the camera's focal length, centre and distortion from photos of a calibration board.
 ///
@@ -40,30 +40,22 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("looking", args.photos.len());
     let (board_photos, left_out) = calibrate::look(&args.photos, &board, || bar.inc(1));
     bar.finish_and_clear();
-    let busy = progress::busy("fitting the camera");
-    let found = calibrate::calibrate(board_photos, left_out, &board)?;
-    busy.finish_and_clear();
+    let found =
+        progress::busy("fitting the camera").during(|_| calibrate::calibrate(board_photos, left_out, &board))?;
     let mut files = Vec::new();
     if let Some(path) = &args.output {
         let text = found.camera.write(CameraFormat::OpenCv)?;
         files.push((path.clone(), text.into_bytes()));
     }
-    files.extend(
-        args.report
-            .clone()
-            .map(|path| (path, calibrate::page(&found).into_bytes())),
-    );
-    let inputs: Vec<Option<&Path>> = args
-        .photos
-        .iter()
-        .chain([&args.board])
-        .map(|p| Some(p.as_path()))
-        .collect();
+    let page = |path: &PathBuf| (path.clone(), calibrate::page(&found).into_bytes());
+    files.extend(args.report.iter().map(page));
+    let inputs = args.photos.iter().chain([&args.board]);
+    let inputs: Vec<Option<&Path>> = inputs.map(|path| Some(path.as_path())).collect();
     write_files(&files, &inputs)?;
     if args.json {
         answer(&calibrate::answer(&found), out)?;
     } else {
-        tell(&found, out)?;
+        write!(out, "{}", calibrate::table(&found))?;
         for (path, _) in &files {
             writeln!(out, "written: {}", path.display())?;
         }
@@ -73,33 +65,4 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     found.cautions.iter().for_each(|c| say!("note: {}", c.0));
     Ok(Outcome::Done)
-}
-
-fn tell(found: &Calibration, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{:<28} {:>7} {:>8} {:>11} {:>9}",
-        "photo", "corners", "tilt", "distance", "rms"
-    )?;
-    for p in &found.photos {
-        writeln!(
-            out,
-            "{:<28} {:>7} {:>7.1}° {:>8.1} mm {:>6.3} px",
-            p.file,
-            p.corners_px.len(),
-            p.tilt_deg,
-            p.distance_mm,
-            p.rms_px
-        )?;
-    }
-    for line in calibrate::choice_lines(found) {
-        writeln!(out, "{line}")?;
-    }
-    for (name, value, sigma, unit) in calibrate::numbers(found) {
-        match sigma {
-            Some(sigma) => writeln!(out, "{name:<3} {value:>11.4} ± {sigma:.4}{unit}")?,
-            None => writeln!(out, "{name:<3} {value:>11.4}{unit} (held)")?,
-        }
-    }
-    Ok(())
 }

@@ -5,10 +5,10 @@ mod interrupt;
 mod page;
 mod terminal;
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use serde::Serialize;
@@ -18,13 +18,14 @@ use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
-    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store, Target, Tolerance,
-    Watch, live::list_cameras, pair, usual, viewpoints_of,
+    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
+    Target, Tolerance, Watch, live::list_cameras, pair, usual, viewpoints_of,
 };
 use scaleproof_capture::page::{CaptureInfo, Page};
+use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::scene::{Bin, Bins, Scene, Viewpoint};
+use scaleproof_pose::scene::{Bins, Scene, Viewpoint};
 use scaleproof_pose::tags::TagDetectorChoice;
 
 /// Guide a photographer round the model: photos of every required view are taken into a session, the others get a sentence of advice.
@@ -82,8 +83,8 @@ struct GuidedArgs {
     #[arg(short, long, value_name = "SESSION")]
     output: PathBuf,
     /// First take back the photos of a bin, named by its azimuth, or by azimuth/pitch/distance as in 90/15/850
-    #[arg(long, value_name = "BIN", value_parser = meant)]
-    redo: Option<RedoBin>,
+    #[arg(long, value_name = "BIN")]
+    redo: Option<BinName>,
     /// First take back the photo that was accepted last
     #[arg(long, conflicts_with = "redo")]
     undo: bool,
@@ -124,13 +125,6 @@ struct ViewArgs {
     distance_tolerance_mm: Option<f64>,
 }
 
-/// The bins that --redo names.
-#[derive(Debug, Clone)]
-struct RedoBin {
-    azimuth_deg: f64,
-    pitch_and_distance: Option<[f64; 2]>,
-}
-
 /// The last line of `--json`.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct CaptureSummary {
@@ -163,30 +157,21 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
     let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
-    if args.json {
-        let named = cameras.into_iter().map(|camera| NamedCamera {
-            source: format!("camera:{}", camera.number),
-            name: camera.name,
-            description: camera.description,
-        });
-        let cameras = named.collect();
-        answer(&Cameras { cameras }, out)?;
-        return Ok(Outcome::Done);
-    }
-    if cameras.is_empty() {
-        writeln!(
-            out,
-            "no camera is there: plug one in, or watch the folder of a phone (--source watch:DIR)"
-        )?;
-    }
-    for camera in cameras {
-        writeln!(
-            out,
-            "camera:{}  {}  ({})",
-            camera.number, camera.name, camera.description
-        )?;
-    }
-    Ok(Outcome::Done)
+    let cameras = cameras.into_iter().map(|camera| NamedCamera {
+        source: format!("camera:{}", camera.number),
+        name: camera.name,
+        description: camera.description,
+    });
+    let cameras: Vec<NamedCamera> = cameras.collect();
+    let lines = cameras
+        .iter()
+        .map(|c| format!("{}  {}  ({})", c.source, c.name, c.description));
+    let words = if cameras.is_empty() {
+        "no camera is there: plug one in, or watch the folder of a phone (--source watch:DIR)".to_owned()
+    } else {
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    told(args.json, Cameras { cameras }, words, out)
 }
 
 /// `capture list-cameras --json`.
@@ -234,7 +219,7 @@ fn guide(
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
     take_back(args, &scene, &mut capture, out)?;
     begin(args, &capture, out)?;
-    match (page, source) {
+    let is_decided = match (page, source) {
         (Some(page), source) => {
             let about = CaptureInfo {
                 variant: args.variant.clone(),
@@ -244,28 +229,27 @@ fn guide(
                 is_paired: wanted.pair_with.is_some(),
             };
             page::introduce(&page, args.json, out)?;
-            let is_decided = page::follow(
+            let terminal = TerminalLog::new(args.json, is_stream, out);
+            page::follow(
                 page,
                 (&mut capture, &scene),
                 source,
                 &about,
                 question.as_ref(),
-                TerminalLog::new(args.json, is_stream, out),
-            )?;
-            if is_decided {
-                return enough(&capture, args.json, out);
-            }
+                terminal,
+            )?
         }
         (None, Some(source)) => {
             let terminal = TerminalLog::new(args.json, is_stream, out);
-            let is_decided = follow(source, (args, question.as_ref()), &mut capture, terminal)?;
-            if is_decided {
-                return enough(&capture, args.json, out);
-            }
+            follow(source, (args, question.as_ref()), &mut capture, terminal)?
         }
-        (None, None) => {}
+        (None, None) => false,
+    };
+    if is_decided {
+        enough(&capture, args.json, out)
+    } else {
+        finish(&capture, args.json, out)
     }
-    finish(&capture, args.json, out)
 }
 
 /// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
@@ -277,10 +261,7 @@ fn check_names(args: &GuidedArgs) -> Result<(), String> {
             ));
         }
     }
-    let same = |folder: &std::path::Path| {
-        let whole = |p: &std::path::Path| p.canonicalize().ok();
-        whole(folder).is_some() && whole(folder) == whole(&args.output)
-    };
+    let same = |folder: &Path| files::is_same(folder, &args.output);
     match &args.source {
         Some(name) if name.folder().is_some_and(same) => Err(format!(
             "{} is both the source and the session: capture into another folder",
@@ -327,21 +308,15 @@ fn take_back(args: &GuidedArgs, scene: &Scene, capture: &mut Capture, out: &mut 
 /// Says what the capture waits for, before anything happens; programs read it in the summary.
 fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
     let guidance = capture.guidance();
-    let (all, open) = (guidance.targets().len(), guidance.open().count());
-    let (Some(first), Some(source)) = (guidance.open().next(), &args.source) else {
+    let (Some(first), Some(source), false) = (guidance.open().next(), &args.source, args.json) else {
         return Ok(());
     };
-    if args.json {
-        return Ok(());
-    }
-    let views = if open == all {
-        format!("{} to take; start {}", count(all, "view"), place(&first.viewpoint))
+    let ((filled, all), place) = (guidance.filled_of_all(), first.in_words());
+    let (open, views) = (all - filled, count(all, "view"));
+    let views = if filled == 0 {
+        format!("{views} to take; start {place}")
     } else {
-        format!(
-            "{open} of {} still open; go on {}",
-            count(all, "view"),
-            place(&first.viewpoint)
-        )
+        format!("{open} of {views} still open; go on {place}")
     };
     let how = match source {
         SourceName::Watch(folder) if args.headless => format!("looking at the photos in {}", folder.display()),
@@ -352,18 +327,6 @@ fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::
     };
     writeln!(out, "{views}; {how}")?;
     out.flush()
-}
-
-/// Where to stand, as people say it.
-fn place(v: &Viewpoint) -> String {
-    let side = match v.azimuth_deg.round().rem_euclid(360.0) {
-        0.0 => "in front of the model".to_owned(),
-        90.0 => "at the model's left side".to_owned(),
-        180.0 => "behind the model".to_owned(),
-        270.0 => "at the model's right side".to_owned(),
-        azimuth => format!("at {azimuth:.0}° round the model"),
-    };
-    format!("{side} ({:.0}° up, {:.0} mm away)", v.pitch_deg, v.distance_mm)
 }
 
 /// Shows the capture every frame until all views are there, the question is decided, the source ends, or somebody presses Ctrl-C. Whether it is decided.
@@ -398,32 +361,27 @@ fn follow(
 /// Looks at the pairs, says what they say, and whether they are enough.
 fn asked(question: Option<&Question>, capture: &Capture, terminal: &mut TerminalLog) -> Result<bool> {
     let Some(question) = question else { return Ok(false) };
-    let standing = question.ask(capture.guidance())?;
-    terminal.standing(&standing)?;
-    Ok(standing.is_decided)
+    let pairs = question.ask(capture.guidance())?;
+    terminal.standing(&pairs, capture.guidance())?;
+    Ok(pairs.is_decided)
 }
 
 /// The end of a capture whose question is decided: open views are not needed.
 fn enough(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
-    let guidance = capture.guidance();
-    let (all, open) = (guidance.targets().len(), guidance.open().count());
-    if json {
-        let decided = Decided {
-            targets: all,
-            filled: all - open,
-            decided: true,
-        };
-        answer(&decided, out)?
-    } else {
-        writeln!(out, "decided; {} of {} not needed", open, count(all, "view"))?
-    }
-    Ok(Outcome::Done)
+    let (filled, all) = capture.guidance().filled_of_all();
+    let words = format!("decided; {} of {} not needed", all - filled, count(all, "view"));
+    let decided = Decided {
+        targets: all,
+        filled,
+        decided: true,
+    };
+    told(json, decided, words, out)
 }
 
 fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
     let guidance = capture.guidance();
     let open: Vec<&Target> = guidance.open().collect();
-    let (all, filled) = (guidance.targets().len(), guidance.targets().len() - open.len());
+    let (filled, all) = guidance.filled_of_all();
     if json {
         let summary = CaptureSummary {
             targets: all,
@@ -434,7 +392,7 @@ fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
     } else if open.is_empty() {
         writeln!(out, "all {all} views are there")?;
     } else {
-        let names: Vec<String> = open.iter().map(|target| name(target)).collect();
+        let names: Vec<String> = open.iter().map(ToString::to_string).collect();
         writeln!(out, "{filled} of {all} views are there; open: {}", names.join(", "))?;
     }
     Ok(if open.is_empty() {
@@ -442,12 +400,6 @@ fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
     } else {
         Outcome::SomeInputBad
     })
-}
-
-/// A target as people name it.
-fn name(target: &Target) -> String {
-    let v = &target.viewpoint;
-    format!("{:.0}°/{:.0}°/{:.0} mm", v.azimuth_deg, v.pitch_deg, v.distance_mm)
 }
 
 impl ViewArgs {
@@ -517,40 +469,13 @@ fn pace(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(1.0 / fps).map_err(|_| "give a larger number".into())
 }
 
-fn meant(text: &str) -> Result<RedoBin, String> {
-    let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
-    let numbers: Option<Vec<f64>> = text.split('/').map(number).collect();
-    match numbers.as_deref() {
-        Some([azimuth_deg]) => Ok(RedoBin {
-            azimuth_deg: *azimuth_deg,
-            pitch_and_distance: None,
-        }),
-        Some([azimuth_deg, pitch, distance]) => Ok(RedoBin {
-            azimuth_deg: *azimuth_deg,
-            pitch_and_distance: Some([*pitch, *distance]),
-        }),
-        _ => Err("name a bin by its azimuth, or by azimuth/pitch/distance as in 90/15/850".into()),
-    }
-}
-
-impl RedoBin {
-    fn names(&self, bin: &Bin) -> bool {
-        let [pitch_deg, distance_mm] = self.pitch_and_distance.unwrap_or([bin.pitch_deg, bin.distance_mm]);
-        *bin == Bin {
-            azimuth_deg: self.azimuth_deg,
-            pitch_deg,
-            distance_mm,
-        }
-    }
-}
-
 /// `capture --json`: one object a line for each frame, for what else happens, and one at the end.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "each line is printed as its own type")]
 pub(in crate::cli) enum Line<'a> {
     Page(page::Address),
-    Frame(terminal::FrameLine<'a>),
+    Frame(FrameLine<'a>),
     TakenBack(terminal::TakenBack),
     Standing(terminal::StandingLine),
     Decided(Decided),

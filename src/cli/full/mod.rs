@@ -11,8 +11,7 @@ mod interrupt;
 mod survey;
 mod textures;
 
-use crate::cli::answer::Named;
-use crate::cli::answer::Written;
+use crate::cli::answer::{Named, Written};
 use schemars::schema_for;
 use std::io::Write;
 
@@ -28,12 +27,18 @@ pub(super) use interrupt::end_programs_first;
 #[derive(Subcommand)]
 pub(super) enum Command {
     Advise(advise::Args),
-    Attack(attack::Args),
+    /// From frames of a painted model to a pattern that detectors do not see it in
+    #[command(subcommand)]
+    Attack(attack::Command),
     Calibrate(calibrate::Args),
-    Texture(textures::Args),
+    /// Textures as images for simulators, and as previews
+    #[command(subcommand)]
+    Texture(textures::Command),
     Capture(capture::Args),
     Survey(survey::Args),
-    Chart(chart::Args),
+    /// Chart methods against each other, on the same photos
+    #[command(subcommand)]
+    Chart(chart::Command),
 }
 
 /// The advice of each of these commands that has some.
@@ -42,12 +47,12 @@ pub(super) const ADVICE: &[Advise] = &[attack::advice, fetch::advice, survey::ad
 pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {
         Command::Advise(args) => advise::run(&args, out),
-        Command::Attack(args) => attack::run(args, out),
+        Command::Attack(command) => attack::run(command, out),
         Command::Calibrate(args) => calibrate::run(args, out),
-        Command::Texture(args) => textures::run(&args, out),
+        Command::Texture(command) => textures::run(&command, out),
         Command::Capture(args) => capture::run(args, out),
         Command::Survey(args) => survey::run(args, out),
-        Command::Chart(args) => chart::run(args, out),
+        Command::Chart(command) => chart::run(command, out),
     }
 }
 

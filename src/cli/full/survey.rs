@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::cli::advice::advice_by_kind;
 use crate::cli::{CommandResult, Outcome, advice, print, progress, scene};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
@@ -51,19 +52,15 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scene = for_output(Scene::open(&args.scene)?, &args)?;
     let camera = Camera::open(&args.camera)?;
     let fixed = fixed(&args, &scene)?;
-    let bar = progress::photos("finding tags", args.photos.len());
-    let found = look(&args.photos, &scene, args.family, &camera, || bar.inc(1));
-    bar.finish_and_clear();
-    let SurveyPhotos { photos, cautions } = found?;
+    let SurveyPhotos { photos, cautions } = progress::photos("finding tags", args.photos.len())
+        .during(|bar| look(&args.photos, &scene, args.family, &camera, || bar.inc(1)))?;
     let given = SurveyInput {
         scene: &scene,
         fixed: &fixed,
         sizes: args.sizes.as_ref(),
         family: args.family,
     };
-    let busy = progress::busy("adjusting");
-    let found = survey(&photos, &given, &camera)?;
-    busy.finish_and_clear();
+    let found = progress::busy("adjusting").during(|_| survey(&photos, &given, &camera))?;
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
     Scene::parse(&text, &args.output)?;
@@ -92,13 +89,11 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
 
 /// What to do about an error of the library, or about a tag that is left out.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let advice = match (error.downcast_ref(), error.downcast_ref()) {
-        (Some(SurveyError::NothingToSurvey), _) => "give their sizes with --sizes, and uncover them",
-        (Some(SurveyError::TwoSizes { .. }), _) => " in --sizes: correct one of them",
-        (_, Some(LeftOutReason::NoSize)) => "name it in --sizes",
-        _ => return None,
-    };
-    Some(advice.into())
+    advice_by_kind! { error,
+        SurveyError::NothingToSurvey => "give their sizes with --sizes, and uncover them",
+        SurveyError::TwoSizes { .. } => " in --sizes: correct one of them",
+        LeftOutReason::NoSize => "name it in --sizes",
+    }
 }
 
 /// The fixed tags by family and id.
@@ -126,37 +121,11 @@ pub(in crate::cli) struct SurveyJson<'a> {
     noise_px: f64,
     /// How far all tag edges were found too far in; taken out of the result.
     edge_shift_px: f64,
-    tags: Vec<TagJson>,
+    tags: &'a [TagReport],
     left_out: Vec<LeftOutJson>,
     /// In the order given.
     photos: &'a [PhotoReport],
 }
-
-/// A tag that stands in the scene.
-#[derive(Serialize, JsonSchema)]
-struct TagJson {
-    /// As in scene.toml, like family, size, pose and their standard deviations, which fixed tags lack.
-    id: u32,
-    family: TagFamily,
-    size_mm: f64,
-    /// Whether its pose was given and held (`--fixed`).
-    fixed: bool,
-    /// Photos that its pose rests on.
-    photos: usize,
-    centre_mm: [f64; 3],
-    right: [f64; 3],
-    up: [f64; 3],
-    sigma_mm: Option<f64>,
-    sigma_deg: Option<f64>,
-    /// From the pose in the given scene, when it has one; so is the next.
-    shift_mm: Option<f64>,
-    shift_deg: Option<f64>,
-    /// What weakens it: `one_photo`, a single photo shows it.
-    cautions: Vec<&'static str>,
-}
-
-/// That a tag rests on one photo.
-const ONE_PHOTO: &str = "one_photo";
 
 /// A seen tag that is not in the scene.
 #[derive(Serialize, JsonSchema)]
@@ -170,41 +139,19 @@ struct LeftOutJson {
 }
 
 fn json(found: &Survey) -> SurveyJson<'_> {
-    let tag = |(report, tag): (&TagReport, &scaleproof_pose::scene::Tag)| TagJson {
-        id: tag.id,
-        family: tag.family,
-        size_mm: tag.size_mm,
-        fixed: report.is_fixed,
-        photos: report.photos,
-        centre_mm: tag.centre_mm.coords.into(),
-        right: tag.right.into(),
-        up: tag.up.into(),
-        sigma_mm: tag.sigma.map(|s| s.mm),
-        sigma_deg: tag.sigma.map(|s| s.deg),
-        shift_mm: report.shift.map(|(mm, _)| mm),
-        shift_deg: report.shift.map(|(_, deg)| deg),
-        cautions: rests_on_one_photo(report).then_some(ONE_PHOTO).into_iter().collect(),
-    };
+    let left_out = found.left_out.iter().map(|left| LeftOutJson {
+        id: left.id,
+        family: left.family,
+        code: left.reason.code(),
+        reason: advice::sentence(&left.reason),
+    });
     SurveyJson {
         noise_px: found.noise_px,
         edge_shift_px: found.edge_shift_px,
-        tags: found.tags.iter().zip(&found.scene.tags).map(tag).collect(),
-        left_out: found
-            .left_out
-            .iter()
-            .map(|l| LeftOutJson {
-                id: l.id,
-                family: l.family,
-                code: l.reason.code(),
-                reason: advice::sentence(&l.reason),
-            })
-            .collect(),
+        tags: &found.tags,
+        left_out: left_out.collect(),
         photos: &found.photos,
     }
-}
-
-fn rests_on_one_photo(report: &TagReport) -> bool {
-    !report.is_fixed && report.photos == 1
 }
 
 fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
@@ -213,23 +160,20 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
         "{:>5} {:>7} {:>12} {:>10} {:>24}",
         "tag", "photos", "±σ place", "±σ turn", "from the given place"
     )?;
-    for (report, tag) in found.tags.iter().zip(&found.scene.tags) {
-        let (place, turn) = match tag.sigma {
-            Some(sigma) => (format!("{:.3} mm", sigma.mm), format!("{:.3}°", sigma.deg)),
-            None => ("fixed".to_owned(), String::new()),
+    for tag in &found.tags {
+        let (place, turn) = match (tag.sigma_mm, tag.sigma_deg) {
+            (Some(mm), Some(deg)) => (format!("{mm:.3} mm"), format!("{deg:.3}°")),
+            _ => ("fixed".to_owned(), String::new()),
         };
-        let shift = report.shift.filter(|_| !report.is_fixed);
-        let shift = shift
-            .map(|(mm, deg)| format!("{mm:.2} mm, {deg:.2}°"))
-            .unwrap_or_default();
-        writeln!(
-            out,
-            "{:>5} {:>7} {place:>12} {turn:>10} {shift:>24}",
-            tag.id, report.photos
-        )?;
+        let shift = match (tag.shift_mm, tag.shift_deg) {
+            (Some(mm), Some(deg)) if !tag.is_fixed => format!("{mm:.2} mm, {deg:.2}°"),
+            _ => String::new(),
+        };
+        let (id, photos) = (tag.id, tag.photos);
+        writeln!(out, "{id:>5} {photos:>7} {place:>12} {turn:>10} {shift:>24}")?;
     }
-    let once = found.tags.iter().filter(|report| rests_on_one_photo(report));
-    let once: Vec<String> = once.map(|report| report.id.to_string()).collect();
+    let once = found.tags.iter().filter(|tag| !tag.cautions.is_empty());
+    let once: Vec<String> = once.map(|tag| tag.id.to_string()).collect();
     if !once.is_empty() {
         writeln!(
             out,

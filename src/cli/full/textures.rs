@@ -1,24 +1,22 @@
 //! `scaleproof texture`: textures as images for simulators, and as previews.
 
-use crate::cli::answer::write_json;
+use crate::cli::answer::{told, written};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use image::{GenericImage, Rgb, RgbImage};
 
 use super::attack::{azimuths, size};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::patch::{PlaceArgs, asked};
 use crate::cli::print::write_files;
 use crate::cli::texture::TextureArgs;
-use crate::cli::{CommandResult, Outcome, progress, units};
+use crate::cli::{CommandResult, Result, progress, units};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
-use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
+use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
 use scaleproof_print::print::patch::PanelPatch;
 use scaleproof_surface::texture::{MappedImages, PlacedPatch, Texture};
 use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
@@ -27,18 +25,9 @@ use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_o
 const GREY: [u8; 3] = [96; 3];
 /// Below patches alone.
 const PAPER: [u8; 3] = [255; 3];
-/// Images side by side on one preview.
-const COLUMNS: usize = 4;
-
-/// Textures as images for simulators, and as previews
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
 
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Write a pattern or texture as one image on texture coordinates, and the mesh that uses it: for CARLA, Unreal, Unity or Blender
     ///
     /// The mesh's own coordinates are kept where they can hold an image; where they are missing, overlap or leave the image, the paint is
@@ -60,7 +49,7 @@ struct PaintedArgs {
 }
 
 #[derive(clap::Args)]
-struct BakeArgs {
+pub(crate) struct BakeArgs {
     #[command(flatten)]
     painted: PaintedArgs,
     /// Width and height of the image in pixels, as in 2048 or 2448x2432
@@ -78,7 +67,7 @@ struct BakeArgs {
 }
 
 #[derive(clap::Args)]
-struct ShowArgs {
+pub(crate) struct ShowArgs {
     #[command(flatten)]
     painted: PaintedArgs,
     /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every45
@@ -98,15 +87,15 @@ struct ShowArgs {
 }
 
 /// Runs `scaleproof texture …`.
-pub(crate) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
-    match &args.what {
-        What::Bake(args) => run_bake(args, out),
-        What::Show(args) => run_show(args, out),
+pub(crate) fn run(command: &Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Bake(args) => run_bake(args, out),
+        Command::Show(args) => run_show(args, out),
     }
 }
 
 impl PaintedArgs {
-    fn load(&self) -> Result<(Model, Texture), Box<dyn Error>> {
+    fn load(&self) -> Result<(Model, Texture)> {
         let model = self.model.load_or(self.texture.mesh())?;
         if self.places.patch.is_empty() {
             let texture = self.texture.load(&model)?.texture;
@@ -139,9 +128,7 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
         size_px: size(&args.size)?,
         unwrap: args.unwrap,
     };
-    let busy = progress::busy("baking");
-    let baked = bake(&request)?;
-    busy.finish_and_clear();
+    let baked = progress::busy("baking").during(|_| bake(&request))?;
     let png = encode_rgb(&baked.image)?;
     let textured = TexturedModel::new(&model.mesh, &model.materials, &baked, &png);
     let turn = match &model.file {
@@ -157,28 +144,25 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
         units::note(units::turned(model.mesh.size_mm()));
     }
     let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    if args.json {
-        let facts = Baked {
-            size_px: request.size_px,
-            charts: baked.charts,
-            texel_mm: baked.texel_mm,
-            unwrapped: baked.unwrapped.map(|why| why.to_string()),
-        };
-        write_json(&files, facts, out)?;
-        return Ok(Outcome::Done);
-    }
     let (width, height) = baked.image.dimensions();
     let coordinates = match baked.unwrapped {
         None => "on the mesh's own texture coordinates".to_owned(),
         Some(why) => format!("on new texture coordinates, {why}"),
     };
-    writeln!(
-        out,
-        "{}: {width} × {height} px {coordinates}; {} charts, {:.2} mm a texel",
-        names[0], baked.charts, baked.texel_mm
-    )?;
-    writeln!(out, "the mesh that uses it: {}", names[1..].join(", "))?;
-    Ok(Outcome::Done)
+    let words = format!(
+        "{}: {width} × {height} px {coordinates}; {} charts, {:.2} mm a texel\nthe mesh that uses it: {}",
+        names[0],
+        baked.charts,
+        baked.texel_mm,
+        names[1..].join(", ")
+    );
+    let facts = Baked {
+        size_px: request.size_px,
+        charts: baked.charts,
+        texel_mm: baked.texel_mm,
+        unwrapped: baked.unwrapped.map(|why| why.to_string()),
+    };
+    told(args.json, written(&files, facts), words, out)
 }
 
 fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
@@ -192,36 +176,25 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
         mesh: &model.mesh,
         textures: materials.map(|m| if is_paint(&m) { &texture } else { &rest }).collect(),
     };
-    let bar = progress::steps("drawing", azimuths.len());
-    let (mut views, mut distance_mm) = (Vec::new(), 0.0);
-    for azimuth_deg in &azimuths {
-        let (view, from_mm) = shaded.turned(*azimuth_deg, args.pitch_deg, size_px)?;
-        views.push(view);
-        distance_mm = from_mm;
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
+    let (views, distance_mm) = progress::steps("drawing", azimuths.len())
+        .during(|bar| shaded.around(&azimuths, args.pitch_deg, size_px, || bar.inc(1)))?;
     let is_one = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     let files = if is_one || files::is_standard_output(&args.output) {
-        vec![(args.output.clone(), encode_rgb(&side_by_side(&views)?)?)]
+        vec![(args.output.clone(), encode_rgb(&side_by_side(&views))?)]
     } else {
         let named = azimuths.iter().zip(&views);
         let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
-        named.map(file).collect::<Result<Vec<_>, Box<dyn Error>>>()?
+        named.map(file).collect::<Result<Vec<_>>>()?
     };
     write_files(&files, &args.painted.inputs())?;
-    if args.json {
-        let facts = Shown {
-            azimuth_deg: azimuths,
-            pitch_deg: args.pitch_deg,
-            distance_mm,
-            field_of_view_deg: FIELD_OF_VIEW_DEG,
-        };
-        write_json(&files, facts, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}: {} views", args.output.display(), views.len())?;
-    Ok(Outcome::Done)
+    let words = format!("{}: {} views", args.output.display(), views.len());
+    let facts = Shown {
+        azimuth_deg: azimuths,
+        pitch_deg: args.pitch_deg,
+        distance_mm,
+        field_of_view_deg: FIELD_OF_VIEW_DEG,
+    };
+    told(args.json, written(&files, facts), words, out)
 }
 
 /// `texture bake --json`; `files` are the image, the `.obj`, the `.mtl`, images of other materials, the `.glb`.
@@ -258,18 +231,6 @@ fn rest(model: &Model) -> Texture {
         Ok(mapped) if !materials.is_empty() => Texture::Images(mapped.images),
         _ => Texture::Flat(GREY),
     }
-}
-
-/// Views in rows.
-fn side_by_side(views: &[RgbImage]) -> Result<RgbImage, Box<dyn Error>> {
-    let (width, height) = views.first().map_or((1, 1), RgbImage::dimensions);
-    let columns = views.len().clamp(1, COLUMNS);
-    let rows = views.len().div_ceil(columns);
-    let mut all = RgbImage::from_pixel(width * columns as u32, height * rows as u32, Rgb([255; 3]));
-    for (i, view) in views.iter().enumerate() {
-        all.copy_from(view, (i % columns) as u32 * width, (i / columns) as u32 * height)?;
-    }
-    Ok(all)
 }
 
 /// Finished textures in their places, over another texture.

@@ -1,6 +1,7 @@
 //! `plan --seal`: what is decided before the photos are taken.
 
-use crate::cli::answer::answer;
+use super::Args;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::criteria::Reading;
 use super::super::patterns::named;
-use super::super::{CommandResult, Outcome, Result, detectors};
+use super::super::{CommandResult, Result, detectors};
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene};
@@ -62,32 +63,26 @@ pub(in crate::cli) struct Sealed {
     photos: usize,
 }
 
-/// What the options beside it say.
-pub(super) struct Beside<'a> {
-    pub scene: &'a Path,
-    pub places: u16,
-    pub is_sequential: bool,
-    pub least: Option<f64>,
-    pub as_json: bool,
-}
-
-pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dyn Write) -> CommandResult {
-    let scene = Scene::open(beside.scene)?;
-    let folder = beside.scene.parent().unwrap_or(Path::new(""));
+pub(super) fn seal(path: &Path, scene_file: &Path, args: &Args, out: &mut dyn Write) -> CommandResult {
+    let sealing = &args.sealing;
+    let scene = Scene::open(scene_file)?;
+    let folder = scene_file.parent().unwrap_or(Path::new(""));
     if let Some(camera) = &sealing.camera {
         Camera::open(camera)?;
     }
+    let hash = |path: &Path| files::read(path).map(|bytes| files::sha256_hex(&bytes));
     let criteria = sealing.reading.criteria()?;
     let manifests = detectors::chosen(&sealing.detectors)?;
     let sealed = manifests.iter().map(|m| Ok((m.name.clone(), SealedDetector::of(m)?)));
-    let stopping = if beside.is_sequential {
+    let stopping = if args.sequential {
         Stopping::Decided {
             look_after_each: ClusteredBy::PlaceAndBin,
-            least: beside.least,
+            least: args.least,
         }
     } else {
         Stopping::EveryView
     };
+    let mesh = scene.model.envelope.mesh();
     let plan = SealedPlan {
         scaleproof: env!("CARGO_PKG_VERSION").into(),
         textures: textures(&sealing.textures, &sealing.base)?,
@@ -98,37 +93,21 @@ pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dy
         match_iou: criteria.match_iou(),
         protocol: criteria.protocol.map(Protocol::name).map(str::to_owned),
         detectors: sealed.collect::<Result<_>>()?,
-        scene_sha256: hash(beside.scene)?,
-        mesh_sha256: scene
-            .model
-            .envelope
-            .mesh()
-            .map(|mesh| hash(&folder.join(mesh)))
-            .transpose()?,
+        scene_sha256: hash(scene_file)?,
+        mesh_sha256: mesh.map(|mesh| hash(&folder.join(mesh))).transpose()?,
         camera_sha256: sealing.camera.as_deref().map(hash).transpose()?,
         views: views(sealing, &scene.bins)?,
-        places: beside.places,
+        places: args.places,
         stopping,
     };
     let photos = plan.photos();
     let seal = plan.write(path)?;
-    if beside.as_json {
-        let plan = path.to_owned();
-        answer(&Sealed { plan, seal, photos }, out)?
-    } else {
-        writeln!(
-            out,
-            "plan: {} ({photos} photos)\nseal: {seal}\nPublish the seal before the first photo; `compare --plan {}` states it and lists whatever differs.",
-            path.display(),
-            path.display()
-        )?
-    }
-    Ok(Outcome::Done)
-}
-
-/// SHA-256 of a file.
-fn hash(path: &Path) -> Result<String> {
-    Ok(files::sha256_hex(&files::read(path)?))
+    let file = path.display();
+    let words = format!(
+        "plan: {file} ({photos} photos)\nseal: {seal}\nPublish the seal before the first photo; `compare --plan {file}` states it and lists whatever differs."
+    );
+    let plan = path.to_owned();
+    told(args.json, Sealed { plan, seal, photos }, words, out)
 }
 
 fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<String>>> {
@@ -159,10 +138,8 @@ fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<Stri
 fn views(sealing: &Sealing, bins: &Bins) -> Result<Vec<[f64; 3]>> {
     let (pitch, distance) = bins.usual_view();
     let of = |given: &[f64], usual: f64, all: &[f64], what: &str| -> Result<Vec<f64>> {
-        if let Some(odd) = given
-            .iter()
-            .find(|v| !all.iter().any(|centre| (centre - *v).abs() < 1e-6))
-        {
+        let is_odd = |v: &&f64| !all.iter().any(|centre| (centre - *v).abs() < 1e-6);
+        if let Some(odd) = given.iter().find(is_odd) {
             let all: Vec<String> = all.iter().map(f64::to_string).collect();
             return Err(format!("--{what} {odd} is no bin of the scene: it has {}", all.join(", ")).into());
         }

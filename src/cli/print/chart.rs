@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
 
-use super::{CutSheetArgs, write_files, write_json};
-use crate::cli::{CommandResult, Outcome};
+use super::{CommandResult, CutSheetArgs, told, write_files, written};
 use scaleproof_print::print::chart::chart;
 
 #[derive(clap::Args)]
@@ -23,23 +22,18 @@ pub(crate) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let title = format!("Colour chart {}", made.layout.kind.name());
     let files = args.sheets.file(&title, &made.sheet)?;
     write_files(&files, &[args.sheets.printer.as_deref()])?;
-    let (path, levels, patches) = (
-        files[0].0.display(),
-        made.layout.kind.levels().len(),
-        made.layout.patches.len(),
-    );
-    if args.json {
-        let chart = made.layout.kind.name();
-        let facts = Answer { chart, patches, levels };
-        write_json(&files, facts, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(
-        out,
+    let (path, chart) = (files[0].0.display(), made.layout.kind.name());
+    let (levels, patches) = (made.layout.kind.levels().len(), made.layout.patches.len());
+    let words = format_args!(
         "{path}: {patches} patches, {levels} levels a channel and greys; print at 100 %, photograph, then scaleproof colour read \
          PHOTO -o printer.toml"
-    )?;
-    Ok(Outcome::Done)
+    );
+    told(
+        args.json,
+        written(&files, Answer { chart, patches, levels }),
+        words,
+        out,
+    )
 }
 
 /// `print chart --json`.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
 
-use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
+use super::{CommandResult, PaperArgs, told, write_files, written};
 use scaleproof_print::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
@@ -29,20 +29,10 @@ pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         .output()?
         .files("Printer check", &["check".to_owned()], &sheets)?;
     write_files(&files, &[args.paper.printer.as_deref()])?;
-    if args.json {
-        let next = request.printer.verify_command();
-        write_json(&files, Answer { next }, out)?;
-        return Ok(Outcome::Done);
-    }
-    for (path, _) in files {
-        writeln!(
-            out,
-            "{}: print at 100 %, measure, then {}",
-            path.display(),
-            request.printer.verify_command()
-        )?;
-    }
-    Ok(Outcome::Done)
+    let next = request.printer.verify_command();
+    // One page is one file.
+    let words = format!("{}: print at 100 %, measure, then {next}", files[0].0.display());
+    told(args.json, written(&files, Answer { next }), words, out)
 }
 
 /// `print check --json`.

@@ -14,15 +14,14 @@ pub(crate) mod wrap;
 use crate::cli::answer::Named;
 use crate::cli::answer::Written;
 use schemars::schema_for;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
-use super::answer::write_json;
+use super::answer::{told, written};
 use super::enlarged::note_enlarged;
-use super::{CommandResult, Outcome, full};
+use super::{CommandResult, Result, full};
 use scaleproof_core::files;
 use scaleproof_print::print::SheetError;
 use scaleproof_print::print::date::Date;
@@ -35,15 +34,8 @@ use scaleproof_surface::pattern::card::{self, CardError};
 
 pub(crate) use template::{summary, write_template};
 
-/// Print sheets in true millimetres
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Subcommand)]
-enum What {
+pub(crate) enum Command {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
     /// Wrap a texture around a model: pieces to cut out and glue, or five panels
@@ -63,16 +55,16 @@ enum What {
 }
 
 /// Runs `scaleproof print …`.
-pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Template(args) => template::run(&args, out),
-        What::Wrap(args) => wrap::run(&args, out),
-        What::Patch(args) => patch::run(&args, out),
-        What::Tags(args) => tags::run(&args, out),
-        What::Full(command) => full::print(command, out),
-        What::Chart(args) => chart::run(&args, out),
-        What::Check(args) => check::run(&args, out),
-        What::Verify(args) => verify::run(&args, out),
+pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    match command {
+        Command::Template(args) => template::run(&args, out),
+        Command::Wrap(args) => wrap::run(&args, out),
+        Command::Patch(args) => patch::run(&args, out),
+        Command::Tags(args) => tags::run(&args, out),
+        Command::Full(command) => full::print(command, out),
+        Command::Chart(args) => chart::run(&args, out),
+        Command::Check(args) => check::run(&args, out),
+        Command::Verify(args) => verify::run(&args, out),
     }
 }
 
@@ -93,33 +85,18 @@ pub(super) use value_names;
 
 value_names!(sheet_format -> SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
 
-/// Where the sheets go.
-fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput, String> {
-    SheetOutput::named(path, format).map_err(|error| match error {
-        OutputError::UnknownEnding { .. } => format!("{error}, or give --format"),
-        _ => error.to_string(),
-    })
-}
-
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
 
 /// Writes all files, or none, and none over an input.
-pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<(), Box<dyn Error>> {
+pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<()> {
     for (i, (path, _)) in files.iter().enumerate() {
-        if inputs.iter().flatten().any(|input| same_place(input, path)) {
-            return Err(format!(
-                "{} is an input, which would be overwritten; give another output file",
-                path.display()
-            )
-            .into());
+        let (name, is_same) = (path.display(), |other: &Path| same_place(other, path));
+        if inputs.iter().flatten().any(|input| is_same(input)) {
+            return Err(format!("{name} is an input, which would be overwritten; give another output file").into());
         }
-        if files[..i].iter().any(|(other, _)| same_place(other, path)) {
-            return Err(format!(
-                "two files would be written as {}; give them different names",
-                path.display()
-            )
-            .into());
+        if files[..i].iter().any(|(other, _)| is_same(other)) {
+            return Err(format!("two files would be written as {name}; give them different names").into());
         }
     }
     Ok(files::write_all_atomically(files)?)
@@ -128,13 +105,8 @@ pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result
 /// Whether two paths, of files that may not be there yet, name one place.
 fn same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
-        let folder = path
-            .parent()
-            .filter(|p| !p.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        path.canonicalize()
-            .ok()
-            .or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
+        let in_folder = || Some(files::folder_of(path).canonicalize().ok()?.join(path.file_name()?));
+        path.canonicalize().ok().or_else(in_folder)
     };
     a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }
@@ -157,7 +129,7 @@ pub(super) struct CutSheetArgs {
 }
 
 impl CutSheetArgs {
-    pub(super) fn media(&self) -> Result<Media, Box<dyn Error>> {
+    pub(super) fn media(&self) -> Result<Media> {
         Ok(Media {
             paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,
@@ -165,14 +137,14 @@ impl CutSheetArgs {
     }
 
     /// One sheet as the file to write.
-    pub(super) fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>, Box<dyn Error>> {
+    pub(super) fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>> {
         Ok(self
             .output()?
             .files(title, &["1".to_owned()], std::slice::from_ref(sheet))?)
     }
 
-    fn output(&self) -> Result<SheetOutput, String> {
-        sheet_output(&self.output, self.format)
+    fn output(&self) -> Result<SheetOutput, OutputError> {
+        SheetOutput::named(&self.output, self.format)
     }
 }
 
@@ -221,11 +193,11 @@ pub(crate) struct PaperArgs {
 }
 
 impl PaperArgs {
-    fn output(&self) -> Result<SheetOutput, String> {
-        sheet_output(&self.output, self.format)
+    fn output(&self) -> Result<SheetOutput, OutputError> {
+        SheetOutput::named(&self.output, self.format)
     }
 
-    fn printer(&self) -> Result<Printer, Box<dyn Error>> {
+    fn printer(&self) -> Result<Printer> {
         printer(self.printer.as_deref())
     }
 
@@ -234,7 +206,7 @@ impl PaperArgs {
     }
 }
 
-fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {
+fn printer(file: Option<&Path>) -> Result<Printer> {
     Ok(file.map(Printer::load).transpose()?.unwrap_or(Printer::EXACT))
 }
 

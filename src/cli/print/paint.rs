@@ -2,15 +2,14 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, write_files, write_json};
-use crate::cli::progress;
+use super::{CommandResult, told, write_files, written};
+use crate::cli::{Result, progress};
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
-use scaleproof_print::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
+use scaleproof_print::print::paint::{PaintArea, PaintRequest, paint_sheets};
 use scaleproof_print::print::template::TemplateRequest;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::{Paint, Painted, Palette, PaletteError};
@@ -39,14 +38,11 @@ pub(crate) struct PaintArgs {
 
 /// How the paints are found, and what their stencils must hold.
 pub(crate) struct Paints {
-    source: Source,
+    /// From a palette, else so many.
+    palette: Option<Palette>,
+    count: usize,
     pub(super) min_feature_mm: f64,
     pub(super) mirror: bool,
-}
-
-enum Source {
-    Count(usize),
-    Palette(Palette),
 }
 
 impl PaintArgs {
@@ -55,26 +51,24 @@ impl PaintArgs {
     }
 
     /// `None`: paper.
-    pub(crate) fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
-        let source = match (self.paints, &self.palette) {
-            (Some(asked), _) => Source::Count(usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?),
-            (None, Some(file)) => Source::Palette(Palette::load(file)?),
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(Paints {
-            source,
+    pub(crate) fn paints(&self) -> Result<Option<Paints>> {
+        let asked = self.paints.unwrap_or_default();
+        let paints = Paints {
+            count: usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?,
+            palette: self.palette.as_deref().map(Palette::load).transpose()?,
             min_feature_mm: self.min_feature_mm,
             mirror: self.mirror,
-        }))
+        };
+        Ok(self.is_asked().then_some(paints))
     }
 }
 
 impl Paints {
     /// The pattern in the paints.
     pub(super) fn painted(&self, pattern: &Pattern) -> Result<Painted, PaletteError> {
-        match &self.source {
-            Source::Count(count) => Painted::by_count(pattern, *count),
-            Source::Palette(palette) => Painted::by_palette(pattern, palette),
+        match &self.palette {
+            Some(palette) => Painted::by_palette(pattern, palette),
+            None => Painted::by_count(pattern, self.count),
         }
     }
 }
@@ -85,7 +79,7 @@ pub(crate) fn run(
     paints: &Paints,
     output: &SheetOutput,
     inputs: &[Option<&Path>],
-    (is_json, out): (bool, &mut dyn Write),
+    (as_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
     let busy = progress::busy("cutting stencils");
     let painted = paints.painted(pattern)?;
@@ -94,30 +88,21 @@ pub(crate) fn run(
         min_feature_mm: paints.min_feature_mm,
         mirror: paints.mirror,
     };
-    let made = paint_sheets(pattern, &painted, &request).map_err(advised)?;
+    let made = paint_sheets(pattern, &painted, &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
-    if is_json {
-        write_json(&files, facts(&painted, &made), out)?;
-        return Ok(Outcome::Done);
-    }
-    report(&files[0].0, &painted, &made, out)?;
-    Ok(Outcome::Done)
-}
-
-/// The error with the options that mend it.
-pub(super) fn advised(error: PaintError) -> String {
-    match &error {
-        PaintError::CellTooSmall { most, least_tile, .. } => {
-            format!(
-                "{error}; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more, or make fewer cells by scaleproof pattern \
-                 import --cells"
-            )
-        }
-        PaintError::NoStencil(_) => format!("{error}; give a smaller --min-feature-mm or a larger --tile-mm"),
-        _ => error.to_string(),
-    }
+    let sheets = made.layout.sheets.len();
+    let words = format!(
+        "{}: {} paints, {} to paint by number, {}; print at 100 %\n{}",
+        files[0].0.display(),
+        painted.paints.len(),
+        count(sheets, "sheet"),
+        count(made.stencils(), "stencil"),
+        table(&painted, &made.areas, "panel")
+    );
+    let paints = paint_facts(&painted, &made.areas);
+    told(as_json, written(&files, Answer { sheets, paints }), words, out)
 }
 
 /// `print template --paints --json`.
@@ -126,13 +111,6 @@ pub(in crate::cli) struct Answer {
     sheets: usize,
     #[serde(flatten)]
     paints: PaintsAnswer,
-}
-
-fn facts(painted: &Painted, made: &PaintSheets) -> Answer {
-    Answer {
-        sheets: made.layout.sheets.len(),
-        paints: paint_facts(painted, &made.areas),
-    }
 }
 
 /// The paints and their areas.
@@ -178,41 +156,25 @@ pub(super) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> PaintsAnswe
     }
 }
 
-fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Write) -> std::io::Result<()> {
-    let (paints, sheets) = (painted.paints.len(), made.layout.sheets.len());
-    writeln!(
-        out,
-        "{}: {paints} paints, {} to paint by number, {}; print at 100 %",
-        file.display(),
-        count(sheets, "sheet"),
-        count(made.stencils(), "stencil")
-    )?;
-    table(painted, &made.areas, "panel", out)
-}
-
 /// The paints and their areas as a table, and the sum of a `whole`.
-pub(super) fn table(painted: &Painted, areas: &[PaintArea], whole: &str, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn table(painted: &Painted, areas: &[PaintArea], whole: &str) -> String {
     let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
         let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);
         format!("{name:<26} {cells:>10.2} {open:>10.2} {left:>10.2} {mean:>8.1} {max:>8.1}")
     };
-    writeln!(
-        out,
+    let mut rows = vec![format!(
         "{:<26} {:>10} {:>10} {:>10} {:>8} {:>8}",
         "paint", "area cm²", "stencil", "touch up", "ΔE mean", "ΔE max"
-    )?;
+    )];
     for (i, (used, area)) in painted.paints.iter().zip(areas).enumerate() {
         let Paint { name, .. } = &used.paint;
         let hex = used.paint.hex();
         // A paint of k-means is called by its colour, which need not stand there twice.
-        let name = if *name == hex {
-            String::new()
-        } else {
-            format!(" {name}")
-        };
+        let name = if *name == hex { "" } else { &format!(" {name}") };
         let name = format!("{:>2} {hex}{name}", i + 1);
-        writeln!(out, "{}", row(&name, *area, used.mean_delta_e, used.max_delta_e))?;
+        rows.push(row(&name, *area, used.mean_delta_e, used.max_delta_e));
     }
     let (mean, max) = painted.delta_e();
-    writeln!(out, "{}", row(whole, PaintArea::sum(areas), mean, max))
+    rows.push(row(whole, PaintArea::sum(areas), mean, max));
+    rows.join("\n")
 }

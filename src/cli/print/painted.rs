@@ -2,19 +2,18 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use super::paint::{self, Paints, PaintsAnswer, paint_facts, table};
-use super::{pieces, write_files, write_json};
+use super::paint::{Paints, PaintsAnswer, paint_facts, table};
+use super::{CommandResult, pieces, told, write_files, written};
 use crate::cli::model::Model;
 use crate::cli::progress;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::PiecesRequest;
-use scaleproof_wrap::pieces::painted::{PaintedError, PaintedPieces, PaintedRequest, flattened, painted_pieces};
+use scaleproof_wrap::pieces::painted::{PaintedPieces, PaintedRequest, flattened, painted_pieces};
 
 /// Prints the sheets.
 pub(super) fn run(
@@ -22,7 +21,7 @@ pub(super) fn run(
     request: PiecesRequest,
     (output, inputs): (&SheetOutput, &[Option<&Path>]),
     (as_json, out): (bool, &mut dyn Write),
-) -> Result<(), Box<dyn Error>> {
+) -> CommandResult {
     let Texture::Tile(tile) = texture else {
         return Err(
             "stencils and sheets to paint by number are made of cells, and a texture has none; give --pattern instead of --texture, as \
@@ -40,39 +39,28 @@ pub(super) fn run(
     let surface = (&model.mesh, &*model.materials);
     let flat = flattened(surface, tile, &request, &mut |share| {
         busy.set_position((60.0 * share) as u64)
-    });
-    let flat = flat.map_err(advised)?;
-    let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request).map_err(advised)?;
+    })?;
+    let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
-    if as_json {
-        return write_json(&files, facts(model, &made), out);
-    }
-    let [length, width, height] = model.mesh.size_mm();
-    writeln!(
+    let paints = count(made.painted.paints.len(), "paint");
+    let words = [
+        vec![format!(
+            "{}: {paints} on {}; print at 100 %",
+            files[0].0.display(),
+            model.in_words()
+        )],
+        made.facts(),
+        vec![table(&made.painted, &made.areas, "all pieces")],
+        vec!["paint 1 is the base coat: it is sprayed on everything first, without a stencil".to_owned()],
+    ];
+    told(
+        as_json,
+        written(&files, facts(model, &made)),
+        words.concat().join("\n"),
         out,
-        "{}: {} on a model of {length:.0} × {width:.0} × {height:.0} mm; print at 100 %",
-        files[0].0.display(),
-        count(made.painted.paints.len(), "paint"),
-    )?;
-    for fact in made.facts() {
-        writeln!(out, "{fact}")?;
-    }
-    table(&made.painted, &made.areas, "all pieces", out)?;
-    writeln!(
-        out,
-        "paint 1 is the base coat: it is sprayed on everything first, without a stencil"
-    )?;
-    Ok(())
-}
-
-/// The error with the options that mend it.
-fn advised(error: PaintedError) -> String {
-    match error {
-        PaintedError::Pieces(error) => pieces::advised(error),
-        PaintedError::Paint(error) => paint::advised(error),
-    }
+    )
 }
 
 /// `print wrap --paints --json`.

@@ -2,15 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::wrap::SheetArgs;
-use super::{CommandResult, Outcome, value_names, write_files, write_json};
-use crate::cli::enlarged;
+use super::{CommandResult, told, value_names, write_files, written};
 use crate::cli::model::ModelArgs;
-use crate::cli::units;
+use crate::cli::{Result, enlarged, units};
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchImage, patches};
 use scaleproof_print::print::{paper, wrap};
@@ -77,26 +75,26 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
             patch.side.name()
         );
     }
-    if args.json {
-        let patches = wanted.iter().zip(&made.off_panel);
-        let patches = patches.map(|(patch, off)| PatchAnswer {
-            name: patch.name.clone(),
-            panel: patch.side.name(),
-            at_mm: patch.at_mm,
-            size_mm: patch.size_mm.into(),
-            off_panel_share: *off,
-        });
-        let patches = patches.collect();
-        write_json(&files, Answer { patches }, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(
+    let patches = wanted.iter().zip(&made.off_panel).map(|(patch, off)| PatchAnswer {
+        name: patch.name.clone(),
+        panel: patch.side.name(),
+        at_mm: patch.at_mm,
+        size_mm: patch.size_mm.into(),
+        off_panel_share: *off,
+    });
+    let facts = written(
+        &files,
+        Answer {
+            patches: patches.collect(),
+        },
+    );
+    let (path, pages) = (files[0].0.display(), count(made.pages.len(), "page"));
+    told(
+        args.json,
+        facts,
+        format_args!("{path}: {pages} of panels and patches; print at 100 %"),
         out,
-        "{}: {} of panels and patches; print at 100 %",
-        files[0].0.display(),
-        count(made.pages.len(), "page")
-    )?;
-    Ok(Outcome::Done)
+    )
 }
 
 /// `print patch --json`.
@@ -119,7 +117,7 @@ struct PatchAnswer {
 }
 
 /// The patches as they were requested: the options belong together in order.
-pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
+pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
     let count = args.patch.len();
     if count == 0 {
         return Err("give --patch, with its --panel, --at-mm and --size-mm".into());
@@ -127,7 +125,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>>
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
     }
-    let one = |i: usize| -> Result<PanelPatch, Box<dyn Error>> {
+    let one = |i: usize| -> Result<PanelPatch> {
         let image = PatchImage::load(&args.patch[i])?;
         enlarged::note(&args.patch[i], image.note());
         let size = args.size_mm[i].trim();
@@ -147,7 +145,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>>
     (0..count).map(one).collect()
 }
 
-fn place(text: &str) -> Result<[f64; 2], Box<dyn Error>> {
+fn place(text: &str) -> Result<[f64; 2]> {
     let numbers = text
         .split_once(',')
         .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));

@@ -2,17 +2,16 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use super::{PaperArgs, write_files, write_json};
+use super::{CommandResult, PaperArgs, told, write_files, written};
 use crate::cli::model::Model;
-use crate::cli::progress;
 use crate::cli::texture::NamedTexture;
+use crate::cli::{Result, progress};
 use scaleproof_plot::lettering;
 use scaleproof_surface::texture::Texture;
-use scaleproof_wrap::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
+use scaleproof_wrap::pieces::{PiecesRequest, PrintedPieces, flattened, pieces, reason};
 use scaleproof_wrap::unwrap::LeftOut;
 
 /// How the model is cut into pieces, and what is printed of them.
@@ -50,7 +49,7 @@ impl PiecesArgs {
         &self,
         paper: &PaperArgs,
         (model, painted): (&Model, &NamedTexture),
-    ) -> Result<PiecesRequest, Box<dyn Error>> {
+    ) -> Result<PiecesRequest> {
         Ok(PiecesRequest {
             most_pieces: Some(self.pieces),
             mean_stretch: self.mean_stretch,
@@ -75,14 +74,14 @@ pub(super) fn run(
     (model, painted): (&Model, &NamedTexture),
     inputs: &[Option<&Path>],
     (as_json, out): (bool, &mut dyn Write),
-) -> Result<(), Box<dyn Error>> {
+) -> CommandResult {
     let output = paper.output()?;
     let request = args.request(paper, (model, painted))?;
     let busy = progress::steps("unwrapping", 100);
     let surface = (&model.mesh, &*model.materials);
     // Drawing takes a little, too.
-    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64)).map_err(advised)?;
-    let made = pieces(&model.mesh, &flat, &painted.texture, &request).map_err(advised)?;
+    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64))?;
+    let made = pieces(&model.mesh, &flat, &painted.texture, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -90,19 +89,13 @@ pub(super) fn run(
         let length_mm = made.unlettered_mm;
         say!("note: {length_mm:.0} mm of seams have no letter on one of their pieces, as there is no room beside it");
     }
-    if as_json {
-        return write_json(&files, facts(model, &made), out);
-    }
-    let [length, width, height] = model.mesh.size_mm();
-    writeln!(
-        out,
-        "{}: instructions and pieces of a model of {length:.0} × {width:.0} × {height:.0} mm; print at 100 %",
+    let head = format!(
+        "{}: instructions and pieces of {}; print at 100 %",
         files[0].0.display(),
-    )?;
-    for fact in made.facts() {
-        writeln!(out, "{fact}")?;
-    }
-    Ok(())
+        model.in_words()
+    );
+    let words = [vec![head], made.facts()].concat().join("\n");
+    told(as_json, written(&files, facts(model, &made)), words, out)
 }
 
 /// What the captions say of a texture.
@@ -114,17 +107,6 @@ pub(super) fn captioned(painted: &NamedTexture) -> String {
         }
         _ => hash,
     }
-}
-
-/// The error with the options that mend it.
-pub(super) fn advised(error: PiecesError) -> String {
-    let advice = match &error {
-        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
-        PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
-        PiecesError::Raster(_) => " (--dpi)",
-        _ => "",
-    };
-    format!("{error}{advice}")
 }
 
 /// `print wrap --json`. Lengths over others are mm on the surface for 1 mm on paper, or the inverse.

@@ -1,16 +1,14 @@
 //! `scaleproof print tags`: tent cards, ground mat and plain cards of a scene.
 
-use crate::cli::answer::write_json;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CutSheetArgs, write_files};
-use crate::cli::{CommandResult, Outcome};
+use super::{CommandResult, CutSheetArgs, told, write_files, written};
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
-use scaleproof_print::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, TagSheets, tag_sheets};
+use scaleproof_print::print::tags::{Ground, TagNote, TagRequest, TagSheets, tag_sheets};
 
 #[derive(clap::Args)]
 pub(crate) struct TagsArgs {
@@ -34,43 +32,24 @@ pub(crate) struct TagsArgs {
 pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     let media = args.sheets.media()?;
     let scene = Scene::open(&args.scene)?;
+    let (plain, whole_mat) = (args.plain, args.whole_mat);
     let made = tag_sheets(
         &scene,
         &TagRequest {
             media,
-            plain: args.plain,
-            whole_mat: args.whole_mat,
+            plain,
+            whole_mat,
         },
-    )
-    .map_err(advised)?;
+    )?;
     let title = format!("Tags of {}", scene.model.name);
     let files = args.sheets.output()?.files(&title, &made.names, &made.sheets)?;
     write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
-    if args.json {
-        write_json(&files, facts(&made), out)?;
-        return Ok(Outcome::Done);
-    }
-    let sheets = count(made.sheets.len(), "sheet");
-    let contents = made.contents.join(", ");
-    writeln!(out, "{}: {sheets}: {contents}; print at 100 %", files[0].0.display())?;
-    for note in &made.notes {
+    for note in made.notes.iter().filter(|_| !args.json) {
         say!("note: {}", noted(note));
     }
-    Ok(Outcome::Done)
-}
-
-/// The error with the option that mends it.
-fn advised(error: TagPrintError) -> String {
-    let instead = match &error {
-        TagPrintError::TooLarge { instead, .. } => *instead,
-        _ => Instead::Nothing,
-    };
-    let option = match instead {
-        Instead::Nothing => "",
-        Instead::WholeMat => " (--whole-mat)",
-        Instead::PlainCards => " (--plain)",
-    };
-    format!("{error}{option}")
+    let (path, sheets) = (files[0].0.display(), count(made.sheets.len(), "sheet"));
+    let words = format_args!("{path}: {sheets}: {}; print at 100 %", made.contents.join(", "));
+    told(args.json, written(&files, facts(&made)), words, out)
 }
 
 /// The note with the option that serves.

@@ -2,13 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
-use crate::cli::{enlarged, progress, units};
+use super::{CommandResult, NewFile, PaperArgs, told, value_names, write_files, written};
+use crate::cli::{Result, enlarged, progress, units};
 use scaleproof_core::spelling;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::output::{SheetFormat, SheetOutput};
@@ -82,87 +81,57 @@ pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     }
 }
 
+/// Prints what is drawn, and says so.
+fn print(
+    (args, path, request): (&TemplateArgs, &Path, &TemplateRequest),
+    draw: &dyn Fn() -> Result<Template, TemplateError>,
+    grain: fn(f64) -> Grain,
+    out: &mut dyn Write,
+) -> CommandResult {
+    let inputs = [Some(path), args.paper.printer.as_deref()];
+    let (made, files) = write(draw, request, &args.paper.output()?, &inputs)?;
+    let words = said(&files[0].0, &made, &grain(made.cell_mm));
+    let outcome = told(args.json, written(&files, facts(&made, grain)), words, out)?;
+    units::note(doubt(request));
+    Ok(outcome)
+}
+
+fn doubt(request: &TemplateRequest) -> Option<String> {
+    units::template(request.layout.size_mm, request.tile_mm, request.scale)
+}
+
 fn run_pattern(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(path)?;
     let request = request(args, path, super::tile_mm(args.tile_mm, path, &pattern)?)?;
-    let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
     let output = args.paper.output()?;
-    if let Some(paints) = args.paint.paints()? {
-        let inputs = [Some(path), args.paper.printer.as_deref(), args.paint.palette.as_deref()];
-        paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
-    } else {
-        let (made, files) = write(
-            &|| template(&pattern, &request),
-            &request,
-            &output,
-            &[Some(path), args.paper.printer.as_deref()],
-        )?;
-        if args.json {
-            write_json(&files, facts(&made, Grain::CellMm), out)?;
-        } else {
-            writeln!(out, "{}", summary(&files[0].0, &made))?;
-        }
-    }
+    let Some(paints) = args.paint.paints()? else {
+        let draw = || template(&pattern, &request);
+        return print((args, path, &request), &draw, Grain::CellMm, out);
+    };
+    let doubt = doubt(&request);
+    let inputs = [Some(path), args.paper.printer.as_deref(), args.paint.palette.as_deref()];
+    let outcome = paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
     units::note(doubt);
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
     if args.paint.is_asked() {
-        return Err(format!(
-            "stencils and sheets to paint by number are made of cells, and a texture has none; make a pattern of it: scaleproof pattern import {} \
-             --cells 24 -o pattern.png",
-            path.display()
-        )
-        .into());
+        let command = format!("scaleproof pattern import {} --cells 24 -o pattern.png", path.display());
+        let sheets = "stencils and sheets to paint by number are made of cells, and a texture has none";
+        return Err(format!("{sheets}; make a pattern of it: {command}").into());
     }
     let texture = enlarged::picture(path)?;
-    let request = request(
-        args,
-        path,
-        args.tile_mm
-            .ok_or("a texture needs the width of one repeat: give --tile-mm")?,
-    )?;
-    let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
-    let (made, files) = write(
-        &|| texture_template(&texture, args.dpi, &request),
-        &request,
-        &args.paper.output()?,
-        &[Some(path), args.paper.printer.as_deref()],
-    )?;
-    if args.json {
-        write_json(&files, facts(&made, Grain::PixelMm), out)?;
-    } else {
-        let dpi = 25.4 / made.cell_mm;
-        writeln!(
-            out,
-            "{}",
-            said(&files[0].0, &made, &format!("a texture of {dpi:.0} dpi"))
-        )?;
-    }
-    units::note(doubt);
-    Ok(Outcome::Done)
-}
-
-/// What to do about an error of the library.
-pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    matches!(error.downcast_ref()?, TemplateError::CellTooSmall { .. })
-        .then(|| ", as `scaleproof pattern import IMAGE --cells 24` makes them".to_owned())
+    let missing = "a texture needs the width of one repeat: give --tile-mm";
+    let request = request(args, path, args.tile_mm.ok_or(missing)?)?;
+    let draw = || texture_template(&texture, args.dpi, &request);
+    print((args, path, &request), &draw, Grain::PixelMm, out)
 }
 
 /// Draws a template and writes it to a PDF.
-pub(crate) fn write_template(
-    pattern: &Pattern,
-    request: &TemplateRequest,
-    output: &Path,
-) -> Result<Template, Box<dyn Error>> {
-    Ok(write(
-        &|| template(pattern, request),
-        request,
-        &SheetOutput::named(output, Some(SheetFormat::Pdf))?,
-        &[],
-    )?
-    .0)
+pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template> {
+    let output = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
+    Ok(write(&|| template(pattern, request), request, &output, &[])?.0)
 }
 
 /// Gives the files as well.
@@ -171,16 +140,16 @@ fn write(
     request: &TemplateRequest,
     output: &SheetOutput,
     inputs: &[Option<&Path>],
-) -> Result<(Template, Vec<NewFile>), Box<dyn Error>> {
-    let busy = progress::busy("drawing");
-    let made = draw()?;
-    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    write_files(&files, inputs)?;
-    busy.finish_and_clear();
-    Ok((made, files))
+) -> Result<(Template, Vec<NewFile>)> {
+    progress::busy("drawing").during(|_| {
+        let made = draw()?;
+        let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
+        write_files(&files, inputs)?;
+        Ok((made, files))
+    })
 }
 
-fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateRequest, Box<dyn Error>> {
+fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateRequest> {
     let layout = LayoutRequest {
         size_mm: paper::size_mm(&args.size_mm)?,
         paper: args.paper.paper.parse()?,
@@ -240,14 +209,14 @@ fn facts(made: &Template, grain: fn(f64) -> Grain) -> Answer {
 }
 
 pub(crate) fn summary(output: &Path, made: &Template) -> String {
-    said(
-        output,
-        made,
-        &format!("cells of {} mm", lettering::number(made.cell_mm)),
-    )
+    said(output, made, &Grain::CellMm(made.cell_mm))
 }
 
-fn said(output: &Path, made: &Template, grain: &str) -> String {
+fn said(output: &Path, made: &Template, grain: &Grain) -> String {
+    let grain = match grain {
+        Grain::CellMm(mm) => format!("cells of {} mm", lettering::number(*mm)),
+        Grain::PixelMm(mm) => format!("a texture of {:.0} dpi", 25.4 / mm),
+    };
     let layout = &made.layout;
     let count = match layout.sheets.len() {
         1 => "1 sheet".to_owned(),

@@ -5,7 +5,7 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome, write_json};
+use super::{CommandResult, told, written};
 use scaleproof_core::files;
 use scaleproof_print::print::printer::{Printer, PrinterFile};
 
@@ -55,14 +55,9 @@ pub(crate) fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
     };
     let new = [(args.output.clone(), file.to_toml()?.into_bytes())];
     files::write_all_atomically(&new)?;
-    if args.json {
-        let correction = printer.caption();
-        write_json(&new, Answer { correction }, out)?;
-        return Ok(Outcome::Done);
-    }
-    let output = args.output.display();
-    writeln!(out, "{output}: {}; print with --printer {output}", printer.caption())?;
-    Ok(Outcome::Done)
+    let (output, correction) = (args.output.display(), printer.caption());
+    let words = format!("{output}: {correction}; print with --printer {output}");
+    told(args.json, written(&new, Answer { correction }), words, out)
 }
 
 /// `print verify --json`.

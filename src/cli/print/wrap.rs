@@ -2,17 +2,16 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
 use super::paint::PaintArgs;
 use super::painted;
 use super::pieces::{self, PiecesArgs};
-use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
+use super::{CommandResult, PaperArgs, told, write_files, written};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::texture::{NamedTexture, TextureArgs};
-use crate::cli::{progress, units};
+use crate::cli::{Result, progress, units};
 use scaleproof_plot::lettering;
 use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
 
@@ -49,7 +48,7 @@ pub(crate) struct SheetArgs {
 }
 
 impl SheetArgs {
-    pub(crate) fn request(&self, scale: f64) -> Result<WrapRequest, Box<dyn Error>> {
+    pub(crate) fn request(&self, scale: f64) -> Result<WrapRequest> {
         Ok(WrapRequest {
             scale,
             name: String::new(),
@@ -75,8 +74,8 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         args.paint.palette.as_deref(),
     ];
     inputs.extend(painted.images.iter().map(|path| Some(path.as_path())));
-    if args.pieces.panels {
-        panels(args, (&model, &painted), &inputs, out)?;
+    let outcome = if args.pieces.panels {
+        panels(args, (&model, &painted), &inputs, out)
     } else if args.sheets.overlap_mm.is_some() {
         return Err(
             "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
@@ -88,21 +87,16 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             (&model, &painted.texture, &paints),
             request,
             (&output, &inputs),
-            (args.json, &mut *out),
-        )?;
+            (args.json, out),
+        )
     } else {
-        pieces::run(
-            &args.pieces,
-            &args.sheets.paper,
-            (&model, &painted),
-            &inputs,
-            (args.json, &mut *out),
-        )?;
-    }
+        let paper = &args.sheets.paper;
+        pieces::run(&args.pieces, paper, (&model, &painted), &inputs, (args.json, out))
+    }?;
     if model.file.is_some() {
         units::note(units::turned(model.mesh.size_mm()));
     }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 /// `--panels`.
@@ -111,7 +105,7 @@ fn panels(
     (model, painted): (&Model, &NamedTexture),
     inputs: &[Option<&Path>],
     out: &mut dyn Write,
-) -> Result<(), Box<dyn Error>> {
+) -> CommandResult {
     let sheets = &args.sheets;
     let request = WrapRequest {
         name: painted.name.clone(),
@@ -129,24 +123,18 @@ fn panels(
         let length_mm = made.unlettered_mm;
         say!("note: {length_mm:.0} mm of seams have no letter, as one of their panels has no room beside them");
     }
-    if args.json {
-        return write_json(&files, facts(model, &made), out);
-    }
-    let [length, width, height] = model.mesh.size_mm();
     let cells = made
         .cell_mm
         .map(|mm| format!(", cells of {} mm", lettering::number(mm)));
-    let cells = cells.unwrap_or_default();
-    writeln!(
-        out,
-        "{}: instructions and {} panels of a model of {length:.0} × {width:.0} × {height:.0} mm{cells}; print at 100 %",
+    let head = format!(
+        "{}: instructions and {} panels of {}{}; print at 100 %",
         files[0].0.display(),
         made.pieces.len(),
-    )?;
-    for fact in made.facts() {
-        writeln!(out, "{fact}")?;
-    }
-    Ok(())
+        model.in_words(),
+        cells.unwrap_or_default()
+    );
+    let words = [vec![head], made.facts()].concat().join("\n");
+    told(args.json, written(&files, facts(model, &made)), words, out)
 }
 
 /// `print wrap --panels --json`.

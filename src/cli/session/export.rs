@@ -1,17 +1,17 @@
 //! `scaleproof session export`: the photos of a session with their truth boxes, for other programs.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
+use crate::cli::choice::one_of;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::by_variant_of;
-use crate::cli::score::{Effort, score_with_progress};
+use super::by_variant;
+use crate::cli::CommandResult;
+use crate::cli::score::{Effort, say_not_scored, score_with_progress};
 use crate::cli::sessions::{quoted, session};
-use crate::cli::{CommandResult, Outcome, failing_alike};
 use scaleproof_core::spelling;
 use scaleproof_score::report::{self, ExportFormat, ExportRequest};
 
@@ -24,8 +24,8 @@ pub(in crate::cli) struct Args {
     /// The session's folder
     session: PathBuf,
     /// Format of the annotations
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    format: Format,
+    #[arg(long, value_name = "FORMAT", value_parser = one_of([(ExportFormat::Coco, "coco"), (ExportFormat::Yolo, "yolo")]))]
+    format: ExportFormat,
     /// A new folder
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
@@ -39,54 +39,39 @@ pub(in crate::cli) struct Args {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Format {
-    Coco,
-    Yolo,
-}
-
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     report::check_export(&args.output)?;
     let options = args.effort.options(&[])?;
     let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
-    failing_alike::say_not_scored(&scores);
-    let format = match args.format {
-        Format::Coco => ExportFormat::Coco,
-        Format::Yolo => ExportFormat::Yolo,
-    };
+    say_not_scored(&scores);
     let file = report::export(&ExportRequest {
         scores: &scores,
-        format,
+        format: args.format,
         folder: &args.output,
         copy: args.copy,
     })?;
-    let variants = by_variant_of(scores.photos.iter().map(|photo| photo.variant.as_str()));
-    if args.json {
-        let exported = Exported {
-            folder: &args.output,
-            file: &file,
-            photos: scores.photos.len(),
-            variants,
-            not_exported: scores.not_scored.len(),
-            copied: args.copy,
-        };
-        answer(&exported, out)?;
-        return Ok(Outcome::Done);
-    }
-    let place = |path: &std::path::Path| quoted(&path.display().to_string());
-    let back = match format {
+    let variants = by_variant(scores.photos.iter().map(|photo| photo.variant.as_str()));
+    let place = |path: &Path| quoted(&path.display().to_string());
+    let back = match args.format {
         ExportFormat::Coco => format!("--results NAME=results.json --images {}", place(&file)),
         ExportFormat::Yolo => "--results NAME=FOLDER".to_owned(),
     };
-    writeln!(
-        out,
+    let words = format!(
         "{}: {}; run the other program on {}, then `scaleproof score {} {back} -o REPORT`",
         file.display(),
         spelling::count(scores.photos.len(), "photo"),
         args.output.join("images").display(),
         place(&args.session)
-    )?;
-    Ok(Outcome::Done)
+    );
+    let exported = Exported {
+        folder: &args.output,
+        file: &file,
+        photos: scores.photos.len(),
+        variants,
+        not_exported: scores.not_scored.len(),
+        copied: args.copy,
+    };
+    told(args.json, exported, words, out)
 }
 
 /// `session export --json`.

@@ -2,20 +2,19 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{by_variant, in_words};
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::CommandResult;
+use crate::cli::answer::told;
 use scaleproof_core::{files, spelling};
 use scaleproof_session::session::import::{self, ImportRequest};
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// COCO annotations (.json), or a table (.csv) with the header file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm
     file: PathBuf,
     /// The folder with the photos, from which their names count; it gets the session.json
@@ -54,26 +53,25 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         );
     }
     let photos = &imported.session.photos;
-    let variants = by_variant(photos);
-    let conditions: BTreeSet<&String> = photos.iter().flat_map(|photo| photo.conditions.keys()).collect();
-    if args.json {
-        let answer = ImportedSession {
-            session: &args.photos,
-            file: &imported.path,
-            photos: photos.len(),
-            variants,
-            without_box: &imported.without_box,
-            conditions,
-        };
-        crate::cli::answer::answer(&answer, out)?;
-    } else {
-        writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?;
-        if !conditions.is_empty() {
-            let names: Vec<&str> = conditions.iter().map(|name| name.as_str()).collect();
-            writeln!(out, "conditions kept, for --group-by: {}", names.join(", "))?;
-        }
+    let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
+    let conditions: BTreeSet<&str> = photos
+        .iter()
+        .flat_map(|photo| photo.conditions.keys().map(|name| &**name))
+        .collect();
+    let mut words = in_words(&imported.path, photos.len(), &variants, &args.photos);
+    if !conditions.is_empty() {
+        let names: Vec<&str> = conditions.iter().copied().collect();
+        words += &format!("\nconditions kept, for --group-by: {}", names.join(", "));
     }
-    Ok(Outcome::Done)
+    let answer = ImportedSession {
+        session: &args.photos,
+        file: &imported.path,
+        photos: photos.len(),
+        variants,
+        without_box: &imported.without_box,
+        conditions,
+    };
+    told(args.json, answer, words, out)
 }
 
 /// `session import --json`.
@@ -90,5 +88,5 @@ pub(in crate::cli) struct ImportedSession<'a> {
     /// Photos that the file names without a box of the model.
     without_box: &'a [String],
     /// Names of the conditions that were kept.
-    conditions: BTreeSet<&'a String>,
+    conditions: BTreeSet<&'a str>,
 }

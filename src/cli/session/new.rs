@@ -1,6 +1,6 @@
 //! `scaleproof session new`: folders of photos become a session.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -8,9 +8,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{by_variant, in_words};
-use crate::cli::Result;
 use crate::cli::sessions::{FolderFiles, pair, quoted};
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::{CommandResult, Result};
 use scaleproof_session::session::NewSession;
 use scaleproof_session::session::folders::PhotoFolder;
 
@@ -18,7 +17,7 @@ use scaleproof_session::session::folders::PhotoFolder;
 ///
 /// The session gets a session.json, and copies of the scene and the camera unless they lie in it. The photos stay as and where they are.
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The session's folder; one that is there keeps its files
     folder: PathBuf,
     /// Folders with the texture their photos show, as in normal=monday checker=tuesday
@@ -45,21 +44,17 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         copy: args.copy,
     }
     .write()?;
-    let variants = by_variant(&made.photos);
-    if args.json {
-        let new = Answer {
-            session: &args.folder,
-            file: &made.path,
-            photos: made.photos.len(),
-            variants,
-            place: args.about.place(),
-            copied: args.copy,
-        };
-        answer(&new, out)?;
-    } else {
-        writeln!(out, "{}", in_words(&made.path, &made.photos, &args.folder))?
-    }
-    Ok(Outcome::Done)
+    let variants = by_variant(made.photos.iter().map(|photo| &*photo.variant));
+    let words = in_words(&made.path, made.photos.len(), &variants, &args.folder);
+    let new = Answer {
+        session: &args.folder,
+        file: &made.path,
+        photos: made.photos.len(),
+        variants,
+        place: &args.about.place,
+        copied: args.copy,
+    };
+    told(args.json, new, words, out)
 }
 
 /// `session new --json`.
@@ -80,24 +75,20 @@ pub(in crate::cli) struct Answer<'a> {
 }
 
 fn folders(args: &Args) -> Result<Vec<PhotoFolder>> {
-    let not_alone = |what: &Path| {
-        format!(
-            "{} is no VARIANT=FOLDER: write `scaleproof session new NAME VARIANT=FOLDER …`, as in normal=monday",
-            what.display()
-        )
-    };
     if args.photos.is_empty() {
         // The name was forgotten, or the folders.
+        let folder = args.folder.display().to_string();
         return Err(match pair(&args.folder)? {
-            Some(_) => format!(
-                "{} is taken for the session's folder: name that first, as in `scaleproof session new NAME {}`",
-                args.folder.display(),
-                quoted(&args.folder.display().to_string())
-            )
-            .into(),
+            Some(_) => {
+                let command = format!("`scaleproof session new NAME {}`", quoted(&folder));
+                format!("{folder} is taken for the session's folder: name that first, as in {command}").into()
+            }
             None => "no photos are named: add VARIANT=FOLDER for each texture, as in normal=monday".into(),
         });
     }
-    let named = |given: &PathBuf| Ok(pair(given)?.ok_or_else(|| not_alone(given))?);
+    let not_alone = "write `scaleproof session new NAME VARIANT=FOLDER …`, as in normal=monday";
+    let named = |given: &PathBuf| {
+        Ok(pair(given)?.ok_or_else(|| format!("{} is no VARIANT=FOLDER: {not_alone}", given.display()))?)
+    };
     args.photos.iter().map(named).collect()
 }

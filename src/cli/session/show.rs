@@ -13,14 +13,12 @@ use scaleproof_core::{spelling, workers};
 use scaleproof_detect::{Manifest, Recorded, Recording};
 use scaleproof_photo::photo::Photo;
 use scaleproof_score::score::EvaluatedDetector;
-use scaleproof_session::session::{Contents, Look, PhotoEntry, Session};
-
-/// So many groups of photos are listed; the rest is counted.
-const MOST_GROUPS: usize = 16;
+use scaleproof_session::session::contents::{self, Contents, Look};
+use scaleproof_session::session::{PhotoEntry, Session};
 
 /// Show what is in a session: the scene, the camera, photos by texture and place, recordings, and what is amiss
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// The session's folder
     session: PathBuf,
     /// Print it as one JSON object
@@ -69,7 +67,7 @@ fn page(session: &Session) -> Page {
             first.reason
         ));
     }
-    notes.extend(copies(session, &looks));
+    notes.extend(contents::copies(session, &looks));
     notes.extend(session.camera.as_ref().and_then(|c| Some(c.guess?.caution())));
     let folder = EvaluatedDetector::recordings_of(&session.folder);
     for detector in Recording::names_in(&folder) {
@@ -96,35 +94,10 @@ fn page(session: &Session) -> Page {
 
 /// Reads every photo, as far as its header.
 fn looks(session: &Session) -> Vec<Look> {
-    let bar = progress::photos("reading", session.photos.len());
     let look = |photo: &PhotoEntry| Photo::open(&session.photo_path(photo)).map(|photo| photo.sha256);
-    let looks: Result<_, Infallible> =
-        workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1));
-    bar.finish_and_clear();
+    let looks: Result<_, Infallible> = progress::photos("reading", session.photos.len())
+        .during(|bar| workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1)));
     looks.unwrap_or_else(|never| match never {})
-}
-
-/// Photos that are byte for byte the same.
-fn copies(session: &Session, looks: &[Look]) -> Option<String> {
-    let mut seen = BTreeSet::new();
-    let known = session
-        .photos
-        .iter()
-        .zip(looks)
-        .filter_map(|(photo, look)| Some((photo, look.as_ref().ok()?)));
-    let mut copies = known.filter(|(_, hash)| !seen.insert(*hash));
-    let (first, _) = copies.next()?;
-    let count = 1 + copies.count();
-    Some(format!(
-        "{} {} (the first: {})",
-        spelling::count(count, "photo"),
-        spelling::choose(
-            count,
-            "is a byte-for-byte copy of another",
-            "are byte-for-byte copies of others"
-        ),
-        first.file
-    ))
 }
 
 /// A recording, and a note when photos have changed or come since.
@@ -153,96 +126,15 @@ fn stored(session: &Session, looks: &[Look], recording: &Recording) -> (Stored, 
 }
 
 fn text(page: &Page) -> String {
-    let Contents {
-        scene, camera, photos, ..
-    } = &page.contents;
-    let mut lines = vec![format!(
-        "{}: {}",
-        page.contents.session,
-        spelling::count(*photos, "photo")
-    )];
-    let mut line = |name: &str, what: String| lines.push(format!("{name:<9}{what}"));
-    let [length, width, height] = scene.size_mm;
-    line(
-        "model",
-        format!(
-            "{}, 1:{}, {length} × {width} × {height} mm, detected as {}; truth envelope: {}",
-            scene.model, scene.scale, scene.class, scene.truth_envelope
-        ),
-    );
-    line("tags", format!("{} ({})", scene.tags, scene.tag_families.join(", ")));
-    line(
-        "bins",
-        format!(
-            "{}: azimuth every {}°, pitch {}°, distance {} mm",
-            scene.bins.count,
-            scene.bins.azimuth_deg,
-            list(&scene.bins.pitch_deg),
-            list(&scene.bins.distance_mm)
-        ),
-    );
-    line(
-        "camera",
-        match camera {
-            None => "none: every photo has its truth box and viewpoint".into(),
-            Some(c) => format!(
-                "{} × {} px, focal length {:.0} px{}",
-                c.width_px,
-                c.height_px,
-                (c.fx_px + c.fy_px) / 2.0,
-                c.guessed_within_percent.map_or(String::new(), |percent| format!(
-                    ", guessed from EXIF (within {percent} %)"
-                ))
-            ),
-        },
-    );
-    for (i, group) in page.contents.groups.iter().take(MOST_GROUPS).enumerate() {
-        let place = group
-            .place
-            .as_deref()
-            .map_or("no place".into(), |place| format!("place {place}"));
-        let name = if i == 0 { "photos" } else { "" };
-        line(name, format!("{} {}, {place}", group.photos, group.variant));
-    }
-    if let Some(more) = page
-        .contents
-        .groups
-        .len()
-        .checked_sub(MOST_GROUPS)
-        .filter(|more| *more > 0)
-    {
-        line("", format!("… and {}, see --json", spelling::count(more, "more group")));
-    }
-    if page.contents.with_truth > 0 {
-        line(
-            "truth",
-            format!(
-                "{} {} own truth box",
-                spelling::count(page.contents.with_truth, "photo"),
-                spelling::choose(page.contents.with_truth, "has its", "have their")
-            ),
-        );
-    }
-    line("recorded", recordings(page));
-    for note in &page.notes {
-        line("note", note.clone());
-    }
-    lines.join("\n") + "\n"
-}
-
-fn recordings(page: &Page) -> String {
-    let stored: Vec<_> = page
-        .recordings
-        .iter()
-        .map(|stored| format!("{} ({})", stored.detector, spelling::count(stored.photos, "photo")))
-        .collect();
-    if stored.is_empty() {
-        "nothing".into()
+    let mut lines = page.contents.lines();
+    let stored = |stored: &Stored| format!("{} ({})", stored.detector, spelling::count(stored.photos, "photo"));
+    let stored: Vec<String> = page.recordings.iter().map(stored).collect();
+    let stored = if stored.is_empty() {
+        "nothing"
     } else {
-        stored.join(", ")
-    }
-}
-
-fn list(values: &[f64]) -> String {
-    values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+        &stored.join(", ")
+    };
+    lines.push(contents::line("recorded", stored));
+    lines.extend(page.notes.iter().map(|note| contents::line("note", note)));
+    lines.join("\n") + "\n"
 }

@@ -44,7 +44,7 @@ impl Files {
         let folder = self.0.path().display().to_string();
         let words = words.replace('@', &format!("{folder}/"));
         let args = Both::try_parse_from(std::iter::once("x").chain(words.split(' '))).map_err(|e| e.to_string())?;
-        let all = || -> Result<_, Box<dyn Error>> {
+        let all = || -> Result<_> {
             let model = args.model.load_or(args.texture.mesh())?;
             let texture = args.texture.load(&model)?;
             Ok((model, texture))

@@ -3,7 +3,9 @@
 
 use image::RgbImage;
 
-use crate::run::Rgb;
+use crate::run::judge::{HeldOutFigures, judge_images};
+use crate::run::{Rgb, RunError};
+use crate::setup::Setup;
 use scaleproof_frames::frames::{Frame, FrameSet, FramesError, SurfacePoint, light};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -43,6 +45,41 @@ impl PlacedPatch {
 pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
     let points = set.surface(frame)?;
     Ok(points.map(|points| points.iter().any(|point| patch.colour(point).is_some())))
+}
+
+/// The first of some patches that no judged view shows, if there is one: it would be judged as the plain model. A frame without positions
+/// may show any.
+///
+/// # Errors
+/// Images that cannot be read.
+pub fn first_unseen(setup: &Setup, patches: &[PlacedPatch]) -> Result<Option<usize>, FramesError> {
+    for (i, patch) in patches.iter().enumerate() {
+        let mut is_shown = false;
+        for view in setup.view_set.judged() {
+            let frame = &setup.view_set.views[view].frame;
+            is_shown |= is_seen(&setup.frames[setup.view_set.set_of(view)], frame, patch)? != Some(false);
+        }
+        if !is_shown {
+            return Ok(Some(i));
+        }
+    }
+    Ok(None)
+}
+
+/// Judges patches on a model of one colour (8-bit sRGB) by the views held out.
+///
+/// # Errors
+/// Frames without positions, images that cannot be read, and those of the detectors.
+pub fn judge_patches(setup: &Setup, patches: &[PlacedPatch], base_rgb: [u8; 3]) -> Result<HeldOutFigures, RunError> {
+    let (view_set, frames) = (&setup.view_set, &setup.frames);
+    judge_images(view_set, &setup.detectors, |view| {
+        let frame = &view_set.views[view].frame;
+        let paint = paint(&frames[view_set.set_of(view)], frame, patches, base_rgb)?;
+        let paint = paint.ok_or_else(|| RunError::NoPositions {
+            view: frame.name.clone(),
+        })?;
+        Ok(view_set.painted(view, &paint))
+    })
 }
 
 /// The paint in each pixel of a frame (linear reflectance); later patches lie over earlier ones. `None` for a frame

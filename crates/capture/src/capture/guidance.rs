@@ -1,5 +1,8 @@
 //! Which views are required, which are there, and the step from where the camera is to the next one.
 
+use std::fmt;
+use std::str::FromStr;
+
 use serde::Serialize;
 
 use scaleproof_core::geometry::angle::turn;
@@ -21,6 +24,29 @@ pub struct Target {
     pub bin: Bin,
     /// The photo that fills it.
     pub photo: Option<String>,
+}
+
+/// A target as people name it, as in `90°/15°/850 mm`.
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let v = &self.viewpoint;
+        write!(f, "{:.0}°/{:.0}°/{:.0} mm", v.azimuth_deg, v.pitch_deg, v.distance_mm)
+    }
+}
+
+impl Target {
+    /// Where to stand, as people say it.
+    pub fn in_words(&self) -> String {
+        let v = &self.viewpoint;
+        let side = match v.azimuth_deg.round().rem_euclid(360.0) {
+            0.0 => "in front of the model".to_owned(),
+            90.0 => "at the model's left side".to_owned(),
+            180.0 => "behind the model".to_owned(),
+            270.0 => "at the model's right side".to_owned(),
+            azimuth => format!("at {azimuth:.0}° round the model"),
+        };
+        format!("{side} ({:.0}° up, {:.0} mm away)", v.pitch_deg, v.distance_mm)
+    }
 }
 
 /// What brings a camera to its target, the largest part of it first. Amounts are signed.
@@ -59,6 +85,11 @@ impl Guidance {
 
     pub fn targets(&self) -> &[Target] {
         &self.targets
+    }
+
+    /// How many targets are filled, and how many there are.
+    pub fn filled_of_all(&self) -> (usize, usize) {
+        (self.targets.len() - self.open().count(), self.targets.len())
     }
 
     /// The step between the scene's azimuth bins.
@@ -138,17 +169,49 @@ impl Guidance {
 
 /// Every azimuth bin of a scene at these pitches and distances, in the order a person walks: once round for each.
 pub fn viewpoints_of(bins: &Bins, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
-    let mut viewpoints = Vec::new();
-    for &distance_mm in distances_mm {
-        for &pitch_deg in pitches_deg {
-            viewpoints.extend(bins.azimuth_centres().into_iter().map(|azimuth_deg| Viewpoint {
-                azimuth_deg,
-                pitch_deg,
-                distance_mm,
-            }));
+    Viewpoint::combinations(&bins.azimuth_centres(), pitches_deg, distances_mm)
+}
+
+/// Bins as people name them: by the azimuth, as in `90`, or by azimuth, pitch and distance, as in `90/15/850`.
+#[derive(Debug, Clone)]
+pub struct BinName {
+    azimuth_deg: f64,
+    pitch_and_distance: Option<[f64; 2]>,
+}
+
+/// A text names no bin.
+#[derive(Debug, thiserror::Error)]
+#[error("name a bin by its azimuth, or by azimuth/pitch/distance as in 90/15/850")]
+pub struct NoBinName;
+
+impl FromStr for BinName {
+    type Err = NoBinName;
+
+    fn from_str(text: &str) -> Result<BinName, NoBinName> {
+        let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        let numbers: Option<Vec<f64>> = text.split('/').map(number).collect();
+        let (azimuth_deg, pitch_and_distance) = match numbers.as_deref() {
+            Some([azimuth]) => (*azimuth, None),
+            Some([azimuth, pitch, distance]) => (*azimuth, Some([*pitch, *distance])),
+            _ => return Err(NoBinName),
+        };
+        Ok(BinName {
+            azimuth_deg,
+            pitch_and_distance,
+        })
+    }
+}
+
+impl BinName {
+    /// Whether it names this bin.
+    pub fn names(&self, bin: &Bin) -> bool {
+        let [pitch_deg, distance_mm] = self.pitch_and_distance.unwrap_or([bin.pitch_deg, bin.distance_mm]);
+        *bin == Bin {
+            azimuth_deg: self.azimuth_deg,
+            pitch_deg,
+            distance_mm,
         }
     }
-    viewpoints
 }
 
 /// The pitch of a standing or slightly stooping photographer, where a scene has several.

@@ -19,6 +19,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{GrayImage, ImageFormat};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use scaleproof_core::files;
 use scaleproof_core::geometry::rigid;
@@ -31,7 +33,7 @@ use scaleproof_session::session::{Conditions, PhotoEntry};
 
 pub use advice::Advice;
 pub use gates::{Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement};
-pub use guidance::{Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
+pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
 pub use live::{CameraSettings, LiveCamera};
 pub use replay::Replay;
 pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
@@ -51,6 +53,50 @@ pub struct FrameAnswer {
     pub cautions: Vec<String>,
     /// The tags that were seen, in the upright frame.
     pub tags: Vec<SeenTag>,
+}
+
+/// One line of `--json` for a frame.
+#[derive(Serialize, JsonSchema)]
+pub struct FrameLine<'a> {
+    frame: &'a str,
+    /// `accepted` or `refused`.
+    status: &'static str,
+    /// The photo's name in the session.
+    photo: Option<&'a str>,
+    /// What was taken of the frame, or is required.
+    bin: Option<Bin>,
+    code: Option<&'static str>,
+    advice: Option<String>,
+    viewpoint: Option<Viewpoint>,
+    gates: Measures,
+}
+
+impl FrameAnswer {
+    /// The line for programs about the frame of this name.
+    pub fn line<'a>(&'a self, frame: &'a str, guidance: &Guidance) -> FrameLine<'a> {
+        let (accepted, advice) = (self.verdict.as_ref().ok(), self.verdict.as_ref().err());
+        FrameLine {
+            frame,
+            status: if accepted.is_some() { "accepted" } else { "refused" },
+            photo: accepted.map(|(photo, _)| photo.as_str()),
+            bin: accepted.map(|(_, target)| guidance.targets()[*target].bin),
+            code: advice.map(Advice::code),
+            advice: advice.map(Advice::to_string),
+            viewpoint: self.viewpoint,
+            gates: self.measures,
+        }
+    }
+
+    /// What became of the frame, in a sentence.
+    pub fn sentence(&self, guidance: &Guidance) -> String {
+        match &self.verdict {
+            Ok((photo, target)) => {
+                let (target, (filled, all)) = (&guidance.targets()[*target], guidance.filled_of_all());
+                format!("taken as {photo}, {target} ({filled} of {all})")
+            }
+            Err(advice) => advice.to_string(),
+        }
+    }
 }
 
 /// What is said of a damaged image of a running camera.

@@ -129,6 +129,30 @@ pub enum ProposeError {
 /// Time limit for each of the two images.
 const TRIAL_LIMIT: Duration = Duration::from_secs(30);
 
+/// The network as seen from a manifest: by its name when they lie together, else by its whole path.
+pub fn weights_seen_from(manifest: &Path, model: &Path) -> String {
+    let folder = |path: &Path| {
+        let folder = files::folder_of(path);
+        folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    };
+    let file = model.file_name().map(Path::new).unwrap_or(model);
+    let seen = if folder(model) == folder(manifest) {
+        file.to_owned()
+    } else {
+        folder(model).join(file)
+    };
+    seen.to_string_lossy().into_owned()
+}
+
+/// The name of a network's file without its ending, in the characters that a manifest's name may have; never a built-in detector's.
+pub fn own_name(model: &Path) -> Result<String, ManifestError> {
+    let stem = model.file_stem().unwrap_or_default().to_string_lossy();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+    let name = stem.trim_start_matches('.').replace(|c| !is_plain(c), "_");
+    let is_taken = name.is_empty() || Manifest::all()?.iter().any(|m| m.name == name);
+    Ok(if is_taken { format!("own_{name}") } else { name })
+}
+
 /// Inspects an ONNX file, runs it on a grey image and on noise, and writes the manifest of the family that fits.
 ///
 /// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those

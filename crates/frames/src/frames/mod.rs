@@ -74,6 +74,8 @@ pub enum FramesError {
     File(#[from] FileError),
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    #[error("{first} and {again} are the same frames: name them once", first = first.display(), again = again.display())]
+    Twice { first: PathBuf, again: PathBuf },
     #[error("a frame could not be written ({0})")]
     Encode(String),
 }

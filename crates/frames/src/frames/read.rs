@@ -1,13 +1,13 @@
 //! Reading frames: the list is checked at once, images when they are read.
 
 use std::collections::HashSet;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use image::{ColorType, RgbImage};
 use nalgebra::{Matrix3, Point3};
 
 use super::images::{Coverage, read_png};
-use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint, require};
+use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint, require, views};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::upper_median;
@@ -41,6 +41,28 @@ impl FrameSet {
         };
         check(&set).map_err(|message| FileError::content(&path, message))?;
         Ok(set)
+    }
+
+    /// Opens several folders of frames.
+    ///
+    /// # Errors
+    /// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
+    pub fn open_all<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<Self>, FramesError> {
+        let mut opened = Vec::<Self>::new();
+        for folder in folders {
+            let set = Self::open(folder)?;
+            if let Some(same) = opened.iter().find(|known| known.sha256 == set.sha256) {
+                let (first, again) = (same.folder.clone(), set.folder);
+                return Err(FramesError::Twice { first, again });
+            }
+            opened.push(set);
+        }
+        Ok(opened)
+    }
+
+    /// How many views (poses at a place) there are frames of.
+    pub fn view_count(&self) -> usize {
+        views(&self.list.frames).len()
     }
 
     /// The image of a frame, 8-bit sRGB.

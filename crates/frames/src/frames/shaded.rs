@@ -1,5 +1,6 @@
 //! The model in its textures as a camera sees it, drawn without Blender: diffuse light from behind the camera's left shoulder, on white.
 
+use image::imageops::replace;
 use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
@@ -46,11 +47,18 @@ pub struct ShadedModel<'a> {
 }
 
 impl ShadedModel<'_> {
-    /// The whole model from a direction, from as far away as it takes from any other at this pitch; and how far that is from its middle, mm.
+    /// The whole model from some azimuths, from as far away as it takes from any at this pitch; and how far that is from its middle, mm. `on_view`
+    /// is called after each.
     ///
     /// # Errors
     /// A size or direction that cannot be drawn.
-    pub fn turned(&self, azimuth_deg: f64, pitch_deg: f64, size_px: [u32; 2]) -> Result<(RgbImage, f64), ShadedError> {
+    pub fn around(
+        &self,
+        azimuths_deg: &[f64],
+        pitch_deg: f64,
+        size_px: [u32; 2],
+        on_view: impl Fn(),
+    ) -> Result<(Vec<RgbImage>, f64), ShadedError> {
         let [width, height] = size_px;
         if size_px.iter().any(|px| !(16..=4096).contains(px)) {
             return Err(ShadedError::BadSize { width, height });
@@ -89,9 +97,12 @@ impl ShadedModel<'_> {
                 near = distance_mm;
             }
         }
-        let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&pose(azimuth_deg, far), &pinhole, size_px));
-        let image = image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })?;
-        Ok((image, far))
+        let image = |azimuth_deg: &f64| {
+            let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&pose(*azimuth_deg, far), &pinhole, size_px));
+            on_view();
+            image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })
+        };
+        Ok((azimuths_deg.iter().map(image).collect::<Result<_, _>>()?, far))
     }
 
     /// Each pixel is the mean of its points in linear light. `None` when part of the model is not before the camera.
@@ -131,6 +142,22 @@ impl ShadedModel<'_> {
         let rgb = self.textures[material].colour(self.mesh, &at);
         light::linear_of(rgb).map(|v| v * lit)
     }
+}
+
+/// Images side by side on one.
+const COLUMNS: usize = 4;
+
+/// Views of one size in rows, on white.
+pub fn side_by_side(views: &[RgbImage]) -> RgbImage {
+    let (width, height) = views.first().map_or((1, 1), RgbImage::dimensions);
+    let columns = views.len().clamp(1, COLUMNS);
+    let rows = views.len().div_ceil(columns);
+    let mut all = RgbImage::from_pixel(width * columns as u32, height * rows as u32, Rgb([255; 3]));
+    for (i, view) in views.iter().enumerate() {
+        let (column, row) = ((i % columns) as i64, (i / columns) as i64);
+        replace(&mut all, view, column * i64::from(width), row * i64::from(height));
+    }
+    all
 }
 
 /// The shares of the corners at a point of a triangle.

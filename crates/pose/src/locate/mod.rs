@@ -1,6 +1,7 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
 mod abstention;
+mod alike;
 mod consensus;
 pub mod diagnosis;
 mod doubt;
@@ -27,6 +28,7 @@ use scaleproof_core::geometry::Rigid;
 use solver::PoseCandidate;
 
 pub use abstention::Abstention;
+pub use alike::{LocateFiles, MOST_LISTED};
 pub use diagnosis::Diagnosis;
 pub use factor::spread;
 pub use matches::{Ignored, IgnoredTag, area_px};

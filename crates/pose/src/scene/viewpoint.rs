@@ -28,6 +28,21 @@ impl Viewpoint {
         }
     }
 
+    /// Every combination, in the order a person walks: once round for each pitch at each distance.
+    pub fn combinations(azimuths_deg: &[f64], pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
+        let mut all = Vec::new();
+        for &distance_mm in distances_mm {
+            for &pitch_deg in pitches_deg {
+                all.extend(azimuths_deg.iter().map(|&azimuth_deg| Viewpoint {
+                    azimuth_deg,
+                    pitch_deg,
+                    distance_mm,
+                }));
+            }
+        }
+        all
+    }
+
     /// True for finite numbers in the ranges their fields state, and a camera that is not inside the target.
     pub fn is_possible(&self) -> bool {
         (0.0..360.0).contains(&self.azimuth_deg)

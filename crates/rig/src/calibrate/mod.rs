@@ -26,7 +26,8 @@ pub use fit::{View, refit};
 pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
-pub use summary::{CalibrationAnswer, answer, choice_lines, numbers};
+use summary::numbers;
+pub use summary::{json, table};
 pub use uncertainty::UncertaintyMap;
 
 /// A corner of the board where a photo shows it.

@@ -123,8 +123,33 @@ pub fn answer(found: &Calibration) -> CalibrationAnswer<'_> {
     }
 }
 
+/// The photos, the choice of the model and the camera's numbers as lines of text.
+pub fn table(found: &Calibration) -> String {
+    let mut text = format!(
+        "{:<28} {:>7} {:>8} {:>11} {:>9}\n",
+        "photo", "corners", "tilt", "distance", "rms"
+    );
+    for p in &found.photos {
+        let (corners, tilt, distance, rms) = (p.corners_px.len(), p.tilt_deg, p.distance_mm, p.rms_px);
+        text += &format!(
+            "{:<28} {corners:>7} {tilt:>7.1}° {distance:>8.1} mm {rms:>6.3} px\n",
+            p.file
+        );
+    }
+    for line in choice_lines(found) {
+        text += &format!("{line}\n");
+    }
+    for (name, value, sigma, unit) in numbers(found) {
+        text += &match sigma {
+            Some(sigma) => format!("{name:<3} {value:>11.4} ± {sigma:.4}{unit}\n"),
+            None => format!("{name:<3} {value:>11.4}{unit} (held)\n"),
+        };
+    }
+    text
+}
+
 /// The chosen model and, for each other, what it would change.
-pub fn choice_lines(found: &Calibration) -> Vec<String> {
+fn choice_lines(found: &Calibration) -> Vec<String> {
     let chosen = found.chosen_model();
     let best = found.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min);
     let mut lines = vec![format!(
@@ -152,7 +177,7 @@ pub fn choice_lines(found: &Calibration) -> Vec<String> {
 pub(super) type Number = (&'static str, f64, Option<f64>, &'static str);
 
 /// The camera's numbers; coefficients that the model does not have are left out.
-pub fn numbers(found: &Calibration) -> Vec<Number> {
+pub(super) fn numbers(found: &Calibration) -> Vec<Number> {
     const NAMES: [&str; 12] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
     let all = NAMES
         .into_iter()

@@ -76,16 +76,28 @@ pub struct Survey {
     pub edge_shift_px: f64,
 }
 
-/// One tag of the surveyed scene.
-#[derive(Debug, Clone, PartialEq)]
+/// A tag that stands in the scene.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[schemars(rename = "TagJson")]
 pub struct TagReport {
-    pub family: TagFamily,
+    /// As in scene.toml, like family, size, pose and their standard deviations, which fixed tags lack.
     pub id: u32,
+    pub family: TagFamily,
+    pub size_mm: f64,
+    #[serde(rename = "fixed")]
     pub is_fixed: bool,
-    /// Photos its pose rests on. With one, nothing checks that it has not moved and has its stated size.
+    /// Photos that its pose rests on.
     pub photos: usize,
-    /// From the pose in the given scene, when it has one: mm and degrees.
-    pub shift: Option<(f64, f64)>,
+    pub centre_mm: [f64; 3],
+    pub right: [f64; 3],
+    pub up: [f64; 3],
+    pub sigma_mm: Option<f64>,
+    pub sigma_deg: Option<f64>,
+    /// From the pose in the given scene, when it has one; so is the next.
+    pub shift_mm: Option<f64>,
+    pub shift_deg: Option<f64>,
+    /// What weakens it: `one_photo`, a single photo shows it.
+    pub cautions: Vec<&'static str>,
 }
 
 /// A seen tag that is not in the surveyed scene.
@@ -435,12 +447,24 @@ fn finished(
             _ => None,
         };
         let Some(tag) = tag else { continue };
+        let (is_fixed, photos) = (sized.fixed.is_some(), net.sightings_of(Node::Tag(t)).count());
+        let shift = known.map(|known| shift(&known.pose(), &tag.pose()));
+        // Nothing checks that a tag in one photo has not moved and has its stated size.
+        let cautions = (!is_fixed && photos == 1).then_some("one_photo");
         reports.push(TagReport {
-            family,
             id,
-            is_fixed: sized.fixed.is_some(),
-            photos: net.sightings_of(Node::Tag(t)).count(),
-            shift: known.map(|known| shift(&known.pose(), &tag.pose())),
+            family,
+            size_mm: tag.size_mm,
+            is_fixed,
+            photos,
+            centre_mm: tag.centre_mm.coords.into(),
+            right: tag.right.into(),
+            up: tag.up.into(),
+            sigma_mm: tag.sigma.map(|sigma| sigma.mm),
+            sigma_deg: tag.sigma.map(|sigma| sigma.deg),
+            shift_mm: shift.map(|(mm, _)| mm),
+            shift_deg: shift.map(|(_, deg)| deg),
+            cautions: cautions.into_iter().collect(),
         });
         tags.push(tag);
     }

@@ -38,8 +38,7 @@ pub use counted::counted;
 pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
 pub use export::{ExportFormat, ExportRequest, check_export, export};
-pub use sequential::standing;
-pub use summary_json::SummaryPage;
+pub use sequential::{plan_chart, standing};
 pub use table::summary_table;
 pub use truth::truth_boxes;
 

@@ -1,15 +1,19 @@
 //! What is in a session, in short.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::Session;
+use scaleproof_core::spelling;
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::scene::{Classes, Scene, TagFamily};
 
 /// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read.
 pub type Look = Result<String, PhotoError>;
+
+/// So many groups of photos are listed; the rest is counted.
+const MOST_GROUPS: usize = 16;
 
 /// A session in short, for people and programs.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -140,4 +144,91 @@ impl Contents {
             unreadable: unreadable.collect(),
         }
     }
+
+    /// On one screen.
+    pub fn lines(&self) -> Vec<String> {
+        let Contents {
+            scene,
+            groups,
+            with_truth,
+            ..
+        } = self;
+        let [length, width, height] = scene.size_mm;
+        let model = format!(
+            "{}, 1:{}, {length} × {width} × {height} mm, detected as {}; truth envelope: {}",
+            scene.model, scene.scale, scene.class, scene.truth_envelope
+        );
+        let bins = format!(
+            "{}: azimuth every {}°, pitch {}°, distance {} mm",
+            scene.bins.count,
+            scene.bins.azimuth_deg,
+            list(&scene.bins.pitch_deg),
+            list(&scene.bins.distance_mm)
+        );
+        let camera = self.camera.as_ref().map(|c| {
+            let guessed = |percent| format!(", guessed from EXIF (within {percent} %)");
+            let guessed = c.guessed_within_percent.map(guessed).unwrap_or_default();
+            let focal_px = (c.fx_px + c.fy_px) / 2.0;
+            format!(
+                "{} × {} px, focal length {focal_px:.0} px{guessed}",
+                c.width_px, c.height_px
+            )
+        });
+        let mut lines = vec![
+            format!("{}: {}", self.session, spelling::count(self.photos, "photo")),
+            line("model", &model),
+            line("tags", &format!("{} ({})", scene.tags, scene.tag_families.join(", "))),
+            line("bins", &bins),
+            line(
+                "camera",
+                camera
+                    .as_deref()
+                    .unwrap_or("none: every photo has its truth box and viewpoint"),
+            ),
+        ];
+        for (i, group) in groups.iter().take(MOST_GROUPS).enumerate() {
+            let place = group
+                .place
+                .as_ref()
+                .map_or("no place".into(), |place| format!("place {place}"));
+            let name = if i == 0 { "photos" } else { "" };
+            lines.push(line(name, &format!("{} {}, {place}", group.photos, group.variant)));
+        }
+        if groups.len() > MOST_GROUPS {
+            let more = spelling::count(groups.len() - MOST_GROUPS, "more group");
+            lines.push(line("", &format!("… and {more}, see --json")));
+        }
+        if *with_truth > 0 {
+            let have = spelling::choose(*with_truth, "has its", "have their");
+            lines.push(line(
+                "truth",
+                &format!("{} {have} own truth box", spelling::count(*with_truth, "photo")),
+            ));
+        }
+        lines
+    }
+}
+
+/// A line of a session in short.
+pub fn line(name: &str, what: &str) -> String {
+    format!("{name:<9}{what}")
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Photos that are byte for byte the same, in words.
+pub fn copies(session: &Session, looks: &[Look]) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    let looked = session.photos.iter().zip(looks);
+    let mut copies = looked.filter(|(_, look)| look.as_ref().is_ok_and(|hash| !seen.insert(hash)));
+    let (first, _) = copies.next()?;
+    let count = 1 + copies.count();
+    let (one, many) = (
+        "is a byte-for-byte copy of another",
+        "are byte-for-byte copies of others",
+    );
+    let (photos, are) = (spelling::count(count, "photo"), spelling::choose(count, one, many));
+    Some(format!("{photos} {are} (the first: {})", first.file))
 }

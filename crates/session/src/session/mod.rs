@@ -1,7 +1,7 @@
 //! A stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
 
 pub mod conditions;
-mod contents;
+pub mod contents;
 pub mod folders;
 pub mod import;
 pub mod new;
@@ -18,7 +18,6 @@ use scaleproof_pose::camera::{Camera, CameraError};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 
 pub use conditions::Conditions;
-pub use contents::{Contents, Look};
 pub use new::{NewSession, NewSessionError, mesh_below};
 
 /// Why a session could not be opened.

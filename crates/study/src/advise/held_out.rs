@@ -1,15 +1,19 @@
 //! How far off a pose is, without knowing the truth: a tag is left out, and its corners are predicted from the others.
 
+use std::convert::Infallible;
+
 use image::GrayImage;
 use image::imageops::{self, FilterType};
 
 use super::way::Way;
 use crate::chart::timed_tags;
-use scaleproof_core::workers::fastest;
+use scaleproof_core::workers::{self, fastest};
+use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{Located, locate_by};
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof_session::session::{PhotoEntry, Session};
 
 /// A photo to be located.
 #[derive(Debug, Clone)]
@@ -20,6 +24,26 @@ pub struct Sample {
     pub luma: GrayImage,
     /// How far EXIF turned it.
     pub turned_deg: u32,
+}
+
+impl Sample {
+    /// The photos of a session, decoded, and why some cannot be. `on_photo` is called after each, from any thread.
+    pub fn all_of(session: &Session, on_photo: impl Fn() + Sync) -> (Vec<Self>, Vec<PhotoError>) {
+        let decoded = |(): &mut (), entry: &PhotoEntry| {
+            let photo = Photo::open(&session.photo_path(entry));
+            Ok(photo.and_then(|photo| {
+                Ok(Self {
+                    file: entry.file.clone(),
+                    luma: photo.luma()?,
+                    turned_deg: photo.turned_deg,
+                })
+            }))
+        };
+        let Ok(photos) = workers::map(&session.photos, || Ok::<_, Infallible>(()), decoded, on_photo);
+        let (samples, faults): (Vec<_>, Vec<_>) = photos.into_iter().partition(Result::is_ok);
+        let faults = faults.into_iter().filter_map(Result::err).collect();
+        (samples.into_iter().flatten().collect(), faults)
+    }
 }
 
 /// What a way makes of a photo.

@@ -1,14 +1,21 @@
 //! Every envelope on the same photos: how well its truth box fits the exact one, against milliseconds.
 
+use std::path::Path;
+
 use serde::Serialize;
 
-use super::milliseconds;
+use super::{MeasureError, milliseconds, true_boxes};
 use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_core::statistics::median;
 use scaleproof_core::workers::fastest;
+use scaleproof_photo::photo::Photo;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use scaleproof_pose::camera::Camera;
-use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_pose::locate::locate_photo;
+use scaleproof_pose::scene::ScaleModel;
+use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::envelope::{self, EnvelopeError, EnvelopeShape};
+use scaleproof_session::session::Session;
 
 /// A photo with its pose, and the truth about it.
 #[derive(Debug, Clone)]
@@ -20,6 +27,54 @@ pub struct LocatedSample {
     pub camera: Camera,
     /// Exact.
     pub truth: BoxPx,
+}
+
+/// The photos of a session that the tags place, with the exact boxes in them, and a sentence about each of the others. `on_photo` is called
+/// after each.
+///
+/// # Errors
+/// A photo that cannot be read, or none with a pose; a file that does not say the truth about all of them.
+pub fn placed(
+    session: &Session,
+    truth: &Path,
+    on_photo: impl Fn(),
+) -> Result<(Vec<LocatedSample>, Vec<String>), MeasureError> {
+    let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
+    let truths = true_boxes(truth, &names)?;
+    let camera = session.known_camera()?;
+    let mut tags = TagDetectorChoice::default().open(&session.scene.families())?;
+    let (mut samples, mut not_located) = (Vec::new(), Vec::new());
+    for (entry, truth) in session.photos.iter().zip(truths) {
+        let photo = Photo::open(&session.photo_path(entry))?;
+        match locate_photo(&photo, &session.scene, camera, &mut tags)?.pose_and_camera() {
+            Ok((located, fitted)) => samples.push(LocatedSample {
+                file: entry.file.clone(),
+                pose: located.pose,
+                camera: fitted.camera,
+                truth,
+            }),
+            Err(reason) => not_located.push(format!("{}: {reason}", entry.file)),
+        }
+        on_photo();
+    }
+    match not_located.first() {
+        Some(first) if samples.is_empty() => Err(MeasureError::NoPose(first.clone())),
+        _ => Ok((samples, not_located)),
+    }
+}
+
+/// The envelopes of a model: its box, and with a mesh its hull and its surface.
+///
+/// # Errors
+/// A mesh that cannot be read.
+pub fn envelopes(mesh: Option<&Path>, model: &ScaleModel) -> Result<Vec<(&'static str, EnvelopeShape)>, EnvelopeError> {
+    let mut shapes = vec![("box", EnvelopeShape::of_box(model))];
+    if let Some(path) = mesh {
+        let mesh = envelope::load(path, model)?;
+        shapes.push(("hull", EnvelopeShape::hull(&mesh, model)));
+        shapes.push(("mesh", EnvelopeShape::surface(&mesh, model)));
+    }
+    Ok(shapes)
 }
 
 /// One envelope and what it measured.

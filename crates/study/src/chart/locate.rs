@@ -1,17 +1,22 @@
 //! Every tag detector × solver × camera model on the same photos: error against milliseconds against share answered.
 
+use std::path::Path;
+
 use image::GrayImage;
+use image::imageops::{FilterType, resize};
 use serde::Serialize;
 
-use super::{MeasureError, milliseconds, timed_tags};
+use super::{MeasureError, milliseconds, timed_tags, true_views};
 use scaleproof_core::geometry::angle;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::fastest;
+use scaleproof_photo::photo::Photo;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{self, Solver};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
+use scaleproof_session::session::Session;
 
 /// How many of the camera file's distortion coefficients are used: none (`pinhole`), the first alone (`k1`) or all (`full`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
@@ -53,6 +58,42 @@ pub struct PhotoSample {
     pub turned_deg: u32,
     /// Exact.
     pub truth: Viewpoint,
+}
+
+impl PhotoSample {
+    /// The photos of a session, decoded, with the truth about each. `on_photo` is called after each.
+    ///
+    /// # Errors
+    /// A photo that cannot be read; a file that does not say the truth about all of them.
+    pub fn of_session(session: &Session, truth: &Path, on_photo: impl Fn()) -> Result<Vec<Self>, MeasureError> {
+        let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
+        let samples = session.photos.iter().zip(true_views(truth, &names)?);
+        let sample = |(entry, truth)| {
+            let photo = Photo::open(&session.photo_path(entry))?;
+            on_photo();
+            let (luma, turned_deg) = (photo.luma()?, photo.turned_deg);
+            Ok(Self {
+                luma,
+                turned_deg,
+                truth,
+            })
+        };
+        samples.map(sample).collect()
+    }
+
+    /// The photo as if a camera of so many times the pixels had taken it.
+    #[must_use]
+    pub fn enlarged(self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        let side = |pixels: u32| (f64::from(pixels) * factor).round() as u32;
+        let (width, height) = self.luma.dimensions();
+        Self {
+            luma: resize(&self.luma, side(width), side(height), FilterType::CatmullRom),
+            ..self
+        }
+    }
 }
 
 /// One combination and what it measured.

@@ -9,8 +9,13 @@ mod spoil;
 pub mod stability;
 mod truth;
 
-use image::GrayImage;
+use std::path::Path;
 
+use image::GrayImage;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use scaleproof_core::files::{self, FileError};
 use scaleproof_core::workers::fastest;
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_plot::{PlotAxis, Scale};
@@ -18,8 +23,10 @@ use scaleproof_pose::camera::{Camera, SizeError};
 use scaleproof_pose::locate::locate_luma;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::{SeenTag, StartError, TagDetector, TagDetectorChoice};
+use scaleproof_session::envelope::EnvelopeError;
+use scaleproof_session::session::{Session, SessionError};
 pub use spoil::Spoil;
-pub use truth::{true_boxes, true_views};
+pub use truth::{TruthError, true_boxes, true_views};
 
 /// Why photos could not be measured on.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +37,49 @@ pub enum MeasureError {
     Photo(#[from] PhotoError),
     #[error(transparent)]
     Size(#[from] SizeError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(transparent)]
+    Mesh(#[from] EnvelopeError),
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Truth(#[from] TruthError),
+    #[error("no photo has a pose; {0}")]
+    NoPose(String),
+}
+
+/// The numbers of a chart, with what they were measured with.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct ChartNumbers<'a, R> {
+    scaleproof: &'static str,
+    session: &'a str,
+    /// File name and SHA-256.
+    inputs: Vec<(String, String)>,
+    tag_detectors: Vec<String>,
+    rows: &'a [R],
+}
+
+impl<'a, R> ChartNumbers<'a, R> {
+    /// Rows that were measured on a session, and on files besides the session's.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn new(session: &'a Session, read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
+        let mut inputs = session.hashes.clone();
+        for path in read {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            inputs.push((name, files::sha256_hex(&files::read(path)?)));
+        }
+        let detectors = TagDetectorChoice::ALL.iter();
+        Ok(Self {
+            scaleproof: env!("CARGO_PKG_VERSION"),
+            session: &session.name,
+            inputs,
+            tag_detectors: detectors.map(|choice| choice.provenance()).collect(),
+            rows,
+        })
+    }
 }
 
 /// The tags in an upright photo, which EXIF turned by `turned_deg`, and the milliseconds that finding them takes.

@@ -2,7 +2,8 @@
 
 use std::error::Error;
 
-use crate::cli::results;
+use super::networks;
+use crate::cli::advice::{self, advice_by_kind};
 use scaleproof_attack::evaluate::EvaluateError;
 use scaleproof_attack::run::RunError;
 use scaleproof_frames::frames::render::RenderError;
@@ -13,62 +14,25 @@ use scaleproof_gradients::device::DeviceError;
 
 /// The option that helps.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    let fixed = None
-        .or_else(|| error.downcast_ref().and_then(of_rendering))
-        .or_else(|| error.downcast_ref().and_then(of_evaluation))
-        .or_else(|| error.downcast_ref().and_then(of_colours))
-        .or_else(|| error.downcast_ref().and_then(of_chart))
-        .or_else(|| error.downcast_ref().and_then(of_run));
-    fixed
-        .map(str::to_owned)
-        .or_else(|| error.downcast_ref().map(of_device))
-        .or_else(|| error.downcast_ref().and_then(of_program))
+    networks::advice(error).or_else(|| by_kind(error))
 }
 
-fn of_device(error: &DeviceError) -> String {
-    match error {
-        DeviceError::NotBuilt(device) => {
-            format!("build it with `cargo build --release --features {device}`, or leave --device out")
-        }
-        DeviceError::NotThere(_) => ", or leave --device out".to_owned(),
-    }
-}
-
-fn of_rendering(error: &RenderError) -> Option<&'static str> {
-    matches!(error, RenderError::CutOff { .. }).then_some(" (--field-of-view-deg)")
-}
-
-fn of_evaluation(error: &EvaluateError) -> Option<&'static str> {
-    match error {
-        EvaluateError::Render(error) => of_rendering(error),
-        EvaluateError::OtherClasses { .. } => Some(" (--class)"),
-        _ => None,
-    }
-}
-
-pub(super) fn of_colours(error: &AdditiveError) -> Option<&'static str> {
-    matches!(error, AdditiveError::TooFew { .. }).then_some(", as in --flat 000000 808080 ffffff")
-}
-
-fn of_chart(error: &SurrogateChartError) -> Option<&'static str> {
-    match error {
-        SurrogateChartError::NoReference { .. } | SurrogateChartError::OtherReference { .. } => Some(" (--reference)"),
-        SurrogateChartError::NothingToPredict => Some(", as in --flat 000000 808080 ffffff c83214"),
-        _ => None,
-    }
-}
-
-fn of_program(error: &RunError) -> Option<String> {
-    match error {
+fn by_kind(error: &(dyn Error + 'static)) -> Option<String> {
+    advice_by_kind! { error,
+        RenderError::CutOff { .. } => " (--field-of-view-deg)",
+        EvaluateError::Render(error) => by_kind(error)?,
+        EvaluateError::OtherClasses { .. } => " (--class)",
+        AdditiveError::TooFew { .. } => ", as in --flat 000000 808080 ffffff",
+        SurrogateChartError::NoReference { .. } | SurrogateChartError::OtherReference { .. } => " (--reference)",
+        SurrogateChartError::NothingToPredict => ", as in --flat 000000 808080 ffffff c83214",
+        RunError::NoPositions { .. } => " (--laying repeated)",
         RunError::ForwardPass { reason, .. } => match reason.as_ref() {
-            WhiteBoxError::Program(error) => results::advice(error),
-            WhiteBoxError::StrongestAlone { .. } => Some("leave --loss out".to_owned()),
-            _ => None,
+            WhiteBoxError::Program(error) => advice::on(error)?,
+            WhiteBoxError::StrongestAlone { .. } => "leave --loss out".to_owned(),
+            _ => return None,
         },
-        _ => None,
+        DeviceError::NotBuilt(device) =>
+            format!("build it with `cargo build --release --features {device}`, or leave --device out"),
+        DeviceError::NotThere(_) => ", or leave --device out",
     }
-}
-
-fn of_run(error: &RunError) -> Option<&'static str> {
-    matches!(error, RunError::NoPositions { .. }).then_some(" (--laying repeated)")
 }

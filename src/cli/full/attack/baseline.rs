@@ -1,68 +1,59 @@
 //! `scaleproof attack baseline`: the patterns an attack must beat, judged as it is.
 
-use std::error::Error;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
 
 use super::networks;
-use super::on_frames::{OnFrames, cells_of};
+use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
+use crate::cli::answer::told;
 use crate::cli::print::patch::{self, PlaceArgs};
-use crate::cli::{CommandResult, Outcome, progress};
-use scaleproof_attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use crate::cli::{CommandResult, Result, progress};
+use scaleproof_attack::baseline::patches::{PlacedPatch, first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
-use scaleproof_attack::run::judge::{HeldOutFigures, judge, judge_images};
-use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
-use scaleproof_attack::run::{Rgb, RunError, checkpoint, of_pattern, srgb};
-use scaleproof_attack::setup::Setup;
+use scaleproof_attack::run::judge::{HeldOutFigures, judge};
+use scaleproof_attack::run::view_set::TextureMapping;
+use scaleproof_attack::run::{Rgb, checkpoint, of_pattern, srgb};
 use scaleproof_core::files;
-use scaleproof_frames::frames::FrameSet;
 use scaleproof_surface::pattern::Pattern;
 
-/// Make the patterns an attack must beat, and judge them by the same views
-#[derive(clap::Args)]
-pub(super) struct BaselineArgs {
-    #[command(subcommand)]
-    method: Method,
-}
-
 #[derive(Subcommand)]
-enum Method {
+pub(in crate::cli) enum Method {
     /// Uniformly random cells
-    Random(PlainArgs),
+    Random {
+        #[command(flatten)]
+        on: OnFrames,
+    },
     /// One colour
-    Flat(FlatArgs),
+    Flat {
+        #[command(flatten)]
+        on: OnFrames,
+        /// Hex sRGB, as in 808080
+        #[arg(long, value_name = "HEX")]
+        flat: String,
+    },
     /// ER: a genetic search that asks the detector, without looking into it
     Er(SearchArgs),
     /// CAMOU: a network that imitates renderer and detector, and is looked into in their place
     Camou(SearchArgs),
     /// A finished pattern: a PNG with one pixel per cell
-    Import(ImportArgs),
+    Import {
+        #[command(flatten)]
+        on: OnFrames,
+        /// As many rows as columns, one pixel per cell
+        #[arg(long, value_name = "PNG")]
+        pattern: PathBuf,
+    },
     /// Finished patches on the hood, doors, roof or rear of a model of one colour (UPC, DAS)
     Patches(PatchesArgs),
 }
 
 #[derive(clap::Args)]
-struct PlainArgs {
-    #[command(flatten)]
-    on: OnFrames,
-}
-
-#[derive(clap::Args)]
-struct FlatArgs {
-    #[command(flatten)]
-    on: OnFrames,
-    /// Hex sRGB, as in 808080
-    #[arg(long, value_name = "HEX")]
-    flat: String,
-}
-
-#[derive(clap::Args)]
-struct SearchArgs {
+pub(in crate::cli) struct SearchArgs {
     #[command(flatten)]
     on: OnFrames,
     /// Images it may look at
@@ -71,16 +62,7 @@ struct SearchArgs {
 }
 
 #[derive(clap::Args)]
-struct ImportArgs {
-    #[command(flatten)]
-    on: OnFrames,
-    /// As many rows as columns, one pixel per cell
-    #[arg(long, value_name = "PNG")]
-    pattern: PathBuf,
-}
-
-#[derive(clap::Args)]
-struct PatchesArgs {
+pub(in crate::cli) struct PatchesArgs {
     #[command(flatten)]
     on: OnFrames,
     #[command(flatten)]
@@ -93,36 +75,44 @@ struct PatchesArgs {
 impl Method {
     fn on(&self) -> &OnFrames {
         match self {
-            Self::Random(args) => &args.on,
-            Self::Flat(args) => &args.on,
-            Self::Er(args) | Self::Camou(args) => &args.on,
-            Self::Import(args) => &args.on,
-            Self::Patches(args) => &args.on,
+            Self::Random { on }
+            | Self::Flat { on, .. }
+            | Self::Import { on, .. }
+            | Self::Er(SearchArgs { on, .. })
+            | Self::Camou(SearchArgs { on, .. })
+            | Self::Patches(PatchesArgs { on, .. }) => on,
         }
     }
 }
 
-pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
-    if args.method.on().mapping == TextureMapping::Sides {
+pub(super) fn run(method: Method, out: &mut dyn Write) -> CommandResult {
+    if method.on().mapping == TextureMapping::Sides {
         return Err(
             "--laying sides is for attack run and attack judge: a baseline is one pattern for all sides".into(),
         );
     }
-    match &args.method {
-        Method::Random(args) => {
-            let pattern = Pattern::random(args.on.cells(), args.on.seed)?;
-            finished("random", &args.on, &of_pattern(&pattern), out)
+    match &method {
+        Method::Random { on } => {
+            let pattern = Pattern::random(on.cells(), on.seed)?;
+            finished("random", on, &of_pattern(&pattern), out)
         }
-        Method::Flat(args) => {
-            let count = (args.on.cells() as usize).pow(2);
-            finished("flat", &args.on, &srgb(&vec![hex(&args.flat)?; count]), out)
+        Method::Flat { on, flat } => {
+            let count = (on.cells() as usize).pow(2);
+            finished("flat", on, &srgb(&vec![hex(flat)?; count]), out)
         }
-        Method::Import(args) => {
-            let pattern = cells_of(&args.pattern)?;
-            refuse_other_cells(&args.on, &args.pattern, &pattern)?;
-            let mut on = args.on.clone();
-            on.cells = Some(pattern.columns());
-            on.looking.tile_mm = Some(on.tile_mm_of(&[(&args.pattern, &pattern)])?);
+        Method::Import { on, pattern: path } => {
+            let pattern = cells_of(path)?;
+            let columns = pattern.columns();
+            // A finished pattern has the cells it has.
+            if let Some(asked) = on.cells.filter(|asked| *asked != columns) {
+                let path = path.display();
+                return Err(
+                    format!("--cells is {asked}, and {path} has {columns}×{columns} cells: leave --cells out").into(),
+                );
+            }
+            let mut on = on.clone();
+            on.cells = Some(columns);
+            on.looking.tile_mm = Some(on.tile_mm_of(&[(path, &pattern)])?);
             finished("import", &on, &of_pattern(&pattern), out)
         }
         Method::Er(args) => searched("er", args, out),
@@ -131,25 +121,12 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// A finished pattern has the cells it has.
-fn refuse_other_cells(on: &OnFrames, path: &Path, pattern: &Pattern) -> Result<(), String> {
-    match on.cells {
-        Some(asked) if asked != pattern.columns() => Err(format!(
-            "--cells is {asked}, and {} has {1}×{1} cells: leave --cells out",
-            path.display(),
-            pattern.columns()
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// A pattern that needs no search.
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
     refuse_other_results(on)?;
     let setup = on.open(method, false, &Eot::NONE)?;
     let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
-    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
-    Ok(Outcome::Done)
+    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)
 }
 
 /// What is found without a search keeps no checkpoint, so one in the folder is another result's.
@@ -164,12 +141,8 @@ fn refuse_other_results(on: &OnFrames) -> Result<(), String> {
 
 fn judged(judgement: HeldOutFigures) -> Entry {
     Entry {
-        step: 0,
-        queries: 0,
-        wall_s: 0.0,
-        loss: None,
-        confidence: None,
         held_out: Some(judgement),
+        ..Entry::default()
     }
 }
 
@@ -194,25 +167,22 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         classes: setup.classes.clone(),
     };
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
-    let on_query = |asked: u64| bar.set_position(asked);
-    let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
-    let (first_round, cells): (u64, Result<Vec<Rgb>, Box<dyn Error>>) = match method {
-        "camou" => networks::camou(on.device.device, &mut oracle, &config),
-        _ => (
-            genetic::FIRST_ROUND,
-            genetic::search(&mut oracle, &config).map_err(Box::from),
-        ),
-    };
-    bar.finish_and_clear();
-    let cells = cells?;
-    let entries = oracle.finish()?;
-    on.write(&setup, (method, &cells, entries), None, out)?;
+    let (first_round, cells, entries) = bar.during(|bar| -> Result<_> {
+        let on_query = |asked: u64| bar.set_position(asked);
+        let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
+        let (first_round, cells) = match method {
+            "camou" => networks::camou(on.device.device, &mut oracle, &config)?,
+            _ => (genetic::FIRST_ROUND, genetic::search(&mut oracle, &config)?),
+        };
+        Ok((first_round, cells, oracle.finish()?))
+    })?;
+    let done = on.write(&setup, (method, &cells, entries), None, out)?;
     if args.queries < first_round {
         say!(
             "note: nothing was searched: the first round of {method} takes {first_round} images, and the pattern is one of the random ones it begins with"
         );
     }
-    Ok(Outcome::Done)
+    Ok(done)
 }
 
 /// Patches are no repeated pattern, so there is a history and no pattern.
@@ -224,60 +194,27 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let patches = placed(&args.places)?;
     refuse_other_results(&args.on)?;
     let setup = args.on.open("patches", false, &Eot::NONE)?;
-    check_seen(&setup, &patches)?;
-    let on = (&setup.view_set, setup.frames.as_slice());
-    let image = |view: usize| painted(on, view, &patches, base);
-    let judgement = judge_images(&setup.view_set, &setup.detectors, image)?;
+    if let Some(unseen) = first_unseen(&setup, &patches)? {
+        return Err(format!(
+            "patch {} lies on no paint of the {} side that the views show: check --panel, --at-mm and --size-mm",
+            unseen + 1,
+            patches[unseen].side.name()
+        )
+        .into());
+    }
+    let judgement = judge_patches(&setup, &patches, base)?;
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
     files::write_atomically(&path, &content)?;
-    if args.on.json {
-        args.on.write_json(&history, None, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}", path.display())?;
-    super::on_frames::say_figures(&setup, &history, &args.on.class, out)?;
-    Ok(Outcome::Done)
+    let words = format!(
+        "{}{}",
+        path.display(),
+        figures_in_words(&setup, &history, &args.on.class)
+    );
+    told(args.on.json, args.on.made(&history, None), words, out)
 }
 
-/// A patch that no view shows would be judged as the plain model.
-fn check_seen(setup: &Setup, patches: &[PlacedPatch]) -> Result<(), Box<dyn Error>> {
-    for (i, patch) in patches.iter().enumerate() {
-        let mut is_shown = false;
-        for view in setup.view_set.judged() {
-            is_shown |= is_seen(
-                &setup.frames[setup.view_set.set_of(view)],
-                &setup.view_set.views[view].frame,
-                patch,
-            )? != Some(false);
-        }
-        if !is_shown {
-            return Err(format!(
-                "patch {} lies on no paint of the {} side that the views show: check --panel, --at-mm and --size-mm",
-                i + 1,
-                patch.side.name()
-            )
-            .into());
-        }
-    }
-    Ok(())
-}
-
-fn painted(
-    (view_set, frames): (&ViewSet, &[FrameSet]),
-    view: usize,
-    patches: &[PlacedPatch],
-    base: [u8; 3],
-) -> Result<Vec<Rgb>, RunError> {
-    let frame = &view_set.views[view].frame;
-    let paint = paint(&frames[view_set.set_of(view)], frame, patches, base)?;
-    let paint = paint.ok_or_else(|| RunError::NoPositions {
-        view: frame.name.clone(),
-    })?;
-    Ok(view_set.painted(view, &paint))
-}
-
-fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
+fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(scaleproof_print::print::patch::check)?;
     let of = |patch: scaleproof_print::print::patch::PanelPatch| PlacedPatch {

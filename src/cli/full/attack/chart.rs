@@ -4,16 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::networks;
-use super::render::hex;
-use crate::cli::{CommandResult, Outcome, progress};
+use super::render::hexes;
+use crate::cli::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::files;
-use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};
 use scaleproof_frames::surrogate::renderer::NeuralRenderer;
 
 /// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
-pub(super) struct ChartArgs {
+pub(in crate::cli) struct ChartArgs {
     /// A folder of frames
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -33,16 +33,12 @@ pub(super) struct ChartArgs {
 pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     files::check_writable(&args.output)?;
     let set = FrameSet::open(&args.frames)?;
-    let references = args
-        .reference
-        .iter()
-        .map(|text| hex(text))
-        .collect::<Result<Vec<_>, _>>()?;
-    let bar = progress::frames("measuring", views(&set.list.frames).len());
-    let networks = args.trained.renderers()?;
-    let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
-    let rows = measure(&set, &references, &networks, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let references = hexes(&args.reference)?;
+    let rows = progress::frames("measuring", set.view_count()).during(|bar| -> Result<_> {
+        let networks = args.trained.renderers()?;
+        let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
+        Ok(measure(&set, &references, &networks, || bar.inc(1))?)
+    })?;
     let json = numbers(&set, &args.reference, &rows)?;
     let mut new = vec![
         (args.output.join("renderers.json"), json.clone().into_bytes()),

@@ -1,22 +1,21 @@
 //! `scaleproof attack colours`: further flat colours of rendered views, without rendering.
 
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use super::render::hex;
-use crate::cli::CommandResult;
+use super::render::hexes;
+use crate::cli::{CommandResult, Result};
 use scaleproof_core::files;
-use scaleproof_frames::frames::{FrameSet, LIST, light};
+use scaleproof_frames::frames::{FrameSet, light};
 use scaleproof_frames::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
-pub(super) struct ColoursArgs {
+pub(in crate::cli) struct ColoursArgs {
     /// Frames with linear light, in three flat colours or more per view
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -38,21 +37,15 @@ pub(super) struct ColoursArgs {
 
 pub(super) fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
-    if args.output.join(LIST).exists() {
-        return Err(format!(
-            "{} is there already; give another folder",
-            args.output.join(LIST).display()
-        )
-        .into());
-    }
+    let list = super::new_list(&args.output)?;
     let colours = colours(args)?;
     let (new, frames) = recoloured(&set, &colours, &args.output)?;
     files::replace_all_atomically(&new)?;
-    super::say_frames(&args.output.join(LIST), frames, args.json, out)
+    super::say_frames(&list, frames, args.json, out)
 }
 
-fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
-    let mut colours = args.flat.iter().map(|text| hex(text)).collect::<Result<Vec<_>, _>>()?;
+fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>> {
+    let mut colours = hexes(&args.flat)?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = colours.iter().find(|rgb| !seen.insert(**rgb)) {
         return Err(format!("the colour {} is given twice; give each once", light::to_hex(*twice)).into());

@@ -1,23 +1,20 @@
 //! `scaleproof attack demo`: from stored frames to a pattern, its template and its score.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::device::OnDevice;
 use super::on_frames::{Looking, OnFrames};
-use super::run::{METHOD, Settings, optimise};
+use super::run::{METHOD, optimise};
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_attack::result::PATTERN;
 use scaleproof_attack::run::judge::judge;
 use scaleproof_attack::run::view_set::TextureMapping;
-use scaleproof_attack::run::weights::Against;
-use scaleproof_attack::run::{CellColours, Rgb, of_pattern, srgb};
+use scaleproof_attack::run::{AttackConfig, Rgb, of_pattern, srgb};
 use scaleproof_attack::setup::Setup;
-use scaleproof_gradients::Boxes;
 use scaleproof_surface::pattern::Pattern;
 
 const FRAMES: &str = "captures/skyline_attack";
@@ -28,7 +25,7 @@ const TILE_MM: f64 = 240.0;
 /// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
 /// minutes on two cores
 #[derive(clap::Args)]
-pub(super) struct DemoArgs {
+pub(in crate::cli) struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template
     #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/attack_demo")]
     output: PathBuf,
@@ -57,25 +54,16 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,
-        "1. {} views of the model become a pattern against {DETECTOR}; {held_out} are held out",
-        views
+        "1. {views} views of the model become a pattern against {DETECTOR}; {held_out} are held out"
     )?;
-    let settings = Settings {
+    let config = setup.named(AttackConfig {
         steps: 60,
         batch: 5,
         learning_rate: 0.05,
-        boxes: Boxes::default(),
         floor: 0.001,
-        against: Against::default(),
         hard: 0.0,
-        eot: on.mapping.usual_eot(),
-        smooth: 0.0,
-        near: None,
-        printer: None,
-        colours: CellColours::Free,
-        range: [0, 255],
-    };
-    let config = settings.config(&on, &setup);
+        ..on.config()
+    });
     let (cells, entries) = optimise(&on, &setup, &config)?;
     on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
     writeln!(out, "\n2. The pattern becomes a printable sheet")?;
@@ -99,7 +87,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The pattern beside a grey model and a random pattern.
-fn table(setup: &Setup, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+fn table(setup: &Setup, cells: &[Rgb], out: &mut dyn Write) -> Result<()> {
     let grey = srgb(&vec![[128; 3]; cells.len()]);
     let random = of_pattern(&Pattern::random(CELLS, 1)?);
     writeln!(

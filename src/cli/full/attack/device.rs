@@ -3,7 +3,7 @@
 use scaleproof_gradients::device::DeviceKind;
 
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
-pub(super) struct OnDevice {
+pub(in crate::cli) struct OnDevice {
     /// What the networks run on: cpu; cuda or wgpu where the program was built with it
     #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = kind)]
     pub device: DeviceKind,

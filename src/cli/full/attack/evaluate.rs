@@ -1,26 +1,25 @@
 //! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use scaleproof_score::score::Summary;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::render::{MESH, azimuths, cache, hex, named, size, textured, viewpoints};
+use super::render::{MESH, azimuths, cache, hex, mesh_file, named, size, textured};
 use crate::cli::detectors::{self, Folder};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, Result, progress};
 use crate::cli::{at_hand, patterns};
-use scaleproof_attack::evaluate::{EvaluateError, RenderedSet};
+use scaleproof_attack::evaluate::RenderedSet;
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
-use scaleproof_pose::scene::Classes;
+use scaleproof_pose::scene::{Classes, Viewpoint};
 use scaleproof_score::report;
 use scaleproof_score::score::{
     ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
@@ -33,7 +32,7 @@ use scaleproof_surface::pattern::Pattern;
 /// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
 #[derive(clap::Args)]
 #[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
-pub(super) struct EvaluateArgs {
+pub(in crate::cli) struct EvaluateArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
@@ -98,18 +97,17 @@ pub(super) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
-    args.mesh_file()?;
+    mesh_file(&args.model)?;
     let model = args.model.load()?;
-    let paints = args.paints(&model)?;
-    let worn = args.worn(&paints)?;
-    let variants: Vec<String> = paints.iter().map(|(name, _)| name.clone()).collect();
-    let paints = paints.into_iter().map(|(_, paint)| paint).collect();
+    let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
     let detectors = args.detectors()?;
     files::check_writable(&args.output)?;
     let folder = args.output.join("session");
-    render(&evaluation, &folder)?;
+    let python = || blender::find(&cache(), progress::announce);
+    progress::frames("rendering", evaluation.photos().len())
+        .during(|bar| evaluation.render(&folder, python, |done| bar.set_position(done as u64)))?;
     args.write_session(&evaluation, &folder)?;
     let mut scores = args.scores(&folder, detectors)?;
     scores.patterns = worn;
@@ -122,87 +120,62 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     report::write(&args.output.join("score"), &scores, None)?;
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
-    if args.json {
-        let evaluated = Evaluated {
-            classes: &args.class,
-            patterns: &tables.patterns,
-            targets: &tables.targets,
-            results: &scores.summaries,
-            comparisons: &tables.comparisons,
-            page: &page,
-        };
-        answer(&evaluated, out)?;
-        return Ok(Outcome::Done);
-    }
-    writeln!(out, "{}", report::evaluation_tables(&tables))?;
-    writeln!(out, "page: {}", page.display())?;
-    Ok(Outcome::Done)
-}
-
-fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
-    let bar = progress::frames("rendering", evaluation.photos().len());
-    let python = || blender::find(&cache(), progress::announce);
-    let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    rendered
+    let evaluated = Evaluated {
+        classes: &args.class,
+        patterns: &tables.patterns,
+        targets: &tables.targets,
+        results: &scores.summaries,
+        comparisons: &tables.comparisons,
+        page: &page,
+    };
+    let words = format!("{}\npage: {}", report::evaluation_tables(&tables), page.display());
+    told(args.json, &evaluated, words, out)
 }
 
 /// Each variant against those after it.
-fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, Box<dyn Error>> {
+fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> {
     let names: Vec<&str> = variants.iter().map(String::as_str).collect();
     let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
     Ok(compared.collect::<Result<_, _>>()?)
 }
 
+/// Names, paints, and those of them that are patterns.
+type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
+
 impl EvaluateArgs {
-    /// What the model wears, with its names: the plain model's, then patterns and textures in the order of the command.
-    fn paints(&self, model: &Model) -> Result<Vec<(String, RenderPaint)>, Box<dyn Error>> {
+    /// The names of what the model wears, and the paints: the plain model's, then patterns and textures in the order of the command; and what
+    /// the report shows of the patterns.
+    fn paints(&self, model: &Model) -> Result<Paints> {
         let normal = match self.normal.as_str() {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
         };
-        let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
+        let (mut names, mut paints, mut worn) = (vec![BASE_VARIANT.to_owned()], vec![normal], Vec::new());
         for text in &self.patterns {
             let (name, file) = patterns::named(text)?;
             let pattern = Pattern::load(file)?;
             let tile_mm = tile_mm(self.tile_mm, file, &pattern)?;
-            paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
+            worn.push(patterns::shown(name, file, &pattern, Some(tile_mm))?);
+            names.push(name.to_owned());
+            paints.push(RenderPaint::Pattern(name.to_owned(), pattern, tile_mm));
         }
         for text in &self.textures {
             let (name, path) = named(text);
-            paints.push((name.clone(), textured(name, path, model)?));
+            names.push(name.clone());
+            paints.push(textured(name, path, model)?);
         }
-        Ok(paints)
+        Ok((names, paints, worn))
     }
 
-    /// What the report shows of the paints that are patterns.
-    fn worn(&self, paints: &[(String, RenderPaint)]) -> Result<Vec<WornPattern>, Box<dyn Error>> {
-        let files = self.patterns.iter().map(|text| patterns::named(text));
-        let files: Vec<(&str, &Path)> = files.collect::<Result<_, _>>()?;
-        let file_of = |name: &str| {
-            files
-                .iter()
-                .find(|(own, _)| *own == name)
-                .map_or(Path::new(""), |(_, file)| file)
-        };
-        let worn = paints.iter().filter_map(|(name, paint)| match paint {
-            RenderPaint::Pattern(_, pattern, tile_mm) => {
-                Some(patterns::shown(name, file_of(name), pattern, Some(*tile_mm)))
-            }
-            _ => None,
-        });
-        worn.collect()
-    }
-
-    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
-        let mesh_file = self.mesh_file()?;
+    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest> {
+        let mesh_file = mesh_file(&self.model)?;
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
             mesh: model.mesh,
             materials: model.materials,
             lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
-            viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
+            viewpoints: Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
             colours,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
@@ -217,13 +190,8 @@ impl EvaluateArgs {
         })
     }
 
-    fn mesh_file(&self) -> Result<PathBuf, String> {
-        let file = self.model.mesh.clone();
-        file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
-    }
-
     /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
-    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>), Box<dyn Error>> {
+    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>)> {
         let (networks, programs) = self.programs.among(&self.detectors)?;
         let manifests = if networks.is_empty() && !programs.is_empty() {
             Vec::new()
@@ -237,12 +205,8 @@ impl EvaluateArgs {
         let programs: Vec<EvaluatedDetector> = started
             .map(|program| EvaluatedDetector::program(program, &self.class))
             .collect::<Result<_, _>>()?;
-        let names = || {
-            manifests
-                .iter()
-                .chain(programs.iter().map(|p| &p.manifest))
-                .map(|m| m.name.as_str())
-        };
+        let all = || manifests.iter().chain(programs.iter().map(|p| &p.manifest));
+        let names = || all().map(|manifest| manifest.name.as_str());
         at_hand::check_names(names())?;
         match self.target.iter().find(|target| names().all(|name| name != *target)) {
             Some(target) => {
@@ -255,33 +219,23 @@ impl EvaluateArgs {
 
     /// # Errors
     /// A photo that cannot be scored: the tables would miss it on one side.
-    fn scores(
-        &self,
-        folder: &Path,
-        (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>),
-    ) -> Result<Scores, Box<dyn Error>> {
+    fn scores(&self, folder: &Path, (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>)) -> Result<Scores> {
         let sessions = vec![Session::open(folder)?];
         let mut detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
         detectors.extend(programs);
         let options = self.effort.options(&detectors)?;
         let scores = score_with_progress(sessions, detectors, &options)?;
-        match scores.not_scored.first() {
-            None => Ok(scores),
-            Some(photo) => {
-                let path = folder.join(&photo.file);
-                let reason = &photo.reason;
-                Err(format!(
-                    "{} was not scored, so that the tables would not be whole: {reason}",
-                    path.display()
-                )
-                .into())
-            }
+        if let Some(photo) = scores.not_scored.first() {
+            let (path, reason) = (folder.join(&photo.file), &photo.reason);
+            let path = path.display();
+            return Err(format!("{path} was not scored, so that the tables would not be whole: {reason}").into());
         }
+        Ok(scores)
     }
 
     /// The scene and the list of photos.
-    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
-        let mesh = self.mesh_file()?;
+    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<()> {
+        let mesh = mesh_file(&self.model)?;
         let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
         Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }

@@ -1,15 +1,14 @@
 //! `scaleproof attack history`: several methods on one chart.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::HashMap;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::cli::print::card_fault;
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::evaluate::finished::figures_of;
 use scaleproof_attack::evaluate::time_chart::{self, RenderedRun};
 use scaleproof_attack::result;
@@ -20,7 +19,7 @@ use scaleproof_surface::pattern::card::{self, CardError};
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]
-pub(super) struct HistoryArgs {
+pub(in crate::cli) struct HistoryArgs {
     /// Folders of results
     #[arg(value_name = "DIR", required = true)]
     results: Vec<PathBuf>,
@@ -42,27 +41,23 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         .map(|folder| History::load(folder))
         .collect::<Result<Vec<_>, _>>()?;
     args.refuse_twice()?;
-    if let Some(unjudged) = histories.iter().position(|history| history.last_judged().is_none()) {
-        let folder = args.results[unjudged].display();
-        return Err(format!("the history of {folder} has no figures of held-out views: make the pattern again").into());
-    }
-    if let Some(other) = histories
-        .iter()
-        .position(|history| !history.is_comparable(&histories[0]))
-    {
-        return Err(format!(
-            "{} and {} were made with other frames, detectors or classes, so their figures cannot stand on one chart",
-            args.results[0].display(),
-            args.results[other].display()
-        )
-        .into());
+    for (folder, history) in args.results.iter().zip(&histories) {
+        let folder = folder.display();
+        if history.last_judged().is_none() {
+            return Err(
+                format!("the history of {folder} has no figures of held-out views: make the pattern again").into(),
+            );
+        }
+        if !history.is_comparable(&histories[0]) {
+            let first = args.results[0].display();
+            return Err(format!(
+                "{first} and {folder} were made with other frames, detectors or classes, so their figures cannot stand on one chart"
+            )
+            .into());
+        }
     }
     let rendered = args.rendered(&histories)?;
     files::check_writable(&args.output)?;
-    if !args.json {
-        table(&histories, out)?;
-        rendered_table(&rendered, out)?;
-    }
     let at = |name: &str| args.output.join(name);
     let mut new = vec![
         (at("attack.json"), serde_json::to_vec_pretty(&histories)?),
@@ -79,22 +74,17 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
             .iter()
             .try_for_each(|name| files::remove(&at(name)))?;
     }
-    if args.json {
-        let path = |i: usize| new.get(i).map(|(path, _)| path);
-        let histories = Histories {
-            histories: &histories,
-            numbers: path(0),
-            chart: path(1),
-            rendered: &rendered,
-            rendered_chart: path(3),
-        };
-        answer(&histories, out)?;
-        return Ok(Outcome::Done);
-    }
-    for (path, _) in &new {
-        writeln!(out, "{}", path.display())?;
-    }
-    Ok(Outcome::Done)
+    let path = |i: usize| new.get(i).map(|(path, _)| path);
+    let facts = Histories {
+        histories: &histories,
+        numbers: path(0),
+        chart: path(1),
+        rendered: &rendered,
+        rendered_chart: path(3),
+    };
+    let paths: Vec<String> = new.iter().map(|(path, _)| path.display().to_string()).collect();
+    let words = table(&histories) + &rendered_table(&rendered) + &paths.join("\n");
+    told(args.json, &facts, words, out)
 }
 
 /// `attack history --json`.
@@ -114,7 +104,7 @@ pub(in crate::cli) struct Histories<'a> {
 
 impl HistoryArgs {
     /// What the evaluation says of each run's pattern; nothing without one.
-    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, Box<dyn Error>> {
+    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>> {
         let Some(evaluation) = &self.evaluation else {
             return Ok(Vec::new());
         };
@@ -128,7 +118,7 @@ impl HistoryArgs {
         .collect()
     }
 
-    fn refuse_twice(&self) -> Result<(), Box<dyn Error>> {
+    fn refuse_twice(&self) -> Result<()> {
         let mut known = HashMap::new();
         for folder in &self.results {
             if let Some(first) = known.insert(files::whole_path(folder)?, folder) {
@@ -153,17 +143,15 @@ fn check_own(path: &Path) -> Result<(), String> {
     }
 }
 
-fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}",
+fn table(histories: &[History]) -> String {
+    let mut text = format!(
+        "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}\n",
         "method", "seed", "tile mm", "images", "seconds", "AP@0.5", "hit rate", "confidence"
-    )?;
+    );
     for history in histories {
         if let Some((entry, judged)) = history.last_judged() {
-            writeln!(
-                out,
-                "{:<10} {:>5} {:>8} {:>9} {:>8.0} {:>7.2} {:>9.2} {:>11.2}",
+            text += &format!(
+                "{:<10} {:>5} {:>8} {:>9} {:>8.0} {:>7.2} {:>9.2} {:>11.2}\n",
                 history.method,
                 history.seed,
                 history.tile_mm,
@@ -172,28 +160,25 @@ fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
                 judged.ap50,
                 judged.hit_rate,
                 judged.mean_confidence
-            )?;
+            );
         }
     }
-    Ok(())
+    text
 }
 
-fn rendered_table(runs: &[RenderedRun], out: &mut dyn Write) -> std::io::Result<()> {
+fn rendered_table(runs: &[RenderedRun]) -> String {
+    let mut text = String::new();
     if !runs.is_empty() {
-        writeln!(
-            out,
-            "\nrendered:\n{:<10} {:>5} {:>9} {:>8}  {:<15} {:>6} {:>7} {:>9}",
+        text += &format!(
+            "\nrendered:\n{:<10} {:>5} {:>9} {:>8}  {:<15} {:>6} {:>7} {:>9}\n",
             "method", "seed", "images", "seconds", "detector", "photos", "AP@0.5", "hit rate"
-        )?;
+        );
     }
-    for run in runs {
-        for of in &run.rendered {
-            writeln!(
-                out,
-                "{:<10} {:>5} {:>9} {:>8.0}  {:<15} {:>6} {:>7.2} {:>9.2}",
-                run.method, run.seed, run.queries, run.wall_s, of.detector, of.photos, of.ap50, of.hit_rate
-            )?;
-        }
+    for (run, of) in runs.iter().flat_map(|run| run.rendered.iter().map(move |of| (run, of))) {
+        text += &format!(
+            "{:<10} {:>5} {:>9} {:>8.0}  {:<15} {:>6} {:>7.2} {:>9.2}\n",
+            run.method, run.seed, run.queries, run.wall_s, of.detector, of.photos, of.ap50, of.hit_rate
+        );
     }
-    Ok(())
+    text
 }

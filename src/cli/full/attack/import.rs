@@ -1,25 +1,24 @@
 //! `scaleproof attack import`: frames from another engine.
 
-use std::error::Error;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::render::{described, hex};
+use super::render::{described, file_name, hex, options};
 use crate::cli::model::ModelArgs;
 use crate::cli::print::NewFile;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
+use scaleproof_frames::frames::FramePaint;
 use scaleproof_frames::frames::import::fca::{self, FcaRequest};
 use scaleproof_frames::frames::import::import;
-use scaleproof_frames::frames::{FramePaint, LIST};
 
 /// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]
 // Only one of the layouts needs a mesh.
 #[command(mut_arg("mesh", |mesh| mesh.required_unless_present_any(["scene", "folder"]).help("The vehicle's surface: .glb, .obj, .stl or .ply (fca)")))]
-pub(super) struct ImportArgs {
+pub(in crate::cli) struct ImportArgs {
     /// The folder with import.json, poses.csv, rgb/ and mask/, or with .npz files
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -57,12 +56,8 @@ enum Layout {
 const NOTED_HEIGHT_M: f64 = 0.1;
 
 pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
-    let list = args.output.join(LIST);
-    if list.exists() {
-        return Err(format!("{} is there already; give another folder", list.display()).into());
-    }
-    let same = |a: &PathBuf, b: &PathBuf| a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a));
-    if same(&args.folder, &args.output) {
+    let list = super::new_list(&args.output)?;
+    if files::is_same(&args.folder, &args.output) {
         return Err("the frames would be written over the images they come from; give another folder".into());
     }
     // Images a frame, beside the list.
@@ -84,14 +79,12 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     super::say_frames(&list, new.len() / images, args.json, out)
 }
 
-fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
+fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>> {
     if args.model.mesh.is_none() {
         return Err("this layout brings no masks: give the vehicle's mesh by --mesh, as long as your model, as in --length-mm 487 --scale 10".into());
     }
     let request = args.fca_request()?;
-    let busy = progress::busy("drawing the mesh");
-    let made = fca::import(&args.folder, &args.output, &request)?;
-    busy.finish_and_clear();
+    let made = progress::busy("drawing the mesh").during(|_| fca::import(&args.folder, &args.output, &request))?;
     let lowest_m = made.lowest_vehicle_m;
     if args.drop_m() == 0.0 && lowest_m > NOTED_HEIGHT_M {
         say!(
@@ -123,7 +116,7 @@ impl ImportArgs {
         own.or_else(|| self.model.of_a_mesh())
     }
 
-    fn fca_request(&self) -> Result<FcaRequest, Box<dyn Error>> {
+    fn fca_request(&self) -> Result<FcaRequest> {
         let model = self.model.load()?;
         Ok(FcaRequest {
             mesh: model.mesh,
@@ -141,17 +134,13 @@ impl ImportArgs {
 
     /// The arguments that decide about the frames, with files by their names only.
     fn made_by(&self, scale: f64) -> String {
-        let name = self.model.mesh.as_deref().and_then(Path::file_name);
-        let mut text = format!(
-            "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}",
-            name.map(|n| n.to_string_lossy()).unwrap_or_default(),
+        format!(
+            "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}{}",
+            self.model.mesh.as_deref().map(file_name).unwrap_or_default(),
             described(&self.model),
             self.drop_m(),
             self.field_of_view_deg(),
-        );
-        if let Some(flat) = &self.flat {
-            text += &format!(" --flat {flat}");
-        }
-        text
+            options([("flat", self.flat.clone())])
+        )
     }
 }

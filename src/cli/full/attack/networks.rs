@@ -10,11 +10,11 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::WhiteBoxes;
-use super::advice::of_colours;
 use super::device::OnDevice;
-use crate::cli::CommandResult;
+use super::on_frames::WhiteBoxes;
+use crate::cli::advice::advice_by_kind;
 use crate::cli::detectors::{self, Folder};
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};
 use scaleproof_attack::run::Rgb;
 use scaleproof_frames::surrogate::dtn::{DtnError, file};
@@ -25,7 +25,7 @@ use scaleproof_pose::scene::Classes;
 
 /// More of `scaleproof attack …`.
 #[derive(Subcommand)]
-pub(super) enum Command {
+pub(in crate::cli) enum Command {
     TrainDtn(train_dtn::TrainArgs),
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Trained {
 }
 
 impl Trained {
-    pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>, Box<dyn Error>> {
+    pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>> {
         let device = self.on.device.open()?;
         let open = |path: &PathBuf| {
             let network = file::load(path)?.network(device.clone())?;
@@ -61,8 +61,8 @@ pub(super) fn white_boxes(
     folder: &Folder,
     class: &Classes,
     device: DeviceKind,
-) -> Result<WhiteBoxes, Box<dyn Error>> {
-    device.open()?; // Its own sentence, before any detector is read.
+) -> Result<WhiteBoxes> {
+    let device = device.open()?;
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
     for manifest in detectors::chosen(names)? {
@@ -76,23 +76,17 @@ pub(super) fn white_boxes(
 }
 
 /// CAMOU's search: the images of its first round, and the cells it found.
-pub(super) fn camou(
-    device: DeviceKind,
-    oracle: &mut BlackBox,
-    config: &SearchConfig,
-) -> (u64, Result<Vec<Rgb>, Box<dyn Error>>) {
-    let mut search = || Ok(camou::search(oracle, config, &device.open()?)?);
-    (camou::FIRST_ROUND, search())
+pub(super) fn camou(device: DeviceKind, oracle: &mut BlackBox, config: &SearchConfig) -> Result<(u64, Vec<Rgb>)> {
+    Ok((camou::FIRST_ROUND, camou::search(oracle, config, &device.open()?)?))
 }
 
 /// The option that helps in training.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<&'static str> {
-    match error.downcast_ref()? {
-        DtnError::Additive(error) => of_colours(error),
-        DtnError::NoViews { .. } => Some(" (attack render --flat, --reference)"),
-        DtnError::Width { .. } => Some(" (--width-px)"),
-        DtnError::NotFinite { .. } => Some(" (--seed)"),
-        _ => None,
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    advice_by_kind! { error,
+        DtnError::Additive(error) => super::advice::advice(error)?,
+        DtnError::NoViews { .. } => " (attack render --flat, --reference)",
+        DtnError::Width { .. } => " (--width-px)",
+        DtnError::NotFinite { .. } => " (--seed)",
     }
 }
 

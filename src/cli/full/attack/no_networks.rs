@@ -6,9 +6,9 @@ use std::io::Write;
 
 use clap::Subcommand;
 
-use super::WhiteBoxes;
-use crate::cli::CommandResult;
+use super::on_frames::WhiteBoxes;
 use crate::cli::detectors::Folder;
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig};
 use scaleproof_attack::run::Rgb;
 use scaleproof_frames::surrogate::renderer::NeuralRenderer;
@@ -16,7 +16,7 @@ use scaleproof_gradients::device::DeviceKind;
 use scaleproof_pose::scene::Classes;
 
 #[derive(Subcommand)]
-pub(super) enum Command {}
+pub(in crate::cli) enum Command {}
 
 pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {
     match command {}
@@ -27,24 +27,24 @@ pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {
 pub(super) struct Trained {}
 
 impl Trained {
-    pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>, Box<dyn Error>> {
+    pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>> {
         Ok(Vec::new())
     }
 }
 
-fn refused<T>() -> Result<T, Box<dyn Error>> {
+fn refused<T>() -> Result<T> {
     Err("this program was built without the attack's networks: use ./run attack …, or build with `cargo build --release --features attack`".into())
 }
 
-pub(super) fn white_boxes(_: &[String], _: &Folder, _: &Classes, _: DeviceKind) -> Result<WhiteBoxes, Box<dyn Error>> {
+pub(super) fn white_boxes(_: &[String], _: &Folder, _: &Classes, _: DeviceKind) -> Result<WhiteBoxes> {
     refused()
 }
 
-pub(super) fn camou(_: DeviceKind, _: &mut BlackBox, _: &SearchConfig) -> (u64, Result<Vec<Rgb>, Box<dyn Error>>) {
-    (0, refused())
+pub(super) fn camou(_: DeviceKind, _: &mut BlackBox, _: &SearchConfig) -> Result<(u64, Vec<Rgb>)> {
+    refused()
 }
 
-pub(super) fn advice(_: &(dyn Error + 'static)) -> Option<&'static str> {
+pub(super) fn advice(_: &(dyn Error + 'static)) -> Option<String> {
     None
 }
 

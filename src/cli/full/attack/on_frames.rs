@@ -1,6 +1,5 @@
 //! What `attack run`, `attack baseline` and `attack demo` share: frames, detectors, and the files of a result.
 
-use std::error::Error;
 use std::io::Write;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -9,14 +8,14 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::device::OnDevice;
-use super::{WhiteBoxes, networks};
-use crate::cli::answer::answer;
+use super::networks;
+use crate::cli::answer::told;
 use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
-use crate::cli::progress;
 use crate::cli::results::Programs;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::{Entry, History, TILES_MM};
@@ -27,7 +26,7 @@ use scaleproof_attack::setup::Setup;
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_detect::{Manifest, ProgramDetector};
-use scaleproof_frames::frames::{FrameSet, views};
+use scaleproof_frames::frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_gradients::program::ProgramWhiteBox;
 use scaleproof_pose::scene::Classes;
@@ -42,7 +41,7 @@ const CELLS: u32 = 24;
 
 /// What looks at what.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct Looking {
+pub(in crate::cli) struct Looking {
     /// Folders of frames, each view in three flat colours or more; several to see several models at once
     #[arg(value_name = "FRAMES", required = true)]
     pub frames: Vec<PathBuf>,
@@ -77,7 +76,7 @@ pub(super) struct Looking {
 
 /// What looks at what, and the pattern to be made: its cells, its seed and its folder.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct OnFrames {
+pub(in crate::cli) struct OnFrames {
     #[command(flatten)]
     pub looking: Looking,
     /// Cells along each side [default: 24; of a pattern that is there already, its own]
@@ -136,8 +135,15 @@ impl Looking {
     }
 
     /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
-    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
-        check_tile(self.tile_mm())?;
+    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup> {
+        let tile_mm = self.tile_mm();
+        if !TILES_MM.contains(&tile_mm) {
+            let (least, most) = (TILES_MM.start(), TILES_MM.end());
+            return Err(format!(
+                "--tile-mm is {tile_mm}: give the width of one repeat on the model, {least} to {most} mm"
+            )
+            .into());
+        }
         let (networks, programs) = self.programs.among(&self.detector)?;
         let (mut detectors, mut names) = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
@@ -148,16 +154,11 @@ impl Looking {
             detectors.push(detector);
             names.push(name);
         }
-        let frames = open_frames(&self.frames)?;
-        let texture = (cells, self.tile_mm(), self.mapping);
-        let bar = progress::frames(
-            "reading views",
-            frames.iter().map(|set| views(&set.list.frames).len()).sum(),
-        );
+        let frames = FrameSet::open_all(&self.frames)?;
+        let texture = (cells, tile_mm, self.mapping);
+        let bar = progress::frames("reading views", frames.iter().map(FrameSet::view_count).sum());
         let detectors = (detectors, names, self.class.clone());
-        let setup = Setup::open(frames, texture, eot, detectors, || bar.inc(1));
-        bar.finish_and_clear();
-        Ok(setup?)
+        Ok(bar.during(|bar| Setup::open(frames, texture, eot, detectors, || bar.inc(1)))?)
     }
 }
 
@@ -167,8 +168,20 @@ impl OnFrames {
         self.cells.unwrap_or(CELLS)
     }
 
+    /// The usual attack on these frames, without their names and those of the detectors.
+    pub(super) fn config(&self) -> AttackConfig {
+        AttackConfig {
+            cells: self.cells(),
+            tile_mm: self.tile_mm(),
+            seed: self.seed,
+            mapping: self.mapping,
+            eot: self.mapping.usual_eot(),
+            ..AttackConfig::usual(self.class.clone())
+        }
+    }
+
     /// As [`Looking::open`], with a folder for what the method makes.
-    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup> {
         self.check_cells()?;
         self.refuse_other_methods(method)?;
         files::check_writable(&self.output)?;
@@ -193,17 +206,15 @@ impl OnFrames {
 
     /// The sides' patterns lie below each other in one file.
     fn check_cells(&self) -> Result<(), String> {
-        let [_, rows] = self.mapping.grid(self.cells());
-        if rows > MAX_CELLS {
-            Err(format!(
-                "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
-                self.cells(),
-                self.mapping.name(),
-                MAX_CELLS * self.cells() / rows
-            ))
-        } else {
-            Ok(())
+        let (cells, laying) = (self.cells(), self.mapping.name());
+        let [_, rows] = self.mapping.grid(cells);
+        if rows <= MAX_CELLS {
+            return Ok(());
         }
+        let most = MAX_CELLS * cells / rows;
+        Err(format!(
+            "--cells is {cells}, which makes {rows} rows with --laying {laying}, and a pattern has {MAX_CELLS} at most: give up to {most}"
+        ))
     }
 
     /// Writes the result of a method, and says what it is.
@@ -213,30 +224,21 @@ impl OnFrames {
         (method, cells, entries): (&str, &[Rgb], Vec<Entry>),
         config: Option<&AttackConfig>,
         out: &mut dyn Write,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> CommandResult {
         let history = setup.history(method, self.seed, entries);
         let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
-        if self.json {
-            return self.write_json(&history, Some(&path), out);
-        }
-        let [columns, rows] = self.mapping.grid(self.cells());
-        writeln!(
-            out,
-            "{}: {columns} × {rows} cells, tile {} mm",
-            path.display(),
-            self.tile_mm()
-        )?;
-        say_figures(setup, &history, &self.class, out)
+        let ([columns, rows], tile_mm) = (self.mapping.grid(self.cells()), self.tile_mm());
+        let figures = figures_in_words(setup, &history, &self.class);
+        let words = format!(
+            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}",
+            path.display()
+        );
+        told(self.json, self.made(&history, Some(&path)), words, out)
     }
 
     /// The result for programs: what `history.json` ends with, and where the pattern is.
-    pub(super) fn write_json(
-        &self,
-        history: &History,
-        pattern: Option<&Path>,
-        out: &mut dyn Write,
-    ) -> Result<(), Box<dyn Error>> {
-        let made = Made {
+    pub(super) fn made<'a>(&'a self, history: &'a History, pattern: Option<&'a Path>) -> Made<'a> {
+        Made {
             method: &history.method,
             seed: history.seed,
             tile_mm: history.tile_mm,
@@ -246,8 +248,7 @@ impl OnFrames {
             pattern,
             queries: history.queries(),
             predicted: history.last_judged().map(|(_, figures)| figures),
-        };
-        answer(&made, out)
+        }
     }
 }
 
@@ -270,22 +271,17 @@ pub(in crate::cli) struct Made<'a> {
     predicted: Option<HeldOutFigures>,
 }
 
-/// What the held-out views say, and that they are predictions.
-pub(super) fn say_figures(
-    setup: &Setup,
-    history: &History,
-    class: &Classes,
-    out: &mut dyn Write,
-) -> Result<(), Box<dyn Error>> {
+/// What the held-out views say, and that they are predictions: lines, each after a line break.
+pub(super) fn figures_in_words(setup: &Setup, history: &History, class: &Classes) -> String {
+    let mut text = String::new();
     if let Some((entry, figures)) = history.last_judged() {
         let which = if setup.view_set.holds_out() {
             "it was not made with"
         } else {
             "it was made with (too few to hold any out)"
         };
-        writeln!(
-            out,
-            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
+        text += &format!(
+            "\npredicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
              counts as the model: {class}",
             figures.ap50,
             figures.hit_rate,
@@ -293,45 +289,13 @@ pub(super) fn say_figures(
             count(figures.views, "view"),
             count(entry.queries as usize, "image"),
             entry.wall_s
-        )?;
+        );
     }
     if setup.view_set.unseen > 0 {
-        writeln!(
-            out,
-            "left out, as the model's paint is not seen: {}",
-            count(setup.view_set.unseen, "view")
-        )?;
+        let views = count(setup.view_set.unseen, "view");
+        text += &format!("\nleft out, as the model's paint is not seen: {views}");
     }
-    Ok(())
-}
-
-/// Opens folders of frames.
-///
-/// # Errors
-/// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
-pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<FrameSet>, Box<dyn Error>> {
-    let mut opened = Vec::<FrameSet>::new();
-    for folder in folders {
-        let set = FrameSet::open(folder)?;
-        if let Some(same) = opened.iter().find(|known| known.sha256 == set.sha256) {
-            let first = same.folder.display();
-            return Err(format!("{first} and {} are the same frames: name them once", folder.display()).into());
-        }
-        opened.push(set);
-    }
-    Ok(opened)
-}
-
-fn check_tile(tile_mm: f64) -> Result<(), String> {
-    if TILES_MM.contains(&tile_mm) {
-        Ok(())
-    } else {
-        Err(format!(
-            "--tile-mm is {tile_mm}: give the width of one repeat on the model, {} to {} mm",
-            TILES_MM.start(),
-            TILES_MM.end()
-        ))
-    }
+    text
 }
 
 /// The pattern of a file, with a note where it is another one, enlarged.
@@ -342,7 +306,7 @@ pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
 }
 
 /// The pattern of a file, which must be square.
-pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     let pattern = pattern_of(path)?;
     if pattern.columns() == pattern.rows() {
         Ok(pattern)
@@ -358,11 +322,7 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
 }
 
 /// A program, and its name and hash.
-fn program_box(
-    program: ProgramDetector,
-    class: &Classes,
-    differentiates: bool,
-) -> Result<(String, Box<dyn WhiteBox>), Box<dyn Error>> {
+fn program_box(program: ProgramDetector, class: &Classes, differentiates: bool) -> Result<(String, Box<dyn WhiteBox>)> {
     let manifest = Manifest::of_foreign(program.card());
     if let Some(fault) = manifest.class_map_fault() {
         return Err(format!("the manifest of {} is not valid: {fault}", manifest.name).into());

@@ -1,22 +1,21 @@
 //! `scaleproof attack photos`: frames from photos of the real model in flat colours.
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use std::collections::BTreeSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::render::hex;
-use crate::cli::{CommandResult, Outcome, progress};
+use super::render::{hex, options};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
+use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
 };
-use scaleproof_frames::frames::photos::{LeftOutPhoto, PhotoFrames, PhotoFramesRequest, PhotoView, make};
-use scaleproof_frames::frames::{LIST, light};
+use scaleproof_frames::frames::photos::{FramedView, LeftOutPhoto, PhotoFrames, PhotoFramesRequest, make};
 use scaleproof_session::session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view
@@ -24,7 +23,7 @@ use scaleproof_session::session::Session;
 /// Photos are located by their tags and mapped onto the reference photo of their view through the mesh that the scene names, at its
 /// exposure. Photos and views that do not fit are left out and named; the photos are never changed.
 #[derive(clap::Args)]
-pub(super) struct PhotosArgs {
+pub(in crate::cli) struct PhotosArgs {
     /// Sessions with photos of the model: photos of one place may be in several
     #[arg(value_name = "SESSION", required = true)]
     sessions: Vec<PathBuf>,
@@ -55,7 +54,7 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
         .iter()
         .map(|s| Session::open(s))
         .collect::<Result<Vec<_>, _>>()?;
-    check_output(args, &sessions)?;
+    let list = check_output(args, &sessions)?;
     let mesh = common_mesh(&sessions)?;
     check_variants(&flats, &sessions)?;
     let request = PhotoFramesRequest {
@@ -66,44 +65,38 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
         width_px: args.size_px,
         made_by: made_by(args, &sessions, &flats),
     };
-    let bar = progress::photos("locating", of_flats(&sessions, &flats).len());
-    let located = locate_flats(&sessions, &flats, || bar.inc(1));
-    bar.finish_and_clear();
     let LocatedPhotos {
         photos,
-        left_out,
+        mut left_out,
         notes,
-    } = located?;
+    } = progress::photos("locating", of_flats(&sessions, &flats).len())
+        .during(|bar| locate_flats(&sessions, &flats, || bar.inc(1)))?;
     notes.iter().for_each(|note| say!("note: {note}"));
     let mut nowhere = std::io::sink();
     let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
-    let left_out: Vec<LeftOutPhoto> = left_out.into_iter().chain(other_variants(&flats, &sessions)).collect();
+    left_out.extend(other_variants(&flats, &sessions));
     say_left_out(&left_out, text)?;
-    let bar = progress::frames("mapping photos", 0);
-    let made = make(&request, &photos, &args.output, |views| {
-        bar.set_length(views as u64);
-        bar.inc(1);
-    });
-    bar.finish_and_clear();
-    let made = made?;
+    let made = progress::frames("mapping photos", 0).during(|bar| {
+        make(&request, &photos, &args.output, |views| {
+            bar.set_length(views as u64);
+            bar.inc(1);
+        })
+    })?;
     say(&made, text)?;
     if made.frames == 0 {
         return Err("no view has photos in every colour that fit together; the lines `left out` say why".into());
     }
     files::replace_all_atomically(&made.files)?;
-    let list = args.output.join(LIST);
-    if args.json {
-        answer(&summary(&list, &made, &left_out), out)?
-    } else {
-        writeln!(
-            out,
-            "{}: {} frames of {} views",
-            list.display(),
-            made.frames,
-            made.views.len()
-        )?
-    }
-    Ok(Outcome::Done)
+    let (path, views) = (list.display(), made.views.len());
+    let words = format!("{path}: {} frames of {views} views", made.frames);
+    left_out.extend(made.left_out);
+    let framed = FramesOfPhotos {
+        file: &list,
+        frames: made.frames,
+        views: &made.views,
+        left_out: &left_out,
+    };
+    told(args.json, &framed, words, out)
 }
 
 /// `attack photos --json`.
@@ -113,64 +106,11 @@ pub(in crate::cli) struct FramesOfPhotos<'a> {
     file: &'a Path,
     /// How many frames it lists.
     frames: usize,
-    views: Vec<FramedView<'a>>,
-    left_out: Vec<LeftOut<'a>>,
+    views: &'a [FramedView],
+    left_out: &'a [LeftOutPhoto],
 }
 
-/// A view that became frames.
-#[derive(Serialize, JsonSchema)]
-struct FramedView<'a> {
-    name: &'a str,
-    /// The photo that the others are mapped onto.
-    reference: &'a str,
-    others: Vec<MappedPhoto<'a>>,
-    /// Share of the paint that every photo of the view shows, 0 to 1.
-    paint_seen_by_all: f64,
-}
-
-/// Another photo of a view.
-#[derive(Serialize, JsonSchema)]
-struct MappedPhoto<'a> {
-    photo: &'a str,
-    /// The angle between the two cameras.
-    turn_deg: f64,
-    /// By which its red, green and blue light are multiplied to have the exposure of the reference.
-    light_factors: [f64; 3],
-}
-
-/// A photo or view that makes no frames, and why.
-#[derive(Serialize, JsonSchema)]
-struct LeftOut<'a> {
-    what: &'a str,
-    reason: &'a str,
-}
-
-fn summary<'a>(list: &'a Path, made: &'a PhotoFrames, left_out_before: &'a [LeftOutPhoto]) -> FramesOfPhotos<'a> {
-    let view = |view: &'a PhotoView| FramedView {
-        name: &view.name,
-        reference: &view.reference,
-        others: (view.others.iter())
-            .map(|(photo, turn_deg, light_factors)| MappedPhoto {
-                photo,
-                turn_deg: *turn_deg,
-                light_factors: *light_factors,
-            })
-            .collect(),
-        paint_seen_by_all: view.kept,
-    };
-    let left_out = left_out_before.iter().chain(&made.left_out).map(|left| LeftOut {
-        what: &left.what,
-        reason: &left.reason,
-    });
-    FramesOfPhotos {
-        file: list,
-        frames: made.frames,
-        views: made.views.iter().map(view).collect(),
-        left_out: left_out.collect(),
-    }
-}
-
-fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
+fn flats(texts: &[String]) -> Result<Vec<FlatVariant>> {
     let mut flats: Vec<FlatVariant> = Vec::new();
     for text in texts {
         let (variant, colour) = text
@@ -192,11 +132,9 @@ fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
     }
 }
 
-fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<(), Box<dyn Error>> {
-    let list = args.output.join(LIST);
-    if list.exists() {
-        return Err(format!("{} is there already; give another folder", list.display()).into());
-    }
+/// Where the frames will be listed.
+fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<PathBuf> {
+    let list = super::new_list(&args.output)?;
     let mut folders = BTreeSet::new();
     for session in sessions {
         let real = session.folder.canonicalize().unwrap_or_else(|_| session.folder.clone());
@@ -207,7 +145,8 @@ fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<(), Box<dyn E
             return Err(format!("the session {} is given twice; give it once", session.name).into());
         }
     }
-    Ok(files::check_writable(&args.output)?)
+    files::check_writable(&args.output)?;
+    Ok(list)
 }
 
 fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[FlatVariant]) -> String {
@@ -216,18 +155,20 @@ fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[FlatVariant]) -> St
         .iter()
         .map(|flat| format!("{}={}", flat.variant, light::to_hex(flat.rgb)))
         .collect();
-    let mut text = format!("attack photos {} --flat {}", names.join(" "), colours.join(" "));
-    if !args.material.is_empty() {
-        text += &format!(" --material {}", args.material.join(" "));
-    }
-    text + &format!(" --size-px {}", args.size_px)
+    let material = (!args.material.is_empty()).then(|| args.material.join(" "));
+    format!("attack photos {}", names.join(" "))
+        + &options([
+            ("flat", Some(colours.join(" "))),
+            ("material", material),
+            ("size-px", Some(args.size_px.to_string())),
+        ])
 }
 
 fn say(made: &PhotoFrames, out: &mut dyn Write) -> std::io::Result<()> {
     for view in &made.views {
-        let others = view.others.iter().map(|(name, turn_deg, gain)| {
-            let [r, g, b] = gain;
-            format!("{name} ({turn_deg:.1}° aside, light × {r:.2} {g:.2} {b:.2})")
+        let others = view.others.iter().map(|other| {
+            let (photo, turn_deg, [r, g, b]) = (&other.photo, other.turn_deg, other.light_factors);
+            format!("{photo} ({turn_deg:.1}° aside, light × {r:.2} {g:.2} {b:.2})")
         });
         writeln!(
             out,
@@ -235,10 +176,11 @@ fn say(made: &PhotoFrames, out: &mut dyn Write) -> std::io::Result<()> {
             view.name,
             view.reference,
             others.collect::<Vec<_>>().join(", "),
-            100.0 * view.kept
+            100.0 * view.paint_seen_by_all
         )?;
     }
-    let gains = made.views.iter().flat_map(|v| &v.others).flat_map(|(_, _, gain)| gain);
+    let others = made.views.iter().flat_map(|view| &view.others);
+    let gains = others.flat_map(|other| other.light_factors);
     let most = gains.map(|gain| gain.max(1.0 / gain)).fold(1.0, f64::max);
     if most > MOST_GAIN {
         say!(

@@ -1,7 +1,6 @@
 //! `scaleproof attack render`: frames from Blender Cycles.
 
 use std::collections::HashSet;
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +8,7 @@ use std::sync::Arc;
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::texture::load_texture;
-use crate::cli::{CommandResult, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::geometry::angle::wrap_360;
 use scaleproof_frames::frames::render::{
     Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, check_folder, render,
@@ -25,7 +24,7 @@ pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply";
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
 #[derive(clap::Args)]
 #[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
-pub(super) struct RenderArgs {
+pub(in crate::cli) struct RenderArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90
@@ -87,10 +86,8 @@ pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     check_folder(&args.output)?;
     scaleproof_core::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
-    let bar = progress::frames("rendering", plan.frames().len());
-    let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    finished?;
+    progress::frames("rendering", plan.frames().len())
+        .during(|bar| render(&plan, &args.output, &python, |done| bar.set_position(done as u64)))?;
     note_unusable(&args.output)?;
     super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
 }
@@ -115,14 +112,10 @@ pub(super) fn cache() -> PathBuf {
 }
 
 impl RenderArgs {
-    fn request(&self) -> Result<RenderRequest, Box<dyn Error>> {
-        let mesh_file = self
-            .model
-            .mesh
-            .clone()
-            .ok_or("a model without a mesh cannot be rendered: give --mesh")?;
+    fn request(&self) -> Result<RenderRequest> {
+        let mesh_file = mesh_file(&self.model)?;
         let model = self.model.load()?;
-        let viewpoints = viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
+        let viewpoints = Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
             colours: self.colours(&model)?,
@@ -147,7 +140,7 @@ impl RenderArgs {
         })
     }
 
-    fn colours(&self, model: &Model) -> Result<Vec<RenderPaint>, Box<dyn Error>> {
+    fn colours(&self, model: &Model) -> Result<Vec<RenderPaint>> {
         let mut colours = Vec::new();
         for text in &self.flat {
             colours.push(RenderPaint::Flat(hex(text)?));
@@ -170,41 +163,37 @@ impl RenderArgs {
 
     /// The arguments that decide about the pixels, with files by their names only.
     fn made_by(&self, mesh_file: &Path) -> String {
-        let name = |path: &Path| {
-            path.file_name()
-                .map(|n| n.to_string_lossy().into_owned())
-                .unwrap_or_default()
-        };
-        let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-        let mut text = format!(
-            "attack render --mesh {}{} --light {} --azimuth-deg {} --pitch-deg {} --distance-mm {}",
-            name(mesh_file),
+        let some = |texts: &[String]| (!texts.is_empty()).then(|| texts.join(" "));
+        let numbers = |values: &[f64]| some(&values.iter().map(f64::to_string).collect::<Vec<_>>());
+        let patterns: Vec<String> = self.pattern.iter().map(|path| file_name(path)).collect();
+        let textures: Vec<String> = self.texture.iter().map(|text| file_name(named(text).1)).collect();
+        let given = options([
+            ("light", some(&self.light)),
+            ("azimuth-deg", some(&self.azimuth_deg)),
+            ("pitch-deg", numbers(&self.pitch_deg)),
+            ("distance-mm", numbers(&self.distance_mm)),
+            ("flat", some(&self.flat)),
+            ("pattern", some(&patterns)),
+            (
+                "tile-mm",
+                self.tile_mm.filter(|_| !patterns.is_empty()).map(|mm| mm.to_string()),
+            ),
+            ("texture", some(&textures)),
+            (
+                "roughness",
+                (self.roughness != ROUGHNESS).then(|| self.roughness.to_string()),
+            ),
+        ]);
+        format!(
+            "attack render --mesh {}{}{given}{} --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
+            file_name(mesh_file),
             described(&self.model),
-            self.light.join(" "),
-            self.azimuth_deg.join(" "),
-            numbers(&self.pitch_deg),
-            numbers(&self.distance_mm),
-        );
-        if !self.flat.is_empty() {
-            text += &format!(" --flat {}", self.flat.join(" "));
-        }
-        if let (false, Some(tile_mm)) = (self.pattern.is_empty(), self.tile_mm) {
-            let names: Vec<String> = self.pattern.iter().map(|p| name(p)).collect();
-            text += &format!(" --pattern {} --tile-mm {tile_mm}", names.join(" "));
-        }
-        if !self.texture.is_empty() {
-            let names = self.texture.iter().map(|text| name(named(text).1));
-            text += &format!(" --texture {}", names.collect::<Vec<_>>().join(" "));
-        }
-        if self.roughness != ROUGHNESS {
-            text += &format!(" --roughness {}", self.roughness);
-        }
-        if self.denoise {
-            text += " --denoise";
-        }
-        text + &format!(
-            " --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
-            self.size_px, self.field_of_view_deg, self.samples, self.seed, self.position_factor
+            if self.denoise { " --denoise" } else { "" },
+            self.size_px,
+            self.field_of_view_deg,
+            self.samples,
+            self.seed,
+            self.position_factor
         )
     }
 }
@@ -222,60 +211,36 @@ pub(super) fn named(text: &str) -> (String, &Path) {
 }
 
 /// A texture on the model.
-pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint, Box<dyn Error>> {
+pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint> {
     let texture = load_texture(path, model)?.texture;
     let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
     Ok(RenderPaint::Texture(name, Arc::new(image)))
 }
 
-/// Every combination.
-pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
-    let mut all = Vec::new();
-    for &distance_mm in distances {
-        for &pitch_deg in pitches {
-            for &azimuth_deg in azimuths {
-                all.push(Viewpoint {
-                    azimuth_deg,
-                    pitch_deg,
-                    distance_mm,
-                });
-            }
-        }
-    }
-    all
-}
-
-pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
-    let bad = |text: &String| {
-        format!(
-            "azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step of a whole part of the circle, as in every45"
-        )
+pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>> {
+    let read = |text: &String| {
+        directions(text).ok_or_else(|| {
+            format!(
+                "azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step of a whole part of the circle, as in every45"
+            )
+        })
     };
-    let mut all = Vec::new();
-    for text in texts {
-        match text.strip_prefix("every") {
-            Some(step) => {
-                let step: f64 = step.parse().map_err(|_| bad(text))?;
-                let count = 360.0 / step;
-                if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
-                    return Err(bad(text).into());
-                }
-                all.extend((0..count.round() as usize).map(|i| i as f64 * step));
-            }
-            None => {
-                let degrees = text
-                    .parse()
-                    .ok()
-                    .filter(|d: &f64| d.is_finite())
-                    .ok_or_else(|| bad(text))?;
-                all.push(wrap_360(degrees));
-            }
-        }
-    }
-    Ok(all)
+    Ok(texts.iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+/// An azimuth, or one every so many degrees.
+fn directions(text: &str) -> Option<Vec<f64>> {
+    let Some(step) = text.strip_prefix("every") else {
+        let degrees: f64 = text.parse().ok()?;
+        return degrees.is_finite().then(|| vec![wrap_360(degrees)]);
+    };
+    let step: f64 = step.parse().ok()?;
+    let count = 360.0 / step;
+    let is_whole = (1.0..=360.0).contains(&count) && (count - count.round()).abs() <= 1e-9;
+    is_whole.then(|| (0..count.round() as usize).map(|i| i as f64 * step).collect())
+}
+
+pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     match (width.parse(), height.parse()) {
         (Ok(width), Ok(height)) => Ok([width, height]),
@@ -284,27 +249,40 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
 }
 
 /// A colour as six hexadecimal digits.
-pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
+pub(super) fn hex(text: &str) -> Result<[u8; 3]> {
     light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
 }
 
+/// Several colours.
+pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>> {
+    texts.iter().map(|text| hex(text)).collect()
+}
+
+/// The file of a model that is to be rendered.
+pub(super) fn mesh_file(model: &ModelArgs) -> Result<PathBuf, String> {
+    let file = model.mesh.clone();
+    file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
+}
+
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Options with values, as arguments again.
+pub(super) fn options<const N: usize>(given: [(&str, Option<String>); N]) -> String {
+    let given = given.into_iter().filter_map(|(option, value)| Some((option, value?)));
+    given.map(|(option, value)| format!(" --{option} {value}")).collect()
+}
+
 /// What was said about a mesh besides its file, as arguments again.
 pub(super) fn described(model: &ModelArgs) -> String {
-    let mut text = String::new();
-    if !model.material.is_empty() {
-        text += &format!(" --material {}", model.material.join(" "));
-    }
-    if let Some(faces) = &model.faces {
-        text += &format!(" --faces {}", faces.display());
-    }
-    if let Some(length_mm) = model.length_mm {
-        text += &format!(" --length-mm {length_mm}");
-    }
-    for (key, axis) in [("front", &model.mesh_front), ("up", &model.mesh_up)] {
-        if let Some(axis) = axis {
-            text += &format!(" --mesh-{key} {axis}");
-        }
-    }
-    text
+    let material = (!model.material.is_empty()).then(|| model.material.join(" "));
+    options([
+        ("material", material),
+        ("faces", model.faces.as_ref().map(|path| path.display().to_string())),
+        ("length-mm", model.length_mm.map(|mm| mm.to_string())),
+        ("mesh-front", model.mesh_front.clone()),
+        ("mesh-up", model.mesh_up.clone()),
+    ])
 }

@@ -1,6 +1,5 @@
 //! `scaleproof attack run`: a pattern against detectors.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -8,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 
 use super::on_frames::{OnFrames, pattern_of};
 use crate::cli::choice::one_of;
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
 use scaleproof_attack::run::printer::PrinterMap;
@@ -22,7 +21,7 @@ use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 
 /// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
 #[derive(clap::Args)]
-pub(super) struct RunArgs {
+pub(in crate::cli) struct RunArgs {
     #[command(flatten)]
     on: OnFrames,
     /// Steps of Adam
@@ -82,94 +81,43 @@ pub(super) struct RunArgs {
 pub(super) const METHOD: &str = "dta";
 
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
-    let settings = args.settings()?;
-    let setup = args.on.open(METHOD, true, &settings.eot)?;
-    let config = settings.config(&args.on, &setup);
+    let config = args.config()?;
+    let setup = args.on.open(METHOD, true, &config.eot)?;
+    let config = setup.named(config);
     let (cells, entries) = optimise(&args.on, &setup, &config)?;
-    args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
-    Ok(Outcome::Done)
+    args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)
 }
 
 /// Runs the attack with a bar that shows where it stands.
-pub(super) fn optimise(
-    on: &OnFrames,
-    setup: &Setup,
-    config: &AttackConfig,
-) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
-    let bar = progress::steps("attacking", config.steps as usize);
-    let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
-    let finished = attack.run(&on.output, |done, entry| {
-        bar.set_position(u64::from(done));
-        if let Some(confidence) = entry.confidence {
-            bar.set_message(format!("confidence {confidence:.2}"));
-        }
+pub(super) fn optimise(on: &OnFrames, setup: &Setup, config: &AttackConfig) -> Result<(Vec<Rgb>, Vec<Entry>)> {
+    let finished = progress::steps("attacking", config.steps as usize).during(|bar| {
+        let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
+        attack.run(&on.output, |done, entry| {
+            bar.set_position(u64::from(done));
+            if let Some(confidence) = entry.confidence {
+                bar.set_message(format!("confidence {confidence:.2}"));
+            }
+        })
     });
-    bar.finish_and_clear();
     Ok(finished?)
 }
 
-/// What of a run frames and detectors do not say.
-pub(super) struct Settings {
-    pub steps: u32,
-    pub batch: u32,
-    pub learning_rate: f64,
-    pub boxes: Boxes,
-    pub floor: f64,
-    pub against: Against,
-    pub hard: f64,
-    pub eot: Eot,
-    pub smooth: f64,
-    pub near: Option<Near>,
-    pub printer: Option<PrinterMap>,
-    pub colours: CellColours,
-    pub range: [u8; 2],
-}
-
-impl Settings {
-    pub(super) fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
-        AttackConfig {
-            cells: on.cells(),
-            tile_mm: on.tile_mm(),
-            steps: self.steps,
-            batch: self.batch,
-            learning_rate: self.learning_rate,
-            boxes: self.boxes,
-            floor: self.floor,
-            against: self.against,
-            hard: self.hard,
-            seed: on.seed,
-            mapping: on.mapping,
-            eot: self.eot,
-            smooth: self.smooth,
-            near: self.near,
-            printer: self.printer,
-            colours: self.colours,
-            range: self.range,
-            frames_sha256: setup.frames_sha256.clone(),
-            detectors: setup.detector_names.clone(),
-            classes: setup.classes.clone(),
-        }
-    }
-}
-
 impl RunArgs {
-    fn settings(&self) -> Result<Settings, Box<dyn Error>> {
-        if !(1e-6..=1.0).contains(&self.rate) {
-            return Err(format!("--rate is {:e}: give a number from 0.000001 to 1", self.rate).into());
-        }
-        if !(1e-6..=0.5).contains(&self.floor) {
-            return Err(format!("--floor is {:e}: give a confidence from 0.000001 to 0.5", self.floor).into());
+    /// What the options say; [`Setup::named`] adds the frames and detectors.
+    fn config(&self) -> Result<AttackConfig> {
+        for (option, given, range, what) in [
+            ("rate", self.rate, 1e-6..=1.0, "number"),
+            ("floor", self.floor, 1e-6..=0.5, "confidence"),
+            ("smooth", self.smooth, 0.0..=1e6, "weight"),
+            ("near-weight", self.near_weight.unwrap_or(0.0), 0.0..=1e6, "weight"),
+        ] {
+            if !range.contains(&given) {
+                let (low, high) = range.into_inner();
+                return Err(format!("--{option} is {given:e}: give a {what} from {low} to {high}").into());
+            }
         }
         if !(0.0..=1.0).contains(&self.hard) {
             return Err(format!("--hard is {}: give a share from 0 to 1", self.hard).into());
-        }
-        for (name, weight) in [
-            ("smooth", self.smooth),
-            ("near-weight", self.near_weight.unwrap_or(0.0)),
-        ] {
-            if !(0.0..=1e6).contains(&weight) {
-                return Err(format!("--{name} is {weight:e}: give a weight from 0 to 1000000").into());
-            }
         }
         let range = match self.range[..] {
             [low, high] if low < high => [low, high],
@@ -178,7 +126,7 @@ impl RunArgs {
         if self.palette.is_some() && range != [0, 255] {
             return Err("--range goes with colours of the pattern's own choice: leave it out, or take the paints that are not wanted out of --palette".into());
         }
-        Ok(Settings {
+        Ok(AttackConfig {
             steps: self.steps,
             batch: self.batch,
             learning_rate: self.rate,
@@ -192,10 +140,11 @@ impl RunArgs {
             printer: self.printer()?,
             colours: self.colours()?,
             range,
+            ..self.on.config()
         })
     }
 
-    fn eot(&self) -> Result<Eot, Box<dyn Error>> {
+    fn eot(&self) -> Result<Eot> {
         let mut eot = self.on.mapping.usual_eot();
         if self.augment.iter().any(|name| name == "none") {
             return match self.augment.len() {
@@ -211,7 +160,7 @@ impl RunArgs {
         Ok(eot)
     }
 
-    fn near(&self) -> Result<Option<Near>, Box<dyn Error>> {
+    fn near(&self) -> Result<Option<Near>> {
         let (Some(path), Some(weight)) = (&self.near, self.near_weight) else {
             return Ok(None);
         };
@@ -233,7 +182,7 @@ impl RunArgs {
         }))
     }
 
-    fn printer(&self) -> Result<Option<PrinterMap>, Box<dyn Error>> {
+    fn printer(&self) -> Result<Option<PrinterMap>> {
         let Some(path) = &self.printer else {
             return Ok(None);
         };
@@ -248,7 +197,7 @@ impl RunArgs {
         Ok(Some(PrinterMap::new(colours.gamut(), sha256)))
     }
 
-    fn colours(&self) -> Result<CellColours, Box<dyn Error>> {
+    fn colours(&self) -> Result<CellColours> {
         match (&self.palette, self.paints) {
             (Some(path), _) => {
                 let palette = Palette::load(path)?;

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use crate::cli::compare::inside;
 use crate::cli::results::{Programs, Results};
 use crate::cli::{Result, at_hand, detectors, score as score_command};
-use scaleproof_capture::capture::{Guidance, Target};
+use scaleproof_capture::capture::Guidance;
+use scaleproof_capture::page::PairsSoFar;
+use scaleproof_pose::scene::Bin;
 use scaleproof_score::report;
 use scaleproof_score::score::{self, ClusteredBy, CompareError, EvaluatedDetector, Options, SequentialFinding};
 use scaleproof_session::session::Session;
@@ -98,43 +100,34 @@ pub(super) struct Question {
     options: Options,
 }
 
-/// What the pairs say so far.
-pub(super) struct Standing {
-    pub sentence: String,
-    pub is_decided: bool,
-    /// The open view that would tell most, as far as earlier pairs can say; none that would tell anything.
-    pub next: Option<Target>,
-}
-
 impl Question {
     /// # Errors
     /// The session cannot be read, a detector fails.
-    pub(super) fn ask(&self, guidance: &Guidance) -> Result<Standing> {
+    pub(super) fn ask(&self, guidance: &Guidance) -> Result<PairsSoFar> {
         let mut session = Session::open(&self.folder)?;
         session
             .photos
             .retain(|photo| [&self.base, &self.variant].contains(&&photo.variant));
         let scores = score::score(vec![session], self.detectors.clone(), &self.options, || {})?;
-        let open: Vec<&Target> = guidance.open().collect();
-        let bins: Vec<_> = open.iter().map(|target| target.bin).collect();
+        let targets = guidance.targets().iter().enumerate();
+        let open = targets.filter(|(_, target)| target.photo.is_none());
+        let (open, bins): (Vec<usize>, Vec<Bin>) = open.map(|(i, target)| (i, target.bin)).unzip();
         let pairs = [self.base.as_str(), &self.variant];
-        let next = score::most_telling(&scores, pairs, &self.place, &bins).map(|next| open[next].clone());
-        let looked = score::sequential(&scores, &self.base, ClusteredBy::PlaceAndBin, self.least);
-        Ok(match looked {
-            Ok(looked) => Standing {
-                sentence: report::standing(&looked),
-                is_decided: looked
-                    .results
-                    .iter()
-                    .all(|course| course.hit_rate.finding != SequentialFinding::Undecided),
-                next,
-            },
-            Err(CompareError::NoPair { .. } | CompareError::NothingElse { .. }) => Standing {
-                sentence: "no pair yet".into(),
-                is_decided: false,
-                next,
-            },
+        let next = score::most_telling(&scores, pairs, &self.place, &bins).map(|next| open[next]);
+        let (sentence, is_decided) = match score::sequential(&scores, &self.base, ClusteredBy::PlaceAndBin, self.least)
+        {
+            Ok(looked) => {
+                let mut findings = looked.results.iter().map(|course| &course.hit_rate.finding);
+                let is_decided = findings.all(|finding| *finding != SequentialFinding::Undecided);
+                (report::standing(&looked), is_decided)
+            }
+            Err(CompareError::NoPair { .. } | CompareError::NothingElse { .. }) => ("no pair yet".into(), false),
             Err(e) => return Err(e.into()),
+        };
+        Ok(PairsSoFar {
+            sentence,
+            is_decided,
+            next,
         })
     }
 }

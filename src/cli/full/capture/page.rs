@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
-use super::decided::{Question, Standing};
+use super::decided::Question;
 use super::terminal::TerminalLog;
 use crate::cli::Result;
 use scaleproof_capture::capture::{Capture, FrameSource, Guidance};
@@ -78,9 +78,9 @@ pub(super) fn follow(
 ) -> Result<bool> {
     let terminal = RefCell::new(terminal);
     let asked = |question: &Question, guidance: &Guidance| -> Result<PairsSoFar> {
-        let standing = question.ask(guidance)?;
-        terminal.borrow_mut().standing(&standing)?;
-        Ok(shown(&standing, guidance))
+        let pairs = question.ask(guidance)?;
+        terminal.borrow_mut().standing(&pairs, guidance)?;
+        Ok(pairs)
     };
     let asking =
         question.map(|question| move |guidance: &Guidance| asked(question, guidance).map_err(|e| e.to_string()));
@@ -98,19 +98,6 @@ pub(super) fn follow(
         }
     });
     followed.map_err(advised)
-}
-
-/// What the page shows of the pairs.
-fn shown(standing: &Standing, guidance: &Guidance) -> PairsSoFar {
-    let is_next = |target: &scaleproof_capture::capture::Target| {
-        let next = standing.next.as_ref();
-        target.photo.is_none() && next.is_some_and(|next| next.viewpoint == target.viewpoint)
-    };
-    PairsSoFar {
-        sentence: standing.sentence.clone(),
-        is_decided: standing.is_decided,
-        next: guidance.targets().iter().position(is_next),
-    }
 }
 
 /// The error with the option that helps.

@@ -7,30 +7,9 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::decided::Standing;
-use super::name;
-use scaleproof_capture::capture::{Advice, CameraSettings, FrameAnswer, Guidance, Measures};
-use scaleproof_pose::scene::{Bin, Viewpoint};
-
-/// One line of `--json` for a frame.
-#[derive(Serialize, JsonSchema)]
-pub(in crate::cli) struct FrameLine<'a> {
-    /// What the source calls the frame.
-    frame: &'a str,
-    /// `accepted` or `refused`.
-    status: &'static str,
-    /// The photo's name in the session.
-    photo: Option<&'a str>,
-    /// The view that the photo was taken for; `null` when refused.
-    bin: Option<Bin>,
-    /// What keeps the frame from being taken, as a word for programs (explained in codes.md); `null` when accepted.
-    code: Option<&'static str>,
-    /// What keeps the frame from being taken, as a sentence; `null` when accepted.
-    advice: Option<String>,
-    /// From where the frame was taken; `null` without a pose.
-    viewpoint: Option<Viewpoint>,
-    gates: Measures,
-}
+use scaleproof_capture::capture::{Advice, CameraSettings, FrameAnswer, Guidance};
+use scaleproof_capture::page::PairsSoFar;
+use scaleproof_pose::scene::Bin;
 
 /// What the pairs say so far, a line after each photo (`--until-decided`).
 #[derive(Serialize, JsonSchema)]
@@ -73,27 +52,28 @@ impl TerminalLog<'_> {
             say!("note: {caution}");
         }
         match self.json {
-            true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
+            true => writeln!(self.out, "{}", serde_json::to_string(&answer.line(frame, guidance))?)?,
             false if self.is_stream && !self.said.is_worth_saying(answer) => return Ok(()),
-            false if self.is_stream => writeln!(self.out, "{}", sentence(answer, guidance))?,
-            false => writeln!(self.out, "{frame}: {}", sentence(answer, guidance))?,
+            false if self.is_stream => writeln!(self.out, "{}", answer.sentence(guidance))?,
+            false => writeln!(self.out, "{frame}: {}", answer.sentence(guidance))?,
         }
         self.out.flush()
     }
 
     /// What the pairs say so far, and where to go next.
-    pub(super) fn standing(&mut self, standing: &Standing) -> io::Result<()> {
-        let next = standing.next.as_ref().filter(|_| !standing.is_decided);
+    pub(super) fn standing(&mut self, pairs: &PairsSoFar, guidance: &Guidance) -> io::Result<()> {
+        let next = pairs.next.filter(|_| !pairs.is_decided);
+        let next = next.map(|next| &guidance.targets()[next]);
         if self.json {
             let line = StandingLine {
-                pairs: standing.sentence.clone(),
-                decided: standing.is_decided,
+                pairs: pairs.sentence.clone(),
+                decided: pairs.is_decided,
                 next: next.map(|target| target.bin),
             };
             writeln!(self.out, "{}", serde_json::to_value(&line)?)?;
         } else {
-            let next = next.map_or_else(String::new, |target| format!("; tells most next: {}", name(target)));
-            writeln!(self.out, "  {}{next}", standing.sentence)?;
+            let next = next.map_or_else(String::new, |target| format!("; tells most next: {target}"));
+            writeln!(self.out, "  {}{next}", pairs.sentence)?;
         }
         self.out.flush()
     }
@@ -142,34 +122,5 @@ impl SaidSoFar {
         }
         self.last = Some((advice.clone(), Instant::now()));
         true
-    }
-}
-
-fn line<'a>(frame: &'a str, answer: &'a FrameAnswer, guidance: &Guidance) -> FrameLine<'a> {
-    let (accepted, advice) = (answer.verdict.as_ref().ok(), answer.verdict.as_ref().err());
-    FrameLine {
-        frame,
-        status: if accepted.is_some() { "accepted" } else { "refused" },
-        photo: accepted.map(|(photo, _)| photo.as_str()),
-        bin: accepted.map(|(_, target)| guidance.targets()[*target].bin),
-        code: advice.map(|advice| advice.code()),
-        advice: advice.map(|advice| advice.to_string()),
-        viewpoint: answer.viewpoint,
-        gates: answer.measures,
-    }
-}
-
-fn sentence(answer: &FrameAnswer, guidance: &Guidance) -> String {
-    match &answer.verdict {
-        Ok((photo, target)) => {
-            let targets = guidance.targets();
-            let filled = targets.len() - guidance.open().count();
-            format!(
-                "taken as {photo}, {} ({filled} of {})",
-                name(&targets[*target]),
-                targets.len()
-            )
-        }
-        Err(advice) => advice.to_string(),
     }
 }

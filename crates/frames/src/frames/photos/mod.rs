@@ -20,6 +20,8 @@ pub mod views;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::frames::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, light, require};
 use draw::Canvas;
@@ -89,22 +91,33 @@ pub struct PhotoFramesRequest {
     pub made_by: String,
 }
 
-/// What makes no frames, and why.
-#[derive(Debug, Clone, PartialEq)]
+/// A photo or view that makes no frames, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "LeftOut")]
 pub struct LeftOutPhoto {
     pub what: String,
     pub reason: String,
 }
 
-/// A view that became frames, for people.
-#[derive(Debug, Clone)]
-pub struct PhotoView {
+/// A view that became frames.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct FramedView {
     pub name: String,
+    /// The photo that the others are mapped onto.
     pub reference: String,
-    /// Each other photo: its name, the angle between the cameras, the factors of its channels.
-    pub others: Vec<(String, f64, [f64; 3])>,
-    /// The share of the paint that every photo sees.
-    pub kept: f64,
+    pub others: Vec<MappedPhoto>,
+    /// Share of the paint that every photo of the view shows, 0 to 1.
+    pub paint_seen_by_all: f64,
+}
+
+/// Another photo of a view.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct MappedPhoto {
+    pub photo: String,
+    /// The angle between the two cameras.
+    pub turn_deg: f64,
+    /// By which its red, green and blue light are multiplied to have the exposure of the reference.
+    pub light_factors: [f64; 3],
 }
 
 /// Frames that are not yet written.
@@ -112,7 +125,7 @@ pub struct PhotoView {
 pub struct PhotoFrames {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     pub frames: usize,
-    pub views: Vec<PhotoView>,
+    pub views: Vec<FramedView>,
     pub left_out: Vec<LeftOutPhoto>,
 }
 
@@ -227,7 +240,7 @@ fn common_pinhole(
 struct Done {
     files: Vec<(PathBuf, Vec<u8>)>,
     frames: Vec<Frame>,
-    view: PhotoView,
+    view: FramedView,
 }
 
 /// `Err` inside is why the view has no frames.
@@ -272,12 +285,16 @@ fn images(
         files.push((folder.join(&frame.rgb), encode_rgb(image)?));
         frames.push(frame);
     }
-    let others = view.others.iter().map(|o| (o.photo.name(), o.turn_deg, o.gain));
-    let view = PhotoView {
+    let others = view.others.iter().map(|other| MappedPhoto {
+        photo: other.photo.name(),
+        turn_deg: other.turn_deg,
+        light_factors: other.gain,
+    });
+    let view = FramedView {
         name: view.reference.view_name(),
         reference: view.reference.name(),
         others: others.collect(),
-        kept: drawn.kept,
+        paint_seen_by_all: drawn.kept,
     };
     Ok(Ok(Done { files, frames, view }))
 }

@@ -2,6 +2,7 @@
 
 mod coco;
 mod feeding;
+mod trials;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ use scaleproof_core::{statistics, workers};
 use scaleproof_detect::{DetectError, Detection, Detector, Labels, Manifest, Runtime};
 use scaleproof_photo::photo::{Photo, PhotoError};
 
-pub use feeding::feedings;
+pub use trials::{LEAST_GAIN, Trial, Trials, trials};
 
 /// Why a detector cannot be held against labels.
 #[derive(Debug, thiserror::Error)]

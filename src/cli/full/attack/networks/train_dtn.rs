@@ -3,18 +3,16 @@
 use scaleproof_frames::surrogate::dtn::training::TrainingProgress;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 use std::path::PathBuf;
 
-use crate::cli::answer::answer;
+use crate::cli::answer::told;
 use crate::cli::full::attack::device::OnDevice;
-use crate::cli::full::attack::on_frames::open_frames;
-use crate::cli::full::attack::render::hex;
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::full::attack::render::hexes;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
-use scaleproof_frames::frames::views;
+use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
 use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
@@ -67,14 +65,20 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         return Err("--seconds must be above 0".into());
     }
     files::check_file_writable(&args.output)?;
-    let known = if args.output.exists() {
-        Some(file::load(&args.output)?)
-    } else {
-        None
-    };
+    let known = args.output.exists().then(|| file::load(&args.output)).transpose()?;
     let device = args.on.device.open()?;
-    let set = frames(args)?;
-    let plan = plan(args, &set)?;
+    let references = hexes(&args.reference)?;
+    let set = frames(args, &references)?;
+    let plan = TrainingPlan {
+        architecture: Architecture {
+            encoder: args.encoder,
+            depth: usize::from(args.depth),
+            transformer: args.transformer,
+        },
+        references,
+        seed: args.seed,
+        data_sha256: set.sha256.clone(),
+    };
     let mut trainer = Trainer::begin(plan, known, &args.output, device)?;
     let (budget, length) = match args.seconds {
         Some(seconds) => (TrainingBudget::Seconds(seconds), seconds.ceil() as u64),
@@ -83,29 +87,30 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
             args.epochs.saturating_mul(Trainer::steps_an_epoch(&set)),
         ),
     };
-    let bar = progress::training(args.seconds.is_some(), length);
-    train(&mut trainer, &set, budget, &args.output, |trainer, loss| {
-        bar.set_position(if args.seconds.is_some() {
-            trainer.seconds as u64
-        } else {
-            trainer.steps
-        });
-        let mse = trainer.history.last().and_then(|p| p.validation_mse);
-        bar.set_message(format!(
-            "loss {loss:.4}{}",
-            mse.map_or(String::new(), |m| format!(", MSE {m:.5}"))
-        ));
+    progress::training(args.seconds.is_some(), length).during(|bar| {
+        train(&mut trainer, &set, budget, &args.output, |trainer, loss| {
+            bar.set_position(if args.seconds.is_some() {
+                trainer.seconds as u64
+            } else {
+                trainer.steps
+            });
+            let mse = trainer.history.last().and_then(|p| p.validation_mse);
+            let mse = mse.map_or(String::new(), |m| format!(", MSE {m:.5}"));
+            bar.set_message(format!("loss {loss:.4}{mse}"));
+        })
     })?;
-    bar.finish_and_clear();
-    if args.json {
-        answer(&summary(args, &trainer, &set), out)?
-    } else {
-        table(args, &trainer, &set, out)?
-    }
-    Ok(Outcome::Done)
+    let words = table(args, &trainer, &set);
+    let trained = TrainedNetwork {
+        file: &args.output,
+        network: trainer.network().architecture.name(),
+        training_views: set.training.len(),
+        validation_views: set.validation.len(),
+        split: &set.split,
+        history: &trainer.history,
+    };
+    told(args.json, &trained, words, out)
 }
 
-/// `--json`.
 /// `attack train-dtn --json`.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct TrainedNetwork<'a> {
@@ -122,68 +127,33 @@ pub(in crate::cli) struct TrainedNetwork<'a> {
     history: &'a [TrainingProgress],
 }
 
-fn summary<'a>(args: &'a TrainArgs, trainer: &'a Trainer, set: &'a TrainingSet) -> TrainedNetwork<'a> {
-    TrainedNetwork {
-        file: &args.output,
-        network: trainer.network().architecture.name(),
-        training_views: set.training.len(),
-        validation_views: set.validation.len(),
-        split: &set.split,
-        history: &trainer.history,
-    }
-}
-
-fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{}: {} views to learn from, {} to validate on ({})",
+fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> String {
+    let mut text = format!(
+        "{}: {} views to learn from, {} to validate on ({})\n{:>8} {:>9} {:>8} {:>15}\n",
         trainer.network().architecture.name(),
         set.training.len(),
         set.validation.len(),
-        set.split
-    )?;
-    writeln!(
-        out,
-        "{:>8} {:>9} {:>8} {:>15}",
-        "step", "seconds", "loss", "validation MSE"
-    )?;
+        set.split,
+        "step",
+        "seconds",
+        "loss",
+        "validation MSE"
+    );
     for p in thinned(&trainer.history) {
         let mse = p.validation_mse.map_or("–".to_owned(), |m| format!("{m:.6}"));
-        writeln!(out, "{:>8} {:>9.1} {:>8.4} {mse:>15}", p.step, p.seconds, p.loss)?;
+        text += &format!("{:>8} {:>9.1} {:>8.4} {mse:>15}\n", p.step, p.seconds, p.loss);
     }
-    writeln!(out, "{}", args.output.display())
+    text + &args.output.display().to_string()
 }
 
-fn frames(args: &TrainArgs) -> Result<TrainingSet, Box<dyn Error>> {
-    let mut folders = open_frames(args.frames.iter().chain(&args.validation))?;
+fn frames(args: &TrainArgs, references: &[[u8; 3]]) -> Result<TrainingSet> {
+    let mut folders = FrameSet::open_all(args.frames.iter().chain(&args.validation))?;
     let validation = args.validation.as_ref().and_then(|_| folders.pop());
     let width = args.width_px.unwrap_or(folders[0].list.size_px[0]);
-    let count: usize = folders
-        .iter()
-        .chain(&validation)
-        .map(|set| views(&set.list.frames).len())
-        .sum();
-    let bar = progress::frames("reading views", count);
-    let set = TrainingSet::read(&folders, validation.as_ref(), width, &references(args)?, || bar.inc(1))?;
-    bar.finish_and_clear();
-    Ok(set)
-}
-
-fn references(args: &TrainArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
-    args.reference.iter().map(|text| hex(text)).collect()
-}
-
-fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<TrainingPlan, Box<dyn Error>> {
-    Ok(TrainingPlan {
-        architecture: Architecture {
-            encoder: args.encoder,
-            depth: usize::from(args.depth),
-            transformer: args.transformer,
-        },
-        references: references(args)?,
-        seed: args.seed,
-        data_sha256: set.sha256.clone(),
-    })
+    let views = folders.iter().chain(&validation).map(FrameSet::view_count).sum();
+    let read = progress::frames("reading views", views)
+        .during(|bar| TrainingSet::read(&folders, validation.as_ref(), width, references, || bar.inc(1)));
+    Ok(read?)
 }
 
 /// At most about ten lines, the last among them.

@@ -4,16 +4,28 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
 use scaleproof_core::files::{self, FileError};
+
+use crate::photo::PhotoError;
 
 /// Stands in a JPEG's comment: such a file may be replaced by the next run.
 const MARK: &[u8] = b"drawn by scaleproof";
 
-/// Why copies have no place.
+/// Of a JPEG, 1 to 100.
+const QUALITY: u8 = 90;
+
+/// Why there are no copies.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum CopiesError {
+#[non_exhaustive]
+pub enum CopiesError {
     #[error(transparent)]
     File(#[from] FileError),
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error("{path} cannot be encoded as JPEG", path = path.display())]
+    Encode { path: PathBuf },
     #[error("{path} is in the way: no earlier run has drawn it; name another folder with {option}", path = path.display())]
     InTheWay { path: PathBuf, option: &'static str },
     #[error("{folder} holds the photo {photo}: name another folder with {option}", folder = folder.display(), photo = photo.display())]
@@ -24,11 +36,12 @@ pub(super) enum CopiesError {
     },
 }
 
-/// Where the copy of each photo goes; `named` gives a name by the photo's own without its ending, and a number from 1 for those of one name.
+/// Where the copy of each photo goes, as the option of this name asks; `named` gives a name by the photo's own without its ending, and a number from 1
+/// for those of one name.
 ///
 /// # Errors
 /// A folder that holds one of the photos or cannot be written; a file in the way that no run has drawn.
-pub(super) fn places(
+pub fn places(
     folder: &Path,
     photos: &[PathBuf],
     option: &'static str,
@@ -69,6 +82,14 @@ pub(super) fn places(
     }
 }
 
+/// Writes the image of a copy as a JPEG.
+pub fn write(place: &Path, image: &RgbImage) -> Result<(), CopiesError> {
+    let mut jpeg = Vec::new();
+    let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(image);
+    encoded.map_err(|_| CopiesError::Encode { path: place.to_owned() })?;
+    Ok(files::replace_all_atomically(&[(place, marked(&jpeg))])?)
+}
+
 /// Whether a file begins as [`marked`] begins it.
 fn is_drawn(path: &Path) -> bool {
     let mut start = Vec::new();
@@ -78,7 +99,7 @@ fn is_drawn(path: &Path) -> bool {
 }
 
 /// The JPEG with the mark as its first segment, a comment (ITU-T T.81, B.2.4.5).
-pub(super) fn marked(jpeg: &[u8]) -> Vec<u8> {
+fn marked(jpeg: &[u8]) -> Vec<u8> {
     let length = (MARK.len() as u16 + 2).to_be_bytes();
     let rest = jpeg.get(2..).unwrap_or_default();
     [&[0xFF, 0xD8, 0xFF, 0xFE][..], &length[..], MARK, rest].concat()

@@ -1,0 +1,119 @@
+//! Patterns on every view of some frames, as each detector sees them, against the plain model.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::run::augmentation::Augmentation;
+use super::run::judge::{SeenByDetector, look};
+use super::run::{Rgb, RunError};
+use super::setup::Setup;
+use scaleproof_core::statistics::intervals_95;
+use scaleproof_pose::scene::Viewpoint;
+
+/// A pattern as a detector sees it.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[schemars(rename = "Row")]
+pub struct JudgedPattern {
+    pub detector: String,
+    pub pattern: String,
+    /// Over all views, as predicted, like the next two.
+    pub ap50: f64,
+    pub hit_rate: f64,
+    pub mean_confidence: f64,
+    pub worst_direction: WorstDirection,
+    /// By how much the confidence is below that of the plain model in the same views, in the mean.
+    pub drop: f64,
+    /// Its 95 % interval over the views.
+    pub drop_95: Option<[f64; 2]>,
+}
+
+/// Of eight directions around the model, the one in which it is seen best.
+#[derive(Debug, Clone, Default, Serialize, JsonSchema)]
+pub struct WorstDirection {
+    /// Its middle.
+    pub azimuth_deg: f64,
+    pub mean_confidence: f64,
+}
+
+/// What a pattern is called, and its cells (sRGB, 0 to 1).
+pub type NamedCells = (String, Vec<Rgb>);
+
+/// So many around the model, the first about the front.
+const SECTORS: usize = 8;
+
+/// Judges named patterns, the plain model first; detector by detector. `on_look` is called after each image, from any thread.
+///
+/// # Errors
+/// A detector that cannot look, or whose answer is not a number.
+pub fn judged(
+    setup: &Setup,
+    patterns: &[NamedCells],
+    on_look: impl Fn() + Sync,
+) -> Result<Vec<JudgedPattern>, RunError> {
+    let view_set = &setup.view_set;
+    let views: Vec<usize> = (0..view_set.views.len()).collect();
+    let seen = |(_, cells): &NamedCells| {
+        look(view_set, &setup.detectors, &views, |view| {
+            on_look();
+            let textured = view_set.textured(view, cells, &Augmentation::NONE);
+            Ok(textured.augmented.image)
+        })
+    };
+    let seen = patterns.iter().map(seen).collect::<Result<Vec<_>, _>>()?;
+    let (mut rows, sectors) = (Vec::new(), sectors(setup));
+    for (d, detector) in setup.detectors.iter().enumerate() {
+        for ((pattern, _), by) in patterns.iter().zip(&seen) {
+            let (drop, drop_95) = drop(&seen[0][d], &by[d]);
+            rows.push(JudgedPattern {
+                detector: detector.name().to_owned(),
+                pattern: pattern.clone(),
+                ap50: by[d].ap50(),
+                hit_rate: by[d].hit_rate(),
+                mean_confidence: by[d].mean_confidence(),
+                worst_direction: worst(&sectors, &by[d].confidences),
+                drop,
+                drop_95,
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// The sector that each view lies in.
+fn sectors(setup: &Setup) -> Vec<usize> {
+    let step = 360.0 / SECTORS as f64;
+    let views = setup.view_set.views.iter().map(|view| {
+        let camera_mm = view.frame.pose().inverse().translation.vector.into();
+        let azimuth_deg = Viewpoint::from_camera(camera_mm, Default::default()).azimuth_deg;
+        (azimuth_deg / step).round().rem_euclid(SECTORS as f64) as usize
+    });
+    views.collect()
+}
+
+/// The sector in which the model is seen best.
+fn worst(sectors: &[usize], confidences: &[f64]) -> WorstDirection {
+    let direction = |sector: usize| {
+        let inside = sectors.iter().zip(confidences).filter(|(s, _)| **s == sector);
+        let (sum, n) = inside.fold((0.0, 0), |(sum, n), (_, c)| (sum + c, n + 1));
+        (n > 0).then(|| WorstDirection {
+            azimuth_deg: sector as f64 * 360.0 / SECTORS as f64,
+            mean_confidence: sum / f64::from(n),
+        })
+    };
+    let directions = (0..SECTORS).filter_map(direction);
+    let worst = directions.max_by(|a, b| a.mean_confidence.total_cmp(&b.mean_confidence));
+    worst.unwrap_or_default()
+}
+
+/// How much less confident a detector is than of the plain model, view by view, and its 95 % interval over the views.
+fn drop(plain: &SeenByDetector, seen: &SeenByDetector) -> (f64, Option<[f64; 2]>) {
+    let both = plain.confidences.iter().zip(&seen.confidences);
+    let differences: Vec<f64> = both.map(|(a, b)| a - b).collect();
+    let mean = |weights: &[u32]| {
+        let weighted = differences.iter().zip(weights).map(|(d, w)| d * f64::from(*w));
+        weighted.sum::<f64>() / f64::from(weights.iter().sum::<u32>().max(1))
+    };
+    let [interval] = intervals_95(differences.len(), |weights| [mean(weights)]);
+    let all = mean(&vec![1; differences.len()]);
+    (all, interval.map(|interval| [interval.low, interval.high]))
+}

@@ -1,0 +1,70 @@
+//! Photos that fail alike: the cause, said once, instead of a line for each.
+
+use std::path::{Path, PathBuf};
+
+use super::{LocatedPhoto, diagnosis, locate_photo, spread};
+use crate::camera::Camera;
+use crate::scene::{Scene, TagFamily};
+use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof_photo::photo::Photo;
+
+/// Fewer photos that fail are listed one by one: that is read as fast.
+pub const MOST_LISTED: usize = 3;
+
+/// So many photos, spread evenly, are looked at again to find the cause, where nobody kept what was seen in them.
+const LOOKED_AT: usize = 12;
+
+/// So many photos are searched for tags of all families.
+const SEARCHED_FOR_ALL: usize = 4;
+
+/// What photos are located with, and the files it comes from.
+pub struct LocateFiles {
+    pub scene: Scene,
+    pub scene_file: PathBuf,
+    pub camera: Camera,
+    pub camera_file: PathBuf,
+}
+
+impl LocateFiles {
+    /// The one cause for photos that were examined, as a sentence, if there is one.
+    pub fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
+        let (paths, examined): (Vec<&Path>, Vec<&LocatedPhoto>) = photos.iter().copied().unzip();
+        let others = if diagnosis::is_without_tags(&examined) {
+            self.with_every_family(&paths)
+        } else {
+            Vec::new()
+        };
+        let found = diagnosis::diagnose(&examined, &others, &self.scene)?;
+        Some(found.sentence(&self.scene, &self.scene_file, &self.camera, &self.camera_file))
+    }
+
+    /// The one cause for photos that were not kept after they were examined, as a sentence, if there is one: some of them are located again.
+    pub fn cause_in_files(&self, photos: &[PathBuf]) -> Option<String> {
+        let mut tags = TagDetectorChoice::default().open(&self.scene.families()).ok()?;
+        let paths = spread(&photos.iter().map(PathBuf::as_path).collect::<Vec<_>>(), LOOKED_AT);
+        let examined = paths.into_iter().filter_map(|path| {
+            let photo = Photo::open(path).ok()?;
+            Some((path, locate_photo(&photo, &self.scene, &self.camera, &mut tags).ok()?))
+        });
+        let examined: Vec<(&Path, LocatedPhoto)> = examined.collect();
+        self.cause(
+            &examined
+                .iter()
+                .map(|(path, examined)| (*path, examined))
+                .collect::<Vec<_>>(),
+        )
+    }
+
+    /// What some photos show of the families that the scene does not have.
+    fn with_every_family(&self, photos: &[&Path]) -> Vec<Vec<SeenTag>> {
+        let own = self.scene.families();
+        let others = TagFamily::ALL.map(|(family, _)| family).into_iter();
+        let others: Vec<TagFamily> = others.filter(|family| !own.contains(family)).collect();
+        let Ok(mut tags) = TagDetectorChoice::default().open(&others) else {
+            return Vec::new();
+        };
+        let luma = |path: &&Path| Photo::open(path).ok()?.luma().ok();
+        let some = spread(photos, SEARCHED_FOR_ALL);
+        some.iter().filter_map(luma).map(|luma| tags.find(&luma)).collect()
+    }
+}

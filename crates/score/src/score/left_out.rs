@@ -1,0 +1,86 @@
+//! Photos that were left out of a run: why, and the one cause that most of them share.
+
+use std::path::{Path, PathBuf};
+
+use super::{NotScored, ScoreError, Scores};
+use scaleproof_pose::locate::{LocateFiles, MOST_LISTED};
+use scaleproof_session::session::{PhotoEntry, Session};
+
+/// What a session's photos are located with, and those that are; kept while the session itself is scored.
+pub struct SessionFiles {
+    files: LocateFiles,
+    photos: Vec<PathBuf>,
+}
+
+impl SessionFiles {
+    /// `None` for a session whose photos carry their truth, so that they are not located, and for one of a few photos.
+    pub fn new(session: &Session) -> Option<SessionFiles> {
+        let has_truth = |p: &PhotoEntry| p.box_xyxy_px.is_some() && p.viewpoint.is_some();
+        let located = session.photos.iter().filter(|photo| !has_truth(photo));
+        let photos: Vec<PathBuf> = located.map(|photo| session.photo_path(photo)).collect();
+        let name = |path: &Path| path.file_name().map_or_else(|| path.to_owned(), PathBuf::from);
+        let files = LocateFiles {
+            scene: session.scene.clone(),
+            scene_file: name(&session.scene_path),
+            camera: session.camera.clone()?,
+            camera_file: name(session.camera_path.as_deref()?),
+        };
+        (photos.len() > MOST_LISTED).then_some(SessionFiles { files, photos })
+    }
+
+    fn cause(&self) -> Option<String> {
+        self.files.cause_in_files(&self.photos)
+    }
+}
+
+/// What a run gives, with the cause that photos share which were left out: in its error when nothing was scored, else among the cautions, so that
+/// it stands beside the figures too.
+pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
+    match scores {
+        Ok(scores) => {
+            let alike = scores.sessions.iter().filter(|session| is_alike(&scores, session));
+            let cause = |s: &Session| Some(format!("{}: {}", s.name, SessionFiles::new(s)?.cause()?));
+            let causes = alike.filter_map(cause).collect();
+            Ok(scores.with_causes(causes))
+        }
+        Err(ScoreError::NothingScored { photos, file, reason }) => {
+            let causes = sets.iter().filter_map(SessionFiles::cause);
+            let reason = std::iter::once(reason).chain(causes).collect::<Vec<_>>().join("; ");
+            Err(ScoreError::NothingScored { photos, file, reason })
+        }
+        Err(e) => Err(e),
+    }
+}
+
+/// Which photos were left out, in lines: one by one, or only how many of a session where the cautions have the cause.
+pub fn not_scored(scores: &Scores) -> Vec<String> {
+    let grouped: Vec<&Session> = scores.sessions.iter().filter(|s| is_explained(scores, s)).collect();
+    let groups = grouped.iter().map(|session| {
+        let first = left_out(scores, session).next().map_or("", |photo| &*photo.reason);
+        let (count, all) = (left_out(scores, session).count(), session.photos.len());
+        format!("{count} of {all} photos of {}; the first: {first}", session.name)
+    });
+    let is_grouped = |photo: &&NotScored| grouped.iter().any(|session| session.name == photo.session);
+    let others = scores.not_scored.iter().filter(|photo| !is_grouped(photo));
+    let others = others.map(|photo| format!("{}/{}: {}", photo.session, photo.file, photo.reason));
+    groups.chain(others).collect()
+}
+
+/// Whether a session's cause was found.
+fn is_explained(scores: &Scores, session: &Session) -> bool {
+    let name = format!("{}: ", session.name);
+    is_alike(scores, session) && scores.causes.iter().any(|cause| cause.starts_with(&name))
+}
+
+/// Whether most photos of a session were left out. Sessions of one name cannot be told apart here: theirs are listed.
+fn is_alike(scores: &Scores, session: &Session) -> bool {
+    let same_name = scores.sessions.iter().filter(|s| s.name == session.name);
+    let left_out = left_out(scores, session).count();
+    let scored = session.photos.len().saturating_sub(left_out);
+    same_name.count() == 1 && left_out > MOST_LISTED && left_out >= 4 * scored
+}
+
+fn left_out<'a>(scores: &'a Scores, session: &Session) -> impl Iterator<Item = &'a NotScored> {
+    let name = session.name.clone();
+    scores.not_scored.iter().filter(move |photo| photo.session == name)
+}
