@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
 
+use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::Serialize;
 
@@ -12,8 +13,11 @@ use super::{CommandResult, Outcome, Result};
 /// The name of an output, and its schema.
 pub(super) type Named = (&'static str, Schema);
 
-/// The name of an output, and its schema.
-pub(super) type Named = (&'static str, Schema);
+/// An output's name with the schema of what is written of its type: keys that may be left out are not required.
+pub(super) fn named<T: JsonSchema>(name: &'static str) -> Named {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    (name, settings.into_generator().into_root_schema_for::<T>())
+}
 
 /// Prints an answer as one line of JSON.
 pub(super) fn answer(answer: &impl Serialize, out: &mut dyn Write) -> Result<()> {

@@ -3,9 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use schemars::schema_for;
-
-use super::answer::{Named, Written};
+use super::answer::{Named, Written, named};
 use super::{
     CommandResult, Outcome, camera, colour, demo, detectors, full, locate, pattern, plan, print, scene, score, session,
 };
@@ -24,23 +22,23 @@ pub(super) struct Args {
 
 fn all() -> Vec<Named> {
     let mut all = vec![
-        ("camera-show", schema_for!(camera::Answer)),
-        ("comparison", schema_for!(ComparisonPage)),
-        ("colour-read", schema_for!(colour::Answer)),
-        ("demo", schema_for!(demo::Answer)),
-        ("locate", schema_for!(locate::OutputLine)),
-        ("pattern-check", schema_for!(pattern::Answer)),
-        ("pattern-import", schema_for!(Written<pattern::Imported>)),
-        ("pattern-random", schema_for!(Written<pattern::Random>)),
-        ("plan", schema_for!(plan::PairsNeeded)),
-        ("plan-scene", schema_for!(plan::PlacesNeeded)),
-        ("plan-seal", schema_for!(plan::sealed::Sealed)),
-        ("plan-sealed-file", schema_for!(SealedFile)),
-        ("plan-sequential", schema_for!(SequentialPlan)),
-        ("scene-new", schema_for!(Written<scene::Answer>)),
-        ("score-shard", schema_for!(score::WrittenShard)),
-        ("speed", schema_for!(Speeds)),
-        ("summary", schema_for!(SummaryPage)),
+        named::<camera::Answer>("camera-show"),
+        named::<ComparisonPage>("comparison"),
+        named::<colour::Answer>("colour-read"),
+        named::<demo::Answer>("demo"),
+        named::<locate::OutputLine>("locate"),
+        named::<pattern::Answer>("pattern-check"),
+        named::<Written<pattern::Imported>>("pattern-import"),
+        named::<Written<pattern::Random>>("pattern-random"),
+        named::<plan::PairsNeeded>("plan"),
+        named::<plan::PlacesNeeded>("plan-scene"),
+        named::<plan::sealed::Sealed>("plan-seal"),
+        named::<SealedFile>("plan-sealed-file"),
+        named::<SequentialPlan>("plan-sequential"),
+        named::<Written<scene::Answer>>("scene-new"),
+        named::<score::WrittenShard>("score-shard"),
+        named::<Speeds>("speed"),
+        named::<SummaryPage>("summary"),
     ];
     all.extend(detectors::schemas());
     all.extend(print::schemas());

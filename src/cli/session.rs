@@ -5,8 +5,7 @@ mod import;
 mod new;
 mod show;
 
-use crate::cli::answer::Named;
-use schemars::schema_for;
+use crate::cli::answer::{Named, named};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -60,9 +59,9 @@ fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usize>, folder
 /// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
-        ("session-export", schema_for!(export::Exported)),
-        ("session-import", schema_for!(import::ImportedSession)),
-        ("session-new", schema_for!(new::Answer)),
-        ("session-show", schema_for!(show::Page)),
+        named::<export::Exported>("session-export"),
+        named::<import::ImportedSession>("session-import"),
+        named::<new::Answer>("session-new"),
+        named::<show::Page>("session-show"),
     ]
 }

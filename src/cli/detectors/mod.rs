@@ -8,10 +8,9 @@ mod validate;
 
 pub(crate) use scaleproof_detect::choose as chosen;
 
-use crate::cli::answer::Named;
 use crate::cli::answer::answer;
+use crate::cli::answer::{Named, named};
 use schemars::JsonSchema;
-use schemars::schema_for;
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -210,9 +209,9 @@ pub(super) fn present(names: &[String], folders: &WeightFolders) -> Result<Vec<M
 /// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
-        ("detectors-add", schema_for!(add::Added)),
-        ("detectors-check", schema_for!(check::DetectionLine)),
-        ("detectors-list", schema_for!(Listed)),
-        ("detectors-validate", schema_for!(validate::Validated)),
+        named::<add::Added>("detectors-add"),
+        named::<check::DetectionLine>("detectors-check"),
+        named::<Listed>("detectors-list"),
+        named::<validate::Validated>("detectors-validate"),
     ]
 }

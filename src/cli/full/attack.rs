@@ -22,9 +22,8 @@ mod run;
 
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
-use crate::cli::answer::{Named, told};
+use crate::cli::answer::{Named, named, told};
 use schemars::JsonSchema;
-use schemars::schema_for;
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
@@ -36,6 +35,7 @@ use crate::cli::CommandResult;
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::{FrameSet, LIST};
+use scaleproof_gradients::WhiteBox;
 
 #[derive(Subcommand)]
 pub(in crate::cli) enum Command {
@@ -142,15 +142,15 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
 /// The schemas of what these commands print.
 pub(in crate::cli) fn schemas() -> Vec<Named> {
     let mut all = vec![
-        ("attack-check", schema_for!(CheckedFrames)),
-        ("attack-evaluate", schema_for!(evaluate::Evaluated)),
-        ("attack-frames", schema_for!(WrittenFrames)),
-        ("attack-history", schema_for!(history::Histories)),
-        ("attack-judge", schema_for!(judge::Judgement)),
-        ("attack-photos", schema_for!(photos::FramesOfPhotos)),
-        ("attack-run", schema_for!(on_frames::Made)),
+        named::<CheckedFrames>("attack-check"),
+        named::<evaluate::Evaluated>("attack-evaluate"),
+        named::<WrittenFrames>("attack-frames"),
+        named::<history::Histories>("attack-history"),
+        named::<judge::Judgement>("attack-judge"),
+        named::<photos::FramesOfPhotos>("attack-photos"),
+        named::<on_frames::Made>("attack-run"),
     ];
-    all.push(("renderers", schema_for!(scaleproof_frames::surrogate::chart::Numbers)));
+    all.push(named::<scaleproof_frames::surrogate::chart::Numbers>("renderers"));
     all.extend(networks::schemas());
     all
 }

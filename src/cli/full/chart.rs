@@ -4,10 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use schemars::schema_for;
 use serde::Serialize;
 
-use crate::cli::answer::Named;
+use crate::cli::answer::{Named, named};
 use crate::cli::answer::{told, written};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Results;
@@ -253,10 +252,10 @@ impl ChartFiles {
 /// The schemas of what these commands print and write.
 pub(in crate::cli) fn schemas() -> Vec<Named> {
     vec![
-        ("chart-capture", schema_for!(ChartNumbers<capture::CaptureRow>)),
-        ("chart-envelope", schema_for!(ChartNumbers<envelope::EnvelopeRow>)),
-        ("chart-locate", schema_for!(ChartNumbers<locate::LocateRow>)),
-        ("chart-score", schema_for!(ChartNumbers<score::ScoreRow>)),
-        ("chart-stability", schema_for!(ChartNumbers<stability::SweepStep>)),
+        named::<ChartNumbers<capture::CaptureRow>>("chart-capture"),
+        named::<ChartNumbers<envelope::EnvelopeRow>>("chart-envelope"),
+        named::<ChartNumbers<locate::LocateRow>>("chart-locate"),
+        named::<ChartNumbers<score::ScoreRow>>("chart-score"),
+        named::<ChartNumbers<stability::SweepStep>>("chart-stability"),
     ]
 }

@@ -12,7 +12,6 @@ mod survey;
 mod textures;
 
 use crate::cli::answer::{Named, Written};
-use schemars::schema_for;
 use std::io::Write;
 
 use clap::Subcommand;
@@ -82,15 +81,15 @@ pub(super) fn detectors(command: DetectorsCommand, out: &mut dyn Write) -> Comma
 /// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     let mut all = vec![
-        ("advice", schema_for!(scaleproof_study::advise::Advice)),
-        ("calibrate", schema_for!(scaleproof_rig::calibrate::CalibrationAnswer)),
-        ("capture", schema_for!(capture::Line)),
-        ("capture-list-cameras", schema_for!(capture::Cameras)),
-        ("detectors-fetch", schema_for!(fetch::Fetched)),
-        ("print-board", schema_for!(Written<board::Answer>)),
-        ("survey", schema_for!(survey::SurveyJson)),
-        ("texture-bake", schema_for!(Written<textures::Baked>)),
-        ("texture-show", schema_for!(Written<textures::Shown>)),
+        named::<scaleproof_study::advise::Advice>("advice"),
+        named::<scaleproof_rig::calibrate::CalibrationAnswer>("calibrate"),
+        named::<capture::Line>("capture"),
+        named::<capture::Cameras>("capture-list-cameras"),
+        named::<fetch::Fetched>("detectors-fetch"),
+        named::<Written<board::Answer>>("print-board"),
+        named::<survey::SurveyJson>("survey"),
+        named::<Written<textures::Baked>>("texture-bake"),
+        named::<Written<textures::Shown>>("texture-show"),
     ];
     all.extend(attack::schemas());
     all.extend(chart::schemas());

@@ -11,9 +11,8 @@ pub(crate) mod template;
 mod verify;
 pub(crate) mod wrap;
 
-use crate::cli::answer::Named;
 use crate::cli::answer::Written;
-use schemars::schema_for;
+use crate::cli::answer::{Named, named};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -213,15 +212,15 @@ fn printer(file: Option<&Path>) -> Result<Printer> {
 /// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
-        ("print-chart", schema_for!(Written<chart::Answer>)),
-        ("print-check", schema_for!(Written<check::Answer>)),
-        ("print-patch", schema_for!(Written<patch::Answer>)),
-        ("print-tags", schema_for!(Written<tags::Answer>)),
-        ("print-template", schema_for!(Written<template::Answer>)),
-        ("print-template-paints", schema_for!(Written<paint::Answer>)),
-        ("print-verify", schema_for!(Written<verify::Answer>)),
-        ("print-wrap", schema_for!(Written<pieces::PiecesAnswer>)),
-        ("print-wrap-paints", schema_for!(Written<painted::Answer>)),
-        ("print-wrap-panels", schema_for!(Written<wrap::PanelsAnswer>)),
+        named::<Written<chart::Answer>>("print-chart"),
+        named::<Written<check::Answer>>("print-check"),
+        named::<Written<patch::Answer>>("print-patch"),
+        named::<Written<tags::Answer>>("print-tags"),
+        named::<Written<template::Answer>>("print-template"),
+        named::<Written<paint::Answer>>("print-template-paints"),
+        named::<Written<verify::Answer>>("print-verify"),
+        named::<Written<pieces::PiecesAnswer>>("print-wrap"),
+        named::<Written<painted::Answer>>("print-wrap-paints"),
+        named::<Written<wrap::PanelsAnswer>>("print-wrap-panels"),
     ]
 }

@@ -27,7 +27,7 @@ pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
 use summary::numbers;
-pub use summary::{json, table};
+pub use summary::{CalibrationAnswer, answer, table};
 pub use uncertainty::UncertaintyMap;
 
 /// A corner of the board where a photo shows it.

@@ -39,6 +39,7 @@ pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
 pub use export::{ExportFormat, ExportRequest, check_export, export};
 pub use sequential::{plan_chart, standing};
+pub use summary_json::SummaryPage;
 pub use table::summary_table;
 pub use truth::truth_boxes;
 

@@ -2,8 +2,7 @@
 
 mod train_dtn;
 
-use crate::cli::answer::Named;
-use schemars::schema_for;
+use crate::cli::answer::{Named, named};
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
@@ -11,7 +10,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::device::OnDevice;
-use super::on_frames::WhiteBoxes;
+use super::WhiteBoxes;
 use crate::cli::advice::advice_by_kind;
 use crate::cli::detectors::{self, Folder};
 use crate::cli::{CommandResult, Result};
@@ -102,5 +101,5 @@ pub(in crate::cli) fn keep_refusals_quiet() {
 
 /// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
-    vec![("attack-train-dtn", schema_for!(train_dtn::TrainedNetwork))]
+    vec![named::<train_dtn::TrainedNetwork>("attack-train-dtn")]
 }

@@ -6,7 +6,7 @@ use std::io::Write;
 
 use clap::Subcommand;
 
-use super::on_frames::WhiteBoxes;
+use super::WhiteBoxes;
 use crate::cli::detectors::Folder;
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig};

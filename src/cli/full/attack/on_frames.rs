@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::device::OnDevice;
-use super::networks;
+use super::{WhiteBoxes, networks};
 use crate::cli::answer::told;
 use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
