@@ -126,7 +126,11 @@ fn refuse_repeated(path: &Path) -> Result<(), String> {
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.
 fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped> {
-    if model.file.as_ref().is_some_and(|file| file == path || files::is_same(file, path)) {
+    if model
+        .file
+        .as_ref()
+        .is_some_and(|file| file == path || files::is_same(file, path))
+    {
         return Ok(MappedImages::from_mesh(&model.mesh, &model.materials)?);
     }
     let textured = Mesh::load(path, &MeshPlacement::default())?;
