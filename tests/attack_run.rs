@@ -1109,7 +1109,6 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
     }
 }
 
-#[cfg(feature = "attack")]
 #[test]
 fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
     use scaleproof_attack::baseline::camou;

@@ -10,17 +10,13 @@ mod fuzz_entry;
 mod advise;
 mod advise_regret;
 mod architecture;
-#[cfg(feature = "attack")]
 mod attack_dtn;
 mod attack_evaluate;
 mod attack_frames;
 mod attack_import;
-#[cfg(feature = "attack")]
 mod attack_judge;
 mod attack_models;
-#[cfg(feature = "attack")]
 mod attack_onnx;
-#[cfg(feature = "attack")]
 mod attack_onnx_exact;
 mod attack_photos;
 mod attack_run;

@@ -37,9 +37,6 @@ macro_rules! advice_by_kind {
         None
     }};
 }
-#[cfg(feature = "full")]
-pub(super) use advice_by_kind;
-
 /// An error's sentence with the advice on it, or on what it wraps.
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());

@@ -1,5 +1,6 @@
 //! One file per subcommand: arguments in, library call, text out.
 
+#[macro_use]
 mod advice;
 mod answer;
 mod at_hand;

@@ -70,7 +70,7 @@ pub(in crate::cli) struct CheckArgs {
 
 /// The option that helps.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    advice::advice(error).or_else(|| networks::advice(error).map(str::to_owned))
+    networks::advice(error).or_else(|| advice::advice(error))
 }
 
 /// Detectors, and the name and hash of each.

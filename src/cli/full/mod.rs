@@ -11,7 +11,7 @@ mod interrupt;
 mod survey;
 mod textures;
 
-use crate::cli::answer::{Named, Written};
+use crate::cli::answer::{Named, Written, named};
 use std::io::Write;
 
 use clap::Subcommand;

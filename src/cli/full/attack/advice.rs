@@ -2,8 +2,7 @@
 
 use std::error::Error;
 
-use super::networks;
-use crate::cli::advice::{self, advice_by_kind};
+use crate::cli::advice;
 use scaleproof_attack::evaluate::EvaluateError;
 use scaleproof_attack::run::RunError;
 use scaleproof_frames::frames::render::RenderError;
@@ -12,15 +11,11 @@ use scaleproof_frames::surrogate::chart::SurrogateChartError;
 use scaleproof_gradients::WhiteBoxError;
 use scaleproof_gradients::device::DeviceError;
 
-/// The option that helps.
-pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    networks::advice(error).or_else(|| by_kind(error))
-}
-
-fn by_kind(error: &(dyn Error + 'static)) -> Option<String> {
+/// The option that helps, but in training.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         RenderError::CutOff { .. } => " (--field-of-view-deg)",
-        EvaluateError::Render(error) => by_kind(error)?,
+        EvaluateError::Render(error) => advice(error)?,
         EvaluateError::OtherClasses { .. } => " (--class)",
         AdditiveError::TooFew { .. } => ", as in --flat 000000 808080 ffffff",
         SurrogateChartError::NoReference { .. } | SurrogateChartError::OtherReference { .. } => " (--reference)",

@@ -9,9 +9,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::device::OnDevice;
 use super::WhiteBoxes;
-use crate::cli::advice::advice_by_kind;
+use super::device::OnDevice;
 use crate::cli::detectors::{self, Folder};
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};
@@ -61,7 +60,7 @@ pub(super) fn white_boxes(
     class: &Classes,
     device: DeviceKind,
 ) -> Result<WhiteBoxes> {
-    let device = device.open()?;
+    device.open()?; // Its own sentence, before any detector is read.
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
     for manifest in detectors::chosen(names)? {
