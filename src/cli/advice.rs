@@ -21,8 +21,6 @@ use scaleproof_session::session::import::SessionImportError;
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
 use scaleproof_surface::texture::TextureError;
-use scaleproof_wrap::pieces::painted::PaintedError;
-use scaleproof_wrap::pieces::{PiecesError, UnwrapError};
 
 /// Advice on one error: what follows its sentence after a colon, or at once if it begins with a comma, a semicolon or a space. `None` where
 /// the sentence says all.
@@ -84,15 +82,10 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         PatternError::NotPng { path } if path.extension().is_some_and(is_jpeg) => to_import(path),
         TemplateError::CellTooSmall { .. } => ", as `scaleproof pattern import IMAGE --cells 24` makes them",
         OutputError::UnknownEnding { .. } => ", or give --format",
-        PaintedError::Pieces(e) => on(e)?,
-        PaintedError::Paint(e) => on(e)?,
         PaintError::CellTooSmall { most, least_tile, .. } => format!(
             "; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more, or make fewer cells by scaleproof pattern import --cells"
         ),
         PaintError::NoStencil(_) => "; give a smaller --min-feature-mm or a larger --tile-mm",
-        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
-        PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
-        PiecesError::Raster(_) => " (--dpi)",
         TagPrintError::TooLarge { instead: Instead::WholeMat, .. } => " (--whole-mat)",
         TagPrintError::TooLarge { instead: Instead::PlainCards, .. } => " (--plain)",
         ProgramError::TooLong { .. } => "give it more time by --detector-timeout",

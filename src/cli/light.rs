@@ -13,6 +13,7 @@ use scaleproof_detect::{Manifest, WeightFolders};
 #[derive(Subcommand)]
 pub(super) enum Command {}
 
+pub(super) type OnModelCommand = Command;
 pub(super) type PrintCommand = Command;
 pub(super) type DetectorsCommand = Command;
 
@@ -23,6 +24,7 @@ pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {
 }
 
 pub(super) use run as print;
+pub(super) use run as print_on_model;
 pub(super) use run as detectors;
 
 pub(super) fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {

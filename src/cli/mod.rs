@@ -21,7 +21,6 @@ mod full;
 mod locate;
 mod merge;
 mod mistakes;
-mod model;
 mod output;
 mod overview;
 mod pattern;
@@ -34,7 +33,6 @@ mod schemas;
 mod score;
 mod session;
 mod sessions;
-mod texture;
 mod units;
 
 use std::error::Error;

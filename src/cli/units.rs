@@ -96,11 +96,6 @@ fn usual_mm(class: &str) -> (f64, f64) {
     }
 }
 
-/// About a mesh that was turned by `--mesh-front`, or was not.
-pub(crate) fn turned([length, width, _]: [f64; 3]) -> Option<String> {
-    (width > length).then(|| format!("the model is {length:.0} mm long and {width:.0} mm wide: is --mesh-front right?"))
-}
-
 pub(crate) fn sides(sides: &[f64], between: &str) -> String {
     let sides: Vec<_> = sides.iter().map(|mm| number((mm * 100.0).round() / 100.0)).collect();
     sides.join(between)

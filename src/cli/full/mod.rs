@@ -8,8 +8,14 @@ mod capture;
 mod chart;
 mod fetch;
 mod interrupt;
+mod model;
+mod painted;
+mod patch;
+mod pieces;
 mod survey;
+mod texture;
 mod textures;
+mod wrap;
 
 use crate::cli::answer::{Named, Written, named};
 use std::io::Write;
@@ -41,7 +47,7 @@ pub(super) enum Command {
 }
 
 /// The advice of each of these commands that has some.
-pub(super) const ADVICE: &[Advise] = &[attack::advice, fetch::advice, survey::advice];
+pub(super) const ADVICE: &[Advise] = &[attack::advice, fetch::advice, survey::advice, wrap::advice];
 
 pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {
@@ -52,6 +58,22 @@ pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
         Command::Capture(args) => capture::run(args, out),
         Command::Survey(args) => survey::run(args, out),
         Command::Chart(command) => chart::run(command, out),
+    }
+}
+
+/// More of `scaleproof print …`: what lies on a model.
+#[derive(Subcommand)]
+pub(super) enum OnModelCommand {
+    /// Wrap a texture around a model: pieces to cut out and glue, or five panels
+    Wrap(wrap::WrapArgs),
+    /// Print finished patches: their places on the panels of a model, and each to cut out
+    Patch(patch::PatchArgs),
+}
+
+pub(super) fn print_on_model(command: OnModelCommand, out: &mut dyn Write) -> CommandResult {
+    match command {
+        OnModelCommand::Wrap(args) => wrap::run(&args, out),
+        OnModelCommand::Patch(args) => patch::run(&args, out),
     }
 }
 
@@ -87,6 +109,10 @@ pub(super) fn schemas() -> Vec<Named> {
         named::<capture::Cameras>("capture-list-cameras"),
         named::<fetch::Fetched>("detectors-fetch"),
         named::<Written<board::Answer>>("print-board"),
+        named::<Written<patch::Answer>>("print-patch"),
+        named::<Written<pieces::PiecesAnswer>>("print-wrap"),
+        named::<Written<painted::Answer>>("print-wrap-paints"),
+        named::<Written<wrap::PanelsAnswer>>("print-wrap-panels"),
         named::<survey::SurveyJson>("survey"),
         named::<Written<textures::Baked>>("texture-bake"),
         named::<Written<textures::Shown>>("texture-show"),

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::attack::{azimuths, size};
-use crate::cli::model::{Model, ModelArgs};
-use crate::cli::print::patch::{PlaceArgs, asked};
+use crate::cli::full::model::{Model, ModelArgs};
+use crate::cli::full::patch::{PlaceArgs, asked};
+use crate::cli::full::texture::TextureArgs;
 use crate::cli::print::write_files;
-use crate::cli::texture::TextureArgs;
 use crate::cli::{CommandResult, Result, progress, units};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
@@ -141,7 +141,7 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
     files.push((args.output.with_extension("glb"), glb));
     write_files(&files, &args.painted.inputs())?;
     if model.file.is_some() {
-        units::note(units::turned(model.mesh.size_mm()));
+        units::note(super::model::turned(model.mesh.size_mm()));
     }
     let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
     let (width, height) = baked.image.dimensions();

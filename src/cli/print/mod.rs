@@ -2,14 +2,10 @@
 
 mod chart;
 mod check;
-mod paint;
-mod painted;
-pub(crate) mod patch;
-mod pieces;
+pub(super) mod paint;
 mod tags;
 pub(crate) mod template;
 mod verify;
-pub(crate) mod wrap;
 
 use crate::cli::answer::Written;
 use crate::cli::answer::{Named, named};
@@ -37,10 +33,8 @@ pub(crate) use template::{summary, write_template};
 pub(crate) enum Command {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
-    /// Wrap a texture around a model: pieces to cut out and glue, or five panels
-    Wrap(wrap::WrapArgs),
-    /// Print finished patches: their places on the panels of a model, and each to cut out
-    Patch(patch::PatchArgs),
+    #[command(flatten)]
+    OnModel(full::OnModelCommand),
     /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
     Tags(tags::TagsArgs),
     #[command(flatten)]
@@ -57,8 +51,7 @@ pub(crate) enum Command {
 pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {
         Command::Template(args) => template::run(&args, out),
-        Command::Wrap(args) => wrap::run(&args, out),
-        Command::Patch(args) => patch::run(&args, out),
+        Command::OnModel(command) => full::print_on_model(command, out),
         Command::Tags(args) => tags::run(&args, out),
         Command::Full(command) => full::print(command, out),
         Command::Chart(args) => chart::run(&args, out),
@@ -173,34 +166,34 @@ pub(in crate::cli) fn card_fault(error: &CardError) -> String {
 pub(crate) struct PaperArgs {
     /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
+    pub(super) paper: String,
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_parser = sheet_format())]
-    format: Option<SheetFormat>,
+    pub(super) format: Option<SheetFormat>,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
-    margin_mm: f64,
+    pub(super) margin_mm: f64,
     /// Correct the sizes by this file of `print verify`
     #[arg(long, value_name = "TOML")]
-    printer: Option<PathBuf>,
+    pub(super) printer: Option<PathBuf>,
     /// A day for the caption, as YYYY-MM-DD
     #[arg(long, value_name = "DATE")]
-    date: Option<String>,
+    pub(super) date: Option<String>,
 }
 
 impl PaperArgs {
-    fn output(&self) -> Result<SheetOutput, OutputError> {
+    pub(super) fn output(&self) -> Result<SheetOutput, OutputError> {
         SheetOutput::named(&self.output, self.format)
     }
 
-    fn printer(&self) -> Result<Printer> {
+    pub(super) fn printer(&self) -> Result<Printer> {
         printer(self.printer.as_deref())
     }
 
-    fn date(&self) -> Result<Option<Date>, SheetError> {
+    pub(super) fn date(&self) -> Result<Option<Date>, SheetError> {
         self.date.as_deref().map(str::parse).transpose()
     }
 }
@@ -214,13 +207,9 @@ pub(super) fn schemas() -> Vec<Named> {
     vec![
         named::<Written<chart::Answer>>("print-chart"),
         named::<Written<check::Answer>>("print-check"),
-        named::<Written<patch::Answer>>("print-patch"),
         named::<Written<tags::Answer>>("print-tags"),
         named::<Written<template::Answer>>("print-template"),
         named::<Written<paint::Answer>>("print-template-paints"),
         named::<Written<verify::Answer>>("print-verify"),
-        named::<Written<pieces::PiecesAnswer>>("print-wrap"),
-        named::<Written<painted::Answer>>("print-wrap-paints"),
-        named::<Written<wrap::PanelsAnswer>>("print-wrap-panels"),
     ]
 }

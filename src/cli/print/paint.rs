@@ -41,8 +41,8 @@ pub(crate) struct Paints {
     /// From a palette, else so many.
     palette: Option<Palette>,
     count: usize,
-    pub(super) min_feature_mm: f64,
-    pub(super) mirror: bool,
+    pub(in crate::cli) min_feature_mm: f64,
+    pub(in crate::cli) mirror: bool,
 }
 
 impl PaintArgs {
@@ -65,7 +65,7 @@ impl PaintArgs {
 
 impl Paints {
     /// The pattern in the paints.
-    pub(super) fn painted(&self, pattern: &Pattern) -> Result<Painted, PaletteError> {
+    pub(in crate::cli) fn painted(&self, pattern: &Pattern) -> Result<Painted, PaletteError> {
         match &self.palette {
             Some(palette) => Painted::by_palette(pattern, palette),
             None => Painted::by_count(pattern, self.count),
@@ -115,7 +115,7 @@ pub(in crate::cli) struct Answer {
 
 /// The paints and their areas.
 #[derive(Serialize, JsonSchema)]
-pub(super) struct PaintsAnswer {
+pub(in crate::cli) struct PaintsAnswer {
     /// In the order of spraying.
     paints: Vec<PaintAnswer>,
     /// Of all cells, from the pattern's colours (CIEDE2000).
@@ -138,7 +138,7 @@ struct PaintAnswer {
     delta_e_max: f64,
 }
 
-pub(super) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> PaintsAnswer {
+pub(in crate::cli) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> PaintsAnswer {
     let paints = painted.paints.iter().zip(areas).map(|(used, area)| PaintAnswer {
         name: used.paint.name.clone(),
         hex: used.paint.hex(),
@@ -157,7 +157,7 @@ pub(super) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> PaintsAnswe
 }
 
 /// The paints and their areas as a table, and the sum of a `whole`.
-pub(super) fn table(painted: &Painted, areas: &[PaintArea], whole: &str) -> String {
+pub(in crate::cli) fn table(painted: &Painted, areas: &[PaintArea], whole: &str) -> String {
     let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
         let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);
         format!("{name:<26} {cells:>10.2} {open:>10.2} {left:>10.2} {mean:>8.1} {max:>8.1}")

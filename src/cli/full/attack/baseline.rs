@@ -9,7 +9,7 @@ use super::networks;
 use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
 use crate::cli::answer::told;
-use crate::cli::print::patch::{self, PlaceArgs};
+use crate::cli::full::patch::{self, PlaceArgs};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::baseline::patches::{PlacedPatch, first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};

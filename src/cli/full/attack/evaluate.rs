@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::render::{MESH, azimuths, cache, hex, mesh_file, named, size, textured};
 use crate::cli::detectors::{self, Folder};
-use crate::cli::model::{Model, ModelArgs};
+use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::render::{described, file_name, hex, options};
-use crate::cli::model::ModelArgs;
+use crate::cli::full::model::ModelArgs;
 use crate::cli::print::NewFile;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;

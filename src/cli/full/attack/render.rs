@@ -5,9 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::cli::model::{Model, ModelArgs};
+use crate::cli::full::model::{Model, ModelArgs};
+use crate::cli::full::texture::load_texture;
 use crate::cli::print::tile_mm;
-use crate::cli::texture::load_texture;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::geometry::angle::wrap_360;
 use scaleproof_frames::frames::render::{

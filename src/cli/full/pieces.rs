@@ -5,9 +5,11 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-use super::{CommandResult, PaperArgs, told, write_files, written};
-use crate::cli::model::Model;
-use crate::cli::texture::NamedTexture;
+use crate::cli::CommandResult;
+use crate::cli::answer::{told, written};
+use crate::cli::full::model::Model;
+use crate::cli::full::texture::NamedTexture;
+use crate::cli::print::{PaperArgs, write_files};
 use crate::cli::{Result, progress};
 use scaleproof_plot::lettering;
 use scaleproof_surface::texture::Texture;

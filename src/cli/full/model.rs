@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Result;
+use crate::cli::Result;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
 use scaleproof_print::print::template::check_scale;
@@ -129,3 +129,12 @@ impl ModelArgs {
         })
     }
 }
+
+/// About a mesh that was turned by `--mesh-front`, or was not.
+pub(crate) fn turned([length, width, _]: [f64; 3]) -> Option<String> {
+    (width > length).then(|| format!("the model is {length:.0} mm long and {width:.0} mm wide: is --mesh-front right?"))
+}
+
+#[cfg(test)]
+#[path = "../tests/model.rs"]
+mod tests;

@@ -6,8 +6,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::wrap::SheetArgs;
-use super::{CommandResult, told, value_names, write_files, written};
-use crate::cli::model::ModelArgs;
+use crate::cli::CommandResult;
+use crate::cli::answer::{told, written};
+use crate::cli::full::model::ModelArgs;
+use crate::cli::print::{value_names, write_files};
 use crate::cli::{Result, enlarged, units};
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchImage, patches};
@@ -65,7 +67,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     ]);
     write_files(&files, &inputs)?;
     if args.model.mesh.is_some() {
-        units::note(units::turned(model.mesh.size_mm()));
+        units::note(super::model::turned(model.mesh.size_mm()));
     }
     for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
         say!(

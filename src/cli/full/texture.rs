@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Result;
 use super::model::Model;
+use crate::cli::Result;
 use scaleproof_core::files;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
@@ -51,7 +51,7 @@ impl TextureArgs {
         match (&self.pattern, &self.texture) {
             (Some(path), _) => {
                 let pattern = Pattern::load(path)?;
-                let tile_mm = super::print::tile_mm(self.tile_mm, path, &pattern)?;
+                let tile_mm = crate::cli::print::tile_mm(self.tile_mm, path, &pattern)?;
                 let sha256 = pattern.sha256().to_owned();
                 Ok(named(
                     path,
@@ -165,5 +165,5 @@ fn named(path: &Path, texture: Texture, sha256: String, images: Vec<PathBuf>) ->
 }
 
 #[cfg(test)]
-#[path = "tests/texture.rs"]
+#[path = "../tests/texture.rs"]
 mod tests;

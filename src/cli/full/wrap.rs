@@ -2,18 +2,23 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use super::paint::PaintArgs;
 use super::painted;
 use super::pieces::{self, PiecesArgs};
-use super::{CommandResult, PaperArgs, told, write_files, written};
-use crate::cli::model::{Model, ModelArgs};
-use crate::cli::texture::{NamedTexture, TextureArgs};
-use crate::cli::{Result, progress, units};
+use crate::cli::CommandResult;
+use crate::cli::answer::{told, written};
+use crate::cli::full::model::{Model, ModelArgs};
+use crate::cli::full::texture::{NamedTexture, TextureArgs};
+use crate::cli::print::paint::PaintArgs;
+use crate::cli::print::{PaperArgs, write_files};
+use crate::cli::{Result, advice, progress, units};
 use scaleproof_plot::lettering;
 use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
+use scaleproof_wrap::pieces::painted::PaintedError;
+use scaleproof_wrap::pieces::{PiecesError, UnwrapError};
 
 /// Strip that neighbouring sheets of a panel share where nothing is said.
 const OVERLAP_MM: f64 = 8.0;
@@ -94,7 +99,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         pieces::run(&args.pieces, paper, (&model, &painted), &inputs, (args.json, out))
     }?;
     if model.file.is_some() {
-        units::note(units::turned(model.mesh.size_mm()));
+        units::note(super::model::turned(model.mesh.size_mm()));
     }
     Ok(outcome)
 }
@@ -184,5 +189,16 @@ fn facts(model: &Model, made: &Wrap) -> PanelsAnswer {
         unprinted_mm2: made.unprinted_mm2(),
         largest_stretch: made.largest_stretch(),
         mean_stretch: made.mean_stretch(),
+    }
+}
+
+/// What to do about an error of pieces.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    advice_by_kind! { error,
+        PaintedError::Pieces(e) => advice(e)?,
+        PaintedError::Paint(e) => advice::on(e)?,
+        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
+        PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
+        PiecesError::Raster(_) => " (--dpi)",
     }
 }

@@ -5,9 +5,12 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-use super::paint::{Paints, PaintsAnswer, paint_facts, table};
-use super::{CommandResult, pieces, told, write_files, written};
-use crate::cli::model::Model;
+use super::pieces;
+use crate::cli::CommandResult;
+use crate::cli::answer::{told, written};
+use crate::cli::full::model::Model;
+use crate::cli::print::paint::{Paints, PaintsAnswer, paint_facts, table};
+use crate::cli::print::write_files;
 use crate::cli::progress;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
