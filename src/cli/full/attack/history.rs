@@ -90,7 +90,7 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
 /// `attack history --json`.
 #[derive(Serialize, JsonSchema)]
 pub(in crate::cli) struct Histories<'a> {
-    /// The same list as in `attack.json`.
+    /// What `attack.json` lists.
     histories: &'a [History],
     /// The path of `attack.json`.
     numbers: Option<&'a PathBuf>,
