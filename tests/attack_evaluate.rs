@@ -459,7 +459,7 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     );
 }
 
-/// The same box with texture coordinates, whose image has these pixels.
+/// The box of [`box_stl`] with texture coordinates, whose image has these pixels.
 fn write_textured(bench: &Bench, pixels: [[u8; 3]; 2]) {
     let mut text = String::from("mtllib worn.mtl\nusemtl worn\n");
     let stl = box_stl();

@@ -14,7 +14,7 @@ use rand_pcg::Pcg32;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof_attack::run::weights::Against;
-use scaleproof_attack::run::{Attack, AttackConfig, CellColours};
+use scaleproof_attack::run::{Attack, AttackConfig};
 use scaleproof_detect::{Detector, Manifest, Runtime};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
@@ -251,16 +251,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         against: Against::Mean,
         hard: 0.0,
         seed: 7,
-        mapping: TextureMapping::World,
-        eot: Eot::USUAL,
-        smooth: 0.0,
-        near: None,
-        printer: None,
-        colours: CellColours::Free,
-        range: [0, 255],
-        frames_sha256: String::new(),
-        detectors: Vec::new(),
-        classes: "car".parse().unwrap(),
+        ..AttackConfig::usual("car".parse().unwrap())
     };
     let run = |threads: usize| {
         let folder = tempfile::tempdir().unwrap();

@@ -183,16 +183,8 @@ fn config(steps: u32) -> AttackConfig {
         against: Against::Mean,
         hard: 0.0,
         seed: 7,
-        mapping: TextureMapping::World,
-        eot: Eot::USUAL,
-        smooth: 0.0,
-        near: None,
-        printer: None,
-        colours: CellColours::Free,
-        range: [0, 255],
-        frames_sha256: String::new(),
         detectors: vec!["weave".to_owned()],
-        classes: "car".parse().unwrap(),
+        ..AttackConfig::usual("car".parse().unwrap())
     }
 }
 

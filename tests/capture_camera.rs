@@ -12,7 +12,7 @@ use common::{assert_refused, program, read_json, skyline, stdout};
 use image::{Rgb, RgbImage};
 use live::live_capture;
 use scaleproof_capture::capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
-use scaleproof_capture::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
+use scaleproof_capture::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original};
 use scaleproof_photo::photo::{Budget, Photo};
 use scaleproof_pose::scene::Scene;
 
@@ -370,5 +370,5 @@ fn a_camera_fills_the_session_and_goes_on_after_it_was_unplugged() {
 
 fn capture(session: &Path) -> Capture {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
-    live_capture(session, &scene, usual(&scene.bins).1)
+    live_capture(session, &scene, scene.bins.usual_view().1)
 }

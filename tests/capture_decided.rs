@@ -282,7 +282,7 @@ fn a_program_is_asked_once_of_each_photo() {
     assert_eq!((names.len(), all), (24, 24), "{asked}");
 }
 
-/// The same in a browser: the page says what the pairs say and which view tells most, takes no photo that is not needed, and goes on when one is taken back.
+/// A capture in a browser until it is decided: the page says what the pairs say and which view tells most, takes no photo that is not needed, and goes on when one is taken back.
 #[test]
 fn a_page_takes_photos_until_it_is_decided() {
     let desk = Desk::with_plain_photos();

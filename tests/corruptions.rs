@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use scaleproof_score::score::Corruption;
 
-/// The same as the published code's, up to a level. Of JPEG, whose encoders differ, up to two on average; and the published blur over 10 px adds up to
+/// Corrupted images are those of the published code, up to a level. Of JPEG, whose encoders differ, up to two on average; and the published blur over 10 px adds up to
 /// 1.01, which makes the image brighter.
 #[test]
 fn images_are_made_worse_as_published() {

@@ -29,7 +29,7 @@ fn coco(labels: Labels) -> Hints {
     }
 }
 
-/// The same number everywhere.
+/// An output with one number everywhere.
 fn filled(name: &str, shape: &[usize], value: f32) -> Output {
     Output::floats(name, shape, vec![value; shape.iter().product()])
 }

@@ -61,7 +61,7 @@ impl Desk {
         results
     }
 
-    /// The same as YOLO's text files, with all digits that a number has.
+    /// Writes the results as YOLO's text files, with all digits that a number has.
     fn write_yolo(&self, detector: &str) {
         let folder = self.at(&format!("yolo/{detector}/labels"));
         std::fs::create_dir_all(&folder).unwrap();

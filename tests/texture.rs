@@ -1,6 +1,6 @@
 //! Textures of meshes: files written here with known coordinates, and the published camouflage, against colours read in another way.
 
-use crate::common::{assert_refused, home, program, shared, stderr};
+use crate::common::{assert_refused, glb as glb_of, home, program, shared, stderr};
 
 use std::path::Path;
 
@@ -161,7 +161,7 @@ fn glb(parts: &[(Coordinates, Value)], images: &Value, textures: &Value, sampler
         attributes[format!("TEXCOORD_{}", coordinates.set)] = uv.into();
         primitives.push(json!({"attributes": attributes, "indices": indices, "material": i}));
     }
-    let mut json = json!({
+    let json = json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "extensionsUsed": ["KHR_texture_transform"], "meshes": [{"primitives": primitives}],
         "materials": parts.iter().map(|(_, material)| material.clone()).collect::<Vec<_>>(),
@@ -170,15 +170,7 @@ fn glb(parts: &[(Coordinates, Value)], images: &Value, textures: &Value, sampler
     })
     .to_string()
     .into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut bytes = b"glTF\x02\0\0\0".to_vec();
-    bytes.extend((28 + json.len() as u32 + data.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", data)] {
-        bytes.extend((chunk.len() as u32).to_le_bytes());
-        bytes.extend(kind);
-        bytes.extend(chunk);
-    }
-    bytes
+    glb_of(json, data)
 }
 
 /// Where the corners of the square lie in the image, v down, and how they are stored.

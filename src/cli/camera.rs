@@ -1,15 +1,15 @@
 //! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
 
-use crate::cli::answer::told;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::choice::one_of;
 use super::{CommandResult, Outcome, Result};
+use crate::cli::answer::told;
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::camera::{Camera, CameraFormat};

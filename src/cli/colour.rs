@@ -1,10 +1,10 @@
 //! `scaleproof colour`: what the printer makes of colours, read in a photo of the chart.
 
-use schemars::JsonSchema;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::print::write_files;

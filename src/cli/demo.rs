@@ -1,9 +1,10 @@
 //! `scaleproof demo`: the whole way on the stored session, from pattern to report.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::answer::told;
 use super::{CommandResult, Result, advice, detectors, locate, print, score};

@@ -1,10 +1,10 @@
 //! `scaleproof locate`: where did the camera stand in these photos?
 
-use schemars::JsonSchema;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, Result, progress};

@@ -93,7 +93,8 @@ enum Command {
     Schemas(schemas::Args),
 }
 
-use full::ADVICE as MORE_ADVICE;
+/// Advice on errors that only a program with these features meets.
+const MORE_ADVICE: &[advice::Advise] = full::ADVICE;
 
 /// What a finished command says to the shell.
 enum Outcome {

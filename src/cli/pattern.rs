@@ -1,10 +1,10 @@
 //! `scaleproof pattern`: make patterns, and check what a printer makes of them.
 
-use schemars::JsonSchema;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::answer::{told, written};

@@ -2,14 +2,15 @@
 
 pub(super) mod sealed;
 
-use crate::cli::answer::{answer, told};
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::compare::inside;
 use super::{CommandResult, Outcome, progress};
+use crate::cli::answer::{answer, told};
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_core::{files, spelling};

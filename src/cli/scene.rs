@@ -1,11 +1,11 @@
 //! `scaleproof scene`: make a scene file.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Subcommand, ValueEnum};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::answer::{told, written};
 use super::{CommandResult, units};

@@ -1,9 +1,10 @@
 //! `scaleproof score`: how well do detectors see the model in these sessions?
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::answer::told;
 use super::choice::one_of;

@@ -5,7 +5,6 @@ mod import;
 mod new;
 mod show;
 
-use crate::cli::answer::{Named, named};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -14,6 +13,7 @@ use clap::Subcommand;
 
 use super::CommandResult;
 use super::sessions::quoted;
+use crate::cli::answer::{Named, named};
 use scaleproof_core::spelling;
 
 #[derive(Subcommand)]

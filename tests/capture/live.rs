@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use scaleproof_capture::capture::{Capture, Guidance, Judge, Store, Tolerance, usual, viewpoints_of};
+use scaleproof_capture::capture::{Capture, Guidance, Judge, Store, Tolerance};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -13,7 +13,7 @@ use crate::common::skyline;
 pub fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {
     let (scene_file, camera_file) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
     let tolerance = Tolerance::of_bins(&scene.bins, &[distance_mm]);
-    let views = viewpoints_of(&scene.bins, &[usual(&scene.bins).0], &[distance_mm]);
+    let views = scene.bins.viewpoints(&[scene.bins.usual_view().0], &[distance_mm]);
     let guidance = Guidance::at(&views, tolerance, &scene.bins);
     let judge = Judge::new(scene, TagDetectorChoice::default(), true).unwrap();
     let store = Store::open(session, &scene_file, &camera_file, "normal").unwrap();

@@ -111,7 +111,7 @@ pub fn photo(sheet: &RgbImage, printer: &Printer, view: &View) -> RgbImage {
     photo_with(sheet, printer, view, |_| {})
 }
 
-/// The same, with something done to the print in between.
+/// A photo like [`photo`] of a print to which something was done in between.
 pub fn photo_with(sheet: &RgbImage, printer: &Printer, view: &View, touch: impl FnOnce(&mut Picture)) -> RgbImage {
     let mut rng = Pcg64Mcg::seed_from_u64(view.seed);
     let mut print = printer.printed(sheet);

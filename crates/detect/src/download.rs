@@ -115,7 +115,7 @@ fn request(manifest: &Manifest, folder: &Path, have: u64, patience: Duration) ->
     let agent: ureq::Agent = ureq::Agent::config_builder()
         .timeout_connect(Some(Duration::from_secs(8)))
         .timeout_recv_response(Some(Duration::from_secs(30)))
-        // Starts anew with every byte, unlike the time-out of the body, which a slow line and a large file would exceed.
+        // Counts from the last byte on, unlike the time-out of the body, which a slow line and a large file would exceed.
         .timeout_per_read(Some(patience))
         .http_status_as_error(false)
         .build()

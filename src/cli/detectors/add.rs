@@ -1,12 +1,13 @@
 //! `scaleproof detectors add`: from an ONNX file to a manifest of the user's own.
 
-use crate::cli::answer::told;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::cli::answer::told;
 use crate::cli::{CommandResult, Result, advice};
 use scaleproof_core::files;
 use scaleproof_detect::{

@@ -1,9 +1,9 @@
 //! `scaleproof detectors check`: what do the detectors find in some photos?
 
-use schemars::JsonSchema;
 use std::io::Write;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::Looking;

@@ -8,15 +8,15 @@ mod validate;
 
 pub(crate) use scaleproof_detect::choose as chosen;
 
-use crate::cli::answer::answer;
-use crate::cli::answer::{Named, named};
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use schemars::JsonSchema;
+use serde::Serialize;
 
+use crate::cli::answer::answer;
+use crate::cli::answer::{Named, named};
 use crate::cli::{CommandResult, Outcome, Result, advice, full};
 use scaleproof_detect::{Manifest, WeightFolders, WeightsError, registered, registered_names};
 use scaleproof_photo::photo::Photo;

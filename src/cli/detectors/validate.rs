@@ -1,9 +1,9 @@
 //! `scaleproof detectors validate`: does a detector reach the figure that its origin states?
 
-use schemars::JsonSchema;
 use std::io::Write;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Folder, present};

@@ -22,16 +22,17 @@ mod run;
 
 pub(in crate::cli) use networks::keep_refusals_quiet;
 
-use crate::cli::answer::{Named, named, told};
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::cli::CommandResult;
+use crate::cli::answer::{Named, named, told};
+
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::{FrameSet, LIST};
@@ -149,8 +150,8 @@ pub(in crate::cli) fn schemas() -> Vec<Named> {
         named::<judge::Judgement>("attack-judge"),
         named::<photos::FramesOfPhotos>("attack-photos"),
         named::<on_frames::Made>("attack-run"),
+        named::<scaleproof_frames::surrogate::chart::Numbers>("renderers"),
     ];
-    all.push(named::<scaleproof_frames::surrogate::chart::Numbers>("renderers"));
     all.extend(networks::schemas());
     all
 }

@@ -1,9 +1,10 @@
 //! `scaleproof print board`: a calibration board and the file that describes it.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::cli::answer::{told, written};
 use crate::cli::print::{CutSheetArgs, value_names, write_files};

@@ -5,21 +5,21 @@ mod interrupt;
 mod page;
 mod terminal;
 
-use crate::cli::answer::told;
-use schemars::JsonSchema;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use self::decided::Question;
 use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
+use crate::cli::answer::told;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
     BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
-    Target, Tolerance, Watch, live::list_cameras, pair, usual, viewpoints_of,
+    Target, Tolerance, Watch, live::list_cameras, pair,
 };
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_core::files;
@@ -412,11 +412,11 @@ impl ViewArgs {
                 (viewpoints, tolerance)
             }
             None => {
-                let usual = usual(bins);
+                let usual = bins.usual_view();
                 let pitches = chosen("--pitch-deg", &self.pitch_deg, usual.0, &bins.pitch_deg)?;
                 let distances = chosen("--distance-mm", &self.distance_mm, usual.1, &bins.distance_mm)?;
                 (
-                    viewpoints_of(bins, &pitches, &distances),
+                    bins.viewpoints(&pitches, &distances),
                     Tolerance::of_bins(bins, &distances),
                 )
             }

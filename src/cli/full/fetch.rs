@@ -1,12 +1,13 @@
 //! `scaleproof detectors fetch`: weights from where they are published.
 
-use crate::cli::answer::answer;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::cli::answer::answer;
 use crate::cli::detectors::{Folder, chosen, fetch_one};
 use crate::cli::{CommandResult, Outcome, Result, progress};
 use scaleproof_detect::download::{FetchError, fetch};

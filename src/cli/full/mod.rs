@@ -17,13 +17,13 @@ mod texture;
 mod textures;
 mod wrap;
 
-use crate::cli::answer::{Named, Written, named};
 use std::io::Write;
 
 use clap::Subcommand;
 
 use super::CommandResult;
 use super::advice::Advise;
+use crate::cli::answer::{Named, Written, named};
 
 pub(super) use attack::keep_refusals_quiet;
 pub(super) use fetch::download;

@@ -1,9 +1,10 @@
 //! The paint mode of `scaleproof print wrap`: stencils of every piece, and pieces to paint by number.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::pieces;
 use crate::cli::CommandResult;

@@ -1,9 +1,10 @@
 //! `scaleproof print patch`: finished patch textures on the panels of a model.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::wrap::SheetArgs;
 use crate::cli::CommandResult;

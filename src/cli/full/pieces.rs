@@ -1,9 +1,10 @@
 //! `scaleproof print wrap` without `--panels`: the model in pieces.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};

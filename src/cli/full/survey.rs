@@ -1,10 +1,10 @@
 //! `scaleproof survey`: where do the tags stand that were placed by hand?
 
-use schemars::JsonSchema;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::cli::{CommandResult, Outcome, advice, print, progress, scene};

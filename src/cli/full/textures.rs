@@ -1,14 +1,14 @@
 //! `scaleproof texture`: textures as images for simulators, and as previews.
 
-use crate::cli::answer::{told, written};
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::attack::{azimuths, size};
+use crate::cli::answer::{told, written};
 use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::full::patch::{PlaceArgs, asked};
 use crate::cli::full::texture::TextureArgs;

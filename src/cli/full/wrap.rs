@@ -1,10 +1,11 @@
 //! `scaleproof print wrap`: a pattern on a model, in pieces or as panels.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::painted;
 use super::pieces::{self, PiecesArgs};

@@ -1,16 +1,17 @@
 //! `plan --seal`: what is decided before the photos are taken.
 
-use super::Args;
-use crate::cli::answer::told;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::super::criteria::Reading;
 use super::super::patterns::named;
 use super::super::{CommandResult, Result, detectors};
+use super::Args;
+use crate::cli::answer::told;
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene};

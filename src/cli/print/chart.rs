@@ -1,8 +1,9 @@
 //! `scaleproof print chart`: the colours to photograph.
 
+use std::io::Write;
+
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::io::Write;
 
 use super::{CommandResult, CutSheetArgs, told, write_files, written};
 use scaleproof_print::print::chart::chart;

@@ -1,8 +1,9 @@
 //! `scaleproof print check`: the page that measures a printer.
 
+use std::io::Write;
+
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::io::Write;
 
 use super::{CommandResult, PaperArgs, told, write_files, written};
 use scaleproof_print::print::check::{CheckRequest, check};

@@ -7,14 +7,12 @@ mod tags;
 pub(crate) mod template;
 mod verify;
 
-use crate::cli::answer::Written;
-use crate::cli::answer::{Named, named};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
-use super::answer::{told, written};
+use super::answer::{Named, Written, named, told, written};
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Result, full};
 use scaleproof_core::files;

@@ -1,9 +1,10 @@
 //! The paint mode of `scaleproof print template`, and what `print wrap` shares with it: sheets to paint by number, and stencils.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::{CommandResult, told, write_files, written};
 use crate::cli::{Result, progress};

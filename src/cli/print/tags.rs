@@ -1,9 +1,10 @@
 //! `scaleproof print tags`: tent cards, ground mat and plain cards of a scene.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::{CommandResult, CutSheetArgs, told, write_files, written};
 use scaleproof_core::spelling::count;

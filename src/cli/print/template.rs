@@ -1,9 +1,10 @@
 //! `scaleproof print template`: a repeated pattern, tiled.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, PaperArgs, told, value_names, write_files, written};

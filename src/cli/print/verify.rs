@@ -1,9 +1,10 @@
 //! `scaleproof print verify`: from two measured lengths to a printer file.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::{CommandResult, told, written};
 use scaleproof_core::files;

@@ -1,15 +1,16 @@
 //! `scaleproof session export`: the photos of a session with their truth boxes, for other programs.
 
-use crate::cli::answer::told;
-use crate::cli::choice::one_of;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::by_variant;
 use crate::cli::CommandResult;
+use crate::cli::answer::told;
+use crate::cli::choice::one_of;
 use crate::cli::score::{Effort, say_not_scored, score_with_progress};
 use crate::cli::sessions::{quoted, session};
 use scaleproof_core::spelling;

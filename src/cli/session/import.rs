@@ -1,10 +1,11 @@
 //! `scaleproof session import`: boxes and viewpoints from elsewhere become a session.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::{by_variant, in_words};
 use crate::cli::CommandResult;

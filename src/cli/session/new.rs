@@ -1,13 +1,14 @@
 //! `scaleproof session new`: folders of photos become a session.
 
-use crate::cli::answer::told;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::{by_variant, in_words};
+use crate::cli::answer::told;
 use crate::cli::sessions::{FolderFiles, pair, quoted};
 use crate::cli::{CommandResult, Result};
 use scaleproof_session::session::NewSession;

@@ -1,11 +1,11 @@
 //! `scaleproof session show`: what is in a session, on one screen.
 
-use schemars::JsonSchema;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::io::Write;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::cli::{CommandResult, Outcome, advice, progress, sessions};
@@ -126,7 +126,7 @@ fn stored(session: &Session, looks: &[Look], recording: &Recording) -> (Stored, 
 }
 
 fn text(page: &Page) -> String {
-    let mut lines = page.contents.lines();
+    let mut lines = page.contents.lines(", see --json");
     let stored = |stored: &Stored| format!("{} ({})", stored.detector, spelling::count(stored.photos, "photo"));
     let stored: Vec<String> = page.recordings.iter().map(stored).collect();
     let stored = if stored.is_empty() {

@@ -100,6 +100,20 @@ pub fn copy_of_skyline() -> tempfile::TempDir {
     copy
 }
 
+/// A binary glTF of its JSON text and its data (glTF 2.0, 4.4: two chunks of whole words).
+pub fn glb(mut json: Vec<u8>, mut data: Vec<u8>) -> Vec<u8> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    data.resize(data.len().next_multiple_of(4), 0);
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((28 + json.len() as u32 + data.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", data)] {
+        bytes.extend((chunk.len() as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
 /// A JPEG with an EXIF block that says nothing but the orientation (Exif 2.32, 4.6).
 pub fn oriented(jpeg: &[u8], orientation: u8) -> Vec<u8> {
     let block = [

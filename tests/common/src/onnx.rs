@@ -76,7 +76,7 @@ pub fn network(inputs: &[Input], outputs: &[Output]) -> Vec<u8> {
     })
 }
 
-/// The same, but all numbers are NaN for images whose mean is below `darkest`: output = constant + 0 · √(mean − darkest).
+/// A network like [`network`] whose numbers are all NaN for images whose mean is below `darkest`: output = constant + 0 · √(mean − darkest).
 pub fn network_blind_in_the_dark(input: &Input, outputs: &[Output], darkest: f32) -> Vec<u8> {
     let scalar = |name: &str, value: f32| {
         let tensor = [int(2, FLOAT), bytes(8, name.as_bytes()), bytes(9, &value.to_le_bytes())].concat();

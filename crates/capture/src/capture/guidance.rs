@@ -167,11 +167,6 @@ impl Guidance {
     }
 }
 
-/// Every azimuth bin of a scene at these pitches and distances, in the order a person walks: once round for each.
-pub fn viewpoints_of(bins: &Bins, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
-    Viewpoint::combinations(&bins.azimuth_centres(), pitches_deg, distances_mm)
-}
-
 /// Bins as people name them: by the azimuth, as in `90`, or by azimuth, pitch and distance, as in `90/15/850`.
 #[derive(Debug, Clone)]
 pub struct BinName {
@@ -212,20 +207,6 @@ impl BinName {
             distance_mm,
         }
     }
-}
-
-/// The pitch of a standing or slightly stooping photographer, where a scene has several.
-const USUAL_PITCH_DEG: f64 = 15.0;
-
-/// The pitch and distance that are captured when none are named: of the scene's, the pitch nearest to 15° and the middle distance (the
-/// nearer of two).
-pub fn usual(bins: &Bins) -> (f64, f64) {
-    let from_usual = |pitch: &f64| (pitch - USUAL_PITCH_DEG).abs();
-    let pitches = bins.pitch_deg.iter().copied();
-    let pitch = pitches.min_by(|a, b| from_usual(a).total_cmp(&from_usual(b)));
-    let distance = bins.distance_mm.get(bins.distance_mm.len().saturating_sub(1) / 2);
-    // Neither is ever missing: a scene without them is refused when it is read.
-    (pitch.unwrap_or(USUAL_PITCH_DEG), distance.copied().unwrap_or(1000.0))
 }
 
 impl Tolerance {

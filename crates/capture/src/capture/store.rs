@@ -133,7 +133,7 @@ impl Store {
     /// # Errors
     /// A file that cannot be written, a session folder that is gone. Opened again, the session has the photo whole or not at all.
     pub fn accept(&mut self, original: &[u8], extension: &str, mut sidecar: Sidecar) -> Result<String, StoreError> {
-        // Writing would make a missing folder anew.
+        // Writing would create a missing folder again.
         if !self.folder.join(SCENE).exists() {
             let folder = self.folder.clone();
             return Err(StoreError::Gone { folder });

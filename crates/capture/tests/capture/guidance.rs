@@ -1,7 +1,7 @@
 //! The way from where the camera is to the view that is required next.
 
 use nalgebra::{Point3, Vector3};
-use scaleproof_capture::capture::{Guidance, NextMove, Tolerance, usual, viewpoints_of};
+use scaleproof_capture::capture::{Guidance, NextMove, Tolerance};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 
@@ -26,7 +26,7 @@ fn tolerance() -> Tolerance {
 }
 
 fn guidance(tolerance: Tolerance) -> Guidance {
-    Guidance::at(&viewpoints_of(&bins(), &[15.0], &[1000.0]), tolerance, &bins())
+    Guidance::at(&bins().viewpoints(&[15.0], &[1000.0]), tolerance, &bins())
 }
 
 /// Who faces the model and walks to the right gets to a larger azimuth, from every side.
@@ -84,5 +84,5 @@ fn filled_targets_are_left_and_reopened_ones_wanted_again() {
 
 #[test]
 fn the_usual_pitch_and_distance_are_the_scene_s() {
-    assert_eq!(usual(&bins()), (15.0, 1000.0));
+    assert_eq!(bins().usual_view(), (15.0, 1000.0));
 }

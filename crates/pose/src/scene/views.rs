@@ -8,17 +8,7 @@ const USUAL_PITCH_DEG: f64 = 15.0;
 impl Bins {
     /// The centres of the bins at these pitches and distances: once round the model for each.
     pub fn viewpoints(&self, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
-        let mut viewpoints = Vec::new();
-        for &distance_mm in distances_mm {
-            for &pitch_deg in pitches_deg {
-                viewpoints.extend(self.azimuth_centres().into_iter().map(|azimuth_deg| Viewpoint {
-                    azimuth_deg,
-                    pitch_deg,
-                    distance_mm,
-                }));
-            }
-        }
-        viewpoints
+        Viewpoint::combinations(&self.azimuth_centres(), pitches_deg, distances_mm)
     }
 
     /// The pitch and distance that are photographed when none are named: of the scene's, the pitch nearest to 15° and the middle distance (the

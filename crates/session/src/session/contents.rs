@@ -145,8 +145,8 @@ impl Contents {
         }
     }
 
-    /// On one screen.
-    pub fn lines(&self) -> Vec<String> {
+    /// On one screen. Groups that are not listed are counted, and `elsewhere` says where they stand.
+    pub fn lines(&self, elsewhere: &str) -> Vec<String> {
         let Contents {
             scene,
             groups,
@@ -196,7 +196,7 @@ impl Contents {
         }
         if groups.len() > MOST_GROUPS {
             let more = spelling::count(groups.len() - MOST_GROUPS, "more group");
-            lines.push(line("", &format!("… and {more}, see --json")));
+            lines.push(line("", &format!("… and {more}{elsewhere}")));
         }
         if *with_truth > 0 {
             let have = spelling::choose(*with_truth, "has its", "have their");

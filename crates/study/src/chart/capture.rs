@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::MeasureError;
 use super::locate::detectors;
-use scaleproof_capture::capture::{Guidance, Judge, Tolerance, viewpoints_of};
+use scaleproof_capture::capture::{Guidance, Judge, Tolerance};
 use scaleproof_core::workers::fastest;
 use scaleproof_photo::photo::{Budget, Photo};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
@@ -109,7 +109,7 @@ fn unreachable(bins: &Bins) -> Guidance {
     let far_mm = 1e6;
     let pitch_deg = bins.pitch_deg.first().copied().unwrap_or_default();
     let tolerance = Tolerance::of_bins(bins, &[far_mm]);
-    Guidance::at(&viewpoints_of(bins, &[pitch_deg], &[far_mm]), tolerance, bins)
+    Guidance::at(&bins.viewpoints(&[pitch_deg], &[far_mm]), tolerance, bins)
 }
 
 /// The chart: the median against the slowest twentieth; lower left is better.

@@ -77,7 +77,7 @@ fn glb_of(mesh: &Mesh) -> Vec<u8> {
         data.extend([a, c, b].iter().flat_map(|i| (*i as u16).to_le_bytes()));
     }
     let (vertices, indices) = (mesh.points().len(), 3 * mesh.triangles().len());
-    let mut json = format!(
+    let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"materials":[{{"name":"paint"}}],
         "nodes":[{{"children":[1],"translation":[3,4,5]}},{{"mesh":0,"scale":[-1,1,1]}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"material":0}}]}}],
@@ -89,16 +89,7 @@ fn glb_of(mesh: &Mesh) -> Vec<u8> {
         data.len()
     )
     .into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    data.resize(data.len().next_multiple_of(4), 0);
-    let mut bytes = b"glTF\x02\0\0\0".to_vec();
-    bytes.extend((28 + json.len() as u32 + data.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", data)] {
-        bytes.extend((chunk.len() as u32).to_le_bytes());
-        bytes.extend(kind);
-        bytes.extend(chunk);
-    }
-    bytes
+    scaleproof_testing::glb(json, data)
 }
 
 fn load(extension: &str, bytes: &[u8], placement: &MeshPlacement) -> Result<Mesh, MeshError> {

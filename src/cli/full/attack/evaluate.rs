@@ -1,13 +1,13 @@
 //! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
-use crate::cli::answer::told;
-use scaleproof_score::score::Summary;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::render::{MESH, azimuths, cache, hex, mesh_file, named, size, textured};
+use crate::cli::answer::told;
 use crate::cli::detectors::{self, Folder};
 use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
@@ -21,6 +21,7 @@ use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
 use scaleproof_pose::scene::{Classes, Viewpoint};
 use scaleproof_score::report;
+use scaleproof_score::score::Summary;
 use scaleproof_score::score::{
     ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
 };

@@ -1,12 +1,13 @@
 //! `scaleproof attack history`: several methods on one chart.
 
-use crate::cli::answer::told;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::cli::answer::told;
 use crate::cli::print::card_fault;
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::evaluate::finished::figures_of;

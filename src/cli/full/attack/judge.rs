@@ -1,20 +1,20 @@
 //! `scaleproof attack judge`: patterns on every view of frames, as the surrogate renderer predicts them.
 
-use crate::cli::answer::told;
-use scaleproof_pose::scene::Classes;
-use schemars::JsonSchema;
 use std::io::Write;
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::on_frames::{Looking, pattern_of};
 use super::render::{hex, named};
+use crate::cli::answer::told;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::judged::{JudgedPattern, NamedCells, judged};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::{of_pattern, srgb};
 use scaleproof_core::spelling::count;
+use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::Pattern;
 
 /// What detectors make of patterns on every view of frames, predicted and not rendered: a minute's look before `attack evaluate`

@@ -2,7 +2,6 @@
 
 mod train_dtn;
 
-use crate::cli::answer::{Named, named};
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
@@ -11,6 +10,7 @@ use clap::Subcommand;
 
 use super::WhiteBoxes;
 use super::device::OnDevice;
+use crate::cli::answer::{Named, named};
 use crate::cli::detectors::{self, Folder};
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig, camou};

@@ -1,12 +1,12 @@
 //! In place of `networks`, in a program without the feature `attack`: detectors that are programs serve all the same.
 
-use crate::cli::answer::Named;
 use std::error::Error;
 use std::io::Write;
 
 use clap::Subcommand;
 
 use super::WhiteBoxes;
+use crate::cli::answer::Named;
 use crate::cli::detectors::Folder;
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::baseline::{BlackBox, SearchConfig};

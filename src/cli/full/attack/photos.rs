@@ -1,6 +1,5 @@
 //! `scaleproof attack photos`: frames from photos of the real model in flat colours.
 
-use crate::cli::answer::told;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,6 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::render::{hex, options};
+use crate::cli::answer::told;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::light;

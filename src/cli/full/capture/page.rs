@@ -1,15 +1,16 @@
 //! `scaleproof capture --page`: the same capture in a browser.
 
-use crate::cli::answer::answer;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::cell::RefCell;
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use super::decided::Question;
 use super::terminal::TerminalLog;
 use crate::cli::Result;
+use crate::cli::answer::answer;
 use scaleproof_capture::capture::{Capture, FrameSource, Guidance};
 use scaleproof_capture::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError, PairsSoFar};
 use scaleproof_pose::scene::Scene;

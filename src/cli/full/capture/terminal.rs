@@ -1,10 +1,10 @@
 //! What the terminal shows of a capture: a line for each thing that happens.
 
-use schemars::JsonSchema;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use scaleproof_capture::capture::{Advice, CameraSettings, FrameAnswer, Guidance};

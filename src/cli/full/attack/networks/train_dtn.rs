@@ -1,11 +1,11 @@
 //! `scaleproof attack train-dtn`: a network that predicts the model in any paint from one image of the view.
 
-use scaleproof_frames::surrogate::dtn::training::TrainingProgress;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::cli::answer::told;
 use crate::cli::full::attack::device::OnDevice;
@@ -15,6 +15,7 @@ use scaleproof_core::files;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
+use scaleproof_frames::surrogate::dtn::training::TrainingProgress;
 use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
 use scaleproof_frames::surrogate::dtn::{Architecture, Encoder, LEAST_WIDTH_PX, Transformer, file};
 
