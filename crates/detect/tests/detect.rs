@@ -1,9 +1,13 @@
 //! The crate's own tests; what the program shows of it is tested by the program's.
 
+use scaleproof_testing as common;
+
 #[path = "detect/counting.rs"]
 mod counting;
 #[path = "detect/detection.rs"]
 mod detection;
+#[path = "detect/detector_heads.rs"]
+mod detector_heads;
 #[cfg(feature = "full")]
 #[path = "detect/download.rs"]
 mod download;

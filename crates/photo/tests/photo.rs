@@ -1,11 +1,15 @@
 //! The crate's own tests; what the program makes of photos is tested by the program's.
 
+use scaleproof_testing as common;
+
 #[path = "photo/budget.rs"]
 mod budget;
 #[path = "photo/decode.rs"]
 mod decode;
 #[path = "photo/draw.rs"]
 mod draw;
+#[path = "photo/jpeg.rs"]
+mod jpeg;
 #[path = "photo/luma.rs"]
 mod luma;
 #[path = "photo/sizes.rs"]

@@ -26,6 +26,8 @@ mod scene_model;
 mod scene_viewpoint;
 #[path = "pose/scene_write.rs"]
 mod scene_write;
+#[path = "pose/solvers.rs"]
+mod solvers;
 #[path = "pose/tags_border.rs"]
 mod tags_border;
 #[path = "pose/tags_homography.rs"]

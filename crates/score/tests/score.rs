@@ -1,5 +1,9 @@
 //! Unit and property tests of scoring and its reports.
 
+use scaleproof_testing as common;
+
+#[path = "score/average_precision.rs"]
+mod average_precision;
 #[path = "score/cache.rs"]
 mod cache;
 #[path = "score/compare.rs"]

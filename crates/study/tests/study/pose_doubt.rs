@@ -3,7 +3,6 @@
 //! The views are made with OpenCV's projection, not with the program's own.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use image::GrayImage;
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -21,7 +20,7 @@ use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof_study::chart::Spoil;
 
 fn skyline() -> (Scene, Camera) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
+    let folder = crate::common::skyline();
     (
         Scene::open(&folder.join("scene.toml")).unwrap(),
         Camera::open(&folder.join("camera.yaml")).unwrap(),
@@ -455,7 +454,7 @@ struct Taken {
 }
 
 fn taken() -> Vec<Taken> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
+    let folder = crate::common::skyline();
     let truth: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).unwrap()).unwrap();
     let of = |photo: &serde_json::Value| {

@@ -24,6 +24,7 @@ use scaleproof_gradients::network::onnx::OnnxNetwork;
 use scaleproof_gradients::{Boxes, Prediction, WhiteBox};
 
 use crate::common::onnx;
+#[path = "attack_onnx/parity.rs"]
 pub(super) mod parity;
 
 const CAR: usize = 2;
