@@ -15,7 +15,7 @@ use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::raster::Raster;
 use scaleproof_frames::frames::views;
 use scaleproof_frames::frames::{Frame, FrameSet, Pinhole};
-use scaleproof_frames::surrogate::projection::{Grid, Sampling, world};
+use scaleproof_frames::surrogate::projection::{Grid, world};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily, Viewpoint};
@@ -629,7 +629,7 @@ fn surrogate_renderers_predict_the_colour_they_have_not_seen() {
         rows: 8,
         cell_mm: 20.0,
     };
-    let laid = world::project(&set, &set.list.frames[0], &grid, (Sampling::Nearest, false)).unwrap();
+    let laid = world::project(&set, &set.list.frames[0], &grid, false).unwrap();
     assert!(laid.is_some_and(|laid| laid.forward(&[[1.0; 3]; 64]).len() == set.list.pixels()));
     let charts = folder.with_file_name("good_chart");
     let arguments = ["--reference", "202020", "e6e6e6"];

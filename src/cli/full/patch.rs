@@ -16,6 +16,7 @@ use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchImage, patches};
 use scaleproof_print::print::{paper, wrap};
 use scaleproof_surface::pattern::world_aligned::Side;
+use scaleproof_surface::texture::PlacedPatch;
 
 #[derive(clap::Args)]
 pub(crate) struct PatchArgs {
@@ -146,6 +147,17 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
         })
     };
     (0..count).map(one).collect()
+}
+
+/// The patches as a texture has them.
+pub(crate) fn placed(patches: &[PanelPatch]) -> Vec<PlacedPatch> {
+    let patches = patches.iter().map(|patch| PlacedPatch {
+        image: patch.image.shared(),
+        side: patch.side,
+        at_mm: patch.at_mm,
+        size_mm: patch.size_mm,
+    });
+    patches.collect()
 }
 
 fn place(text: &str) -> Result<[f64; 2]> {

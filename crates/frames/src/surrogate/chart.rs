@@ -4,7 +4,7 @@ use image::RgbImage;
 use serde::Serialize;
 
 use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
-use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use crate::surrogate::projection::{Grid, Projection, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
 use scaleproof_core::workers::fastest;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
@@ -213,11 +213,11 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
             let grid = Grid::new([pattern.columns(), pattern.rows()], tile_mm);
             let cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();
             let textured = |projection: Projection| projection.forward(&cells);
-            let (nearest, calibrated) = (Sampling::Nearest, &repeated::Jitter::NONE);
+            let calibrated = &repeated::Jitter::NONE;
             patterns.push(PatternTest {
                 image: set.rgb(frame)?,
-                world: world::project(set, frame, &grid, (nearest, false))?.map(textured),
-                repeated: textured(repeated::project(&set.list, frame, &mask, &grid, nearest, calibrated)),
+                world: world::project(set, frame, &grid, false)?.map(textured),
+                repeated: textured(repeated::project(&set.list, frame, &mask, &grid, calibrated)),
             });
         }
     }

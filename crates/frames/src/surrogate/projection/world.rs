@@ -1,6 +1,6 @@
 //! World-aligned projection: the pattern as the printed panels carry it, from the positions and sides of a frame's paint.
 
-use super::{Grid, Projection, Sampling};
+use super::{Grid, Projection};
 use crate::frames::{Frame, FrameSet, FramesError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -50,13 +50,8 @@ fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
 ///
 /// # Errors
 /// Images that cannot be read.
-pub fn project(
-    set: &FrameSet,
-    frame: &Frame,
-    grid: &Grid,
-    how: (Sampling, bool),
-) -> Result<Option<Projection>, FramesError> {
-    let projected = project_misplaced(set, frame, grid, how, &[Misplacement::NONE])?;
+pub fn project(set: &FrameSet, frame: &Frame, grid: &Grid, of_sides: bool) -> Result<Option<Projection>, FramesError> {
+    let projected = project_misplaced(set, frame, grid, of_sides, &[Misplacement::NONE])?;
     Ok(projected.and_then(|mut projections| projections.pop()))
 }
 
@@ -69,7 +64,7 @@ pub fn project_misplaced(
     set: &FrameSet,
     frame: &Frame,
     grid: &Grid,
-    (sampling, of_sides): (Sampling, bool),
+    of_sides: bool,
     misplacements: &[Misplacement],
 ) -> Result<Option<Vec<Projection>>, FramesError> {
     let (Some(points), Some(about)) = (set.surface(frame)?, &set.list.positions) else {
@@ -101,7 +96,7 @@ pub fn project_misplaced(
             parts.filter_map(|(x, y)| part(misplacement, x, y)).collect()
         };
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        Projection::from_points(grid, sampling, pixels.map(|(x, y)| inside(x, y)))
+        Projection::from_points(grid, pixels.map(|(x, y)| inside(x, y)))
     };
     Ok(Some(misplacements.iter().map(project).collect()))
 }
