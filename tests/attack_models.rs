@@ -13,7 +13,8 @@ use scaleproof_frames::frames::views;
 use scaleproof_frames::frames::{Frame, FrameSet};
 use scaleproof_frames::surrogate::additive::Additive;
 use scaleproof_frames::surrogate::chart::mse;
-use scaleproof_frames::surrogate::projection::{Grid, Projection, repeated, world};
+use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
+use scaleproof_frames::surrogate::projection::{Grid, Projection, repeated};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer, Tone};
 
 fn stored() -> FrameSet {
@@ -193,7 +194,10 @@ const GRID: Grid = Grid {
 /// Every projection of a stored view: both makers, with and without φ_rd.
 fn projections(set: &FrameSet, frame: &Frame) -> Vec<(String, Projection)> {
     let mask = set.paint_mask(frame).unwrap();
-    let world = world::project(set, frame, &GRID, false).unwrap().unwrap();
+    let world = world::project(set, frame, &GRID, false, &[Misplacement::NONE])
+        .unwrap()
+        .unwrap()
+        .remove(0);
     let mut all = vec![("world".to_owned(), world)];
     let moved = repeated::Jitter {
         shift_tiles: [0.21, -0.37],
@@ -303,7 +307,12 @@ fn pattern_error(set: &FrameSet, view: &[&Frame], place: impl Fn(&Frame, &Grid) 
 fn the_world_aligned_projection_is_what_was_rendered() {
     let set = stored();
     for view in views(&set.list.frames) {
-        let world = |frame: &Frame, grid: &Grid| world::project(&set, frame, grid, false).unwrap().unwrap();
+        let world = |frame: &Frame, grid: &Grid| {
+            world::project(&set, frame, grid, false, &[Misplacement::NONE])
+                .unwrap()
+                .unwrap()
+                .remove(0)
+        };
         let plane = |frame: &Frame, grid: &Grid| {
             let mask = set.paint_mask(frame).unwrap();
             repeated::project(&set.list, frame, &mask, grid, &repeated::Jitter::NONE)

@@ -629,8 +629,8 @@ fn surrogate_renderers_predict_the_colour_they_have_not_seen() {
         rows: 8,
         cell_mm: 20.0,
     };
-    let laid = world::project(&set, &set.list.frames[0], &grid, false).unwrap();
-    assert!(laid.is_some_and(|laid| laid.forward(&[[1.0; 3]; 64]).len() == set.list.pixels()));
+    let laid = world::project(&set, &set.list.frames[0], &grid, false, &[world::Misplacement::NONE]).unwrap();
+    assert!(laid.is_some_and(|laid| laid[0].forward(&[[1.0; 3]; 64]).len() == set.list.pixels()));
     let charts = folder.with_file_name("good_chart");
     let arguments = ["--reference", "202020", "e6e6e6"];
     let mut command = program();

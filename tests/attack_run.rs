@@ -321,7 +321,10 @@ fn each_side_has_cells_of_its_own() {
     let a_side = grid.cells() / 6;
     let cells: Vec<Rgb> = (0..grid.cells()).map(|i| of_side(i / a_side)).collect();
     for frame in views(&set.list.frames).iter().map(|frames| frames[0]) {
-        let projection = world::project(&set, frame, &grid, true).unwrap().unwrap();
+        let projection = world::project(&set, frame, &grid, true, &[Misplacement::NONE])
+            .unwrap()
+            .unwrap()
+            .remove(0);
         let points = set.surface(frame).unwrap().unwrap();
         let factor = set.list.positions.as_ref().unwrap().factor as usize;
         let width = set.list.size_px[0] as usize;
@@ -370,9 +373,7 @@ fn a_misplaced_pattern_is_turned_and_larger_on_each_side_and_off_in_the_image() 
         ..Misplacement::NONE
     };
     let all = [Misplacement::NONE, laid, seen];
-    let projections = world::project_misplaced(&set, frame, &grid, false, &all)
-        .unwrap()
-        .unwrap();
+    let projections = world::project(&set, frame, &grid, false, &all).unwrap().unwrap();
     let [plain, turned, off] = [0, 1, 2].map(|i| projections[i].forward(&cells));
     let (mut looked, mut moved) = (0, 0);
     for (x, y) in (0..height - 1).flat_map(|y| (0..width - 2).map(move |x| (x, y))) {

@@ -322,7 +322,7 @@ fn load(
             if eot.misplaces() {
                 places.extend((0..MISPLACED).map(|_| eot.misplaced(&mut rng)));
             }
-            let projections = world::project_misplaced(set, frame, grid, of_sides, &places)?;
+            let projections = world::project(set, frame, grid, of_sides, &places)?;
             Place::World(projections.ok_or_else(|| RunError::NoPositions { view: name() })?)
         }
     };

@@ -214,9 +214,10 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
             let cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();
             let textured = |projection: Projection| projection.forward(&cells);
             let calibrated = &repeated::Jitter::NONE;
+            let of_world = world::project(set, frame, &grid, false, &[world::Misplacement::NONE])?;
             patterns.push(PatternTest {
                 image: set.rgb(frame)?,
-                world: world::project(set, frame, &grid, false)?.map(textured),
+                world: of_world.and_then(|all| all.into_iter().next()).map(textured),
                 repeated: textured(repeated::project(&set.list, frame, &mask, &grid, calibrated)),
             });
         }

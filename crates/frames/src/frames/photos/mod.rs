@@ -192,10 +192,10 @@ pub fn make(
     };
     for (view, images) in views.iter().zip(drawn) {
         match images {
-            Ok(done) => {
-                made.files.extend(done.files);
-                made.views.push(done.view);
-                list.frames.extend(done.frames);
+            Ok((files, frames, view)) => {
+                made.files.extend(files);
+                list.frames.extend(frames);
+                made.views.push(view);
             }
             Err(reason) => made
                 .left_out
@@ -236,12 +236,8 @@ fn common_pinhole(
     Ok((shared, kept, left_out))
 }
 
-/// A view's files and frames.
-struct Done {
-    files: Vec<(PathBuf, Vec<u8>)>,
-    frames: Vec<Frame>,
-    view: FramedView,
-}
+/// The files and frames of a view.
+type Images = (Vec<(PathBuf, Vec<u8>)>, Vec<Frame>, FramedView);
 
 /// `Err` inside is why the view has no frames.
 fn images(
@@ -249,7 +245,7 @@ fn images(
     (number, view): (usize, &PhotosOfView),
     positions: &Positions,
     folder: &Path,
-) -> Result<Result<Done, &'static str>, PhotosError> {
+) -> Result<Result<Images, &'static str>, PhotosError> {
     let Some(drawn) = canvas.draw(view)? else {
         return Ok(Err("part of the model is behind a camera: step back"));
     };
@@ -296,5 +292,5 @@ fn images(
         others: others.collect(),
         paint_seen_by_all: drawn.kept,
     };
-    Ok(Ok(Done { files, frames, view }))
+    Ok(Ok((files, frames, view)))
 }

@@ -45,22 +45,13 @@ fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// The projection for a frame; `None` for a frame without positions. `of_sides`: each side of the model has a square pattern of its own, and they
-/// lie below each other in the grid, in the order of [`Side::ALL`].
+/// The projections for a frame, one for each of some misplacements; `None` for a frame without positions. Where a misplaced pose would see no
+/// paint, the paint is taken from where it should be: the model itself stays in its place. `of_sides`: each side of the model has a square
+/// pattern of its own, and they lie below each other in the grid, in the order of [`Side::ALL`].
 ///
 /// # Errors
 /// Images that cannot be read.
-pub fn project(set: &FrameSet, frame: &Frame, grid: &Grid, of_sides: bool) -> Result<Option<Projection>, FramesError> {
-    let projected = project_misplaced(set, frame, grid, of_sides, &[Misplacement::NONE])?;
-    Ok(projected.and_then(|mut projections| projections.pop()))
-}
-
-/// Like [`project`], but with one projection for each of some misplacements. Where a misplaced pose would see no paint, the paint is taken
-/// from where it should be: the model itself stays in its place.
-///
-/// # Errors
-/// Images that cannot be read.
-pub fn project_misplaced(
+pub fn project(
     set: &FrameSet,
     frame: &Frame,
     grid: &Grid,
