@@ -86,19 +86,10 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
         size_mm: patch.size_mm.into(),
         off_panel_share: *off,
     });
-    let facts = written(
-        &files,
-        Answer {
-            patches: patches.collect(),
-        },
-    );
+    let patches = patches.collect();
     let (path, pages) = (files[0].0.display(), count(made.pages.len(), "page"));
-    told(
-        args.json,
-        facts,
-        format_args!("{path}: {pages} of panels and patches; print at 100 %"),
-        out,
-    )
+    let words = format!("{path}: {pages} of panels and patches; print at 100 %");
+    told(args.json, written(&files, Answer { patches }), words, out)
 }
 
 /// `print patch --json`.

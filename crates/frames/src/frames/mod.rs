@@ -44,6 +44,7 @@ mod read;
 pub mod render;
 pub mod shaded;
 
+pub(crate) use images::reduced;
 pub use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};
 pub use read::{outline, syntax};
 
