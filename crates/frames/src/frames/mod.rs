@@ -208,11 +208,6 @@ impl FrameList {
         self.camera.camera(self.size_px)
     }
 
-    /// Pixels of a frame.
-    pub fn pixels(&self) -> usize {
-        self.size_px[0] as usize * self.size_px[1] as usize
-    }
-
     /// Where the camera stood.
     pub fn viewpoint(&self, frame: &Frame) -> Viewpoint {
         let centre = frame.pose().inverse().translation.vector;

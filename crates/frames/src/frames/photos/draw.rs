@@ -5,7 +5,7 @@ use nalgebra::Point3;
 
 use super::views::PhotosOfView;
 use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
-use crate::frames::drawn::{DrawnMesh, level, number, paint_sides, seen_box};
+use crate::frames::drawn::{DrawnMesh, level, number, seen_box};
 use crate::frames::raster::{Raster, outline, ray};
 use crate::frames::{Pinhole, light, reduced, require};
 use scaleproof_core::geometry::BoxPx;
@@ -42,17 +42,7 @@ struct Source<'a> {
     gain: [f64; 3],
 }
 
-impl<'a> Canvas<'a> {
-    pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
-        let sides = paint_sides(&request.mesh, &request.materials);
-        Self {
-            request,
-            size_px,
-            pinhole,
-            sides,
-        }
-    }
-
+impl Canvas<'_> {
     /// `None` when the model is partly behind a camera.
     ///
     /// # Errors

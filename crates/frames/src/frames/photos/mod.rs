@@ -23,6 +23,7 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::frames::drawn::paint_sides;
 use crate::frames::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, light, require};
 use draw::Canvas;
 use scaleproof_core::geometry::Rigid;
@@ -178,7 +179,12 @@ pub fn make(
     };
     let size_px = pinhole::size_px(&first.camera, request.width_px);
     let (shared, photos, left_out) = common_pinhole(photos, size_px)?;
-    let canvas = Canvas::new(request, size_px, shared);
+    let canvas = Canvas {
+        request,
+        size_px,
+        pinhole: shared,
+        sides: paint_sides(&request.mesh, &request.materials),
+    };
     require(canvas.sides.iter().any(Option::is_some), || PhotosError::NoPaint)?;
     let (views, without) = views::views(&photos, &request.flats, request.target_mm);
     made.left_out = left_out.into_iter().chain(without).collect();
