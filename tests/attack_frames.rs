@@ -558,9 +558,7 @@ fn a_render_goes_on_where_it_stopped() {
 fn carlas_poses_are_understood() {
     let at = |place_m: [f64; 3], pitch_deg: f64, yaw_deg: f64| Transform {
         place_m,
-        pitch_deg,
-        yaw_deg,
-        roll_deg: 0.0,
+        angles_deg: [pitch_deg, yaw_deg, 0.0],
     };
     let target = Point3::new(0.0, 0.0, 0.0);
     let view = |camera: Transform, vehicle: Transform| {

@@ -15,7 +15,7 @@ use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::raster::Raster;
 use scaleproof_frames::frames::views;
 use scaleproof_frames::frames::{Frame, FrameSet, Pinhole};
-use scaleproof_frames::surrogate::projection::{Grid, Sampling, world};
+use scaleproof_frames::surrogate::projection::{Grid, world};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily, Viewpoint};
@@ -415,6 +415,11 @@ fn mse(a: &RgbImage, b: &RgbImage, weight: &image::GrayImage) -> f64 {
     sum / f64::from(count)
 }
 
+/// Pixels of a frame.
+fn pixels(set: &FrameSet) -> usize {
+    set.list.size_px.iter().map(|px| *px as usize).product()
+}
+
 #[test]
 fn every_colour_is_as_a_render_from_the_reference_s_place_has_it() {
     let (folder, said) = good();
@@ -612,7 +617,7 @@ fn surrogate_renderers_predict_the_colour_they_have_not_seen() {
             .collect();
         let model = PerPixel::fit(ClosedForm::AffineCurve, &shots).unwrap();
         let [width, height] = set.list.size_px;
-        let predicted = model.predict(&vec![light::linear_of(GREY); set.list.pixels()]);
+        let predicted = model.predict(&vec![light::linear_of(GREY); pixels(&set)]);
         let predicted = RgbImage::from_fn(width, height, |x, y| {
             Rgb(predicted[(y * width + x) as usize].map(|v| (255.0 * v).round() as u8))
         });
@@ -629,8 +634,8 @@ fn surrogate_renderers_predict_the_colour_they_have_not_seen() {
         rows: 8,
         cell_mm: 20.0,
     };
-    let laid = world::project(&set, &set.list.frames[0], &grid, (Sampling::Nearest, false)).unwrap();
-    assert!(laid.is_some_and(|laid| laid.forward(&[[1.0; 3]; 64]).len() == set.list.pixels()));
+    let laid = world::project(&set, &set.list.frames[0], &grid, false, &[world::Misplacement::NONE]).unwrap();
+    assert!(laid.is_some_and(|laid| laid[0].forward(&[[1.0; 3]; 64]).len() == pixels(&set)));
     let charts = folder.with_file_name("good_chart");
     let arguments = ["--reference", "202020", "e6e6e6"];
     let mut command = program();
@@ -877,7 +882,7 @@ fn the_rasteriser_sees_what_blender_saw() {
         let size = [width, height].map(|px| (px * factor) as usize);
         let raster = Raster::image(&mesh, &frame.pose(), &fine(set.list.camera, factor), size).unwrap();
         let is_paint = |t: usize| paint.contains(&mesh.triangles()[t].material);
-        let mut shares = vec![[0.0; 2]; set.list.pixels()];
+        let mut shares = vec![[0.0; 2]; pixels(&set)];
         let points = set.surface(frame).unwrap().unwrap();
         let (mut both, mut either, mut near, mut same_side) = (0, 0, 0, 0);
         for (i, point) in points.iter().enumerate() {

@@ -11,7 +11,7 @@ use std::time::Instant;
 use common::{assert_refused, home, program};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof_attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use scaleproof_attack::baseline::patches::{is_seen, paint};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::{Augmentation, Eot, rolled};
 use scaleproof_attack::run::history::Entry;
@@ -27,13 +27,14 @@ use scaleproof_attack::run::{
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
+use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
-use scaleproof_frames::surrogate::projection::{Grid, Sampling};
 use scaleproof_gradients::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::colour::Lab;
 use scaleproof_surface::pattern::gamut::Gamut;
 use scaleproof_surface::pattern::world_aligned::Side;
+use scaleproof_surface::texture::PlacedPatch;
 
 /// C = σ(z), z = gain · Σ w(x, y) · (image − base) / pixels: sees the model the better, the more its image is like
 /// a fixed weave. Unsure of a grey model.
@@ -320,9 +321,10 @@ fn each_side_has_cells_of_its_own() {
     let a_side = grid.cells() / 6;
     let cells: Vec<Rgb> = (0..grid.cells()).map(|i| of_side(i / a_side)).collect();
     for frame in views(&set.list.frames).iter().map(|frames| frames[0]) {
-        let projection = world::project(&set, frame, &grid, (Sampling::Nearest, true))
+        let projection = world::project(&set, frame, &grid, true, &[Misplacement::NONE])
             .unwrap()
-            .unwrap();
+            .unwrap()
+            .remove(0);
         let points = set.surface(frame).unwrap().unwrap();
         let factor = set.list.positions.as_ref().unwrap().factor as usize;
         let width = set.list.size_px[0] as usize;
@@ -370,11 +372,8 @@ fn a_misplaced_pattern_is_turned_and_larger_on_each_side_and_off_in_the_image() 
         seen_off_px: [2.0, 1.0],
         ..Misplacement::NONE
     };
-    let how = (Sampling::Nearest, false);
     let all = [Misplacement::NONE, laid, seen];
-    let projections = world::project_misplaced(&set, frame, &grid, how, &all)
-        .unwrap()
-        .unwrap();
+    let projections = world::project(&set, frame, &grid, false, &all).unwrap().unwrap();
     let [plain, turned, off] = [0, 1, 2].map(|i| projections[i].forward(&cells));
     let (mut looked, mut moved) = (0, 0);
     for (x, y) in (0..height - 1).flat_map(|y| (0..width - 2).map(move |x| (x, y))) {
@@ -1237,10 +1236,10 @@ fn patches_lie_where_they_are_put() {
     let set = stored();
     let frame = &set.list.frames[0];
     let patch = PlacedPatch {
-        image: image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })),
+        image: image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })).into(),
         side: Side::Roof,
         at_mm: [0.0, 0.0],
-        size_mm: [400.0, 100.0],
+        size_mm: (400.0, 100.0),
     };
     assert_eq!(is_seen(&set, frame, &patch).unwrap(), Some(true));
     let far = PlacedPatch {

@@ -24,10 +24,6 @@ impl DeviceKind {
     pub const ALL: [Self; 3] = [Self::Cpu, Self::Cuda, Self::Wgpu];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-            Self::Cuda => "cuda",
-            Self::Wgpu => "wgpu",
-        }
+        ["cpu", "cuda", "wgpu"][self as usize]
     }
 }

@@ -40,11 +40,7 @@ impl Boxes {
 
     /// Its name in options and files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Strongest => "strongest",
-            Self::All => "all",
-            Self::Overlap => "overlap",
-        }
+        ["strongest", "all", "overlap"][self as usize]
     }
 }
 

@@ -358,12 +358,10 @@ fn follow(
     Ok(is_decided)
 }
 
-/// Looks at the pairs, says what they say, and whether they are enough.
+/// Whether the pairs are enough.
 fn asked(question: Option<&Question>, capture: &Capture, terminal: &mut TerminalLog) -> Result<bool> {
-    let Some(question) = question else { return Ok(false) };
-    let pairs = question.ask(capture.guidance())?;
-    terminal.standing(&pairs, capture.guidance())?;
-    Ok(pairs.is_decided)
+    let pairs = question.map(|question| question.ask(capture.guidance(), terminal));
+    Ok(pairs.transpose()?.is_some_and(|pairs| pairs.is_decided))
 }
 
 /// The end of a capture whose question is decided: open views are not needed.

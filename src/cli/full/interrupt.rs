@@ -1,27 +1,31 @@
 //! Ctrl-C while programs of others run for this one.
 
+/// Waits for signals in a thread of its own; without a runtime for that, they end the program as they always do.
+pub(super) fn in_background(waiting: impl Future<Output = ()> + Send + 'static) {
+    std::thread::spawn(|| {
+        if let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() {
+            runtime.block_on(waiting);
+        }
+    });
+}
+
 /// Ends them before an interruption ends this program.
 #[cfg(unix)]
 pub(in crate::cli) fn end_programs_first() {
     use tokio::signal::unix::{SignalKind, signal};
 
-    std::thread::spawn(|| {
-        let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else {
+    in_background(async {
+        let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
+        let [Ok(mut interrupt), Ok(mut terminate), Ok(mut hangup)] = kinds.map(signal) else {
             return;
         };
-        runtime.block_on(async {
-            let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
-            let [Ok(mut interrupt), Ok(mut terminate), Ok(mut hangup)] = kinds.map(signal) else {
-                return;
-            };
-            let number = tokio::select! {
-                _ = interrupt.recv() => 2,
-                _ = terminate.recv() => 15,
-                _ = hangup.recv() => 1,
-            };
-            scaleproof_detect::kill_programs();
-            std::process::exit(128 + number);
-        });
+        let number = tokio::select! {
+            _ = interrupt.recv() => 2,
+            _ = terminate.recv() => 15,
+            _ = hangup.recv() => 1,
+        };
+        scaleproof_detect::kill_programs();
+        std::process::exit(128 + number);
     });
 }
 

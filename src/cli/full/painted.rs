@@ -59,12 +59,8 @@ pub(super) fn run(
         vec![table(&made.painted, &made.areas, "all pieces")],
         vec!["paint 1 is the base coat: it is sprayed on everything first, without a stencil".to_owned()],
     ];
-    told(
-        as_json,
-        written(&files, facts(model, &made)),
-        words.concat().join("\n"),
-        out,
-    )
+    let words = words.concat().join("\n");
+    told(as_json, written(&files, facts(model, &made)), words, out)
 }
 
 /// `print wrap --paints --json`.
@@ -93,29 +89,17 @@ pub(in crate::cli) struct Answer {
 /// A piece of the model's surface, and its stencils.
 #[derive(Serialize, JsonSchema)]
 struct StencilledPiece {
-    /// Its number, from 1.
-    piece: usize,
-    /// The sheet it is on, from 1.
-    sheet: usize,
-    /// Area of the surface.
-    surface_mm2: f64,
-    /// Area on paper.
-    flat_mm2: f64,
+    #[serde(flatten)]
+    piece: pieces::PieceAnswer,
     /// The paints that it has a stencil of, from 1.
     stencils: Vec<usize>,
 }
 
 fn facts(model: &Model, made: &PaintedPieces) -> Answer {
-    let pieces = made.pieces.iter().zip(&made.places).enumerate();
-    let pieces = pieces.map(|(i, (piece, place))| {
+    let pieces = pieces::each(&made.pieces, &made.places).enumerate().map(|(i, piece)| {
         let stencils = made.stencils.iter().filter(|stencil| stencil.piece == i);
-        StencilledPiece {
-            piece: i + 1,
-            sheet: place.page + 1,
-            surface_mm2: piece.surface_mm2,
-            flat_mm2: piece.region.area_mm2(),
-            stencils: stencils.map(|stencil| stencil.paint + 1).collect(),
-        }
+        let stencils = stencils.map(|stencil| stencil.paint + 1).collect();
+        StencilledPiece { piece, stencils }
     });
     Answer {
         paints: paint_facts(&made.painted, &made.areas),

@@ -16,6 +16,7 @@ use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchImage, patches};
 use scaleproof_print::print::{paper, wrap};
 use scaleproof_surface::pattern::world_aligned::Side;
+use scaleproof_surface::texture::PlacedPatch;
 
 #[derive(clap::Args)]
 pub(crate) struct PatchArgs {
@@ -85,19 +86,10 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
         size_mm: patch.size_mm.into(),
         off_panel_share: *off,
     });
-    let facts = written(
-        &files,
-        Answer {
-            patches: patches.collect(),
-        },
-    );
+    let patches = patches.collect();
     let (path, pages) = (files[0].0.display(), count(made.pages.len(), "page"));
-    told(
-        args.json,
-        facts,
-        format_args!("{path}: {pages} of panels and patches; print at 100 %"),
-        out,
-    )
+    let words = format!("{path}: {pages} of panels and patches; print at 100 %");
+    told(args.json, written(&files, Answer { patches }), words, out)
 }
 
 /// `print patch --json`.
@@ -146,6 +138,17 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
         })
     };
     (0..count).map(one).collect()
+}
+
+/// The patches as a texture has them.
+pub(crate) fn placed(patches: &[PanelPatch]) -> Vec<PlacedPatch> {
+    let patches = patches.iter().map(|patch| PlacedPatch {
+        image: patch.image.shared(),
+        side: patch.side,
+        at_mm: patch.at_mm,
+        size_mm: patch.size_mm,
+    });
+    patches.collect()
 }
 
 fn place(text: &str) -> Result<[f64; 2]> {

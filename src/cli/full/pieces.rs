@@ -14,7 +14,7 @@ use crate::cli::print::{PaperArgs, write_files};
 use crate::cli::{Result, progress};
 use scaleproof_plot::lettering;
 use scaleproof_surface::texture::Texture;
-use scaleproof_wrap::pieces::{PiecesRequest, PrintedPieces, flattened, pieces, reason};
+use scaleproof_wrap::pieces::{Piece, PiecesRequest, Place, PrintedPieces, flattened, pieces, reason};
 use scaleproof_wrap::unwrap::LeftOut;
 
 /// How the model is cut into pieces, and what is printed of them.
@@ -141,7 +141,7 @@ pub(in crate::cli) struct PiecesAnswer {
 
 /// A piece of the model's surface.
 #[derive(Serialize, JsonSchema)]
-struct PieceAnswer {
+pub(super) struct PieceAnswer {
     /// Its number, from 1.
     piece: usize,
     /// The sheet it is on, from 1.
@@ -161,16 +161,9 @@ pub(super) struct LeftOutPaint {
 }
 
 fn facts(model: &Model, made: &PrintedPieces) -> PiecesAnswer {
-    let pieces = made.pieces.iter().zip(&made.places).enumerate();
-    let pieces = pieces.map(|(i, (piece, place))| PieceAnswer {
-        piece: i + 1,
-        sheet: place.page + 1,
-        surface_mm2: piece.surface_mm2,
-        flat_mm2: piece.region.area_mm2(),
-    });
     PiecesAnswer {
         model_size_mm: model.mesh.size_mm(),
-        pieces: pieces.collect(),
+        pieces: each(&made.pieces, &made.places).collect(),
         sheets: made.sheets(),
         page_mm: [made.frame.page.width_mm, made.frame.page.height_mm],
         seams: made.seams.len(),
@@ -183,6 +176,17 @@ fn facts(model: &Model, made: &PrintedPieces) -> PiecesAnswer {
         stretch_99: made.stretch_99,
         largest_stretch: made.largest_stretch,
     }
+}
+
+/// The pieces, each with its place on the sheets.
+pub(super) fn each(pieces: &[Piece], places: &[Place]) -> impl Iterator<Item = PieceAnswer> {
+    let placed = pieces.iter().zip(places).enumerate();
+    placed.map(|(i, (piece, place))| PieceAnswer {
+        piece: i + 1,
+        sheet: place.page + 1,
+        surface_mm2: piece.surface_mm2,
+        flat_mm2: piece.region.area_mm2(),
+    })
 }
 
 /// Paint that is on no piece, and why.

@@ -10,15 +10,14 @@ use serde::Serialize;
 use super::attack::{azimuths, size};
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::{Model, ModelArgs};
-use crate::cli::full::patch::{PlaceArgs, asked};
+use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::full::texture::TextureArgs;
 use crate::cli::print::write_files;
 use crate::cli::{CommandResult, Result, progress, units};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
-use scaleproof_print::print::patch::PanelPatch;
-use scaleproof_surface::texture::{MappedImages, PlacedPatch, Texture};
+use scaleproof_surface::texture::{MappedImages, Texture};
 use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
 
 /// What has no colour of its own in a preview.
@@ -105,7 +104,9 @@ impl PaintedArgs {
             None => Texture::Flat(PAPER),
             Some(_) => self.texture.load(&model)?.texture,
         };
-        Ok((model, with_patches(below, &asked(&self.places)?)))
+        // Finished textures in their places, over another texture.
+        let patches = placed(&asked(&self.places)?);
+        Ok((model, Texture::Patches(Box::new(below), patches)))
     }
 
     fn inputs(&self) -> Vec<Option<&Path>> {
@@ -231,15 +232,4 @@ fn rest(model: &Model) -> Texture {
         Ok(mapped) if !materials.is_empty() => Texture::Images(mapped.images),
         _ => Texture::Flat(GREY),
     }
-}
-
-/// Finished textures in their places, over another texture.
-fn with_patches(below: Texture, patches: &[PanelPatch]) -> Texture {
-    let placed = patches.iter().map(|patch| PlacedPatch {
-        image: patch.image.shared(),
-        side: patch.side,
-        at_mm: patch.at_mm,
-        size_mm: patch.size_mm,
-    });
-    Texture::Patches(Box::new(below), placed.collect())
 }

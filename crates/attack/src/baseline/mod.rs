@@ -23,7 +23,7 @@ use super::run::history::Entry;
 use super::run::judge::{confidence, judge};
 use super::run::view_set::{TextureMapping, ViewSet};
 use super::run::{Rgb, RunError, batch};
-use scaleproof_gradients::{MEETS_IOU, WhiteBox};
+use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 
 /// Everything a search depends on.
@@ -117,7 +117,7 @@ impl<'a> BlackBox<'a> {
             let mut sum = 0.0;
             for detector in self.detectors {
                 let seen = (view, textured.augmented.image.as_slice(), &textured.outline);
-                let answer = confidence(self.view_set, detector.as_ref(), seen, MEETS_IOU);
+                let answer = confidence(self.view_set, detector.as_ref(), seen);
                 if answer.is_err() {
                     self.save()?;
                 }

@@ -1,41 +1,16 @@
 //! Finished patches in their places on a model of one colour: the paint of each pixel, from the positions of a frame's
 //! paint.
 
-use image::RgbImage;
-
 use crate::run::judge::{HeldOutFigures, judge_images};
 use crate::run::{Rgb, RunError};
 use crate::setup::Setup;
 use scaleproof_frames::frames::{Frame, FrameSet, FramesError, SurfacePoint, light};
-use scaleproof_surface::pattern::world_aligned::Side;
+use scaleproof_surface::texture::PlacedPatch;
 
-/// An image on one side of the model. The hood is part of the roof's side: both look up.
-#[derive(Debug, Clone)]
-pub struct PlacedPatch {
-    pub image: RgbImage,
-    pub side: Side,
-    /// The middle of the patch in the side's (u, v), mm, as `print patch` takes it.
-    pub at_mm: [f64; 2],
-    pub size_mm: [f64; 2],
-}
-
-impl PlacedPatch {
-    /// The reflectance at a point of the surface; `None` beside the patch.
-    fn colour(&self, point: &SurfacePoint) -> Option<Rgb> {
-        let side = point.side.filter(|side| *side == self.side)?;
-        let [u, v] = side.project(&point.place_mm.into());
-        let share = [
-            (u - self.at_mm[0]) / self.size_mm[0] + 0.5,
-            0.5 - (v - self.at_mm[1]) / self.size_mm[1],
-        ];
-        let inside = share.iter().all(|s| (0.0..1.0).contains(s));
-        let texel = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count - 1);
-        inside.then(|| {
-            let (width, height) = self.image.dimensions();
-            let texel = self.image.get_pixel(texel(share[0], width), texel(share[1], height));
-            light::linear_of(texel.0)
-        })
-    }
+/// The reflectance at a point of the surface; `None` beside the patch. The hood is part of the roof's side: both look up.
+fn colour(patch: &PlacedPatch, point: &SurfacePoint) -> Option<Rgb> {
+    let rgb = patch.colour_at(point.side?, &point.place_mm.into())?;
+    Some(light::linear_of(rgb))
 }
 
 /// Does any of it lie on the paint that a frame shows? `None` for a frame without positions.
@@ -44,7 +19,7 @@ impl PlacedPatch {
 /// Images that cannot be read.
 pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
     let points = set.surface(frame)?;
-    Ok(points.map(|points| points.iter().any(|point| patch.colour(point).is_some())))
+    Ok(points.map(|points| points.iter().any(|point| colour(patch, point).is_some())))
 }
 
 /// The first of some patches that no judged view shows, if there is one: it would be judged as the plain model. A frame without positions
@@ -98,18 +73,18 @@ pub fn paint(
     };
     let base = light::linear_of(base_rgb);
     let (factor, [width, height]) = (about.factor as usize, set.list.size_px.map(|px| px as usize));
-    let colour = |point: &SurfacePoint| {
+    let seen_colour = |point: &SurfacePoint| {
         patches
             .iter()
             .rev()
-            .find_map(|patch| patch.colour(point))
+            .find_map(|patch| colour(patch, point))
             .unwrap_or(base)
     };
     let pixel = |i: usize| {
         let (x, y) = (i % width, i / width);
         let parts = (0..factor * factor).map(|i| (x * factor + i % factor, y * factor + i / factor));
         let parts = parts.map(|(x, y)| &points[y * width * factor + x]);
-        let seen: Vec<Rgb> = parts.filter(|point| point.side.is_some()).map(colour).collect();
+        let seen: Vec<Rgb> = parts.filter(|point| point.side.is_some()).map(seen_colour).collect();
         match seen.len() {
             0 => base,
             count => std::array::from_fn(|c| seen.iter().map(|rgb| rgb[c]).sum::<f64>() / count as f64),

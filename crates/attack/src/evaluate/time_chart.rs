@@ -40,11 +40,8 @@ pub fn draw(runs: &[RenderedRun]) -> String {
     let all = || runs.iter().flat_map(|run| &run.rendered);
     let detectors = distinct(all().map(|figures| figures.detector.clone()));
     let photos = all().map(|figures| figures.photos).max().unwrap_or(0);
-    let groups = detectors.into_iter().map(|name| {
-        let dots = of_detector(&name, runs, &methods);
-        (name, dots)
-    });
-    let groups = groups.collect();
+    let dots = |name: &String| (name.clone(), of_detector(name, runs, &methods));
+    let groups = detectors.iter().map(dots).collect();
     ap_chart(
         [
             "Patterns: AP@0.5 in rendered photos against time",

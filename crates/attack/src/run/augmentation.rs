@@ -262,7 +262,7 @@ impl AugmentedImage {
             gradient = blur.transposed(&gradient);
         }
         match &self.resample {
-            Some(resample) => resample.transposed(&gradient),
+            Some(resample) => resample.0.transposed(&gradient),
             None => gradient,
         }
     }

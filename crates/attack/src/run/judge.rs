@@ -10,7 +10,7 @@ use scaleproof_core::ap::{ImageBoxes, average_precision};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
 use scaleproof_detect::{CandidateBox, SCORE_FLOOR, suppress};
-use scaleproof_gradients::{Prediction, WhiteBox, strongest};
+use scaleproof_gradients::{MEETS_IOU, Prediction, WhiteBox, strongest};
 
 /// What the detectors say of predicted images of held-out views: means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -114,7 +114,7 @@ pub fn look(
     Ok(seen)
 }
 
-/// The highest confidence of a box that overlaps the model so much; 0 where there is none.
+/// The highest confidence of a box that meets the model; 0 where there is none.
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
@@ -122,10 +122,9 @@ pub fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
     (view, image, outline): (usize, &[Rgb], &BoxPx),
-    least_iou: f64,
 ) -> Result<f64, RunError> {
     let predictions = predictions(view_set, detector, (view, image))?;
-    Ok(strongest(&predictions, outline, least_iou).map_or(0.0, |i| predictions[i].confidence))
+    Ok(strongest(&predictions, outline, MEETS_IOU).map_or(0.0, |i| predictions[i].confidence))
 }
 
 /// What a detector says of an image, every confidence a number.

@@ -6,9 +6,10 @@ use scaleproof_gradients::separable::{Separable, Tap};
 /// What surrounds an image that was made smaller: the grey that detectors pad with.
 pub const AROUND: f64 = 114.0 / 255.0;
 
-/// A separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias.
+/// A separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias. Its transpose is that of the map
+/// in it: what surrounds the image is constant.
 #[derive(Debug, Clone)]
-pub struct Resample(Separable);
+pub struct Resample(pub Separable);
 
 impl Resample {
     /// `scale` above 1 enlarges; `offset_px` moves right and down.
@@ -24,11 +25,6 @@ impl Resample {
         let mut augmented = self.0.forward(&from_grey);
         augmented.iter_mut().flatten().for_each(|v| *v += AROUND);
         augmented
-    }
-
-    /// The transposed map.
-    pub fn transposed(&self, image: &[Rgb]) -> Vec<Rgb> {
-        self.0.transposed(image)
     }
 }
 

@@ -12,7 +12,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
 use scaleproof_frames::frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
-use scaleproof_frames::surrogate::projection::{Grid, Projection, Sampling, repeated};
+use scaleproof_frames::surrogate::projection::{Grid, Projection, repeated};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use scaleproof_gradients::{WhiteBox, WhiteBoxError};
 use scaleproof_surface::pattern::world_aligned::Side;
@@ -199,8 +199,8 @@ impl ViewSet {
             Place::World(choice) => (Cow::Borrowed(picked(choice, draw.laid)), draw.jitter.shift_tiles),
             // The shift is the projection's own there.
             Place::Repeated(mask) => {
-                let (list, frame, nearest) = (&self.lists[view.list], &view.frame, Sampling::Nearest);
-                let textured = repeated::project(list, frame, mask, &self.grid, nearest, &draw.jitter);
+                let list = &self.lists[view.list];
+                let textured = repeated::project(list, &view.frame, mask, &self.grid, &draw.jitter);
                 (Cow::Owned(textured), [0.0, 0.0])
             }
         };
@@ -315,14 +315,14 @@ fn load(
     let place = match mapping {
         TextureMapping::Repeated => Place::Repeated(mask),
         TextureMapping::World | TextureMapping::Sides => {
-            let how = (Sampling::Nearest, mapping == TextureMapping::Sides);
+            let of_sides = mapping == TextureMapping::Sides;
             // The true place, and others for the view of this number, the same in every run.
             let mut rng = Pcg32::seed_from_u64(view as u64);
             let mut places = vec![Misplacement::NONE];
             if eot.misplaces() {
                 places.extend((0..MISPLACED).map(|_| eot.misplaced(&mut rng)));
             }
-            let projections = world::project_misplaced(set, frame, grid, how, &places)?;
+            let projections = world::project(set, frame, grid, of_sides, &places)?;
             Place::World(projections.ok_or_else(|| RunError::NoPositions { view: name() })?)
         }
     };

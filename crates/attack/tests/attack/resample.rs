@@ -14,7 +14,7 @@ fn the_transposed_map_is_the_transposed_map() {
         let product =
             |a: &[Rgb], b: &[Rgb]| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum() };
         let forward = product(&map.forward(&x), &y) - product(&zero, &y);
-        assert!((forward - product(&x, &map.transposed(&y))).abs() < 1e-9, "{scale}");
+        assert!((forward - product(&x, &map.0.transposed(&y))).abs() < 1e-9, "{scale}");
     }
     let flat = Resample::new(size, 0.5, [0.0, 0.0]).forward(&vec![[1.0; 3]; 13 * 9]);
     assert!(

@@ -21,6 +21,27 @@ pub fn encode_grey(image: &GrayImage) -> Result<Vec<u8>, FramesError> {
     png(image.as_raw(), image.dimensions(), ExtendedColorType::L8)
 }
 
+/// The mean of each square of `factor`² pixels of an image in linear light: what a camera with fewer pixels would see. Pixels at the right and
+/// lower border that fill no square are left out.
+pub(crate) fn reduced(
+    mut image: impl ExactSizeIterator<Item = [f32; 3]>,
+    width: usize,
+    factor: usize,
+) -> Vec<[f32; 3]> {
+    let (columns, rows) = (width / factor, image.len() / width / factor);
+    let mut small = vec![[0.0; 3]; columns * rows];
+    let share = 1.0 / (factor * factor) as f32;
+    for y in 0..rows * factor {
+        let row = &mut small[y / factor * columns..][..columns];
+        for (x, pixel) in image.by_ref().take(width).enumerate() {
+            if let Some(sum) = row.get_mut(x / factor) {
+                (0..3).for_each(|c| sum[c] += share * pixel[c]);
+            }
+        }
+    }
+    small
+}
+
 /// `linear`: RGB in linear light, 1 is white, row by row.
 pub fn encode_linear(linear: &[[f32; 3]], size_px: [u32; 2], linear_max: f64) -> Result<Vec<u8>, FramesError> {
     let level = |v: f32| (f64::from(v) / linear_max * 65535.0).round().clamp(0.0, 65535.0) as u16;

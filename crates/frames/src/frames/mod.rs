@@ -44,6 +44,7 @@ mod read;
 pub mod render;
 pub mod shaded;
 
+pub(crate) use images::reduced;
 pub use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};
 pub use read::{outline, syntax};
 
@@ -205,11 +206,6 @@ impl FrameList {
     /// The camera of all frames.
     pub fn camera(&self) -> Camera {
         self.camera.camera(self.size_px)
-    }
-
-    /// Pixels of a frame.
-    pub fn pixels(&self) -> usize {
-        self.size_px[0] as usize * self.size_px[1] as usize
     }
 
     /// Where the camera stood.

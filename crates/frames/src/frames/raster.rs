@@ -15,15 +15,6 @@ const BEHIND_PX: f64 = 3.0;
 /// Around the model where its outline is looked at.
 const MARGIN_PX: i64 = 2;
 
-/// Pixels of an image, or of a part that reaches beyond it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RasterWindow {
-    pub left: i64,
-    pub top: i64,
-    pub width: usize,
-    pub height: usize,
-}
-
 /// What a pixel's centre shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
@@ -39,31 +30,26 @@ pub struct Raster<'a> {
     /// `T_camera_model`.
     pose: Rigid,
     pinhole: Pinhole,
-    window: RasterWindow,
+    /// The first column and how many there are, then the rows: of an image, or of a part that reaches beyond it.
+    window: [(i64, usize); 2],
     hits: Vec<Option<Hit>>,
 }
 
-/// The mesh's corners in an image: pixel and depth.
-struct Seen(Vec<([f64; 2], f64)>);
+/// A corner of the mesh in an image: pixel and depth.
+type Corner = ([f64; 2], f64);
 
-impl Seen {
-    /// `None` when a corner is not before the camera.
-    fn of(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<Self> {
-        let seen = |p: &Point3<f64>| {
-            let p = pose * p;
-            (p.z >= NEAREST_MM).then(|| (pixel(pinhole, &p), p.z))
-        };
-        mesh.points().iter().map(seen).collect::<Option<Vec<_>>>().map(Self)
-    }
-
-    fn outline(&self) -> Option<BoxPx> {
-        BoxPx::around(self.0.iter().map(|(pixel, _)| *pixel))
-    }
+/// The mesh's corners in an image; `None` when one is not before the camera.
+fn corners(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<Vec<Corner>> {
+    let corner = |p: &Point3<f64>| {
+        let p = pose * p;
+        (p.z >= NEAREST_MM).then(|| (pixel(pinhole, &p), p.z))
+    };
+    mesh.points().iter().map(corner).collect()
 }
 
 /// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the camera.
 pub fn outline(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<BoxPx> {
-    Seen::of(mesh, pose, pinhole)?.outline()
+    BoxPx::around(corners(mesh, pose, pinhole)?.into_iter().map(|(pixel, _)| pixel))
 }
 
 /// Pixel of a point in the camera frame.
@@ -82,79 +68,65 @@ pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
 
 impl<'a> Raster<'a> {
     /// What an image of this size shows; `None` when part of the mesh is not before the camera.
-    pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, [width, height]: [usize; 2]) -> Option<Self> {
-        let window = RasterWindow {
-            left: 0,
-            top: 0,
-            width,
-            height,
-        };
-        Some(Self::drawn(
-            mesh,
-            pose,
-            pinhole,
-            window,
-            &Seen::of(mesh, pose, pinhole)?,
-        ))
+    pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
+        let corners = corners(mesh, pose, pinhole)?;
+        Some(Self::drawn((mesh, &corners), pose, pinhole, size.map(|side| (0, side))))
     }
 
     /// The whole mesh, also what lies beyond the image, up to its width and height on each side.
     pub fn whole(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
-        let seen = Seen::of(mesh, pose, pinhole)?;
-        let around = seen.outline()?;
+        let corners = corners(mesh, pose, pinhole)?;
+        let around = BoxPx::around(corners.iter().map(|(pixel, _)| *pixel))?;
         let span = |low: f64, high: f64, size: usize| {
             let (least, most) = (-(size as i64), 2 * size as i64);
             let low = (low.floor() as i64 - MARGIN_PX).clamp(least, most);
-            (
-                low,
-                ((high.ceil() as i64 + MARGIN_PX).clamp(least, most) - low) as usize,
-            )
+            let high = (high.ceil() as i64 + MARGIN_PX).clamp(least, most);
+            (low, (high - low) as usize)
         };
-        let (left, width) = span(around.x1, around.x2, size[0]);
-        let (top, height) = span(around.y1, around.y2, size[1]);
-        let window = RasterWindow {
-            left,
-            top,
-            width,
-            height,
-        };
-        Some(Self::drawn(mesh, pose, pinhole, window, &seen))
+        let window = [span(around.x1, around.x2, size[0]), span(around.y1, around.y2, size[1])];
+        Some(Self::drawn((mesh, &corners), pose, pinhole, window))
     }
 
-    fn drawn(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, window: RasterWindow, seen: &Seen) -> Self {
+    fn drawn(
+        (mesh, corners): (&'a Mesh, &[Corner]),
+        pose: &Rigid,
+        pinhole: &Pinhole,
+        window: [(i64, usize); 2],
+    ) -> Self {
         let mut raster = Self {
             mesh,
             pose: *pose,
             pinhole: *pinhole,
             window,
-            hits: vec![None; window.width * window.height],
+            hits: vec![None; window[0].1 * window[1].1],
         };
         for (index, triangle) in mesh.triangles().iter().enumerate() {
-            raster.fill(index, triangle.corners.map(|corner| seen.0[corner]));
+            raster.fill(index, triangle.corners.map(|corner| corners[corner]));
         }
         raster
     }
 
     /// Draws one triangle where it is the nearest so far: 1/z is linear in the image.
-    fn fill(&mut self, triangle: usize, corners: [([f64; 2], f64); 3]) {
+    fn fill(&mut self, triangle: usize, corners: [Corner; 3]) {
         let [a, b, c] = corners.map(|(pixel, _)| pixel);
         let Some(flat) = PlaneTriangle::new([a, b, c]) else {
             return;
         };
-        let w = self.window;
-        let span = |axis: usize, from: i64, size: usize| {
+        let [(left, width), (top, _)] = self.window;
+        let span = |axis: usize| {
+            let (from, size) = self.window[axis];
             let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
             let clamp = |v: f64| v.clamp(from as f64, (from + size as i64) as f64) as i64;
             clamp(low.ceil())..clamp(high.floor() + 1.0)
         };
-        for y in span(1, w.top, w.height) {
-            for x in span(0, w.left, w.width) {
+        for y in span(1) {
+            for x in span(0) {
                 let Some(shares) = flat.barycentric([x as f64, y as f64]) else {
                     continue;
                 };
                 let nearness: f64 = shares.iter().zip(corners).map(|(share, (_, z))| share / z).sum();
                 let depth_mm = 1.0 / nearness;
-                let hit = &mut self.hits[(y - w.top) as usize * w.width + (x - w.left) as usize];
+                let hit = &mut self.hits[(y - top) as usize * width + (x - left) as usize];
                 if hit.is_none_or(|h| depth_mm < h.depth_mm) {
                     *hit = Some(Hit { depth_mm, triangle });
                 }
@@ -164,10 +136,10 @@ impl<'a> Raster<'a> {
 
     /// What a pixel shows; nothing beyond the window.
     pub fn at(&self, x: i64, y: i64) -> Option<Hit> {
-        let (column, row) = (x - self.window.left, y - self.window.top);
-        let is_inside =
-            (0..self.window.width as i64).contains(&column) && (0..self.window.height as i64).contains(&row);
-        is_inside.then(|| self.hits[row as usize * self.window.width + column as usize])?
+        let [(left, width), (top, height)] = self.window;
+        let (column, row) = (x - left, y - top);
+        let is_inside = (0..width as i64).contains(&column) && (0..height as i64).contains(&row);
+        is_inside.then(|| self.hits[row as usize * width + column as usize])?
     }
 
     /// The surface point (model frame, mm) at a pixel's centre.

@@ -70,8 +70,7 @@ impl FrameSet {
     /// # Errors
     /// A file that is missing, damaged or of another size.
     pub fn rgb(&self, frame: &Frame) -> Result<RgbImage, FramesError> {
-        self.image(&frame.rgb, "rgb image", ColorType::Rgb8)
-            .map(image::DynamicImage::into_rgb8)
+        Ok(self.image(&frame.rgb, "rgb image", ColorType::Rgb8)?.into_rgb8())
     }
 
     /// How much of each pixel the model covers.
@@ -79,8 +78,7 @@ impl FrameSet {
     /// # Errors
     /// As of [`FrameSet::rgb`].
     pub fn object_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
-        self.image(&frame.object_mask, "object mask", ColorType::L8)
-            .map(image::DynamicImage::into_luma8)
+        self.coverage(&frame.object_mask, "object mask")
     }
 
     /// How much of each pixel the paint covers.
@@ -88,8 +86,7 @@ impl FrameSet {
     /// # Errors
     /// As of [`FrameSet::rgb`].
     pub fn paint_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
-        self.image(&frame.paint_mask, "paint mask", ColorType::L8)
-            .map(image::DynamicImage::into_luma8)
+        self.coverage(&frame.paint_mask, "paint mask")
     }
 
     /// Linear light, row by row; `None` where the frame has none.
@@ -177,6 +174,10 @@ impl FrameSet {
             content(&frame.object_mask, message)
         })?;
         Ok(())
+    }
+
+    fn coverage(&self, file: &str, key: &str) -> Result<Coverage, FramesError> {
+        Ok(self.image(file, key, ColorType::L8)?.into_luma8())
     }
 
     fn image(&self, file: &str, key: &str, kind: ColorType) -> Result<image::DynamicImage, FramesError> {

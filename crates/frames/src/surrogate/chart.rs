@@ -4,7 +4,7 @@ use image::RgbImage;
 use serde::Serialize;
 
 use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
-use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use crate::surrogate::projection::{Grid, Projection, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
 use scaleproof_core::workers::fastest;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
@@ -95,52 +95,41 @@ struct PatternTest {
 type Fitted = Result<(Box<dyn Renderer>, Option<f64>, f64), SurrogateChartError>;
 
 /// A model and what it is given.
-struct Method<'a> {
-    name: String,
-    /// Images of a view that it is given.
-    references: usize,
-    network: Option<&'a dyn NeuralRenderer>,
-    /// The model of a view.
-    fit: Box<dyn Fn(&View) -> Fitted + 'a>,
+enum Method<'a> {
+    /// A closed form, and how many of the references, from the first on.
+    ClosedForm(ClosedForm, usize),
+    /// A network, and which one of the references.
+    Network(&'a dyn NeuralRenderer, usize),
 }
 
 impl<'a> Method<'a> {
-    /// A closed form, given the first so many references.
-    fn closed_form(kind: ClosedForm, references: usize) -> Self {
-        let fit = move |view: &View| {
-            let (model, ms) = fastest(|| PerPixel::fit(kind, &view.flats[..references]));
-            let model = model?;
-            let power = model.tone().map(|tone| tone.power);
-            Ok((Box::new(model) as Box<dyn Renderer>, power, ms))
-        };
-        Self {
-            name: kind.name().to_owned(),
-            references,
-            network: None,
-            fit: Box::new(fit),
-        }
-    }
-
     /// A network, given the first of these references that it was trained to start from.
     fn trained(network: &'a dyn NeuralRenderer, references: &[[u8; 3]]) -> Result<Self, SurrogateChartError> {
-        let (name, wanted) = (network.name(), network.references());
+        let wanted = network.references();
         let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
         let reference = found.ok_or_else(|| SurrogateChartError::OtherReference {
-            network: name.clone(),
+            network: network.name(),
             wanted: Vec::from_iter(wanted.iter().map(|rgb| light::to_hex(*rgb))).join(" or "),
         })?;
-        let fit = move |view: &View| {
-            let (model, ms) = fastest(|| network.of_view(&view.flats[reference].image, &view.mask));
-            let network = network.name();
-            let model = model.map_err(|reason| SurrogateChartError::Network { network, reason })?;
-            Ok((model, None, ms))
-        };
-        Ok(Self {
-            name,
-            references: 1,
-            network: Some(network),
-            fit: Box::new(fit),
-        })
+        Ok(Self::Network(network, reference))
+    }
+
+    /// The model of a view.
+    fn fit(&self, view: &View) -> Fitted {
+        match *self {
+            Self::ClosedForm(kind, references) => {
+                let (model, ms) = fastest(|| PerPixel::fit(kind, &view.flats[..references]));
+                let model = model?;
+                let power = model.tone().map(|tone| tone.power);
+                Ok((Box::new(model), power, ms))
+            }
+            Self::Network(network, reference) => {
+                let (model, ms) = fastest(|| network.of_view(&view.flats[reference].image, &view.mask));
+                let network = network.name();
+                let model = model.map_err(|reason| SurrogateChartError::Network { network, reason })?;
+                Ok((model, None, ms))
+            }
+        }
     }
 }
 
@@ -157,7 +146,7 @@ pub fn measure(
 ) -> Result<Vec<SurrogateFigures>, SurrogateChartError> {
     let closed = ClosedForm::ALL.into_iter().flat_map(|kind| {
         let counts = kind.least_colours()..=references.len();
-        counts.map(move |count| Ok(Method::closed_form(kind, count)))
+        counts.map(move |count| Ok(Method::ClosedForm(kind, count)))
     });
     let trained = networks.iter().map(|network| Method::trained(*network, references));
     let methods = closed.chain(trained).collect::<Result<Vec<_>, _>>()?;
@@ -170,11 +159,14 @@ pub fn measure(
         on_view();
     }
     let rows = methods.into_iter().zip(measured).map(|(method, m)| {
-        let network = method.network;
+        let (model, references, network) = match method {
+            Method::ClosedForm(kind, references) => (kind.name().to_owned(), references, None),
+            Method::Network(network, _) => (network.name(), 1, Some(network)),
+        };
         Some(SurrogateFigures {
-            model: method.name,
+            model,
             training_seconds: network.map(|n| n.training_seconds()),
-            references: method.references,
+            references,
             trained_references: network.map(|n| n.references().len()),
             views: m.fit_ms.len(),
             frames: m.paint.len(),
@@ -213,11 +205,12 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
             let grid = Grid::new([pattern.columns(), pattern.rows()], tile_mm);
             let cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();
             let textured = |projection: Projection| projection.forward(&cells);
-            let (nearest, calibrated) = (Sampling::Nearest, &repeated::Jitter::NONE);
+            let calibrated = &repeated::Jitter::NONE;
+            let of_world = world::project(set, frame, &grid, false, &[world::Misplacement::NONE])?;
             patterns.push(PatternTest {
                 image: set.rgb(frame)?,
-                world: world::project(set, frame, &grid, (nearest, false))?.map(textured),
-                repeated: textured(repeated::project(&set.list, frame, &mask, &grid, nearest, calibrated)),
+                world: of_world.and_then(|all| all.into_iter().next()).map(textured),
+                repeated: textured(repeated::project(&set.list, frame, &mask, &grid, calibrated)),
             });
         }
     }
@@ -230,7 +223,7 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
 }
 
 fn add(method: &Method, view: &View, measured: &mut Measured) -> Result<(), SurrogateChartError> {
-    let (model, power, ms) = (method.fit)(view)?;
+    let (model, power, ms) = method.fit(view)?;
     measured.fit_ms.push(ms);
     measured.power.extend(power);
     for test in &view.tests {

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use image::GrayImage;
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3, Vector6};
 use opencv::core::{Mat, Point2d, Point3d, Vector};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -472,7 +472,10 @@ fn taken() -> Vec<Taken> {
 
 /// The squared Mahalanobis distance of the true pose from the found one: 6 in the mean when the covariance is right.
 fn squared_mahalanobis(located: &Located, truth: &Rigid) -> f64 {
-    let step = rigid::step_between(&located.pose, truth);
+    // The inverse of `rigid::stepped`.
+    let step = truth * located.pose.inverse();
+    let (turn, shift) = (step.rotation.scaled_axis(), step.translation.vector);
+    let step = Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z);
     let inverse = located.uncertainty.covariance.cholesky();
     inverse.map_or(f64::INFINITY, |c| step.dot(&c.solve(&step)))
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use image::RgbImage;
+use nalgebra::Point3;
 
 use super::SurfacePoint;
 use crate::mesh::Mesh;
@@ -28,10 +29,15 @@ impl PlacedPatch {
 
     /// `None` beside the patch.
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> Option<[u8; 3]> {
-        if Side::facing(&mesh.normal_mm2(at.triangle)) != self.side {
+        self.colour_at(Side::facing(&mesh.normal_mm2(at.triangle)), &at.place_mm(mesh))
+    }
+
+    /// The colour at a place (model frame, mm) of a surface that looks to a side; `None` beside the patch.
+    pub fn colour_at(&self, side: Side, place_mm: &Point3<f64>) -> Option<[u8; 3]> {
+        if side != self.side {
             return None;
         }
-        let [u, v] = self.side.project(&at.place_mm(mesh));
+        let [u, v] = self.side.project(place_mm);
         let across = (u - self.at_mm[0]) / self.size_mm.0 + 0.5;
         let down = 0.5 - (v - self.at_mm[1]) / self.size_mm.1;
         let pixel = |share: f64, count: u32| {

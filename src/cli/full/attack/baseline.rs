@@ -9,9 +9,9 @@ use super::networks;
 use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
 use crate::cli::answer::told;
-use crate::cli::full::patch::{self, PlaceArgs};
+use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::{CommandResult, Result, progress};
-use scaleproof_attack::baseline::patches::{PlacedPatch, first_unseen, judge_patches};
+use scaleproof_attack::baseline::patches::{first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
@@ -19,6 +19,7 @@ use scaleproof_attack::run::judge::{HeldOutFigures, judge};
 use scaleproof_attack::run::view_set::TextureMapping;
 use scaleproof_attack::run::{Rgb, checkpoint, of_pattern, srgb};
 use scaleproof_core::files;
+use scaleproof_print::print::patch::check;
 use scaleproof_surface::pattern::Pattern;
 
 #[derive(Subcommand)]
@@ -191,7 +192,9 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
         return Err("patches have no cells: leave --cells out".into());
     }
     let base = hex(&args.flat)?;
-    let patches = placed(&args.places)?;
+    let asked = asked(&args.places)?;
+    asked.iter().try_for_each(check)?;
+    let patches = placed(&asked);
     refuse_other_results(&args.on)?;
     let setup = args.on.open("patches", false, &Eot::NONE)?;
     if let Some(unseen) = first_unseen(&setup, &patches)? {
@@ -206,22 +209,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
     files::write_atomically(&path, &content)?;
-    let words = format!(
-        "{}{}",
-        path.display(),
-        figures_in_words(&setup, &history, &args.on.class)
-    );
+    let figures = figures_in_words(&setup, &history, &args.on.class);
+    let words = format!("{}{figures}", path.display());
     told(args.on.json, args.on.made(&history, None), words, out)
-}
-
-fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>> {
-    let asked = patch::asked(places)?;
-    asked.iter().try_for_each(scaleproof_print::print::patch::check)?;
-    let of = |patch: scaleproof_print::print::patch::PanelPatch| PlacedPatch {
-        image: patch.image.pixels().clone(),
-        side: patch.side,
-        at_mm: patch.at_mm,
-        size_mm: patch.size_mm.into(),
-    };
-    Ok(asked.into_iter().map(of).collect())
 }

@@ -98,8 +98,9 @@ pub(in crate::cli) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
-    mesh_file(&args.model)?;
+    let mesh = mesh_file(&args.model)?;
     let model = args.model.load()?;
+    let scale = model.scale;
     let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
@@ -109,7 +110,9 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let python = || blender::find(&cache(), progress::announce);
     progress::frames("rendering", evaluation.photos().len())
         .during(|bar| evaluation.render(&folder, python, |done| bar.set_position(done as u64)))?;
-    args.write_session(&evaluation, &folder)?;
+    // The scene and the list of photos.
+    let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
+    evaluation.write_session(&folder, (&name, &args.class, scale))?;
     let mut scores = args.scores(&folder, detectors)?;
     scores.patterns = worn;
     let tables = report::Evaluation {
@@ -232,13 +235,6 @@ impl EvaluateArgs {
             return Err(format!("{path} was not scored, so that the tables would not be whole: {reason}").into());
         }
         Ok(scores)
-    }
-
-    /// The scene and the list of photos.
-    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<()> {
-        let mesh = mesh_file(&self.model)?;
-        let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
-        Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }
 }
 

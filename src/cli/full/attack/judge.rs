@@ -49,12 +49,10 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
     told(args.on.json, &judgement, table(&judgement), out)
 }
 
-/// What a pattern is called, where it lies, and the pattern.
-type Loaded<'a> = (String, &'a Path, Pattern);
-
 impl JudgeArgs {
-    fn loaded(&self) -> Result<Vec<Loaded<'_>>> {
-        let mut loaded = Vec::<Loaded>::new();
+    /// What each pattern is called, where it lies, and the pattern.
+    fn loaded(&self) -> Result<Vec<(String, &Path, Pattern)>> {
+        let mut loaded = Vec::<(String, &Path, Pattern)>::new();
         for text in &self.patterns {
             let (name, path) = named(text);
             if name.is_empty() || name.chars().any(char::is_control) {

@@ -66,8 +66,7 @@ pub(super) fn white_boxes(
     for manifest in detectors::chosen(names)? {
         let labels = manifest.counted(class.labels())?;
         let path = folders.checked(&manifest)?;
-        let sha256 = manifest.weights.sha256.chars().take(12).collect::<String>();
-        named.push(format!("{} {sha256}", manifest.name));
+        named.push(format!("{} {:.12}", manifest.name, manifest.weights.sha256));
         all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels, device)?));
     }
     Ok((all, named))

@@ -328,10 +328,7 @@ fn program_box(program: ProgramDetector, class: &Classes, differentiates: bool) 
         return Err(format!("the manifest of {} is not valid: {fault}", manifest.name).into());
     }
     let labels = manifest.counted(class.labels())?;
-    let sha256: String = manifest.weights.sha256.chars().take(12).collect();
-    let name = format!("{} {sha256}", manifest.name);
-    Ok((
-        name,
-        Box::new(ProgramWhiteBox::open(program, manifest, labels, differentiates)?),
-    ))
+    let name = format!("{} {:.12}", manifest.name, manifest.weights.sha256);
+    let detector = ProgramWhiteBox::open(program, manifest, labels, differentiates)?;
+    Ok((name, Box::new(detector)))
 }

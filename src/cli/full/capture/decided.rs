@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::terminal::TerminalLog;
 use crate::cli::compare::inside;
 use crate::cli::results::{Programs, Results};
 use crate::cli::{Result, at_hand, detectors, score as score_command};
@@ -101,9 +102,11 @@ pub(super) struct Question {
 }
 
 impl Question {
+    /// Looks at the pairs, and says what they say.
+    ///
     /// # Errors
     /// The session cannot be read, a detector fails.
-    pub(super) fn ask(&self, guidance: &Guidance) -> Result<PairsSoFar> {
+    pub(super) fn ask(&self, guidance: &Guidance, terminal: &mut TerminalLog) -> Result<PairsSoFar> {
         let mut session = Session::open(&self.folder)?;
         session
             .photos
@@ -124,10 +127,12 @@ impl Question {
             Err(CompareError::NoPair { .. } | CompareError::NothingElse { .. }) => ("no pair yet".into(), false),
             Err(e) => return Err(e.into()),
         };
-        Ok(PairsSoFar {
+        let pairs = PairsSoFar {
             sentence,
             is_decided,
             next,
-        })
+        };
+        terminal.standing(&pairs, guidance)?;
+        Ok(pairs)
     }
 }

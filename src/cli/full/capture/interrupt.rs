@@ -2,6 +2,7 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use crate::cli::full::interrupt::in_background;
 use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
 
 /// What a source gave, and what its camera is set to.
@@ -43,7 +44,7 @@ impl Interruptible {
                 }
             }
         });
-        std::thread::spawn(move || listen(&interrupt));
+        in_background(listen(interrupt));
         Interruptible {
             ask,
             events,
@@ -75,17 +76,12 @@ impl Interruptible {
     }
 }
 
-/// Waits for Ctrl-C; without a runtime for that, Ctrl-C ends the program as it always does.
-fn listen(events: &Sender<InterruptEvent>) {
-    let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else {
-        return;
-    };
-    runtime.block_on(async {
+/// Waits for Ctrl-C.
+async fn listen(events: Sender<InterruptEvent>) {
+    if tokio::signal::ctrl_c().await.is_ok() {
+        let _ = events.send(InterruptEvent::Interrupted);
         if tokio::signal::ctrl_c().await.is_ok() {
-            let _ = events.send(InterruptEvent::Interrupted);
-            if tokio::signal::ctrl_c().await.is_ok() {
-                std::process::exit(130);
-            }
+            std::process::exit(130);
         }
-    });
+    }
 }

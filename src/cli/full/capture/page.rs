@@ -12,7 +12,7 @@ use super::terminal::TerminalLog;
 use crate::cli::Result;
 use crate::cli::answer::answer;
 use scaleproof_capture::capture::{Capture, FrameSource, Guidance};
-use scaleproof_capture::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError, PairsSoFar};
+use scaleproof_capture::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError};
 use scaleproof_pose::scene::Scene;
 
 /// The page in a browser.
@@ -78,11 +78,7 @@ pub(super) fn follow(
     terminal: TerminalLog,
 ) -> Result<bool> {
     let terminal = RefCell::new(terminal);
-    let asked = |question: &Question, guidance: &Guidance| -> Result<PairsSoFar> {
-        let pairs = question.ask(guidance)?;
-        terminal.borrow_mut().standing(&pairs, guidance)?;
-        Ok(pairs)
-    };
+    let asked = |question: &Question, guidance: &Guidance| question.ask(guidance, &mut terminal.borrow_mut());
     let asking =
         question.map(|question| move |guidance: &Guidance| asked(question, guidance).map_err(|e| e.to_string()));
     let ask: Option<AskPairs> = asking.as_ref().map(|ask| ask as AskPairs);

@@ -8,24 +8,18 @@ use scaleproof_core::geometry::rigid::{self, Rigid};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     pub place_m: [f64; 3],
-    /// Nose up.
-    pub pitch_deg: f64,
-    /// Clockwise seen from above.
-    pub yaw_deg: f64,
-    /// Leaning to the right.
-    pub roll_deg: f64,
+    /// Pitch (nose up), yaw (clockwise seen from above) and roll (leaning to the right).
+    pub angles_deg: [f64; 3],
 }
 
 impl Transform {
     pub fn is_finite(&self) -> bool {
-        let angles = [self.pitch_deg, self.yaw_deg, self.roll_deg];
-        self.place_m.iter().chain(&angles).all(|v| v.is_finite())
+        self.place_m.iter().chain(&self.angles_deg).all(|v| v.is_finite())
     }
 
     /// The rotation from the actor's frame into the world's, both left-handed (`carla.Transform.get_matrix`).
     fn rotation(&self) -> Matrix3<f64> {
-        let [(sp, cp), (sy, cy), (sr, cr)] =
-            [self.pitch_deg, self.yaw_deg, self.roll_deg].map(|deg| deg.to_radians().sin_cos());
+        let [(sp, cp), (sy, cy), (sr, cr)] = self.angles_deg.map(|deg| deg.to_radians().sin_cos());
         Matrix3::new(
             cp * cy,
             cy * sp * sr - sy * cr,

@@ -189,15 +189,10 @@ fn transform(array: Array) -> Result<Transform, FrameImportError> {
     })?;
     let not_finite = array.wrong("has a number that is not finite");
     let numbers = array.reals()?;
-    let [x, y, z, pitch_deg, yaw_deg, roll_deg] = numbers[..] else {
+    let Ok([place_m, angles_deg]) = <[[f64; 3]; 2]>::try_from(numbers.as_chunks::<3>().0) else {
         return Err(not_finite);
     };
-    let transform = Transform {
-        place_m: [x, y, z],
-        pitch_deg,
-        yaw_deg,
-        roll_deg,
-    };
+    let transform = Transform { place_m, angles_deg };
     require(transform.is_finite(), || not_finite)?;
     Ok(transform)
 }

@@ -89,18 +89,14 @@ impl Row {
     fn camera(&self) -> carla::Transform {
         carla::Transform {
             place_m: [self.camera_x_m, self.camera_y_m, self.camera_z_m],
-            pitch_deg: self.camera_pitch_deg,
-            yaw_deg: self.camera_yaw_deg,
-            roll_deg: self.camera_roll_deg,
+            angles_deg: [self.camera_pitch_deg, self.camera_yaw_deg, self.camera_roll_deg],
         }
     }
 
     fn vehicle(&self) -> carla::Transform {
         carla::Transform {
             place_m: [self.vehicle_x_m, self.vehicle_y_m, self.vehicle_z_m],
-            pitch_deg: self.vehicle_pitch_deg,
-            yaw_deg: self.vehicle_yaw_deg,
-            roll_deg: self.vehicle_roll_deg,
+            angles_deg: [self.vehicle_pitch_deg, self.vehicle_yaw_deg, self.vehicle_roll_deg],
         }
     }
 }

@@ -5,9 +5,9 @@ use nalgebra::Point3;
 
 use super::views::PhotosOfView;
 use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
-use crate::frames::drawn::{DrawnMesh, level, number, paint_sides, seen_box};
+use crate::frames::drawn::{DrawnMesh, level, number, seen_box};
 use crate::frames::raster::{Raster, outline, ray};
-use crate::frames::{Pinhole, light, require};
+use crate::frames::{Pinhole, light, reduced, require};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_photo::photo::Photo;
 use scaleproof_surface::pattern::world_aligned::Side;
@@ -42,17 +42,7 @@ struct Source<'a> {
     gain: [f64; 3],
 }
 
-impl<'a> Canvas<'a> {
-    pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
-        let sides = paint_sides(&request.mesh, &request.materials);
-        Self {
-            request,
-            size_px,
-            pinhole,
-            sides,
-        }
-    }
-
+impl Canvas<'_> {
     /// `None` when the model is partly behind a camera.
     ///
     /// # Errors
@@ -272,21 +262,14 @@ impl LightImage {
     /// Pixels at the right and lower border that fill no square are left to the last one.
     fn new(photo: &RgbImage, reduction: usize) -> Self {
         let levels: [f32; 256] = std::array::from_fn(|level| light::decode(level as f64 / 255.0) as f32);
-        let (width, height) = (photo.width() as usize / reduction, photo.height() as usize / reduction);
-        let mut pixels = vec![[0.0_f32; 3]; width * height];
-        let share = 1.0 / (reduction * reduction) as f32;
-        for (y, row) in photo.rows().take(height * reduction).enumerate() {
-            for (x, pixel) in row.take(width * reduction).enumerate() {
-                let sum = &mut pixels[y / reduction * width + x / reduction];
-                (0..3).for_each(|c| sum[c] += share * levels[usize::from(pixel.0[c])]);
-            }
-        }
+        let [width, height] = [photo.width(), photo.height()].map(|side| side as usize);
+        let pixels = photo.pixels().map(|p| p.0.map(|level| levels[usize::from(level)]));
         Self {
-            width,
-            height,
+            width: width / reduction,
+            height: height / reduction,
             photo: [photo.width(), photo.height()].map(f64::from),
             reduction,
-            pixels,
+            pixels: reduced(pixels, width, reduction),
         }
     }
 

@@ -23,6 +23,7 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::frames::drawn::paint_sides;
 use crate::frames::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, light, require};
 use draw::Canvas;
 use scaleproof_core::geometry::Rigid;
@@ -178,7 +179,12 @@ pub fn make(
     };
     let size_px = pinhole::size_px(&first.camera, request.width_px);
     let (shared, photos, left_out) = common_pinhole(photos, size_px)?;
-    let canvas = Canvas::new(request, size_px, shared);
+    let canvas = Canvas {
+        request,
+        size_px,
+        pinhole: shared,
+        sides: paint_sides(&request.mesh, &request.materials),
+    };
     require(canvas.sides.iter().any(Option::is_some), || PhotosError::NoPaint)?;
     let (views, without) = views::views(&photos, &request.flats, request.target_mm);
     made.left_out = left_out.into_iter().chain(without).collect();
@@ -192,10 +198,10 @@ pub fn make(
     };
     for (view, images) in views.iter().zip(drawn) {
         match images {
-            Ok(done) => {
-                made.files.extend(done.files);
-                made.views.push(done.view);
-                list.frames.extend(done.frames);
+            Ok((files, frames, view)) => {
+                made.files.extend(files);
+                list.frames.extend(frames);
+                made.views.push(view);
             }
             Err(reason) => made
                 .left_out
@@ -236,12 +242,8 @@ fn common_pinhole(
     Ok((shared, kept, left_out))
 }
 
-/// A view's files and frames.
-struct Done {
-    files: Vec<(PathBuf, Vec<u8>)>,
-    frames: Vec<Frame>,
-    view: FramedView,
-}
+/// The files and frames of a view.
+type Images = (Vec<(PathBuf, Vec<u8>)>, Vec<Frame>, FramedView);
 
 /// `Err` inside is why the view has no frames.
 fn images(
@@ -249,7 +251,7 @@ fn images(
     (number, view): (usize, &PhotosOfView),
     positions: &Positions,
     folder: &Path,
-) -> Result<Result<Done, &'static str>, PhotosError> {
+) -> Result<Result<Images, &'static str>, PhotosError> {
     let Some(drawn) = canvas.draw(view)? else {
         return Ok(Err("part of the model is behind a camera: step back"));
     };
@@ -296,5 +298,5 @@ fn images(
         others: others.collect(),
         paint_seen_by_all: drawn.kept,
     };
-    Ok(Ok(Done { files, frames, view }))
+    Ok(Ok((files, frames, view)))
 }

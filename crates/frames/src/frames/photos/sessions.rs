@@ -93,19 +93,14 @@ pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(),
 }
 
 /// A photo to be located, and the colour it shows.
-pub struct ColouredEntry<'a> {
-    session: &'a Session,
-    entry: &'a PhotoEntry,
-    rgb: [u8; 3],
-}
+pub type ColouredEntry<'a> = (&'a Session, &'a PhotoEntry, [u8; 3]);
 
 /// The photos in one of the colours.
 pub fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<ColouredEntry<'a>> {
     let of_session = |session: &'a Session| {
         session.photos.iter().filter_map(move |entry| {
             let flat = flats.iter().find(|flat| flat.variant == entry.variant)?;
-            let rgb = flat.rgb;
-            Some(ColouredEntry { session, entry, rgb })
+            Some((session, entry, flat.rgb))
         })
     };
     sessions.iter().flat_map(of_session).collect()
@@ -126,15 +121,13 @@ pub fn locate_flats(
     let start = || TagDetectorChoice::default().open(&families);
     let answers = workers::map(&entries, start, |tags, entry| Ok(flat_photo(entry, tags)), on_photo)?;
     let mut located = LocatedPhotos::default();
-    for (entry, answer) in entries.iter().zip(answers) {
+    for ((_, entry, _), answer) in entries.iter().zip(answers) {
         match answer {
             Ok((photo, notes)) => {
                 located.photos.push(photo);
                 located.notes.extend(notes);
             }
-            Err(reason) => located
-                .left_out
-                .push(LeftOutPhoto::new(entry.entry.file.clone(), reason)),
+            Err(reason) => located.left_out.push(LeftOutPhoto::new(entry.file.clone(), reason)),
         }
     }
     Ok(located)
@@ -142,7 +135,7 @@ pub fn locate_flats(
 
 /// A photo with its pose and its cautions, or why it is left out.
 fn flat_photo(
-    ColouredEntry { session, entry, rgb }: &ColouredEntry,
+    (session, entry, rgb): &ColouredEntry,
     tags: &mut dyn TagDetector,
 ) -> Result<(FlatPhoto, Vec<String>), String> {
     let file = session.photo_path(entry);

@@ -6,7 +6,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::{Architecture, DtnError};
-use crate::frames::{Coverage, Frame, FrameSet, light, views};
+use crate::frames::{Coverage, Frame, FrameSet, light, reduced, views};
 use crate::surrogate::additive::Additive;
 use scaleproof_core::files;
 
@@ -312,13 +312,13 @@ fn training_view(
 ) -> Result<Option<TrainingView>, DtnError> {
     let [width, height] = set.list.size_px;
     let mask = set.paint_mask(view[0])?;
-    let levels: Vec<[f32; 3]> = mask.pixels().map(|p| [f32::from(p.0[0]); 3]).collect();
-    let levels = reduced(&levels, width as usize, factor as usize);
+    let levels = mask.pixels().map(|p| [f32::from(p.0[0]); 3]);
+    let levels = reduced(levels, width as usize, factor as usize);
     let levels = levels.iter().map(|p| p[0].round() as u8).collect();
     let mask = Coverage::from_raw(width / factor, height / factor, levels).unwrap_or_default();
     let paint = PaintPixels::covered(&mask);
     let of_paint = |linear: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        let image = reduced(linear, width as usize, factor as usize);
+        let image = reduced(linear.iter().copied(), width as usize, factor as usize);
         let pixel = |[x, y]: &[u32; 2]| image[(y * (width / factor) + x) as usize];
         paint.at.iter().map(pixel).collect()
     };
@@ -350,22 +350,6 @@ fn training_view(
         images,
         paint,
     }))
-}
-
-/// The mean of each square of pixels: what a camera with fewer pixels would see, in linear light.
-fn reduced(image: &[[f32; 3]], width: usize, factor: usize) -> Vec<[f32; 3]> {
-    let (columns, rows) = (width / factor, image.len() / width / factor);
-    let mut small = vec![[0.0; 3]; columns * rows];
-    let share = 1.0 / (factor * factor) as f32;
-    for (i, pixel) in image.iter().enumerate() {
-        let (x, y) = (i % width / factor, i / width / factor);
-        if x < columns && y < rows {
-            for (sum, v) in small[y * columns + x].iter_mut().zip(pixel) {
-                *sum += share * v;
-            }
-        }
-    }
-    small
 }
 
 /// Training, validation, and how they differ.

@@ -93,37 +93,33 @@ pub struct DtnView {
 }
 
 impl DtnView {
-    fn maps_of(&self, pixel: usize, channel: usize) -> Maps {
-        let first = pixel * self.transformer.channels();
-        self.transformer.maps(channel, |i| f64::from(self.maps[first + i]))
+    /// An image with `value` of the maps and η, the sRGB of the reflectance, in each channel of each paint pixel.
+    fn filled(&self, mut image: Vec<[f64; 3]>, paint: &[[f64; 3]], value: impl Fn(Maps, f64) -> f64) -> Vec<[f64; 3]> {
+        let maps = self.maps.chunks_exact(self.transformer.channels());
+        for (maps, &at) in maps.zip(&self.index) {
+            image[at] = std::array::from_fn(|channel| {
+                let maps = self.transformer.maps(channel, |i| f64::from(maps[i]));
+                value(maps, light::encode(paint[at][channel]))
+            });
+        }
+        image
     }
 }
 
 impl Renderer for DtnView {
     fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut image = self.image.clone();
-        for (pixel, &at) in self.index.iter().enumerate() {
-            image[at] = std::array::from_fn(|channel| {
-                let (maps, eta) = (self.maps_of(pixel, channel), light::encode(paint[at][channel]));
-                self.transformer.value(maps, eta).clamp(0.0, 1.0)
-            });
-        }
-        image
+        let value = |maps, eta| self.transformer.value(maps, eta).clamp(0.0, 1.0);
+        self.filled(self.image.clone(), paint, value)
     }
 
     fn derivative(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut derivatives = vec![[0.0; 3]; self.image.len()];
-        for (pixel, &at) in self.index.iter().enumerate() {
-            derivatives[at] = std::array::from_fn(|channel| {
-                let (maps, eta) = (self.maps_of(pixel, channel), light::encode(paint[at][channel]));
-                let value = self.transformer.value(maps, eta);
-                if value <= 0.0 || value >= 1.0 {
-                    return 0.0;
-                }
-                // The chain through η, the sRGB of the reflectance.
-                self.transformer.derivative(maps, eta) / light::decode_derivative(eta)
-            });
-        }
-        derivatives
+        self.filled(vec![[0.0; 3]; self.image.len()], paint, |maps, eta| {
+            let value = self.transformer.value(maps, eta);
+            if value <= 0.0 || value >= 1.0 {
+                return 0.0;
+            }
+            // The chain through η.
+            self.transformer.derivative(maps, eta) / light::decode_derivative(eta)
+        })
     }
 }

@@ -140,19 +140,17 @@ impl Trainer {
     /// Only for a state that does not fit its own architecture.
     pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
         let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
-        Self::go_on(
-            TrainingState {
-                plan,
-                steps: 0,
-                seconds: 0.0,
-                history: Vec::new(),
-                losses: (0.0, 0),
-                mean: first.clone(),
-                weights: first,
-                moments: Vec::new(),
-            },
-            device,
-        )
+        let state = TrainingState {
+            plan,
+            steps: 0,
+            seconds: 0.0,
+            history: Vec::new(),
+            losses: (0.0, 0),
+            mean: first.clone(),
+            weights: first,
+            moments: Vec::new(),
+        };
+        Self::go_on(state, device)
     }
 
     /// # Errors

@@ -33,15 +33,6 @@ impl Grid {
     }
 }
 
-/// What a point between the middles of cells gets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampling {
-    /// The cell it is in, as print has it.
-    Nearest,
-    /// A mixture of the four nearest, which smooths gradients.
-    Bilinear,
-}
-
 /// A linear map from the cells of a pattern (row by row from the top) to the pixels of an image (likewise).
 ///
 /// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
@@ -56,20 +47,18 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// The map from the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells.
-    fn from_points(grid: &Grid, sampling: Sampling, pixels: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
+    /// The map from the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells. A point has the
+    /// colour of the cell it is in, as print has it.
+    fn from_points(grid: &Grid, pixels: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
+        let wrap = |v: f64, count: u32| (v.floor().rem_euclid(f64::from(count)) as u32) % count;
+        let cell = |[column, row]: &[f64; 2]| wrap(*row, grid.rows) * grid.columns + wrap(*column, grid.columns);
         let (mut starts, mut entries) = (vec![0], Vec::<(u32, f64)>::new());
         for points in pixels {
-            let (start, share) = (entries.len(), 1.0 / points.len().max(1) as f64);
-            let mut seen: Vec<(u32, f64)> = points.iter().flat_map(|p| weights(grid, sampling, *p)).collect();
-            seen.sort_by_key(|(cell, _)| *cell);
-            for (cell, weight) in seen {
-                let is_again = entries.len() > start && entries.last().is_some_and(|(last, _)| *last == cell);
-                match entries.last_mut() {
-                    Some((_, sum)) if is_again => *sum += share * weight,
-                    _ => entries.push((cell, share * weight)),
-                }
-            }
+            let share = 1.0 / points.len().max(1) as f64;
+            let mut seen: Vec<u32> = points.iter().map(cell).collect();
+            seen.sort_unstable();
+            let alike = seen.chunk_by(|a, b| a == b);
+            entries.extend(alike.map(|same| (same[0], same.iter().map(|_| share).sum())));
             starts.push(entries.len());
         }
         Self {
@@ -124,26 +113,6 @@ impl Projection {
         let share = scaled(everywhere, 1.0 / self.cells as f64);
         cells.iter_mut().for_each(|cell| *cell = plus(*cell, share));
         cells
-    }
-}
-
-/// The cells that a point of the repeated pattern takes its colour from.
-fn weights(grid: &Grid, sampling: Sampling, [column, row]: [f64; 2]) -> Vec<(u32, f64)> {
-    let wrap = |v: f64, count: u32| (v.rem_euclid(f64::from(count)) as u32) % count;
-    let cell = |column: f64, row: f64| wrap(row, grid.rows) * grid.columns + wrap(column, grid.columns);
-    match sampling {
-        Sampling::Nearest => vec![(cell(column.floor(), row.floor()), 1.0)],
-        Sampling::Bilinear => {
-            // The middle of cell 0 is at 0.5.
-            let (left, top) = ((column - 0.5).floor(), (row - 0.5).floor());
-            let (fx, fy) = (column - 0.5 - left, row - 0.5 - top);
-            vec![
-                (cell(left, top), (1.0 - fx) * (1.0 - fy)),
-                (cell(left + 1.0, top), fx * (1.0 - fy)),
-                (cell(left, top + 1.0), (1.0 - fx) * fy),
-                (cell(left + 1.0, top + 1.0), fx * fy),
-            ]
-        }
     }
 }
 

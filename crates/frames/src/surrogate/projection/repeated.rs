@@ -6,10 +6,9 @@
 //! size at the model's middle, whatever the pose. `M_scale` and `M_shift` are the tile's size and origin with the random scale and shift φ_rd.
 
 use nalgebra::{Matrix3, Point3, Vector3};
-use rand::{Rng, RngExt};
 
 use super::world::in_cells;
-use super::{Grid, Projection, Sampling};
+use super::{Grid, Projection};
 use crate::frames::{Coverage, Frame, FrameList};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -31,25 +30,10 @@ impl Jitter {
         shift_tiles: [0.0, 0.0],
         scale: 1.0,
     };
-
-    /// Shifts within ±0.5 of a repeat, sizes within ±0.25 (ACTIVE, ICCV 2023; DTA does not say).
-    pub fn random(rng: &mut impl Rng) -> Self {
-        Self {
-            shift_tiles: [rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5)],
-            scale: rng.random_range(0.75..1.25),
-        }
-    }
 }
 
 /// The projection for a frame, on the pixels that `paint_mask` covers by half or more.
-pub fn project(
-    list: &FrameList,
-    frame: &Frame,
-    paint_mask: &Coverage,
-    grid: &Grid,
-    sampling: Sampling,
-    jitter: &Jitter,
-) -> Projection {
+pub fn project(list: &FrameList, frame: &Frame, paint_mask: &Coverage, grid: &Grid, jitter: &Jitter) -> Projection {
     let to_plane = plane_to_image(list, frame).try_inverse();
     let see = |x: f64, y: f64| {
         let at = to_plane? * Vector3::new(x, y, 1.0);
@@ -74,7 +58,7 @@ pub fn project(
     };
     let [width, height] = list.size_px;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    Projection::from_points(grid, sampling, pixels.map(|(x, y)| pixel(x, y)))
+    Projection::from_points(grid, pixels.map(|(x, y)| pixel(x, y)))
 }
 
 /// The homography from the plane's (u, v, 1), mm, to homogeneous pixels, positive in front of the camera.

@@ -1,6 +1,6 @@
 //! World-aligned projection: the pattern as the printed panels carry it, from the positions and sides of a frame's paint.
 
-use super::{Grid, Projection, Sampling};
+use super::{Grid, Projection};
 use crate::frames::{Frame, FrameSet, FramesError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -45,8 +45,9 @@ fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// The projection for a frame; `None` for a frame without positions. `of_sides`: each side of the model has a square pattern of its own, and they
-/// lie below each other in the grid, in the order of [`Side::ALL`].
+/// The projections for a frame, one for each of some misplacements; `None` for a frame without positions. Where a misplaced pose would see no
+/// paint, the paint is taken from where it should be: the model itself stays in its place. `of_sides`: each side of the model has a square
+/// pattern of its own, and they lie below each other in the grid, in the order of [`Side::ALL`].
 ///
 /// # Errors
 /// Images that cannot be read.
@@ -54,22 +55,7 @@ pub fn project(
     set: &FrameSet,
     frame: &Frame,
     grid: &Grid,
-    how: (Sampling, bool),
-) -> Result<Option<Projection>, FramesError> {
-    let projected = project_misplaced(set, frame, grid, how, &[Misplacement::NONE])?;
-    Ok(projected.and_then(|mut projections| projections.pop()))
-}
-
-/// Like [`project`], but with one projection for each of some misplacements. Where a misplaced pose would see no paint, the paint is taken
-/// from where it should be: the model itself stays in its place.
-///
-/// # Errors
-/// Images that cannot be read.
-pub fn project_misplaced(
-    set: &FrameSet,
-    frame: &Frame,
-    grid: &Grid,
-    (sampling, of_sides): (Sampling, bool),
+    of_sides: bool,
     misplacements: &[Misplacement],
 ) -> Result<Option<Vec<Projection>>, FramesError> {
     let (Some(points), Some(about)) = (set.surface(frame)?, &set.list.positions) else {
@@ -101,7 +87,7 @@ pub fn project_misplaced(
             parts.filter_map(|(x, y)| part(misplacement, x, y)).collect()
         };
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        Projection::from_points(grid, sampling, pixels.map(|(x, y)| inside(x, y)))
+        Projection::from_points(grid, pixels.map(|(x, y)| inside(x, y)))
     };
     Ok(Some(misplacements.iter().map(project).collect()))
 }

@@ -53,29 +53,24 @@ impl PerPixel {
         self.tone
     }
 
-    /// Terms of a pixel and channel, and the paint as the polynomial takes it.
-    fn argument(&self, reflectance: f64) -> f64 {
-        if self.tone.is_some() {
-            reflectance
-        } else {
-            light::encode(reflectance)
-        }
+    /// Of a pixel and channel: the paint as the polynomial takes it, the polynomial's value and its derivative.
+    #[inline]
+    fn at(&self, index: usize, channel: usize, reflectance: f64) -> [f64; 3] {
+        let [a, b, c] = self.terms[index][channel];
+        let t = self.tone.map_or_else(|| light::encode(reflectance), |_| reflectance);
+        [t, a + t * (b + t * c), b + 2.0 * c * t]
     }
 
     fn pixel(&self, index: usize, paint: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| {
-            let [a, b, c] = self.terms[index][channel];
-            let t = self.argument(paint[channel]);
-            let y = a + t * (b + t * c);
+            let [_, y, _] = self.at(index, channel, paint[channel]);
             self.tone.map_or(y.clamp(0.0, 1.0), |tone| tone.value(y))
         })
     }
 
     fn pixel_derivative(&self, index: usize, paint: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| {
-            let [a, b, c] = self.terms[index][channel];
-            let t = self.argument(paint[channel]);
-            let (y, derivative) = (a + t * (b + t * c), b + 2.0 * c * t);
+            let [t, y, derivative] = self.at(index, channel, paint[channel]);
             match self.tone {
                 Some(tone) => tone.value_derivative(y) * derivative,
                 None if y <= 0.0 || y >= 1.0 => 0.0,

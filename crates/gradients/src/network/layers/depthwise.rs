@@ -20,6 +20,8 @@ struct Plane<'a> {
     rows: usize,
     /// Numbers of one phase of a row.
     width: usize,
+    /// Where the numbers of the first window of a row lie, counted from where the row begins.
+    taps: Vec<usize>,
 }
 
 impl<'a> Plane<'a> {
@@ -27,10 +29,14 @@ impl<'a> Plane<'a> {
         let reach = |axis: usize| {
             (windows.count[axis] - 1) * windows.stride[axis] + (windows.kernel[axis] - 1) * windows.dilation[axis] + 1
         };
+        let (w, width) = (windows, reach(1).div_ceil(windows.stride[1]) + LANES);
+        let places = (0..w.taps()).map(|tap| [tap / w.kernel[1] * w.dilation[0], tap % w.kernel[1] * w.dilation[1]]);
+        let taps = places.map(|[y, x]| (y * w.stride[1] + x % w.stride[1]) * width + x / w.stride[1]);
         Plane {
             windows,
             rows: reach(0),
-            width: reach(1).div_ceil(windows.stride[1]) + LANES,
+            width,
+            taps: taps.collect(),
         }
     }
 
@@ -40,15 +46,6 @@ impl<'a> Plane<'a> {
 
     fn row(&self) -> usize {
         self.windows.stride[1] * self.width
-    }
-
-    /// Where the numbers of the first window of a row lie, counted from where the row begins.
-    fn taps(&self) -> Vec<usize> {
-        let w = self.windows;
-        let places = (0..w.taps()).map(|tap| [tap / w.kernel[1] * w.dilation[0], tap % w.kernel[1] * w.dilation[1]]);
-        places
-            .map(|[y, x]| y * self.row() + x % w.stride[1] * self.width + x / w.stride[1])
-            .collect()
     }
 
     /// Calls back for each row of the image that windows meet, and each phase of it: where it begins in the image, where here, and how many
@@ -79,36 +76,40 @@ impl Depthwise {
         &self.weights.weights[channel * self.windows.taps()..][..self.windows.taps()]
     }
 
+    fn run(&self, plane: &Plane, channel: usize, numbers: &mut [f32], work: Work) {
+        let weights = self.kernel(channel).iter().copied();
+        let taps: Vec<(usize, f32)> = plane.taps.iter().copied().zip(weights).collect();
+        pulp::Arch::new().dispatch(Rows {
+            plane,
+            taps: &taps,
+            bias: self.weights.bias(channel),
+            numbers,
+            work,
+        });
+    }
+
     fn back(&self, gradient: &[f32], sums: &mut Sums) {
         let w = &self.windows;
         let image = sums.sum_mut(0, w.channels * w.image_area());
         let plane = Plane::new(w);
-        let (mut numbers, taps) = (vec![0.0; plane.size()], plane.taps());
+        let mut numbers = vec![0.0; plane.size()];
         for channel in 0..w.channels {
             let gradient = &gradient[channel * w.area()..][..w.area()];
             if gradient.iter().all(|g| *g == 0.0) {
                 continue;
             }
             numbers.fill(0.0);
-            pulp::Arch::new().dispatch(Rows {
-                layer: self,
-                plane: &plane,
-                taps: &taps,
-                channel,
-                numbers: &mut numbers,
-                work: Work::Spread(gradient),
-            });
+            self.run(&plane, channel, &mut numbers, Work::Spread(gradient));
             plane.add_to(&numbers, &mut image[channel * w.image_area()..][..w.image_area()]);
         }
     }
 }
 
 /// What is done with one channel, compiled for this processor's vectors. (A closure as large as this is not.)
-struct Rows<'a, 'w> {
-    layer: &'w Depthwise,
-    plane: &'a Plane<'w>,
-    taps: &'a [usize],
-    channel: usize,
+struct Rows<'a> {
+    plane: &'a Plane<'a>,
+    taps: &'a [(usize, f32)],
+    bias: f32,
     numbers: &'a mut [f32],
     work: Work<'a>,
 }
@@ -120,25 +121,22 @@ enum Work<'a> {
     Spread(&'a [f32]),
 }
 
-impl pulp::WithSimd for Rows<'_, '_> {
+impl pulp::WithSimd for Rows<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let columns = self.layer.windows.count[1];
-        let row = self.layer.windows.stride[0] * self.plane.row();
-        let weights = self.layer.kernel(self.channel).iter().copied();
-        let taps: Vec<(usize, f32)> = self.taps.iter().copied().zip(weights).collect();
+        let columns = self.plane.windows.count[1];
+        let row = self.plane.windows.stride[0] * self.plane.row();
         match self.work {
             Work::Gather(sums) => {
-                let bias = self.layer.weights.bias(self.channel);
                 for (i, sums) in sums.chunks_exact_mut(columns).enumerate() {
-                    gather(sums, bias, &self.numbers[i * row..], &taps);
+                    gather(sums, self.bias, &self.numbers[i * row..], self.taps);
                 }
             }
             Work::Spread(gradient) => {
                 for (i, gradient) in gradient.chunks_exact(columns).enumerate() {
-                    spread(gradient, &taps, &mut self.numbers[i * row..]);
+                    spread(gradient, self.taps, &mut self.numbers[i * row..]);
                 }
             }
         }
@@ -171,18 +169,11 @@ impl Layer for Depthwise {
     fn forward(&self, inputs: Vec<Array>, keeps: bool) -> (Array, Option<Back<'_>>) {
         let (w, image) = (&self.windows, &inputs[0]);
         let plane = Plane::new(w);
-        let (mut numbers, taps) = (vec![0.0; plane.size()], plane.taps());
+        let mut numbers = vec![0.0; plane.size()];
         let mut output = vec![0.0; w.channels * w.area()];
         for (channel, output) in output.chunks_exact_mut(w.area()).enumerate() {
             plane.take(&image[channel * w.image_area()..][..w.image_area()], &mut numbers);
-            pulp::Arch::new().dispatch(Rows {
-                layer: self,
-                plane: &plane,
-                taps: &taps,
-                channel,
-                numbers: &mut numbers,
-                work: Work::Gather(output),
-            });
+            self.run(&plane, channel, &mut numbers, Work::Gather(output));
         }
         let back = |gradient: Vec<f32>, sums: &mut Sums| self.back(&gradient, sums);
         (Arc::new(output), keeps.then(|| Box::new(back) as Back))

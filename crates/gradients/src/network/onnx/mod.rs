@@ -53,6 +53,21 @@ pub struct Output {
 }
 
 impl Output {
+    fn new(value: Held, mut is_logit: Vec<bool>, name: String) -> Output {
+        let (shape, raw, is_whole) = match value {
+            Held::Floats { shape, numbers } => (shape, numbers.to_vec(), false),
+            Held::Whole(v) => (v.shape, v.data.iter().map(|v| *v as f32).collect(), true),
+        };
+        is_logit.resize(raw.len(), false);
+        Output {
+            name,
+            shape,
+            raw,
+            is_logit,
+            is_whole,
+        }
+    }
+
     /// What the file itself answers.
     pub fn values(&self) -> Vec<f32> {
         let sigmoid = |z: f32| 1.0 / (1.0 + (-z).exp());
@@ -136,23 +151,6 @@ fn planned(graph: &mut Graph, shape: &[usize]) -> Result<(Plan, Vec<Vec<bool>>),
     let values = graph.run_all(black(&graph.device))?;
     graph.fold_constants(&values);
     Ok((Plan::new(graph, &values)?, logits))
-}
-
-impl Output {
-    fn new(value: Held, mut is_logit: Vec<bool>, name: String) -> Output {
-        let (shape, raw, is_whole) = match value {
-            Held::Floats { shape, numbers } => (shape, numbers.to_vec(), false),
-            Held::Whole(v) => (v.shape, v.data.iter().map(|v| *v as f32).collect(), true),
-        };
-        is_logit.resize(raw.len(), false);
-        Output {
-            name,
-            shape,
-            raw,
-            is_logit,
-            is_whole,
-        }
-    }
 }
 
 impl NetworkPass<'_> {

@@ -33,18 +33,16 @@ impl Argument {
 
     /// The shape of what follows from the image.
     pub(super) fn image_shape(&self) -> Option<&[usize]> {
-        if let Argument::Image(shape) = self {
-            Some(shape)
-        } else {
-            None
+        match self {
+            Argument::Image(shape) => Some(shape),
+            _ => None,
         }
     }
 
     pub(super) fn constant(&self) -> Option<Value> {
-        if let Argument::Constant(value) = self {
-            Some(value.clone())
-        } else {
-            None
+        match self {
+            Argument::Constant(value) => Some(value.clone()),
+            _ => None,
         }
     }
 }

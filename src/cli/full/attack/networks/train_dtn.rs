@@ -1,22 +1,20 @@
 //! `scaleproof attack train-dtn`: a network that predicts the model in any paint from one image of the view.
 
 use std::io::Write;
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::cli::answer::told;
-use crate::cli::full::attack::device::OnDevice;
+use crate::cli::full::attack::device::{OnDevice, by_name};
 use crate::cli::full::attack::render::hexes;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
-use scaleproof_frames::surrogate::dtn::training::TrainingProgress;
-use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
+use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan, TrainingProgress};
 use scaleproof_frames::surrogate::dtn::{Architecture, Encoder, LEAST_WIDTH_PX, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
@@ -29,13 +27,13 @@ pub(in crate::cli) struct TrainArgs {
     #[arg(long, value_name = "FRAMES")]
     validation: Option<PathBuf>,
     /// resnet, densenet or convnet
-    #[arg(long, default_value = "resnet", value_parser = encoder)]
+    #[arg(long, default_value = "resnet", value_parser = by_name(Encoder::ALL, Encoder::name, "resnet, densenet and convnet are the encoders"))]
     encoder: Encoder,
     /// k: how often the encoder halves the image
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=Architecture::MAX_DEPTH as i64))]
     depth: u8,
     /// texture (DTN) or multiply-add (NTR of ACTIVE)
-    #[arg(long, default_value = "texture", value_parser = transformer)]
+    #[arg(long, default_value = "texture", value_parser = by_name(Transformer::ALL, Transformer::name, "texture and multiply-add are the transformers"))]
     transformer: Transformer,
     /// Flat colours of the image it starts from, as hex; several: one of them at random
     #[arg(long, value_name = "HEX", num_args = 1..=16, default_values = ["808080"])]
@@ -162,14 +160,4 @@ fn thinned<T>(all: &[T]) -> impl Iterator<Item = &T> {
     let every = all.len().div_ceil(10).max(1);
     let skip = (all.len() + every - 1) % every;
     all.iter().skip(skip).step_by(every)
-}
-
-fn encoder(text: &str) -> Result<Encoder, String> {
-    let found = Encoder::ALL.into_iter().find(|e| e.name() == text);
-    found.ok_or_else(|| "resnet, densenet and convnet are the encoders".to_owned())
-}
-
-fn transformer(text: &str) -> Result<Transformer, String> {
-    let found = Transformer::ALL.into_iter().find(|t| t.name() == text);
-    found.ok_or_else(|| "texture and multiply-add are the transformers".to_owned())
 }
