@@ -110,7 +110,7 @@ impl Effort {
     /// With another tag detector.
     pub(super) fn options_with(&self, detectors: &[EvaluatedDetector], tags: TagDetectorChoice) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
-        let libraries = format!("{}; {}", score::libraries(tags), runtime.unwrap_or_default());
+        let libraries = format!("{}; {}", tags.provenance(), runtime.unwrap_or_default());
         let folder = self
             .cache
             .clone()

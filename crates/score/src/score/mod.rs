@@ -48,7 +48,7 @@ pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, 
 pub use grouping::{GroupBy, GroupByError};
 pub use labelled::{Averages, LEAST_GAIN, LabelledError, LabelledPhotos, Trial, Trials, trials};
 pub use left_out::{SessionFiles, explained, not_scored};
-pub use observe::{NotScoredReason, Options, libraries};
+pub use observe::{NotScoredReason, Options};
 pub use outcome::{PhotoOutcome, Thresholds, Verdict};
 pub use photo::{NotScored, ScoredPhoto, TagMark};
 pub use protocol::Protocol;

@@ -42,11 +42,6 @@ impl Default for Options {
     }
 }
 
-/// What the results depend on besides the photos, the detectors and this program: versions of libraries.
-pub fn libraries(tags: TagDetectorChoice) -> String {
-    tags.provenance()
-}
-
 /// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
@@ -200,23 +195,14 @@ impl PhotoPart<'_> {
 }
 
 /// Why a photo could not be observed.
+#[derive(Debug, thiserror::Error)]
 enum Stop {
     /// It is left out.
-    Photo(NotScoredReason),
+    #[error(transparent)]
+    Photo(#[from] NotScoredReason),
     /// The run ends.
-    Run(ScoreError),
-}
-
-impl From<ScoreError> for Stop {
-    fn from(error: ScoreError) -> Stop {
-        Stop::Run(error)
-    }
-}
-
-impl From<NotScoredReason> for Stop {
-    fn from(reason: NotScoredReason) -> Stop {
-        Stop::Photo(reason)
-    }
+    #[error(transparent)]
+    Run(#[from] ScoreError),
 }
 
 impl From<DetectError> for Stop {

@@ -10,7 +10,7 @@ use crate::chart::milliseconds;
 use scaleproof_core::spelling::{count, digits};
 use scaleproof_core::statistics::Interval;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
-use scaleproof_score::score::Finding;
+use scaleproof_score::report::briefly;
 
 /// The whole page.
 pub fn page(all: &Advice) -> String {
@@ -69,22 +69,13 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
                             td { (row.detector) } td { (row.variant) } td { (row.definition) } td { (row.envelope) }
                             td { (digits(row.base_ap50, 3)) " → " (digits(row.ap50, 3)) }
                             td { (digits(row.drop, 3)) (interval(row.drop_95, 3)) }
-                            td { (finding(row.finding)) }
+                            td { (briefly(row.finding)) }
                             td { (number(row.moved_by, 3, "")) (interval(row.moved_by_95, 3)) }
                         }
                     }
                 }
             }
         }
-    }
-}
-
-fn finding(of: Finding) -> &'static str {
-    match of {
-        Finding::Drop => "a drop",
-        Finding::Rise => "a rise",
-        Finding::NoDifferenceShown => "no difference shown",
-        Finding::TooFewPhotosToTell => "too few photos to tell",
     }
 }
 

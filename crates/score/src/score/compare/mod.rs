@@ -60,7 +60,7 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
     if others.is_empty() {
         return Err(CompareError::NothingElse { base: base.into() });
     }
-    compared_by(scores.set(), base, &others, definition, clustered_by)
+    compare_set(scores.set(), base, &others, definition, None)
 }
 
 /// What a run says of its variants against its base, for as many as can be paired; computed once.
@@ -68,7 +68,7 @@ pub fn paired(scores: &Scores) -> &[Compared] {
     scores.paired.get_or_init(|| {
         let (base, ap) = (&scores.base, scores.criteria.ap);
         let others = scores.variants().into_iter().filter(|v| v != base);
-        let compared = others.filter_map(|other| compare_set(scores.set(), base, &[other], ap).ok());
+        let compared = others.filter_map(|other| compare_set(scores.set(), base, &[other], ap, None).ok());
         compared.flat_map(|comparison| comparison.results).collect()
     })
 }
@@ -80,7 +80,7 @@ pub fn compare_with(
     others: &[&str],
     definition: ApDefinition,
 ) -> Result<Comparison, CompareError> {
-    compared_by(scores.set(), base, others, definition, |_| ClusteredBy::PlaceAndBin)
+    compare_set(scores.set(), base, others, definition, Some(ClusteredBy::PlaceAndBin))
 }
 
 /// Whether photos of two variants can be compared.
@@ -88,22 +88,13 @@ pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
 }
 
-/// Compares these variants of a scored set with `base`, by the clusters that [`compare()`] takes.
+/// Compares these variants of a scored set with `base`, by the clusters that [`compare()`] takes where none are named.
 pub(super) fn compare_set(
     set: ScoredSet,
     base: &str,
     others: &[&str],
     definition: ApDefinition,
-) -> Result<Comparison, CompareError> {
-    compared_by(set, base, others, definition, clustered_by)
-}
-
-fn compared_by(
-    set: ScoredSet,
-    base: &str,
-    others: &[&str],
-    definition: ApDefinition,
-    clustered_by: fn(&[Cell]) -> ClusteredBy,
+    by: Option<ClusteredBy>,
 ) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
     for variant in others {
@@ -115,7 +106,7 @@ fn compared_by(
             });
         }
         unpaired.extend(left_over);
-        let by = clustered_by(&cells);
+        let by = by.unwrap_or_else(|| clustered_by(&cells));
         for (side, detector) in Side::each(set.detectors) {
             let name = detector.manifest.name.clone();
             results.push(compared(name, variant, (&cells, by), side, definition));
