@@ -6,9 +6,10 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::categories::{Categories, Category};
+use super::categories::Categories;
 use super::photo_names::PhotoNames;
 use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest, hashed_text, syntax};
+use scaleproof_core::coco::Category;
 use scaleproof_core::files::FileError;
 
 /// A detection; other keys are passed over.

@@ -46,7 +46,7 @@ pub use disagreement::disagreements;
 pub use error::ScoreError;
 pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors, runtime};
 pub use grouping::{GroupBy, GroupByError};
-pub use labelled::{Averages, LEAST_GAIN, LabelledError, LabelledPhotos, Trial, Trials, trials};
+pub use labelled::{Averages, LEAST_GAIN, LabelledError, LabelledPhotos, Trial, Trials, labelled_photos, trials};
 pub use left_out::{SessionFiles, explained, not_scored};
 pub use observe::{NotScoredReason, Options};
 pub use outcome::{PhotoOutcome, Thresholds, Verdict};

@@ -58,7 +58,7 @@ pub struct Session {
 }
 
 /// One photo of a session, as `session.json` tells it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhotoEntry {
     /// Path from the session's folder, as `a.jpg` or `../photos/a.jpg`.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::folders::{FoldersError, Gathered, entry, joined, text_path};
+use super::folders::{FoldersError, Gathered, joined, text_path};
 use super::{PhotoEntry, SessionError, SessionFile};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::scene::Scene;
@@ -128,6 +128,7 @@ impl NewSession<'_> {
     /// The photos where they are, by their way from the session; or copies in a folder each, called as the one they come from.
     fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
         let (mut photos, mut taken) = (Vec::new(), BTreeSet::new());
+        let place = self.photos.session.photos.first().and_then(|p| p.place.clone());
         for found in &self.photos.folders {
             let names = &found.listing.photos;
             let folder = if self.copy {
@@ -141,22 +142,14 @@ impl NewSession<'_> {
             } else {
                 text_path(&path_between(home, &found.real))?
             };
-            photos.extend(self.entries(names, &found.given.variant, &folder));
+            photos.extend(names.iter().map(|name| PhotoEntry {
+                file: joined(&folder, name),
+                variant: found.given.variant.clone(),
+                place: place.clone(),
+                ..PhotoEntry::default()
+            }));
         }
         Ok(photos)
-    }
-
-    fn entries<'a>(
-        &'a self,
-        names: &'a [String],
-        variant: &'a str,
-        folder: &'a str,
-    ) -> impl Iterator<Item = PhotoEntry> {
-        let place = self.photos.session.photos.first().and_then(|p| p.place.as_deref());
-        names.iter().map(move |name| PhotoEntry {
-            file: joined(folder, name),
-            ..entry(variant, place.unwrap_or_default())
-        })
     }
 }
 

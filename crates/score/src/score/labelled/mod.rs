@@ -8,19 +8,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, ious, over_ious};
-use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::{statistics, workers};
-use scaleproof_detect::{DetectError, Detection, Detector, Labels, Manifest, Runtime};
+use scaleproof_detect::{DetectError, Detection, Detector, Manifest, Runtime};
 use scaleproof_photo::photo::{Photo, PhotoError};
 
+pub use coco::labelled_photos;
 pub use trials::{LEAST_GAIN, Trial, Trials, trials};
 
 /// Why a detector cannot be held against labels.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelledError {
-    #[error(transparent)]
-    File(#[from] FileError),
     #[error(transparent)]
     Photo(#[from] PhotoError),
     #[error(transparent)]
@@ -62,14 +60,6 @@ pub struct Averages {
 type Found = Vec<Vec<Detection>>;
 
 impl LabelledPhotos {
-    /// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector with these labels.
-    ///
-    /// # Errors
-    /// What is no such file; boxes that are none; no category that is a label.
-    pub fn read(annotations: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, LabelledError> {
-        Ok(coco::read(annotations, folder, labels)?)
-    }
-
     /// Boxes that count, and how many labels they have.
     pub fn counts(&self) -> [usize; 2] {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
