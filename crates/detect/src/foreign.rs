@@ -1,13 +1,12 @@
 //! Detectors that are no network of this program: another program runs them, or has run them. Only their boxes are seen here.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{Input, Layout, Values, Weights};
 use super::{Detection, HIGHEST_SCORE, Labels, Manifest};
-use scaleproof_core::files::{self, FileError};
+use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 
 /// How the boxes of such a detector come here.
@@ -74,17 +73,6 @@ impl Manifest {
             ..Manifest::unstated(&card.name, card.labels, input)
         }
     }
-}
-
-/// A file's name with its SHA-256.
-pub(super) fn hashed(path: &Path) -> Result<(String, String), FileError> {
-    Ok((name_of(path), files::sha256_hex(&files::read(path)?)))
-}
-
-/// The last part of a path.
-pub(super) fn name_of(path: &Path) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
 }
 
 /// Rounding a box to whole pixels explains so much over the border.

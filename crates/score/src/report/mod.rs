@@ -37,7 +37,7 @@ pub use comparison::{ComparisonPage, comparison_json, comparison_table, write_co
 pub use counted::counted;
 pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
-pub use export::{ExportFormat, ExportRequest, check_export, export};
+pub use export::{ExportFormat, check_export, export};
 pub use paired::briefly;
 pub use sequential::{plan_chart, standing};
 pub use summary_json::{SummaryPage, summary_json};

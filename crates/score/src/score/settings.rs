@@ -94,7 +94,7 @@ impl Settings {
                 "`envelope` is {other:?}: leave it out to take the scene's, or write \"box\""
             )));
         }
-        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let file = files::name_of(path);
         Ok(AppliedSettings { file, sha256, settings })
     }
 
