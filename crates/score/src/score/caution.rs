@@ -9,6 +9,7 @@ use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_detect::Detection;
 use scaleproof_pose::scene::{Bin, Envelope};
 use scaleproof_session::session::Session;
+use scaleproof_session::session::contents::are_copies;
 
 /// Every caution of a run, as sentences.
 pub(super) fn cautions(
@@ -178,13 +179,8 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     let (first, copy) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
-        "{} {} (the first: {} of {}); the intervals count {} as independent",
-        spelling::count(count, "photo"),
-        spelling::choose(
-            count,
-            "is a byte-for-byte copy of another",
-            "are byte-for-byte copies of others"
-        ),
+        "{} (the first: {} of {}); the intervals count {} as independent",
+        are_copies(count),
         copy.file,
         first.file,
         spelling::choose(count, "it", "them")

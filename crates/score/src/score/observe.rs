@@ -182,12 +182,7 @@ impl PhotoPart<'_> {
         let moved = found.into_iter().filter_map(|d| {
             let b = d.box_px;
             let [from, to] = [(b.x1, b.y1), (b.x2, b.y2)].map(|(x, y)| (x1 + across * x, y1 + down * y));
-            let in_photo = BoxPx {
-                x1: from.0,
-                y1: from.1,
-                x2: to.0,
-                y2: to.1,
-            };
+            let in_photo = BoxPx::new(from.0, from.1, to.0, to.1);
             Detection::new(d.label, d.score, in_photo)
         });
         moved.collect()

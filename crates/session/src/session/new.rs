@@ -39,14 +39,6 @@ pub struct NewSession<'a> {
     pub copy: bool,
 }
 
-/// A session that was written.
-#[derive(Debug, Clone)]
-pub struct MadeSession {
-    /// The `session.json`.
-    pub path: PathBuf,
-    pub photos: Vec<PhotoEntry>,
-}
-
 /// What a file of the session is made of.
 enum Content {
     Bytes(Vec<u8>),
@@ -56,11 +48,11 @@ enum Content {
 type Files = Vec<(PathBuf, Content)>;
 
 impl NewSession<'_> {
-    /// Writes the session: whole, or nothing. A folder that is there keeps what it has.
+    /// Writes the session, whole or not at all, and returns the path of its `session.json` and its photos. A folder that is there keeps what it has.
     ///
     /// # Errors
     /// A session that is there already, files in the way, a file that cannot be read or written.
-    pub fn write(&self) -> Result<MadeSession, NewSessionError> {
+    pub fn write(&self) -> Result<(PathBuf, Vec<PhotoEntry>), NewSessionError> {
         let path = self.folder.join("session.json");
         let folder = || self.folder.to_owned();
         if path.exists() {
@@ -83,8 +75,7 @@ impl NewSession<'_> {
         } else {
             self.write_beside(files)?
         }
-        let photos = list.photos;
-        Ok(MadeSession { path, photos })
+        Ok((path, list.photos))
     }
 
     /// Into a folder that has files already.
