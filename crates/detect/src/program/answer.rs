@@ -76,12 +76,7 @@ impl Label {
 /// first.
 pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result<Vec<Detection>, NoAnswer> {
     let answer: BoxesLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
-    if answer.id != id {
-        return Err(format!("it is about photo {}, and asked was photo {id}", answer.id).into());
-    }
-    if let Some(sentence) = answer.error {
-        return Err(NoAnswer::Declined(one_line(&sentence)));
-    }
+    check("photo", [answer.id, id], answer.error)?;
     let [width, height] = size;
     if let Some((w, h)) = answer
         .width
@@ -120,6 +115,14 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
     Ok(detections)
 }
 
+/// Refuses an answer to another request than the one that was asked, and one that says why there is none.
+fn check(about: &str, [id, asked]: [u64; 2], error: Option<String>) -> Result<(), NoAnswer> {
+    if id != asked {
+        return Err(format!("it is about {about} {id}, and asked was {about} {asked}").into());
+    }
+    error.map_or(Ok(()), |sentence| Err(NoAnswer::Declined(one_line(&sentence))))
+}
+
 /// An answer's line about the loss of an image.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -145,12 +148,7 @@ const MOST_LOSS: f64 = 10_000.0;
 /// the line of a loss follow its derivatives.
 pub fn loss(line: &str, id: u64, size: [u32; 2]) -> Result<Option<f64>, NoAnswer> {
     let answer: LossLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
-    if answer.id != id {
-        return Err(format!("it is about image {}, and asked was image {id}", answer.id).into());
-    }
-    if let Some(sentence) = answer.error {
-        return Err(NoAnswer::Declined(one_line(&sentence)));
-    }
+    check("image", [answer.id, id], answer.error)?;
     let Some(loss) = answer.loss.ok_or("it has neither a loss nor an error")? else {
         return Ok(None);
     };

@@ -4,11 +4,10 @@ use maud::{Markup, PreEscaped, html};
 
 use super::figures::FigureAdvice;
 use super::result::{Advice, CameraVerdict, Choice, PoseAdvice, Verdict};
-use super::table::{camera, findings, in_words, unreadable};
+use super::table::{camera, findings, in_words, interval, number, unreadable};
 use super::way::Question;
 use crate::chart::milliseconds;
 use scaleproof_core::spelling::{count, digits};
-use scaleproof_core::statistics::Interval;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use scaleproof_score::report::briefly;
 
@@ -77,16 +76,6 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
             }
         }
     }
-}
-
-fn number(value: Option<f64>, places: usize, unit: &str) -> String {
-    value.map_or("–".to_owned(), |value| digits(value, places) + unit)
-}
-
-fn interval(interval: Option<Interval>, places: usize) -> String {
-    interval.map_or(String::new(), |i| {
-        format!(" [{}, {}]", digits(i.low, places), digits(i.high, places))
-    })
 }
 
 fn section(advice: &PoseAdvice, question: Question) -> Markup {

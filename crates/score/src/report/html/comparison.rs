@@ -23,7 +23,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         protocol.map_or(String::new(), |p| format!("; protocol {}", p.name())),
         counted(scores)
     );
-    let plan = comparison.plan.as_ref().map(plan);
+    let (plan, chance) = (comparison.plan.as_ref().map(plan), notes::bootstrap(comparison));
     let sections = [
         ("plan", "Plan", plan),
         ("drops", "Drops", Some(drops(scores, comparison))),
@@ -43,11 +43,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
             Some(left_out(scores, comparison)),
         ),
         ("definitions", "Definitions", Some(definitions())),
-        (
-            "provenance",
-            "Provenance",
-            Some(notes::provenance(scores, &notes::bootstrap(comparison))),
-        ),
+        ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
     ];
     shell(scores, &lead, &sections, html! {})
 }

@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 
 use super::side::{ClusteredAp, Side};
 use super::summary::variants;
-use super::{ScoredPhoto, ScoredSet, Scores};
+use super::{NotScored, ScoredPhoto, ScoredSet, Scores};
 use pairs::{Cell, Cluster, clustered_by, clusters, pair};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
@@ -56,10 +56,7 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
             variants: all.join(", "),
         });
     }
-    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
-    if others.is_empty() {
-        return Err(CompareError::NothingElse { base: base.into() });
-    }
+    let others = others(&all, base)?;
     compare_set(scores.set(), base, &others, definition, None)
 }
 
@@ -83,6 +80,27 @@ pub fn compare_with(
     compare_set(scores.set(), base, others, definition, Some(ClusteredBy::PlaceAndBin))
 }
 
+/// The variants but for the base, of which there must be one.
+fn others<'a>(all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
+    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
+    let none = || CompareError::NothingElse { base: base.into() };
+    (!others.is_empty()).then_some(others).ok_or_else(none)
+}
+
+/// The pairs of two variants, of which there must be one, and the photos left over.
+fn some_pairs<'a>(
+    set: ScoredSet<'a>,
+    base: &str,
+    variant: &str,
+) -> Result<(Vec<Cell<'a>>, Vec<NotScored>), CompareError> {
+    let (cells, left_over) = pair(set, base, variant);
+    if cells.is_empty() {
+        let (base, variant) = (base.to_owned(), variant.to_owned());
+        return Err(CompareError::NoPair { base, variant });
+    }
+    Ok((cells, left_over))
+}
+
 /// Whether photos of two variants can be compared.
 pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
@@ -98,13 +116,7 @@ pub(super) fn compare_set(
 ) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
     for variant in others {
-        let (cells, left_over) = pair(set, base, variant);
-        if cells.is_empty() {
-            return Err(CompareError::NoPair {
-                base: base.into(),
-                variant: (*variant).to_owned(),
-            });
-        }
+        let (cells, left_over) = some_pairs(set, base, variant)?;
         unpaired.extend(left_over);
         let by = by.unwrap_or_else(|| clustered_by(&cells));
         for (side, detector) in Side::each(set.detectors) {
