@@ -16,7 +16,7 @@ use scaleproof_session::session::Session;
 pub(super) struct Detectors {
     /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
     /// is named. A program of your own is `exec:PROGRAM` or `'exec:PROGRAM ARGUMENT …'`.
-    #[arg(id = "detector", long, value_name = "NAME", value_delimiter = ',')]
+    #[arg(id = "detector", long = "detector", value_name = "NAME", value_delimiter = ',')]
     pub names: Vec<String>,
     #[command(flatten)]
     pub folder: detectors::Folder,

@@ -110,6 +110,12 @@ pub(super) fn placed(label: usize, score: f64, b: BoxPx, size: [u32; 2]) -> Resu
     Ok(Detection::new(label, score.min(1.0), inside))
 }
 
+/// What follows a sentence on an image of another size than its photo: where the sides are swapped, that `who` did not turn it.
+pub(super) fn turned_hint(who: &str, [w, h]: [u32; 2], photo: [u32; 2]) -> String {
+    let hint = ([h, w] == photo).then(|| format!(": {who} did not turn it as its EXIF says"));
+    hint.unwrap_or_default()
+}
+
 /// Refuses what is no confidence.
 pub(super) fn check_score(score: f64) -> Result<(), String> {
     if (0.0..=HIGHEST_SCORE).contains(&score) {

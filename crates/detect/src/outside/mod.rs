@@ -10,7 +10,7 @@ mod yolo;
 
 use std::path::{Path, PathBuf};
 
-use super::foreign::{check_score, placed};
+use super::foreign::{check_score, placed, turned_hint};
 use super::{Detection, ForeignCard, ForeignKind, MAX_DETECTIONS, SCORE_FLOOR};
 use categories::Categories;
 use scaleproof_core::files::{self, FileError};
@@ -195,12 +195,7 @@ impl OutsideResults {
             message,
         };
         if let Some([w, h]) = photo.size.filter(|size| *size != [width, height]) {
-            let is_turned = [h, w] == [width, height];
-            let hint = if is_turned {
-                ": the other program did not turn it as its EXIF says"
-            } else {
-                ""
-            };
+            let hint = turned_hint("the other program", [w, h], [width, height]);
             return Err(refuse(format!(
                 "the photo is {width}×{height} px upright, and its boxes are of an image of {w}×{h} px{hint}"
             )));

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer};
 
-use super::super::foreign::placed;
+use super::super::foreign::{placed, turned_hint};
 use super::super::{Detection, Labels, MAX_DETECTIONS, SCORE_FLOOR};
 use scaleproof_core::geometry::BoxPx;
 
@@ -83,12 +83,7 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
         .zip(answer.height)
         .filter(|decoded| *decoded != (width, height))
     {
-        let is_turned = (h, w) == (width, height);
-        let hint = if is_turned {
-            ": it did not turn it as its EXIF says"
-        } else {
-            ""
-        };
+        let hint = turned_hint("it", [w, h], size);
         return Err(format!(
             "its boxes are of an image of {w}×{h} px, and the photo is {width}×{height} px upright{hint}"
         )

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::summary::thousandths;
 use super::{EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
@@ -199,8 +200,7 @@ pub(super) fn identical_photos(photos: &[ScoredPhoto]) -> impl Iterator<Item = (
 fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeMap<i64, usize>> = BTreeMap::new();
     for photo in photos {
-        // Milli-degrees: a key that can be compared.
-        let bin = photo.bin.map_or(-1, |b| (b.azimuth_deg * 1000.0).round() as i64);
+        let bin = photo.bin.map_or(-1, |b| thousandths(b.azimuth_deg));
         *counts.entry(&photo.variant).or_default().entry(bin).or_default() += 1;
     }
     let Some(base) = counts.get(base_variant) else {

@@ -241,7 +241,7 @@ impl Summary {
 }
 
 /// A key that can be compared.
-fn thousandths(azimuth_deg: f64) -> i64 {
+pub(super) fn thousandths(azimuth_deg: f64) -> i64 {
     (azimuth_deg * 1000.0).round() as i64
 }
 
