@@ -25,7 +25,7 @@ struct Image {
 pub fn labelled_photos(path: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, FileError> {
     let text = files::read_text(path)?;
     let refused = |message: String| FileError::content(path, message);
-    let file: File<Image, IgnoredAny> =
+    let file: File<Image, IgnoredAny, u8> =
         serde_json::from_str(&text).map_err(|e| refused(format!("line {}: {e}", e.line())))?;
     let (mut known, mut unknown) = (BTreeMap::new(), Vec::new());
     for category in &file.categories {
