@@ -12,7 +12,7 @@ use scaleproof_frames::frames::import::import as import_frames;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::{Camera, CameraFormat};
-use scaleproof_pose::scene::Scene;
+use scaleproof_pose::scene::{Classes, Scene};
 use scaleproof_print::print::printer::PrinterFile;
 use scaleproof_score::score::shard::{self, Run, Shard, ShardId};
 use scaleproof_session::session::Session;
@@ -57,15 +57,17 @@ pub fn session(bytes: &[u8]) {
 
 /// Annotation files: what is read names a photo and has a box of numbers.
 pub fn coco(bytes: &[u8]) {
-    annotations(bytes, import::AnnotationFormat::Coco);
+    annotations(bytes, import::coco::parse);
 }
 
 pub fn table(bytes: &[u8]) {
-    annotations(bytes, import::AnnotationFormat::Csv);
+    annotations(bytes, import::csv::parse);
 }
 
-fn annotations(bytes: &[u8], format: import::AnnotationFormat) {
-    let Some(Ok((rows, _))) = text(bytes).map(|t| import::parse(t, format, &"car".parse().expect("a label"))) else {
+type Parser = fn(&str, &Classes) -> Result<import::ImportedRows, import::ImportFault>;
+
+fn annotations(bytes: &[u8], parse: Parser) {
+    let Some(Ok((rows, _))) = text(bytes).map(|t| parse(t, &"car".parse().expect("a label"))) else {
         return;
     };
     for row in rows {

@@ -189,15 +189,17 @@ fn texels_of_triangles() {
 #[test]
 fn the_corpus_has_files_that_are_accepted() {
     use scaleproof_pose::camera::Camera;
+    use scaleproof_pose::scene::Classes;
     use scaleproof_session::session::import;
     let read = |bytes: &Vec<u8>| Camera::parse(std::str::from_utf8(bytes).unwrap_or(""), Path::new("camera")).is_ok();
     assert!(corpus("camera").iter().filter(|bytes| read(bytes)).count() >= 7);
-    let rows = |name: &str, format| {
+    type Parser = fn(&str, &Classes) -> Result<import::ImportedRows, import::ImportFault>;
+    let rows = |name: &str, parse: Parser| {
         let texts = corpus(name).into_iter().map(|bytes| String::from_utf8(bytes).unwrap());
-        let read = texts.map(|text| import::parse(&text, format, &"car".parse().unwrap()));
+        let read = texts.map(|text| parse(&text, &"car".parse().unwrap()));
         read.flatten().map(|(rows, _)| rows.len()).sum::<usize>()
     };
-    assert!(rows("coco", import::AnnotationFormat::Coco) >= 4 && rows("table", import::AnnotationFormat::Csv) >= 4);
+    assert!(rows("coco", import::coco::parse) >= 4 && rows("table", import::csv::parse) >= 4);
     let folder = tempfile::tempdir().unwrap();
     let opened = corpus("photo").into_iter().filter(|bytes| {
         let path = folder.path().join("photo");

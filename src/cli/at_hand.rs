@@ -11,6 +11,29 @@ use scaleproof_detect::{Manifest, Recording, WeightFolders};
 use scaleproof_score::score::{EvaluatedDetector, evaluated_detectors};
 use scaleproof_session::session::Session;
 
+/// Detectors, and where their detections come from.
+#[derive(clap::Args)]
+pub(super) struct Detectors {
+    /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
+    /// is named. A program of your own is `exec:PROGRAM` or `'exec:PROGRAM ARGUMENT …'`.
+    #[arg(id = "detector", long = "detector", value_name = "NAME", value_delimiter = ',')]
+    pub names: Vec<String>,
+    #[command(flatten)]
+    pub folder: detectors::Folder,
+    #[command(flatten)]
+    pub results: Results,
+    /// Score the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
+    #[arg(long)]
+    pub recorded: bool,
+}
+
+impl Detectors {
+    /// Those that look at some sessions, as [`evaluated`].
+    pub(super) fn evaluated(&self, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>> {
+        evaluated(sessions, &self.names, self.recorded, &self.folder, &self.results)
+    }
+}
+
 /// Detectors that run, with the weights in some folders, or are played back from what the sessions store.
 ///
 /// # Errors

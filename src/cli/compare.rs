@@ -6,31 +6,27 @@ use std::path::PathBuf;
 use super::choice::one_of;
 use super::criteria::Reading;
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, at_hand, detectors, results, score as score_command, sessions};
+use super::{CommandResult, Outcome, at_hand, score as score_command, sessions};
 use scaleproof_core::files;
 use scaleproof_score::report;
 use scaleproof_score::score::{self, ClusteredBy, SealedPlan};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
+#[command(
+    mut_arg("detector", |a| a.help("Detector to compare with; once for each, or a list with commas; all whose weights are here when none is named")),
+    mut_arg("recorded", |a| a.help("Compare the detections stored in the sessions instead of running the detectors: all that are stored when none is named")),
+)]
 pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
     /// The variant that the others are held against.
     #[arg(long, default_value = score::BASE_VARIANT)]
     base: String,
-    /// Detector to compare with; once for each, or a list with commas; all whose weights are here when none is named.
-    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
-    detectors: Vec<String>,
     #[command(flatten)]
-    folder: detectors::Folder,
-    #[command(flatten)]
-    results: results::Results,
+    detectors: at_hand::Detectors,
     #[command(flatten)]
     reading: Reading,
-    /// Compare the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
-    #[arg(long)]
-    recorded: bool,
     /// The plan that was fixed before the photos (`plan --seal`): whatever differs from it is listed first.
     #[arg(long, value_name = "JSON")]
     plan: Option<PathBuf>,
@@ -73,14 +69,8 @@ const MOST_LISTED: usize = 20;
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
-    opened.refuse_for_folders("--recorded", args.recorded)?;
-    let detectors = at_hand::evaluated(
-        &opened.sessions,
-        &args.detectors,
-        args.recorded,
-        &args.folder,
-        &args.results,
-    )?;
+    opened.refuse_for_folders("--recorded", args.detectors.recorded)?;
+    let detectors = args.detectors.evaluated(&opened.sessions)?;
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = args.reading.criteria()?;

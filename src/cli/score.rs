@@ -10,7 +10,7 @@ use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, Result, at_hand, detectors, progress, results, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, progress, sessions};
 use scaleproof_core::{files, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -28,14 +28,8 @@ use scaleproof_session::session::Session;
 pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
-    /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
-    /// is named. A program of your own is `exec:PROGRAM` or `'exec:PROGRAM ARGUMENT …'`.
-    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
-    detectors: Vec<String>,
     #[command(flatten)]
-    folder: detectors::Folder,
-    #[command(flatten)]
-    results: results::Results,
+    detectors: at_hand::Detectors,
     #[command(flatten)]
     judging: Judging,
     #[command(flatten)]
@@ -43,9 +37,6 @@ pub(super) struct Args {
     /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv, the charts as SVG and PDF, and the COCO files.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
-    /// Score the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
-    #[arg(long)]
-    recorded: bool,
     /// Store the detections in each session's folder `recorded`, for later runs with --recorded.
     #[arg(long, conflicts_with_all = ["recorded", "results"])]
     record: bool,
@@ -110,7 +101,7 @@ impl Effort {
     /// With another tag detector.
     pub(super) fn options_with(&self, detectors: &[EvaluatedDetector], tags: TagDetectorChoice) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
-        let libraries = format!("{}; {}", score::libraries(tags), runtime.unwrap_or_default());
+        let libraries = format!("{}; {}", tags.provenance(), runtime.unwrap_or_default());
         let folder = self
             .cache
             .clone()
@@ -142,19 +133,13 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         .map(|session| settings.applied(session))
         .collect();
     for (option, is_given) in [
-        ("--recorded", args.recorded),
+        ("--recorded", args.detectors.recorded),
         ("--record", args.record),
         ("--shard", args.shard.is_some()),
     ] {
         opened.refuse_for_folders(option, is_given)?;
     }
-    let detectors = at_hand::evaluated(
-        &opened.sessions,
-        &args.detectors,
-        args.recorded,
-        &args.folder,
-        &args.results,
-    )?;
+    let detectors = args.detectors.evaluated(&opened.sessions)?;
     opened.check_output(&args.output)?;
     if let (true, Some(program)) = (args.record, detectors.iter().find(|d| d.foreign().is_some())) {
         let name = &program.manifest.name;
@@ -238,8 +223,7 @@ pub(super) fn score_with_progress(
 
 /// Looks at the photos of other sessions, and holds the order of the variants against theirs.
 fn against(scores: &Scores, others: Vec<Session>, args: &Args, options: &Options) -> Result<Ranking> {
-    let names = &args.detectors;
-    let detectors = at_hand::evaluated(&others, names, args.recorded, &args.folder, &args.results)?;
+    let detectors = args.detectors.evaluated(&others)?;
     let others = score_with_progress(others, detectors, options)?.judged_by(scores.criteria);
     say_not_scored(&others);
     Ok(score::ranking(scores, &others))
@@ -283,7 +267,7 @@ fn write_shard(
     bar.finish_and_clear();
     complain(options);
     let runtime = score::runtime(detectors)?.map(Runtime::provenance);
-    let chosen_as = detectors.iter().map(|d| chosen_as(&d.manifest, &args.detectors));
+    let chosen_as = detectors.iter().map(|d| chosen_as(&d.manifest, &args.detectors.names));
     let chosen_as = chosen_as.collect::<Result<_, _>>()?;
     let shard = Shard {
         run: Run::of(sessions, detectors, chosen_as, runtime)?,

@@ -40,12 +40,8 @@ pub fn read(kind: &str, block: &Block) -> Read {
         "speed" => said(Speeds::open(&file, &[])),
         "sidecar" => said(serde_json::from_str::<Sidecar>(text)),
         "recording" => said(serde_json::from_str::<Recording>(text)),
-        "coco" => said(
-            import::parse(text, import::AnnotationFormat::Coco, &"car".parse().unwrap()).map_err(|fault| fault.message),
-        ),
-        "table" => said(
-            import::parse(text, import::AnnotationFormat::Csv, &"car".parse().unwrap()).map_err(|fault| fault.message),
-        ),
+        "coco" => said(import::coco::parse(text, &"car".parse().unwrap()).map_err(|fault| fault.message)),
+        "table" => said(import::csv::parse(text, &"car".parse().unwrap()).map_err(|fault| fault.message)),
         "card" => card(text, at),
         "session" => session(text, at),
         "frames" => frames(text, at),

@@ -260,6 +260,17 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
+/// The last part of a path; a path without one stays whole.
+pub fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// A file's name with its SHA-256.
+pub fn hashed(path: &Path) -> Result<(String, String), FileError> {
+    Ok((name_of(path), sha256_hex(&read(path)?)))
+}
+
 /// An operating system error without its "(os error 2)".
 pub fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();

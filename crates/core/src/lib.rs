@@ -10,6 +10,7 @@
 //! ```
 
 pub mod ap;
+pub mod coco;
 pub mod files;
 pub mod geometry;
 pub mod least_squares;

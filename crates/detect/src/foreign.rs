@@ -1,13 +1,12 @@
 //! Detectors that are no network of this program: another program runs them, or has run them. Only their boxes are seen here.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{Input, Layout, Values, Weights};
 use super::{Detection, HIGHEST_SCORE, Labels, Manifest};
-use scaleproof_core::files::{self, FileError};
+use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 
 /// How the boxes of such a detector come here.
@@ -76,17 +75,6 @@ impl Manifest {
     }
 }
 
-/// A file's name with its SHA-256.
-pub(super) fn hashed(path: &Path) -> Result<(String, String), FileError> {
-    Ok((name_of(path), files::sha256_hex(&files::read(path)?)))
-}
-
-/// The last part of a path.
-pub(super) fn name_of(path: &Path) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
-}
-
 /// Rounding a box to whole pixels explains so much over the border.
 const ROUNDING_PX: f64 = 1.0;
 /// No detector is this sure of a box that reaches out of its photo by more than [`FAR_OUT`] of a side.
@@ -120,6 +108,12 @@ pub(super) fn placed(label: usize, score: f64, b: BoxPx, size: [u32; 2]) -> Resu
     }
     let inside = if reaches_out_px > ROUNDING_PX { clipped } else { b };
     Ok(Detection::new(label, score.min(1.0), inside))
+}
+
+/// What follows a sentence on an image of another size than its photo: where the sides are swapped, that `who` did not turn it.
+pub(super) fn turned_hint(who: &str, [w, h]: [u32; 2], photo: [u32; 2]) -> String {
+    let hint = ([h, w] == photo).then(|| format!(": {who} did not turn it as its EXIF says"));
+    hint.unwrap_or_default()
 }
 
 /// Refuses what is no confidence.

@@ -12,7 +12,6 @@ use ort::session::builder::GraphOptimizationLevel;
 use ort::session::{RunOptions, Session};
 use ort::value::{DynValue, Tensor as OrtTensor};
 
-use super::foreign::name_of;
 use super::heads::{self, Data, HeadError, Tensor};
 use super::input::{self, InputPlacement};
 use super::manifest::{Input, Layout, Values};
@@ -86,7 +85,7 @@ fn load() -> Result<Runtime, DetectError> {
     environment.set_log_level(LogLevel::Error);
     Ok(Runtime {
         environment,
-        library: name_of(&std::fs::canonicalize(&file).unwrap_or(file.into())),
+        library: files::name_of(&std::fs::canonicalize(&file).unwrap_or(file.into())),
     })
 }
 

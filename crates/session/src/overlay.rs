@@ -8,7 +8,7 @@ use crate::envelope::EnvelopeShape;
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::copies::{self, CopiesError};
 use scaleproof_photo::draw::{self, DrawColour, LabelAnchor, Lettering, Pen, RgbImage};
-use scaleproof_photo::photo::{Photo, PhotoError, shrunk};
+use scaleproof_photo::photo::{Photo, PhotoError, fitting, shrunk};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Located, LocatedPhoto};
 use scaleproof_pose::scene::Scene;
@@ -71,8 +71,7 @@ impl Overlay {
     /// The photo with a longest side of [`LONGEST_SIDE_PX`] at most.
     fn new(file: &Photo) -> Result<Overlay, PhotoError> {
         let sides = [file.width, file.height];
-        let share = (f64::from(LONGEST_SIDE_PX) / f64::from(sides[0].max(sides[1]))).min(1.0);
-        let small = sides.map(|side| (f64::from(side) * share).round().max(1.0) as u32);
+        let small = fitting(sides, LONGEST_SIDE_PX);
         let image = shrunk(&file.rgb(file.reduction(small))?, small);
         let (width_px, size_px) = draw::readable_px(&image);
         let scale = [0, 1].map(|i| f64::from(small[i]) / f64::from(sides[i]));

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{Folder, present};
 use crate::cli::{CommandResult, Outcome, progress};
 use scaleproof_detect::Manifest;
-use scaleproof_score::score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, trials};
+use scaleproof_score::score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, labelled_photos, trials};
 
 /// Score labelled photos and put the AP beside the published one; where they differ, say what explains it.
 ///
@@ -68,7 +68,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let manifest = present(std::slice::from_ref(&args.name), &folders)?;
     let manifest = manifest.into_iter().next().ok_or("there is no such detector")?;
     let weights = folders.checked(&manifest)?;
-    let set = LabelledPhotos::read(&args.coco, &args.photos, manifest.labels)?;
+    let set = labelled_photos(&args.coco, &args.photos, manifest.labels)?;
     if !set.unknown.is_empty() {
         let names = set.unknown.join(", ");
         say!(

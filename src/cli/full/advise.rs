@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::cli::{
-    CommandResult, Outcome, Result, at_hand, detectors, progress, results, score as score_command, sessions,
-};
+use crate::cli::at_hand::Detectors;
+use crate::cli::{CommandResult, Outcome, Result, progress, score as score_command, sessions};
 use scaleproof_core::files;
 use scaleproof_score::score::{self, EvaluatedDetector, Scores};
 use scaleproof_session::envelope::EnvelopeShape;
@@ -18,19 +17,15 @@ use scaleproof_study::advise::{self, Advice, FigureAdvice, Sample};
 /// No truth is needed: a tag is left out of each pose, and its corners are predicted. Advised is the smallest way that loses no photo, moves none to another bin, and predicts no worse than the most
 /// accurate one.
 #[derive(clap::Args)]
+#[command(
+    mut_arg("detector", |a| a.help("Detector whose findings are looked at; once for each, or a list with commas; none when none is named, unless --recorded is given")),
+    mut_arg("recorded", |a| a.help("Look at the detections stored in the session instead of running detectors")),
+)]
 pub(in crate::cli) struct Args {
     /// The session's folder.
     session: PathBuf,
-    /// Detector whose findings are looked at; once for each, or a list with commas; none when none is named, unless --recorded is given.
-    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
-    detectors: Vec<String>,
     #[command(flatten)]
-    folder: detectors::Folder,
-    #[command(flatten)]
-    results: results::Results,
-    /// Look at the detections stored in the session instead of running detectors.
-    #[arg(long)]
-    recorded: bool,
+    detectors: Detectors,
     /// The texture that the others are held against.
     #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
     base: String,
@@ -106,7 +101,8 @@ fn check(args: &Args, session: &Session) -> Result<()> {
 
 /// Whether detections are looked at.
 fn looks(args: &Args) -> bool {
-    !args.detectors.is_empty() || args.recorded || args.results.are_given()
+    let given = &args.detectors;
+    !given.names.is_empty() || given.recorded || given.results.are_given()
 }
 
 /// What the findings depend on; none where no detector looks.
@@ -114,8 +110,7 @@ fn figures(args: &Args, session: &Session) -> Result<Option<FigureAdvice>> {
     if !looks(args) {
         return Ok(None);
     }
-    let one = std::slice::from_ref(session);
-    let detectors = at_hand::evaluated(one, &args.detectors, args.recorded, &args.folder, &args.results)?;
+    let detectors = args.detectors.evaluated(std::slice::from_ref(session))?;
     let options = args.effort.options(&detectors)?;
     let scored = |session: Session, detectors: Vec<EvaluatedDetector>| -> Result<Scores> {
         let scores = score_command::score_with_progress(vec![session], detectors, &options)?;

@@ -14,7 +14,7 @@ use crate::cli::choice::one_of;
 use crate::cli::score::{Effort, say_not_scored, score_with_progress};
 use crate::cli::sessions::{quoted, session};
 use scaleproof_core::spelling;
-use scaleproof_score::report::{self, ExportFormat, ExportRequest};
+use scaleproof_score::report::{self, ExportFormat};
 
 /// Write what another program should run on: the photos of a session, with their truth boxes, as COCO or YOLO
 ///
@@ -45,12 +45,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let options = args.effort.options(&[])?;
     let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
     say_not_scored(&scores);
-    let file = report::export(&ExportRequest {
-        scores: &scores,
-        format: args.format,
-        folder: &args.output,
-        copy: args.copy,
-    })?;
+    let file = report::export(&scores, args.format, &args.output, args.copy)?;
     let variants = by_variant(scores.photos.iter().map(|photo| photo.variant.as_str()));
     let place = |path: &Path| quoted(&path.display().to_string());
     let back = match args.format {

@@ -37,7 +37,7 @@ pub(crate) struct Args {
 pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let folders = folders(args)?;
     let gathered = args.about.gather(&folders)?;
-    let made = NewSession {
+    let (path, photos) = NewSession {
         folder: &args.folder,
         photos: &gathered,
         scene: args.about.scene()?,
@@ -45,12 +45,12 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         copy: args.copy,
     }
     .write()?;
-    let variants = by_variant(made.photos.iter().map(|photo| &*photo.variant));
-    let words = in_words(&made.path, made.photos.len(), &variants, &args.folder);
+    let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
+    let words = in_words(&path, photos.len(), &variants, &args.folder);
     let new = Answer {
         session: &args.folder,
-        file: &made.path,
-        photos: made.photos.len(),
+        file: &path,
+        photos: photos.len(),
         variants,
         place: &args.about.place,
         copied: args.copy,

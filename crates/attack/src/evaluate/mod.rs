@@ -17,7 +17,7 @@ use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_frames::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, Viewpoint};
-use scaleproof_session::session::{self, Conditions, PhotoEntry, SessionError};
+use scaleproof_session::session::{self, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
@@ -95,10 +95,9 @@ impl RenderedSet {
                 file: folder_of(variant).join(name).to_string_lossy().into_owned(),
                 variant: variant.clone(),
                 place: Some(place),
-                taken: None,
                 box_xyxy_px: Some(boxes[frame.viewpoint]),
                 viewpoint: Some(request.viewpoints[frame.viewpoint]),
-                conditions: Conditions::new(),
+                ..PhotoEntry::default()
             }
         };
         let photos = plan.frames().iter().map(photo).collect();

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::RgbImage;
 
 use crate::capture::Original;
-use scaleproof_photo::photo::{Budget, Photo, preview_jpeg, shrunk};
+use scaleproof_photo::photo::{Budget, Photo, fitting, preview_jpeg, shrunk};
 
 /// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
@@ -31,11 +31,6 @@ fn of_file(file: &Photo, longest_side_px: u32) -> Option<Vec<u8>> {
         return None;
     }
     jpeg(&file.rgb(reduction).ok()?, size)
-}
-
-fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {
-    let scale = (f64::from(longest_side_px) / f64::from(width.max(height).max(1))).min(1.0);
-    [width, height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
 }
 
 fn jpeg(image: &RgbImage, size: [u32; 2]) -> Option<Vec<u8>> {

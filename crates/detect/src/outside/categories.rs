@@ -7,14 +7,8 @@ use serde::Deserialize;
 
 use super::super::Labels;
 use super::{OutsideError, syntax};
+use scaleproof_core::coco::Category;
 use scaleproof_core::files::{self, FileError};
-
-/// One of a COCO file's `categories`.
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Category {
-    pub id: u64,
-    pub name: String,
-}
 
 /// The labels of some results, and which number means which.
 pub(super) struct Categories {

@@ -6,9 +6,10 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::categories::{Categories, Category};
+use super::categories::Categories;
 use super::photo_names::PhotoNames;
 use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest, hashed_text, syntax};
+use scaleproof_core::coco::Category;
 use scaleproof_core::files::FileError;
 
 /// A detection; other keys are passed over.
@@ -63,18 +64,22 @@ pub(super) fn read(
     let (lines, mut files) = (lines(&text, path)?, vec![hashed]);
     drop(text);
     let mut photos = Photos {
+        request,
+        names,
         by_photo: request.photos.iter().map(|_| PhotoBoxes::default()).collect(),
-        ..Photos::default()
+        by_id: BTreeMap::new(),
+        called: BTreeMap::new(),
+        unknown: BTreeSet::new(),
     };
     if let Some(images) = request.images {
-        files.push(photos.listed(request, images, names)?);
+        files.push(photos.listed(images)?);
     }
     for (at, line) in lines.iter().enumerate() {
         let refuse = |message: String| {
             FileError::content(path, format!("detection {} (of {}): {message}", at + 1, line.image_id))
         };
         let found = raw_box(line, categories, path, &refuse)?;
-        match photos.find(&line.image_id, request, names, &refuse)? {
+        match photos.find(&line.image_id, &refuse)? {
             Some(photo) => photo.boxes.push(found),
             None => drop(photos.unknown.insert(line.image_id.to_string())),
         }
@@ -119,8 +124,9 @@ fn raw_box(
 }
 
 /// The photos of the run as the results know them.
-#[derive(Default)]
-struct Photos {
+struct Photos<'a> {
+    request: &'a ResultsRequest<'a>,
+    names: &'a PhotoNames<'a>,
     by_photo: Vec<PhotoBoxes>,
     /// The photo of each image, where there is one.
     by_id: BTreeMap<ImageId, Option<usize>>,
@@ -129,14 +135,10 @@ struct Photos {
     unknown: BTreeSet<String>,
 }
 
-impl Photos {
+impl Photos<'_> {
     /// Learns the images of a COCO file, which must list every photo of the run once; returns its name and hash.
-    fn listed(
-        &mut self,
-        request: &ResultsRequest,
-        images: &Path,
-        names: &PhotoNames,
-    ) -> Result<(String, String), OutsideError> {
+    fn listed(&mut self, images: &Path) -> Result<(String, String), OutsideError> {
+        let (request, names) = (self.request, self.names);
         let (text, hashed) = hashed_text(images)?;
         let file: ImagesFile = serde_json::from_str(&text).map_err(|e| syntax(images, &e))?;
         let refuse = |message: String| FileError::content(images, message);
@@ -174,10 +176,9 @@ impl Photos {
     fn find(
         &mut self,
         id: &ImageId,
-        request: &ResultsRequest,
-        names: &PhotoNames,
         refuse: &impl Fn(String) -> FileError,
     ) -> Result<Option<&mut PhotoBoxes>, OutsideError> {
+        let (request, names) = (self.request, self.names);
         let index = match (self.by_id.get(id), id) {
             (Some(index), _) => *index,
             (None, _) if request.images.is_some() => {

@@ -10,7 +10,7 @@ mod yolo;
 
 use std::path::{Path, PathBuf};
 
-use super::foreign::{check_score, hashed, name_of, placed};
+use super::foreign::{check_score, placed, turned_hint};
 use super::{Detection, ForeignCard, ForeignKind, MAX_DETECTIONS, SCORE_FLOOR};
 use categories::Categories;
 use scaleproof_core::files::{self, FileError};
@@ -123,7 +123,7 @@ impl OutsideResults {
         } else {
             coco::read(request, &categories, &names)?
         };
-        read.files.extend(request.categories.map(hashed).transpose()?);
+        read.files.extend(request.categories.map(files::hashed).transpose()?);
         let path = request.path;
         if read.by_photo.iter().all(|p| p.boxes.is_empty()) {
             let has = read.unknown.first().map(|name| format!(" (it has {name})"));
@@ -158,7 +158,7 @@ impl OutsideResults {
                 name: request.name.to_owned(),
                 title: request.name.to_owned(),
                 licence: "not stated".into(),
-                origin: format!("{}, made by another program", name_of(path)),
+                origin: format!("{}, made by another program", files::name_of(path)),
                 version: None,
                 command: Vec::new(),
                 labels: categories.labels,
@@ -195,12 +195,7 @@ impl OutsideResults {
             message,
         };
         if let Some([w, h]) = photo.size.filter(|size| *size != [width, height]) {
-            let is_turned = [h, w] == [width, height];
-            let hint = if is_turned {
-                ": the other program did not turn it as its EXIF says"
-            } else {
-                ""
-            };
+            let hint = turned_hint("the other program", [w, h], [width, height]);
             return Err(refuse(format!(
                 "the photo is {width}×{height} px upright, and its boxes are of an image of {w}×{h} px{hint}"
             )));
@@ -282,7 +277,7 @@ fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
 fn hashed_text(path: &Path) -> Result<(String, (String, String)), FileError> {
     let text = files::read_text(path)?;
     let sha256 = files::sha256_hex(text.as_bytes());
-    Ok((text, (name_of(path), sha256)))
+    Ok((text, (files::name_of(path), sha256)))
 }
 
 /// What is wrong with some JSON, and where.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::categories::Categories;
 use super::photo_names::{PhotoNames, stem};
-use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest, name_of};
+use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest};
 use scaleproof_core::files::{self, FileError};
 
 /// No box of a photo has a share beyond this, however it is rounded.
@@ -61,7 +61,7 @@ pub(super) fn read(
     Ok(ReadResults {
         by_photo,
         unknown,
-        files: vec![(name_of(folder), files::sha256_hex(hashes.as_bytes()))],
+        files: vec![(files::name_of(folder), files::sha256_hex(hashes.as_bytes()))],
     })
 }
 

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer};
 
-use super::super::foreign::placed;
+use super::super::foreign::{placed, turned_hint};
 use super::super::{Detection, Labels, MAX_DETECTIONS, SCORE_FLOOR};
 use scaleproof_core::geometry::BoxPx;
 
@@ -76,24 +76,14 @@ impl Label {
 /// first.
 pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result<Vec<Detection>, NoAnswer> {
     let answer: BoxesLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
-    if answer.id != id {
-        return Err(format!("it is about photo {}, and asked was photo {id}", answer.id).into());
-    }
-    if let Some(sentence) = answer.error {
-        return Err(NoAnswer::Declined(one_line(&sentence)));
-    }
+    check("photo", [answer.id, id], answer.error)?;
     let [width, height] = size;
     if let Some((w, h)) = answer
         .width
         .zip(answer.height)
         .filter(|decoded| *decoded != (width, height))
     {
-        let is_turned = (h, w) == (width, height);
-        let hint = if is_turned {
-            ": it did not turn it as its EXIF says"
-        } else {
-            ""
-        };
+        let hint = turned_hint("it", [w, h], size);
         return Err(format!(
             "its boxes are of an image of {w}×{h} px, and the photo is {width}×{height} px upright{hint}"
         )
@@ -118,6 +108,14 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
     // They are kept for the whole run, and so would be the room of all others.
     detections.shrink_to_fit();
     Ok(detections)
+}
+
+/// Refuses an answer to another request than the one that was asked, and one that says why there is none.
+fn check(about: &str, [id, asked]: [u64; 2], error: Option<String>) -> Result<(), NoAnswer> {
+    if id != asked {
+        return Err(format!("it is about {about} {id}, and asked was {about} {asked}").into());
+    }
+    error.map_or(Ok(()), |sentence| Err(NoAnswer::Declined(one_line(&sentence))))
 }
 
 /// An answer's line about the loss of an image.
@@ -145,12 +143,7 @@ const MOST_LOSS: f64 = 10_000.0;
 /// the line of a loss follow its derivatives.
 pub fn loss(line: &str, id: u64, size: [u32; 2]) -> Result<Option<f64>, NoAnswer> {
     let answer: LossLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
-    if answer.id != id {
-        return Err(format!("it is about image {}, and asked was image {id}", answer.id).into());
-    }
-    if let Some(sentence) = answer.error {
-        return Err(NoAnswer::Declined(one_line(&sentence)));
-    }
+    check("image", [answer.id, id], answer.error)?;
     let Some(loss) = answer.loss.ok_or("it has neither a loss nor an error")? else {
         return Ok(None);
     };

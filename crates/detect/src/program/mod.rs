@@ -15,7 +15,6 @@ use std::time::Duration;
 
 use image::RgbImage;
 
-use super::foreign::hashed;
 use super::{Detection, ForeignCard, ForeignKind};
 use answer::NoAnswer;
 use child::{Child, Silence};
@@ -360,7 +359,7 @@ fn card(spec: &ProgramSpec, hello: &Hello) -> Result<ForeignCard, FileError> {
     let name = spec.name.clone().unwrap_or_else(|| hello.name.clone());
     let mut seen: Vec<(String, String)> = Vec::new();
     for path in (spec.files().into_iter()).chain(hello.files.iter().map(|file| spec.seen(file))) {
-        let hashed = hashed(&path)?;
+        let hashed = files::hashed(&path)?;
         if !seen.contains(&hashed) {
             seen.push(hashed);
         }

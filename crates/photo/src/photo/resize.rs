@@ -5,6 +5,12 @@ use fir::images::{TypedImage, TypedImageRef};
 use fir::pixels::U8x3;
 use image::RgbImage;
 
+/// The size of a picture of this size when its longer side is made at most so many px; never larger than it is.
+pub fn fitting(size: [u32; 2], longest_px: u32) -> [u32; 2] {
+    let share = (f64::from(longest_px) / f64::from(size[0].max(size[1]).max(1))).min(1.0);
+    size.map(|side| (f64::from(side) * share).round().max(1.0) as u32)
+}
+
 /// The picture at another size: bilinear, each pixel the mean of all that it stands for, as PIL and torchvision do with
 /// antialiasing. An empty picture stays.
 pub fn shrunk(picture: &RgbImage, size: [u32; 2]) -> RgbImage {

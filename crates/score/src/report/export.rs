@@ -30,17 +30,6 @@ pub enum ExportFormat {
     Yolo,
 }
 
-/// What is exported, and where.
-pub struct ExportRequest<'a> {
-    /// Photos of one session, whose truth boxes are known; detectors are not needed.
-    pub scores: &'a Scores,
-    pub format: ExportFormat,
-    /// A new folder, or an empty one.
-    pub folder: &'a Path,
-    /// Copies the photos instead of linking to them.
-    pub copy: bool,
-}
-
 /// Finds out, before photos are searched, that a folder is new or empty.
 pub fn check_export(folder: &Path) -> Result<(), ExportError> {
     if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
@@ -50,55 +39,46 @@ pub fn check_export(folder: &Path) -> Result<(), ExportError> {
     Ok(files::check_writable(folder)?)
 }
 
-/// Writes the export, whole or not at all, and returns the file that names everything.
-pub fn export(request: &ExportRequest) -> Result<PathBuf, ExportError> {
-    let (scores, folder) = (request.scores, request.folder);
+/// Writes the photos of one session, whose truth boxes are known, into a new or empty folder, whole or not at all, and returns the file that names
+/// everything. Detectors are not needed; the photos are links, or copies where `copy` says so.
+pub fn export(scores: &Scores, format: ExportFormat, folder: &Path, copy: bool) -> Result<PathBuf, ExportError> {
     check_export(folder)?;
     let names = names(&scores.photos)?;
-    let classes = Classes::from_scores(scores);
+    let (labels, model) = labels(scores);
     let name_of = |photo: &ScoredPhoto| names.get(&photo.id).cloned().unwrap_or_default();
-    let texts = match request.format {
+    let texts = match format {
         ExportFormat::Coco => vec![(
             "annotations.json".to_owned(),
-            coco::annotations(scores, name_of, classes.labels.clone(), classes.model_category())?,
+            coco::annotations(
+                scores,
+                name_of,
+                labels.clone(),
+                labels.get(model).map_or(1, |(id, _)| *id),
+            )?,
         )],
-        ExportFormat::Yolo => yolo(scores, &name_of, &classes),
+        ExportFormat::Yolo => yolo(scores, &name_of, (&labels, model)),
     };
     let main = texts.first().map_or(folder.to_owned(), |(name, _)| folder.join(name));
-    let photos = scores
-        .photos
-        .iter()
-        .map(|photo| (path_of(scores, photo), name_of(photo)));
-    let photos: Vec<(PathBuf, String)> = photos.collect();
     files::make_folder(folder, |inside| {
         for (name, text) in &texts {
             files::write_atomically(&inside.join(name), text.as_bytes())?;
         }
-        photos.iter().try_for_each(|(photo, name)| {
-            let to = inside.join("images").join(name);
-            if request.copy {
-                files::copy(photo, &to)
+        scores.photos.iter().try_for_each(|photo| {
+            let from = scores.sessions[photo.session].folder.join(&photo.file);
+            let to = inside.join("images").join(name_of(photo));
+            if copy {
+                files::copy(&from, &to)
             } else {
-                files::link(photo, &to)
+                files::link(&from, &to)
             }
         })
     })?;
     Ok(main)
 }
 
-fn path_of(scores: &Scores, photo: &ScoredPhoto) -> PathBuf {
-    let session = scores.sessions.get(photo.session);
-    session
-        .map_or(PathBuf::new(), |session| session.folder.clone())
-        .join(&photo.file)
-}
-
 /// A name for each photo, by its id: its own, or its path in one word where two photos are called alike but for the ending.
 fn names(photos: &[ScoredPhoto]) -> Result<BTreeMap<u64, String>, ExportError> {
-    let own = |photo: &ScoredPhoto| {
-        let name = Path::new(&photo.file).file_name();
-        name.map_or_else(|| photo.file.clone(), |name| name.to_string_lossy().into_owned())
-    };
+    let own = |photo: &ScoredPhoto| files::name_of(Path::new(&photo.file));
     let stem = |name: &str| Path::new(name).with_extension("").display().to_string();
     let stems: BTreeSet<String> = photos.iter().map(|photo| stem(&own(photo))).collect();
     let is_plain = stems.len() == photos.len();
@@ -114,41 +94,28 @@ fn names(photos: &[ScoredPhoto]) -> Result<BTreeMap<u64, String>, ExportError> {
     Ok(names)
 }
 
-/// The labels that the truth is written in: COCO's when it has those of the scene, else the scene's own.
-struct Classes {
-    labels: Vec<(u32, String)>,
-    /// Index of what the model counts as: the first of the scene's labels.
-    model: usize,
-}
-
-impl Classes {
-    fn from_scores(scores: &Scores) -> Classes {
-        let own = counted::classes(scores).labels();
-        let coco = Labels::Coco80;
-        let named = |label: usize| Some((coco.category_id(label)?, coco.name(label)?.to_owned()));
-        let model = own.first().and_then(|first| coco.find(first));
-        match model.filter(|_| own.iter().all(|label| coco.find(label).is_some())) {
-            Some(model) => Classes {
-                labels: (0..coco.count()).filter_map(named).collect(),
-                model,
-            },
-            None => Classes {
-                labels: (1..).zip(own.iter().cloned()).collect(),
-                model: 0,
-            },
-        }
-    }
-
-    fn model_category(&self) -> u32 {
-        self.labels.get(self.model).map_or(1, |(id, _)| *id)
+/// The labels that the truth is written in, with their categories: COCO's when it has those of the scene, else the scene's own; and the index of
+/// what the model counts as: the first of the scene's labels.
+fn labels(scores: &Scores) -> (Vec<(u32, String)>, usize) {
+    let own = counted::classes(scores).labels();
+    let coco = Labels::Coco80;
+    let named = |label: usize| Some((coco.category_id(label)?, coco.name(label)?.to_owned()));
+    let model = own.first().and_then(|first| coco.find(first));
+    match model.filter(|_| own.iter().all(|label| coco.find(label).is_some())) {
+        Some(model) => ((0..coco.count()).filter_map(named).collect(), model),
+        None => ((1..).zip(own.iter().cloned()).collect(), 0),
     }
 }
 
 /// The list of images, a text for each, and what Ultralytics reads.
-fn yolo(scores: &Scores, name_of: &dyn Fn(&ScoredPhoto) -> String, classes: &Classes) -> Vec<(String, String)> {
+fn yolo(
+    scores: &Scores,
+    name_of: &dyn Fn(&ScoredPhoto) -> String,
+    (labels, model): (&[(u32, String)], usize),
+) -> Vec<(String, String)> {
     let photos = scores.photos.iter();
     let list = photos.map(|photo| format!("./images/{}\n", name_of(photo)));
-    let names = classes.labels.iter().enumerate();
+    let names = labels.iter().enumerate();
     // A text of JSON is one of YAML.
     let names = names.map(|(index, (_, name))| format!("  {index}: {}\n", serde_json::Value::from(name.as_str())));
     let data = format!("train: images\nval: images\nnames:\n{}", names.collect::<String>());
@@ -167,7 +134,7 @@ fn yolo(scores: &Scores, name_of: &dyn Fn(&ScoredPhoto) -> String, classes: &Cla
         let shares = shares.map(|share| format!(" {share:.8}")).concat();
         let name = Path::new(&name_of(photo)).with_extension("txt");
         let name = format!("labels/{}", name.display());
-        texts.push((name, format!("{}{shares}\n", classes.model)));
+        texts.push((name, format!("{model}{shares}\n")));
     }
     texts
 }

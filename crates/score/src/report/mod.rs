@@ -37,9 +37,10 @@ pub use comparison::{ComparisonPage, comparison_json, comparison_table, write_co
 pub use counted::counted;
 pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
-pub use export::{ExportFormat, ExportRequest, check_export, export};
+pub use export::{ExportFormat, check_export, export};
+pub use paired::briefly;
 pub use sequential::{plan_chart, standing};
-pub use summary_json::SummaryPage;
+pub use summary_json::{SummaryPage, summary_json};
 pub use table::summary_table;
 pub use truth::truth_boxes;
 
@@ -110,14 +111,6 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
     files::replace_all_atomically(&files)?;
     remove_stale(folder, &before, scores, speeds)?;
     Ok(folder.join("report.html"))
-}
-
-/// The whole of `summary.json`.
-///
-/// # Errors
-/// Figures that JSON has no words for.
-pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, ReportError> {
-    Ok(summary_json::render(scores, speeds)?)
 }
 
 /// What an earlier report in the folder was of.

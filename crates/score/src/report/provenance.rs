@@ -1,12 +1,12 @@
 //! Where a result came from: enough to repeat it, or to see why a repetition differs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use serde::Serialize;
 
 use super::counted;
 use crate::score::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
+use scaleproof_core::files;
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
 
 #[derive(Serialize, schemars::JsonSchema)]
@@ -138,16 +138,15 @@ fn session(scores: &Scores, index: usize) -> SessionProvenance {
     let photos = own().map(|p| (p.file.clone(), p.sha256.clone()));
     let places: BTreeSet<&String> = own().filter_map(|p| p.place.as_ref()).collect();
     let taken = || own().filter_map(|p| p.taken.clone());
-    let camera = session.camera_path.as_deref().and_then(Path::file_name);
     SessionProvenance {
         folder: session.name.clone(),
         model: session.scene.model.name.clone(),
         scale: session.scene.model.scale,
         places: places.into_iter().cloned().collect(),
         taken: taken().min().zip(taken().max()).map(<[String; 2]>::from),
-        camera: camera.map(|name| name.to_string_lossy().into_owned()),
+        camera: session.camera_path.as_deref().map(files::name_of),
         truth_envelope: session.scene.model.envelope.name(),
-        truth_mesh: session.scene.model.envelope.mesh().map(super::truth::file_name),
+        truth_mesh: session.scene.model.envelope.mesh().map(files::name_of),
         files: session.hashes.iter().cloned().chain(photos).collect(),
     }
 }

@@ -58,12 +58,10 @@ pub(super) fn repeats(course: &Course) -> String {
 
 /// The figures that have decisions.
 pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
-    let Course {
-        hit_rate,
-        mean_confidence,
-        ..
-    } = course;
-    [("hit rate", hit_rate), ("mean confidence", mean_confidence)]
+    [
+        ("hit rate", &course.hit_rate),
+        ("mean confidence", &course.mean_confidence),
+    ]
 }
 
 /// `a drop, shown after 7 of 24 pairs`

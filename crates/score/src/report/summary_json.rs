@@ -54,7 +54,11 @@ pub struct SummaryPage<'a> {
     provenance: Provenance,
 }
 
-pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
+/// The whole of `summary.json`.
+///
+/// # Errors
+/// Figures that JSON has no words for.
+pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
     let page = SummaryPage {
         photos_scored: scores.photos.len(),
         classes: counted::classes(scores).labels(),

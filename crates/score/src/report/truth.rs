@@ -1,9 +1,9 @@
 //! Where the truth boxes came from, in words.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use crate::score::Scores;
+use scaleproof_core::files;
 use scaleproof_pose::scene::Envelope;
 
 /// How many truth boxes were drawn around which envelope, and how many came with the sessions, as one line.
@@ -23,11 +23,7 @@ pub fn truth_boxes(scores: &Scores) -> String {
 fn envelope(envelope: &Envelope) -> String {
     match envelope {
         Envelope::Box => "envelope box (the model's size: larger than its outline)".to_owned(),
-        Envelope::Hull(path) => format!("envelope hull (of {})", file_name(path)),
-        Envelope::Mesh(path) => format!("envelope mesh ({})", file_name(path)),
+        Envelope::Hull(path) => format!("envelope hull (of {})", files::name_of(path)),
+        Envelope::Mesh(path) => format!("envelope mesh ({})", files::name_of(path)),
     }
-}
-
-pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

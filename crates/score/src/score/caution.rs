@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::summary::thousandths;
 use super::{EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
@@ -9,6 +10,7 @@ use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_detect::Detection;
 use scaleproof_pose::scene::{Bin, Envelope};
 use scaleproof_session::session::Session;
+use scaleproof_session::session::contents::are_copies;
 
 /// Every caution of a run, as sentences.
 pub(super) fn cautions(
@@ -178,13 +180,8 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     let (first, copy) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
-        "{} {} (the first: {} of {}); the intervals count {} as independent",
-        spelling::count(count, "photo"),
-        spelling::choose(
-            count,
-            "is a byte-for-byte copy of another",
-            "are byte-for-byte copies of others"
-        ),
+        "{} (the first: {} of {}); the intervals count {} as independent",
+        are_copies(count),
         copy.file,
         first.file,
         spelling::choose(count, "it", "them")
@@ -203,8 +200,7 @@ pub(super) fn identical_photos(photos: &[ScoredPhoto]) -> impl Iterator<Item = (
 fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeMap<i64, usize>> = BTreeMap::new();
     for photo in photos {
-        // Milli-degrees: a key that can be compared.
-        let bin = photo.bin.map_or(-1, |b| (b.azimuth_deg * 1000.0).round() as i64);
+        let bin = photo.bin.map_or(-1, |b| thousandths(b.azimuth_deg));
         *counts.entry(&photo.variant).or_default().entry(bin).or_default() += 1;
     }
     let Some(base) = counts.get(base_variant) else {

@@ -42,11 +42,6 @@ impl Default for Options {
     }
 }
 
-/// What the results depend on besides the photos, the detectors and this program: versions of libraries.
-pub fn libraries(tags: TagDetectorChoice) -> String {
-    tags.provenance()
-}
-
 /// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
@@ -187,12 +182,7 @@ impl PhotoPart<'_> {
         let moved = found.into_iter().filter_map(|d| {
             let b = d.box_px;
             let [from, to] = [(b.x1, b.y1), (b.x2, b.y2)].map(|(x, y)| (x1 + across * x, y1 + down * y));
-            let in_photo = BoxPx {
-                x1: from.0,
-                y1: from.1,
-                x2: to.0,
-                y2: to.1,
-            };
+            let in_photo = BoxPx::new(from.0, from.1, to.0, to.1);
             Detection::new(d.label, d.score, in_photo)
         });
         moved.collect()
@@ -200,23 +190,14 @@ impl PhotoPart<'_> {
 }
 
 /// Why a photo could not be observed.
+#[derive(Debug, thiserror::Error)]
 enum Stop {
     /// It is left out.
-    Photo(NotScoredReason),
+    #[error(transparent)]
+    Photo(#[from] NotScoredReason),
     /// The run ends.
-    Run(ScoreError),
-}
-
-impl From<ScoreError> for Stop {
-    fn from(error: ScoreError) -> Stop {
-        Stop::Run(error)
-    }
-}
-
-impl From<NotScoredReason> for Stop {
-    fn from(reason: NotScoredReason) -> Stop {
-        Stop::Photo(reason)
-    }
+    #[error(transparent)]
+    Run(#[from] ScoreError),
 }
 
 impl From<DetectError> for Stop {

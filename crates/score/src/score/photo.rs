@@ -68,7 +68,7 @@ pub struct TagMark {
     pub is_used: bool,
 }
 
-/// A photo that could not be scored.
+/// A photo that is in no figure or no difference: it could not be scored, or has no partner.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct NotScored {
     /// Name of the session's folder.

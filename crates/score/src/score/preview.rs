@@ -1,7 +1,7 @@
 //! Small JPEGs of the photos for the report.
 
 use super::decoded::DecodedPhoto;
-use scaleproof_photo::photo::{PhotoError, preview_jpeg, shrunk};
+use scaleproof_photo::photo::{PhotoError, fitting, preview_jpeg, shrunk};
 
 /// More decoded than this make a page that no browser shows, and a run that no memory holds.
 const MAX_PREVIEWS: usize = 1000;
@@ -23,10 +23,8 @@ pub fn has_preview(id: u64, photos: usize) -> bool {
 
 /// The photo with its longest side made `longest_side_px`; never larger than it is.
 pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
-    let (width, height) = (f64::from(decoded.file.width), f64::from(decoded.file.height));
-    let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
-    let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
-    let image = decoded.at_least([width, height])?;
+    let size = fitting([decoded.file.width, decoded.file.height], longest_side_px);
+    let image = decoded.at_least(size)?;
     // Without a preview the report still has its numbers.
-    Ok(preview_jpeg(&shrunk(image, [width, height]), 80).unwrap_or_default())
+    Ok(preview_jpeg(&shrunk(image, size), 80).unwrap_or_default())
 }

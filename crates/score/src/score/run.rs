@@ -73,10 +73,16 @@ pub fn timed_photos(
             stopwatch::take();
             let seen = stopwatch::timed(Stage::Rest, || observer.photo(job))?;
             match seen {
-                Ok((_, place)) => photos.push(TimedPhoto {
-                    with_truth: with_truth(job, &place),
-                    ms: stopwatch::take(),
-                }),
+                Ok((_, place)) => {
+                    let seen = place.located.map(|located| located.viewpoint);
+                    let with_truth = PhotoEntry {
+                        box_xyxy_px: Some(place.truth),
+                        viewpoint: job.entry.viewpoint.or(seen),
+                        ..job.entry.clone()
+                    };
+                    let ms = stopwatch::take();
+                    photos.push(TimedPhoto { with_truth, ms });
+                }
                 Err(reason) => left_out = left_out.or(Some(reason)),
             }
             on_photo();
@@ -89,15 +95,6 @@ pub fn timed_photos(
         }
     }
     Ok(timed)
-}
-
-fn with_truth(job: &ScoringJob, place: &PlacedModel) -> PhotoEntry {
-    let seen = place.located.as_ref().map(|located| located.viewpoint);
-    PhotoEntry {
-        box_xyxy_px: Some(place.truth),
-        viewpoint: job.entry.viewpoint.or(seen),
-        ..job.entry.clone()
-    }
 }
 
 /// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.

@@ -44,10 +44,7 @@ pub struct AppliedSettings {
 impl AppliedSettings {
     /// What a reader must know of them: none where poses and truth boxes are by the files of the session.
     pub(super) fn cautions(&self) -> Vec<String> {
-        let Settings {
-            lens_terms, envelope, ..
-        } = &self.settings;
-        let camera = lens_terms.map(|terms| {
+        let camera = self.settings.lens_terms.map(|terms| {
             let kept = match terms {
                 0 => "without its lens model".to_owned(),
                 terms => format!("with {} of its lens model", spelling::count(terms, "term")),
@@ -55,18 +52,9 @@ impl AppliedSettings {
             format!("poses and truth boxes are by the camera {kept}, as {} says", self.file)
         });
         let by_size = |_| format!("truth boxes are by the model's size, as {} says", self.file);
-        let envelope = envelope.as_ref().map(by_size);
+        let envelope = self.settings.envelope.as_ref().map(by_size);
         camera.into_iter().chain(envelope).collect()
     }
-}
-
-/// Why a file has no settings.
-#[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error("{path}: {reason}")]
-    Content { path: String, reason: String },
 }
 
 /// The largest file that is read.
@@ -74,13 +62,10 @@ const MOST_BYTES: u64 = 1 << 20;
 
 impl Settings {
     /// Reads a file, and finds out that its names are known.
-    pub fn open(path: &Path) -> Result<AppliedSettings, SettingsError> {
+    pub fn open(path: &Path) -> Result<AppliedSettings, FileError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let sha256 = files::sha256_hex(&bytes);
-        let refused = |reason: String| {
-            let path = path.display().to_string();
-            SettingsError::Content { path, reason }
-        };
+        let refused = |reason: String| FileError::content(path, reason);
         let text = String::from_utf8(bytes).map_err(|_| refused("it is not UTF-8 text".into()))?;
         let settings: Settings = toml::from_str(&text).map_err(|e| refused(e.message().to_owned()))?;
         settings.tags().map_err(|fault| refused(fault.to_string()))?;
@@ -94,7 +79,7 @@ impl Settings {
                 "`envelope` is {other:?}: leave it out to take the scene's, or write \"box\""
             )));
         }
-        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let file = files::name_of(path);
         Ok(AppliedSettings { file, sha256, settings })
     }
 

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::evaluated::{EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors};
-use super::observe::{NotScoredReason, Observation, libraries};
+use super::observe::{NotScoredReason, Observation};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{ForeignCard, Manifest};
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -132,13 +132,13 @@ impl Run {
             detectors: chosen_as.into_iter().zip(detectors).map(used).collect(),
             is_recorded: detectors.iter().all(|d| d.is_recorded() || d.foreign().is_some()),
             runtime,
-            libraries: libraries(TagDetectorChoice::default()),
+            libraries: TagDetectorChoice::default().provenance(),
         })
     }
 
     /// The sessions as they were when the shards were scored, with the same libraries.
     pub fn sessions(&self) -> Result<Vec<Session>, ShardError> {
-        let (theirs, own) = (self.libraries.clone(), libraries(TagDetectorChoice::default()));
+        let (theirs, own) = (self.libraries.clone(), TagDetectorChoice::default().provenance());
         if theirs != own {
             return Err(ShardError::OtherLibraries { theirs, own });
         }

@@ -157,14 +157,16 @@ pub(super) struct Basis<'a> {
 pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
     let mut summaries = Vec::new();
     for (side, detector) in Side::each(detectors) {
+        let name = &detector.manifest.name;
         let variants = variants(photos, basis.base).into_iter();
-        let groups = variants.filter_map(|v| Group::new(v, photos, (side, basis.ap), basis.groups));
-        let groups: Vec<Group> = groups.collect();
-        let base = groups.iter().find(|g| g.variant == basis.base);
-        summaries.extend(groups.iter().map(|group| {
-            let base = base.filter(|base| base.variant != group.variant);
-            group.summary(detector.manifest.name.clone(), base, basis.bins)
-        }));
+        let mut own: Vec<Summary> = variants
+            .filter_map(|v| Summary::new(name, v, photos, side, basis))
+            .collect();
+        // The base comes first where there is one.
+        if let Some((base, others)) = own.split_first_mut().filter(|(first, _)| first.variant == basis.base) {
+            others.iter_mut().for_each(|other| other.drop_from(base));
+        }
+        summaries.append(&mut own);
     }
     summaries
 }
@@ -172,80 +174,74 @@ pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector],
 /// Whose figures, and by which AP.
 type By<'a> = (Side<'a>, ApDefinition);
 
-/// The figures of one detector on one variant.
-struct Group {
-    variant: String,
-    overall: Figures,
-    /// By azimuth in thousandths of a degree.
-    by_azimuth: BTreeMap<i64, Figures>,
-    by_cell: BTreeMap<Bin, Figures>,
-    by_place: BTreeMap<Option<String>, Figures>,
-    /// By condition and value, in the order of the conditions and then of their values.
-    by_condition: Vec<([String; 2], Figures)>,
-}
-
-impl Group {
-    /// `None` without a photo of the variant.
-    fn new(variant: String, photos: &[ScoredPhoto], side: By, groups: &[GroupBy]) -> Option<Group> {
+impl Summary {
+    /// The figures alone, without drops; `None` without a photo of the variant.
+    fn new(detector: &str, variant: String, photos: &[ScoredPhoto], side: Side, basis: Basis) -> Option<Summary> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
-        Some(Group {
-            by_condition: groups.iter().flat_map(|g| by_condition(&photos, side, g)).collect(),
-            overall: figures(&photos, side)?,
-            by_azimuth: by(&photos, side, |p| p.bin.map(|b| thousandths(b.azimuth_deg))),
-            by_cell: by(&photos, side, |p| p.bin),
-            by_place: by(&photos, side, |p| Some(p.place.clone())),
+        let by_whom = (side, basis.ap);
+        let by_azimuth = by(&photos, by_whom, |p| p.bin.map(|b| thousandths(b.azimuth_deg)));
+        let azimuth_bins = basis.bins.azimuth_centres().into_iter().map(|azimuth_deg| BinFigures {
+            azimuth_deg,
+            figures: by_azimuth.get(&thousandths(azimuth_deg)).copied(),
+            drop: None,
+        });
+        let (cells, places) = (
+            by(&photos, by_whom, |p| p.bin),
+            by(&photos, by_whom, |p| Some(p.place.clone())),
+        );
+        let cell = |(bin, figures)| CellFigures {
+            bin,
+            figures,
+            drop: None,
+        };
+        let place = |(place, figures)| PlaceFigures {
+            place,
+            figures,
+            drop: None,
+        };
+        Some(Summary {
+            overall: figures(&photos, by_whom)?,
+            drop: None,
+            asr: None,
+            azimuth_bins: azimuth_bins.collect(),
+            cells: cells.into_iter().map(cell).collect(),
+            places: places.into_iter().map(place).collect(),
+            conditions: basis
+                .groups
+                .iter()
+                .flat_map(|g| by_condition(&photos, by_whom, g))
+                .collect(),
+            detector: detector.to_owned(),
             variant,
         })
     }
 
-    /// These figures, and their drop from the base's.
-    fn summary(&self, detector: String, base: Option<&Group>, bins: &Bins) -> Summary {
-        let azimuth_bin = |azimuth_deg: f64| {
-            let of = |group: &Group| group.by_azimuth.get(&thousandths(azimuth_deg)).copied();
-            let figures = of(self);
-            BinFigures {
-                azimuth_deg,
-                figures,
-                drop: figures.and_then(|own| Some(drop(&base.and_then(of)?, &own))),
-            }
-        };
-        let cell = |(bin, figures): (&Bin, &Figures)| CellFigures {
-            bin: *bin,
-            figures: *figures,
-            drop: base.and_then(|b| Some(drop(b.by_cell.get(bin)?, figures))),
-        };
-        let place = |(place, figures): (&Option<String>, &Figures)| PlaceFigures {
-            place: place.clone(),
-            figures: *figures,
-            drop: base.and_then(|b| Some(drop(b.by_place.get(place)?, figures))),
-        };
-        let condition = |([condition, value], figures): &([String; 2], Figures)| {
-            let is_own = |other: &&([String; 2], Figures)| other.0 == [condition.as_str(), value];
-            let base = base.and_then(|b| b.by_condition.iter().find(is_own));
-            ConditionFigures {
-                condition: condition.clone(),
-                value: value.clone(),
-                figures: *figures,
-                drop: base.map(|(_, base)| drop(base, figures)),
-                asr: base.map(|(_, base)| asr(base, figures)),
-            }
-        };
-        Summary {
-            detector,
-            variant: self.variant.clone(),
-            overall: self.overall,
-            drop: base.map(|base| drop(&base.overall, &self.overall)),
-            asr: base.map(|base| asr(&base.overall, &self.overall)),
-            azimuth_bins: bins.azimuth_centres().into_iter().map(azimuth_bin).collect(),
-            cells: self.by_cell.iter().map(cell).collect(),
-            places: self.by_place.iter().map(place).collect(),
-            conditions: self.by_condition.iter().map(condition).collect(),
+    /// Fills in the drops from the base's figures.
+    fn drop_from(&mut self, base: &Summary) {
+        self.drop = Some(drop(&base.overall, &self.overall));
+        self.asr = Some(asr(&base.overall, &self.overall));
+        for (own, base) in self.azimuth_bins.iter_mut().zip(&base.azimuth_bins) {
+            own.drop = base.figures.zip(own.figures).map(|(base, own)| drop(&base, &own));
+        }
+        for own in &mut self.cells {
+            let base = base.cells.iter().find(|base| base.bin == own.bin);
+            own.drop = base.map(|base| drop(&base.figures, &own.figures));
+        }
+        for own in &mut self.places {
+            let base = base.places.iter().find(|base| base.place == own.place);
+            own.drop = base.map(|base| drop(&base.figures, &own.figures));
+        }
+        for own in &mut self.conditions {
+            let is_own = |base: &&ConditionFigures| (&base.condition, &base.value) == (&own.condition, &own.value);
+            let base = base.conditions.iter().find(is_own);
+            own.drop = base.map(|base| drop(&base.figures, &own.figures));
+            own.asr = base.map(|base| asr(&base.figures, &own.figures));
         }
     }
 }
 
 /// A key that can be compared.
-fn thousandths(azimuth_deg: f64) -> i64 {
+pub(super) fn thousandths(azimuth_deg: f64) -> i64 {
     (azimuth_deg * 1000.0).round() as i64
 }
 
@@ -260,16 +256,17 @@ fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> O
 }
 
 /// The figures of each value of a condition.
-fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<([String; 2], Figures)> {
-    let mut figures = by(photos, side, |p| group.group_of(p));
+fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<ConditionFigures> {
+    let figures = by(photos, side, |p| group.group_of(p));
     let values = in_order(figures.keys().cloned().collect()).into_iter();
-    values
-        .filter_map(|value| {
-            figures
-                .remove(&value)
-                .map(|own| ([group.condition.clone(), value], own))
-        })
-        .collect()
+    let of_value = |value: String| ConditionFigures {
+        condition: group.condition.clone(),
+        figures: figures[&value],
+        drop: None,
+        asr: None,
+        value,
+    };
+    values.map(of_value).collect()
 }
 
 /// The variants present, the base variant first.

@@ -147,12 +147,7 @@ impl Contents {
 
     /// On one screen. Groups that are not listed are counted, and `elsewhere` says where they stand.
     pub fn lines(&self, elsewhere: &str) -> Vec<String> {
-        let Contents {
-            scene,
-            groups,
-            with_truth,
-            ..
-        } = self;
+        let (scene, groups, with_truth) = (&self.scene, &self.groups, self.with_truth);
         let [length, width, height] = scene.size_mm;
         let model = format!(
             "{}, 1:{}, {length} × {width} × {height} mm, detected as {}; truth envelope: {}",
@@ -198,11 +193,11 @@ impl Contents {
             let more = spelling::count(groups.len() - MOST_GROUPS, "more group");
             lines.push(line("", &format!("… and {more}{elsewhere}")));
         }
-        if *with_truth > 0 {
-            let have = spelling::choose(*with_truth, "has its", "have their");
+        if with_truth > 0 {
+            let have = spelling::choose(with_truth, "has its", "have their");
             lines.push(line(
                 "truth",
-                &format!("{} {have} own truth box", spelling::count(*with_truth, "photo")),
+                &format!("{} {have} own truth box", spelling::count(with_truth, "photo")),
             ));
         }
         lines
@@ -224,11 +219,19 @@ pub fn copies(session: &Session, looks: &[Look]) -> Option<String> {
     let looked = session.photos.iter().zip(looks);
     let mut copies = looked.filter(|(_, look)| look.as_ref().is_ok_and(|hash| !seen.insert(hash)));
     let (first, _) = copies.next()?;
-    let count = 1 + copies.count();
+    Some(format!(
+        "{} (the first: {})",
+        are_copies(1 + copies.count()),
+        first.file
+    ))
+}
+
+/// So many photos are copies, as a sentence.
+pub fn are_copies(count: usize) -> String {
     let (one, many) = (
         "is a byte-for-byte copy of another",
         "are byte-for-byte copies of others",
     );
-    let (photos, are) = (spelling::count(count, "photo"), spelling::choose(count, one, many));
-    Some(format!("{photos} {are} (the first: {})", first.file))
+    let are = spelling::choose(count, one, many);
+    format!("{} {are}", spelling::count(count, "photo"))
 }

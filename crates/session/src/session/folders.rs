@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::{Conditions, PhotoEntry, Session, SessionError};
+use super::{PhotoEntry, Session, SessionError};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_photo::photo;
 
@@ -101,7 +101,9 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
         let below = text_path(found.real.strip_prefix(&common).unwrap_or(&found.real))?;
         photos.extend(found.listing.photos.iter().map(|name| PhotoEntry {
             file: joined(&below, name),
-            ..entry(&found.given.variant, place)
+            variant: found.given.variant.clone(),
+            place: Some(place.to_owned()),
+            ..PhotoEntry::default()
         }));
     }
     let mut session = Session::assembled(&common, &common, (scene, Some(camera)), photos, Vec::new())?;
@@ -110,19 +112,6 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
     }
     let folders = listed;
     Ok(Gathered { session, folders })
-}
-
-/// A photo of a texture and a place, not yet named.
-pub(super) fn entry(variant: &str, place: &str) -> PhotoEntry {
-    PhotoEntry {
-        file: String::new(),
-        variant: variant.to_owned(),
-        place: Some(place.to_owned()),
-        taken: None,
-        box_xyxy_px: None,
-        viewpoint: None,
-        conditions: Conditions::new(),
-    }
 }
 
 /// `folder/name`, and just the name for no folder.

@@ -58,7 +58,7 @@ pub struct Session {
 }
 
 /// One photo of a session, as `session.json` tells it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhotoEntry {
     /// Path from the session's folder, as `a.jpg` or `../photos/a.jpg`.
@@ -114,7 +114,7 @@ impl Session {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
         let (scene, camera) = (folder.join(&file.scene), file.camera.map(|camera| folder.join(camera)));
-        let hash = (file_name(path), files::sha256_hex(text.as_bytes()));
+        let hash = (files::name_of(path), files::sha256_hex(text.as_bytes()));
         Session::assembled(path, &folder, (&scene, camera.as_deref()), file.photos, vec![hash])
     }
 
@@ -134,11 +134,11 @@ impl Session {
         let mesh_path = scene.model.envelope.mesh().map(|mesh| scene_folder.join(mesh));
         let read = [Some(scene_path), mesh_path.as_deref(), camera_path];
         for read in read.into_iter().flatten() {
-            hashes.push((file_name(read), files::sha256_hex(&files::read(read)?)));
+            hashes.push(files::hashed(read)?);
         }
         let real = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         Ok(Session {
-            name: file_name(&real),
+            name: real.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             folder: folder.to_owned(),
             mesh_path,
             scene_path: scene_path.to_owned(),
@@ -264,8 +264,4 @@ fn leads_from_folder(file: &str) -> bool {
     let parts = Path::new(file).components();
     let mut down = parts.skip_while(|part| *part == Component::ParentDir).peekable();
     down.peek().is_some() && down.all(|part| matches!(part, Component::Normal(_)))
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

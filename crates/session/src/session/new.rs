@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::folders::{FoldersError, Gathered, entry, joined, text_path};
+use super::folders::{FoldersError, Gathered, joined, text_path};
 use super::{PhotoEntry, SessionError, SessionFile};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::scene::Scene;
@@ -39,14 +39,6 @@ pub struct NewSession<'a> {
     pub copy: bool,
 }
 
-/// A session that was written.
-#[derive(Debug, Clone)]
-pub struct MadeSession {
-    /// The `session.json`.
-    pub path: PathBuf,
-    pub photos: Vec<PhotoEntry>,
-}
-
 /// What a file of the session is made of.
 enum Content {
     Bytes(Vec<u8>),
@@ -56,11 +48,11 @@ enum Content {
 type Files = Vec<(PathBuf, Content)>;
 
 impl NewSession<'_> {
-    /// Writes the session: whole, or nothing. A folder that is there keeps what it has.
+    /// Writes the session, whole or not at all, and returns the path of its `session.json` and its photos. A folder that is there keeps what it has.
     ///
     /// # Errors
     /// A session that is there already, files in the way, a file that cannot be read or written.
-    pub fn write(&self) -> Result<MadeSession, NewSessionError> {
+    pub fn write(&self) -> Result<(PathBuf, Vec<PhotoEntry>), NewSessionError> {
         let path = self.folder.join("session.json");
         let folder = || self.folder.to_owned();
         if path.exists() {
@@ -83,8 +75,7 @@ impl NewSession<'_> {
         } else {
             self.write_beside(files)?
         }
-        let photos = list.photos;
-        Ok(MadeSession { path, photos })
+        Ok((path, list.photos))
     }
 
     /// Into a folder that has files already.
@@ -128,6 +119,7 @@ impl NewSession<'_> {
     /// The photos where they are, by their way from the session; or copies in a folder each, called as the one they come from.
     fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
         let (mut photos, mut taken) = (Vec::new(), BTreeSet::new());
+        let place = self.photos.session.photos.first().and_then(|p| p.place.clone());
         for found in &self.photos.folders {
             let names = &found.listing.photos;
             let folder = if self.copy {
@@ -141,22 +133,14 @@ impl NewSession<'_> {
             } else {
                 text_path(&path_between(home, &found.real))?
             };
-            photos.extend(self.entries(names, &found.given.variant, &folder));
+            photos.extend(names.iter().map(|name| PhotoEntry {
+                file: joined(&folder, name),
+                variant: found.given.variant.clone(),
+                place: place.clone(),
+                ..PhotoEntry::default()
+            }));
         }
         Ok(photos)
-    }
-
-    fn entries<'a>(
-        &'a self,
-        names: &'a [String],
-        variant: &'a str,
-        folder: &'a str,
-    ) -> impl Iterator<Item = PhotoEntry> {
-        let place = self.photos.session.photos.first().and_then(|p| p.place.as_deref());
-        names.iter().map(move |name| PhotoEntry {
-            file: joined(folder, name),
-            ..entry(variant, place.unwrap_or_default())
-        })
     }
 }
 

@@ -4,13 +4,12 @@ use maud::{Markup, PreEscaped, html};
 
 use super::figures::FigureAdvice;
 use super::result::{Advice, CameraVerdict, Choice, PoseAdvice, Verdict};
-use super::table::{camera, findings, in_words, unreadable};
+use super::table::{camera, findings, in_words, interval, number, unreadable};
 use super::way::Question;
 use crate::chart::milliseconds;
 use scaleproof_core::spelling::{count, digits};
-use scaleproof_core::statistics::Interval;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
-use scaleproof_score::score::Finding;
+use scaleproof_score::report::briefly;
 
 /// The whole page.
 pub fn page(all: &Advice) -> String {
@@ -69,7 +68,7 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
                             td { (row.detector) } td { (row.variant) } td { (row.definition) } td { (row.envelope) }
                             td { (digits(row.base_ap50, 3)) " → " (digits(row.ap50, 3)) }
                             td { (digits(row.drop, 3)) (interval(row.drop_95, 3)) }
-                            td { (finding(row.finding)) }
+                            td { (briefly(row.finding)) }
                             td { (number(row.moved_by, 3, "")) (interval(row.moved_by_95, 3)) }
                         }
                     }
@@ -77,25 +76,6 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
             }
         }
     }
-}
-
-fn finding(of: Finding) -> &'static str {
-    match of {
-        Finding::Drop => "a drop",
-        Finding::Rise => "a rise",
-        Finding::NoDifferenceShown => "no difference shown",
-        Finding::TooFewPhotosToTell => "too few photos to tell",
-    }
-}
-
-fn number(value: Option<f64>, places: usize, unit: &str) -> String {
-    value.map_or("–".to_owned(), |value| digits(value, places) + unit)
-}
-
-fn interval(interval: Option<Interval>, places: usize) -> String {
-    interval.map_or(String::new(), |i| {
-        format!(" [{}, {}]", digits(i.low, places), digits(i.high, places))
-    })
 }
 
 fn section(advice: &PoseAdvice, question: Question) -> Markup {

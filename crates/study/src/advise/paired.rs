@@ -3,7 +3,6 @@
 use super::held_out::Answer;
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, Interval, intervals_95, upper_median};
 use scaleproof_pose::locate::Located;
-use scaleproof_pose::scene::Viewpoint;
 
 /// A held-out error may be larger than the smallest by this share of it.
 pub(super) const MARGIN: f64 = 0.05;
@@ -85,10 +84,8 @@ impl Moved {
 /// Between the directions in which two viewpoints lie.
 fn direction_deg(a: &Located, b: &Located) -> f64 {
     let direction = |located: &Located| {
-        let Viewpoint {
-            azimuth_deg, pitch_deg, ..
-        } = located.viewpoint;
-        let (azimuth, pitch) = (azimuth_deg.to_radians(), pitch_deg.to_radians());
+        let seen = located.viewpoint;
+        let (azimuth, pitch) = (seen.azimuth_deg.to_radians(), seen.pitch_deg.to_radians());
         nalgebra::Vector3::new(azimuth.cos() * pitch.cos(), azimuth.sin() * pitch.cos(), pitch.sin())
     };
     direction(a).angle(&direction(b)).to_degrees()

@@ -4,6 +4,7 @@ use super::figures::{BOX_MARGIN, FigureAdvice};
 use super::result::{Advice, CameraCheck, CameraVerdict, Choice, Verdict};
 use super::way::Question;
 use scaleproof_core::spelling::{count, digits};
+use scaleproof_core::statistics::Interval;
 use scaleproof_score::score::ApDefinition;
 
 /// A table for each question, the answers from small to large as they were measured.
@@ -40,17 +41,24 @@ pub(super) fn unreadable(all: &Advice) -> String {
     }
 }
 
+pub(super) fn number(value: Option<f64>, places: usize, unit: &str) -> String {
+    value.map_or("–".to_owned(), |value| digits(value, places) + unit)
+}
+
+/// ` [0.0010, 0.0123]`; empty without one.
+pub(super) fn interval(interval: Option<Interval>, places: usize) -> String {
+    interval.map_or(String::new(), |i| {
+        format!(" [{}, {}]", digits(i.low, places), digits(i.high, places))
+    })
+}
+
 fn line(choice: &Choice) -> String {
-    let number = |value: Option<f64>, digits_: usize| value.map_or("–".to_owned(), |value| digits(value, digits_));
-    let worse = match (choice.worse_by_deg, choice.worse_by_95) {
-        (Some(by), Some(i)) => format!("{} [{}, {}]", digits(by, 4), digits(i.low, 4), digits(i.high, 4)),
-        (by, _) => number(by, 4),
-    };
+    let worse = number(choice.worse_by_deg, 4, "") + &interval(choice.worse_by_95, 4);
     let usual = if choice.is_usual { " (usual)" } else { "" };
     let arrow = if choice.verdict == Verdict::Advised { "← " } else { "" };
     let (name, ms, located) = (&choice.name, digits(choice.ms, 2), choice.located);
-    let held_out = number(choice.held_out_deg, 4);
-    let (deg, mm) = (number(choice.moved_deg, 4), number(choice.moved_mm, 2));
+    let held_out = number(choice.held_out_deg, 4, "");
+    let (deg, mm) = (number(choice.moved_deg, 4, ""), number(choice.moved_mm, 2, ""));
     let verdict = in_words(choice);
     format!("{name:<18} {ms:>8} {located:>8} {held_out:>10} {worse:>26} {deg:>9} {mm:>9}  {arrow}{verdict}{usual}")
 }
@@ -81,8 +89,11 @@ pub(super) fn camera(check: &CameraCheck) -> String {
         digits(check.refitted_deg, 4)
     );
     let by = check.better_by_95.map_or(String::new(), |i| {
-        let [by, low, high] = [check.better_by_deg, i.low, i.high].map(|value| digits(value, 4));
-        format!("; difference {by} [{low}, {high}]")
+        format!(
+            "; difference {}{}",
+            digits(check.better_by_deg, 4),
+            interval(Some(i), 4)
+        )
     });
     match check.verdict {
         CameraVerdict::Fits => format!("camera file: it fits the photos ({errors}{by})"),

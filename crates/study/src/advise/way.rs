@@ -29,13 +29,13 @@ impl Question {
     ];
 
     pub fn title(self) -> &'static str {
-        match self {
-            Question::TagDetector => "tag detector",
-            Question::Solver => "pose solver",
-            Question::CameraModel => "camera model",
-            Question::Tags => "tags a photo",
-            Question::Resolution => "photo resolution",
-        }
+        [
+            "tag detector",
+            "pose solver",
+            "camera model",
+            "tags a photo",
+            "photo resolution",
+        ][self as usize]
     }
 }
 

@@ -31,20 +31,12 @@ impl LensTerms {
     pub const ALL: [Self; 3] = [Self::Full, Self::K1, Self::Pinhole];
 
     fn title(self) -> &'static str {
-        match self {
-            Self::Pinhole => "no distortion",
-            Self::K1 => "k1 only",
-            Self::Full => "camera file as it is",
-        }
+        ["no distortion", "k1 only", "camera file as it is"][self as usize]
     }
 
     /// The camera with only these coefficients left.
     fn applied_to(self, camera: &Camera) -> Camera {
-        let kept = match self {
-            Self::Pinhole => 0,
-            Self::K1 => 1,
-            Self::Full => 8,
-        };
+        let kept = [0, 1, 8][self as usize];
         camera.clone().with_distortion(&camera.distortion()[..kept])
     }
 }
@@ -300,11 +292,7 @@ pub fn table(rows: &[LocateRow]) -> String {
             (Some(a), Some(b)) => format!("{a:.digits$} / {b:.digits$}"),
             _ => "–".to_owned(),
         };
-        let camera = match row.camera_model {
-            LensTerms::Pinhole => "pinhole",
-            LensTerms::K1 => "k1",
-            LensTerms::Full => "full",
-        };
+        let camera = ["pinhole", "k1", "full"][row.camera_model as usize];
         let mark = match (row.is_default, row.is_on_front) {
             (true, _) => " ← default",
             (_, true) => " *",

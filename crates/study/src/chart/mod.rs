@@ -66,16 +66,15 @@ impl<'a, R> ChartNumbers<'a, R> {
     /// # Errors
     /// A file that cannot be read.
     pub fn new(session: &'a Session, read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
-        let mut inputs = session.hashes.clone();
-        for path in read {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            inputs.push((name, files::sha256_hex(&files::read(path)?)));
-        }
+        let others = read
+            .iter()
+            .map(|path| files::hashed(path))
+            .collect::<Result<Vec<_>, _>>()?;
         let detectors = TagDetectorChoice::ALL.iter();
         Ok(Self {
             scaleproof: env!("CARGO_PKG_VERSION"),
             session: &session.name,
-            inputs,
+            inputs: [session.hashes.clone(), others].concat(),
             tag_detectors: detectors.map(|choice| choice.provenance()).collect(),
             rows,
         })

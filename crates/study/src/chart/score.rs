@@ -97,15 +97,7 @@ fn row(detector: &EvaluatedDetector, poses: &'static str, photos: &[TimedPhoto])
 }
 
 fn name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Read => "read",
-        Stage::Tags => "tags",
-        Stage::Pose => "pose",
-        Stage::Colour => "colour",
-        Stage::Resize => "resize",
-        Stage::Network => "network",
-        Stage::Rest => "rest",
-    }
+    ["read", "tags", "pose", "colour", "resize", "network", "rest"][stage as usize]
 }
 
 const LEFT: f64 = 150.0;

@@ -40,14 +40,6 @@ struct AboutPhoto<T> {
     truth: T,
 }
 
-/// As [`Viewpoint`], among other keys.
-#[derive(Deserialize)]
-struct TrueView {
-    azimuth_deg: f64,
-    pitch_deg: f64,
-    distance_mm: f64,
-}
-
 #[derive(Deserialize)]
 struct TrueBox {
     box_xyxy_px: BoxPx,
@@ -59,11 +51,7 @@ struct TrueBox {
 /// An unreadable file, one that is no truth file, a photo it does not know.
 pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
     let keys = "\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …";
-    about(path, files, keys, |view: &TrueView| Viewpoint {
-        azimuth_deg: view.azimuth_deg,
-        pitch_deg: view.pitch_deg,
-        distance_mm: view.distance_mm,
-    })
+    about(path, files, keys, |view: &Viewpoint| *view)
 }
 
 /// The exact boxes around the model's outline in some photos, in their order, px.

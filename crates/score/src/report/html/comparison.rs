@@ -23,7 +23,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         protocol.map_or(String::new(), |p| format!("; protocol {}", p.name())),
         counted(scores)
     );
-    let plan = comparison.plan.as_ref().map(plan);
+    let (plan, chance) = (comparison.plan.as_ref().map(plan), notes::bootstrap(comparison));
     let sections = [
         ("plan", "Plan", plan),
         ("drops", "Drops", Some(drops(scores, comparison))),
@@ -43,12 +43,8 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
             Some(left_out(scores, comparison)),
         ),
         ("definitions", "Definitions", Some(definitions())),
-        ("provenance", "Provenance", Some(provenance(scores, comparison))),
+        ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
     ];
-    let sections = sections.into_iter();
-    let sections: Vec<_> = sections
-        .filter_map(|(id, title, content)| Some((id, title, content?)))
-        .collect();
     shell(scores, &lead, &sections, html! {})
 }
 
@@ -174,7 +170,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
 fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
         @if comparison.unpaired.is_empty() { p { "Every scored photo has its partner." } } @else {
-            (notes::photos_with_reasons(comparison.unpaired.iter().map(|u| [&u.file, &u.session, &u.variant, &u.reason])))
+            (notes::photos_with_reasons(&comparison.unpaired))
         }
         (notes::not_scored(scores))
     }
@@ -182,9 +178,4 @@ fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {
 
 fn definitions() -> Markup {
     html! { dl { @for (name, definition) in comparison_definitions() { dt { (name) } dd { (definition) "." } } } }
-}
-
-fn provenance(scores: &Scores, comparison: &Comparison) -> Markup {
-    let (draws, seed) = (comparison.bootstrap_draws, comparison.bootstrap_seed);
-    notes::provenance(scores, &format!("{draws} bootstrap draws, seed {seed}"))
 }

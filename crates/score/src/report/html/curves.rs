@@ -2,15 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, points, small_charts};
+use super::{SIDE, SQUARE, colour, colour_names, points, small_charts};
 use crate::score::{Curves, HitRateFrom, Scores, curves};
 use scaleproof_plot::Drawing;
-
-const SIDE: f64 = 180.0;
-const PLANE: Plane = Plane {
-    width: SIDE,
-    height: SIDE,
-};
 
 /// The charts of every detector.
 pub(super) fn section(scores: &Scores) -> Markup {
@@ -52,7 +46,7 @@ fn found(title: &str, own: &Own, hit_confidence: f64) -> Drawing {
             polygon points=(band(&curve.hit_rate)) fill=(colour) fill-opacity="0.15" {}
             polyline points=(line(curve.hit_rate.iter().map(|p| (p.confidence, p.rate.rate)))) fill="none" stroke=(colour) stroke-width="2" {}
         }
-        line x1=(PLANE.x(hit_confidence)) x2=(PLANE.x(hit_confidence)) y1=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
+        line x1=(SQUARE.x(hit_confidence)) x2=(SQUARE.x(hit_confidence)) y1=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
     };
     chart(
         format!("Share of photos found by confidence, {title}"),
@@ -76,17 +70,17 @@ fn precision_recall(title: &str, own: &Own) -> Drawing {
 
 fn chart(label: String, axes: [&str; 2], content: Markup) -> Drawing {
     let marks = html! {
-        (PLANE.grid(-5.0, Some(13.0)))
+        (SQUARE.grid(-5.0, Some(13.0)))
         (content)
         text x=(SIDE / 2.0) y=(SIDE + 28.0) font-size="10" text-anchor="middle" { (axes[0]) }
-        (PLANE.upright_title(-21.0, axes[1]))
+        (SQUARE.upright_title(-21.0, axes[1]))
     };
     let area = [-30.0, -8.0, 222.0, 226.0];
     Drawing { area, label, marks }
 }
 
 fn line(shares: impl Iterator<Item = (f64, f64)>) -> String {
-    points(shares.map(|(h, v)| (PLANE.x(h), PLANE.y(v))))
+    points(shares.map(|(h, v)| (SQUARE.x(h), SQUARE.y(v))))
 }
 
 /// Along the upper ends of the intervals, and back along the lower ones.

@@ -23,21 +23,24 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     );
     let others = evaluation.others();
     let looks = patterns::strips(scores, &evaluation.patterns);
-    let mut sections = vec![("patterns", "Patterns", looks)];
-    sections.push(("table-1", "Table 1: AP@0.5 and mean confidence", table_1(evaluation)));
-    if !others.is_empty() {
-        sections.push((
-            "table-2",
-            "Table 2: transfer to other detectors",
-            table_2(evaluation, &others),
-        ));
-    }
-    sections.push(("differences", "Differences between patterns", differences(evaluation)));
-    sections.push(("definitions", "Definitions", notes::definitions(scores)));
-    let chance = evaluation.comparisons.first().map_or(String::new(), |c| {
-        format!("{} bootstrap draws, seed {}", c.bootstrap_draws, c.bootstrap_seed)
-    });
-    sections.push(("provenance", "Provenance", notes::provenance(scores, &chance)));
+    let chance = evaluation.comparisons.first().map_or(String::new(), notes::bootstrap);
+    let transfer = (!others.is_empty()).then(|| table_2(evaluation, &others));
+    let sections = [
+        ("patterns", "Patterns", Some(looks)),
+        (
+            "table-1",
+            "Table 1: AP@0.5 and mean confidence",
+            Some(table_1(evaluation)),
+        ),
+        ("table-2", "Table 2: transfer to other detectors", transfer),
+        (
+            "differences",
+            "Differences between patterns",
+            Some(differences(evaluation)),
+        ),
+        ("definitions", "Definitions", Some(notes::definitions(scores))),
+        ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
+    ];
     shell(scores, &lead, &sections, html! {})
 }
 

@@ -145,13 +145,10 @@ fn cell(s: &Summary, bin: &Bin, x: f64, y: f64) -> Markup {
 
 /// Everything about a cell, for the pointer and for screen readers.
 fn title(s: &Summary, bin: &Bin, found: Option<&CellFigures>) -> String {
-    let (detector, variant) = (&s.detector, &s.variant);
-    let Bin {
-        azimuth_deg,
-        pitch_deg,
-        distance_mm,
-    } = bin;
-    let place = format!("{detector}, {variant}, {azimuth_deg}° × {pitch_deg}° × {distance_mm} mm");
+    let place = format!(
+        "{}, {}, {}° × {}° × {} mm",
+        s.detector, s.variant, bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
+    );
     let Some(CellFigures { figures: f, .. }) = found else {
         return format!("{place}: no photo");
     };

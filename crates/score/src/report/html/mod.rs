@@ -39,25 +39,30 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
     shell(scores, &lead(scores), &sections(scores, speeds), tail)
 }
 
-/// A part of a page: its id, its title, what is in it.
-type Section = (&'static str, &'static str, Markup);
+/// A part of a page: its id, its title, what is in it; `None` where it was not asked for.
+type Section = (&'static str, &'static str, Option<Markup>);
 
 fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> String {
     let title = title(scores);
+    let sections = || {
+        sections
+            .iter()
+            .filter_map(|(id, title, content)| Some((id, title, content.as_ref()?)))
+    };
     let body = html! {
         header {
             h1 { (title) }
             p.lead { (lead) }
             (recorded_banner(scores))
-            nav { @for (id, title, _) in sections { a href=(format!("#{id}")) { (title) } } }
+            nav { @for (id, title, _) in sections() { a href=(format!("#{id}")) { (title) } } }
         }
-        main { @for (id, title, content) in sections { section id=(id) { h2 { (title) } (content) } } }
+        main { @for (id, title, content) in sections() { section id=(id) { h2 { (title) } (content) } } }
         (tail)
     };
     html_page(&title, STYLE, &body)
 }
 
-fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
+fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 15] {
     let result = html! { (figures::headline(scores)) (notes::cautions(scores)) };
     let outcomes = html! { (misses::outcomes(scores)) (misses::transfer_matrix(scores)) };
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
@@ -66,8 +71,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
     let comparable = comparable::figures(scores);
     let reliability = reliability::diagrams(scores);
     let ranking = ranking::section(scores);
-    // Those that are `None` were not asked for.
-    let all = [
+    [
         ("result", "Result", Some(result)),
         ("comparable", "For comparison with papers", Some(comparable)),
         ("patterns", "Patterns", patterns::cards(scores)),
@@ -83,10 +87,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
         ("speed", "AP against time", Some(speed::chart(scores, speeds))),
         ("definitions", "Definitions", Some(notes::definitions(scores))),
         ("provenance", "Provenance", Some(notes::provenance(scores, chance))),
-    ];
-    let all = all.into_iter();
-    all.filter_map(|(id, title, content)| Some((id, title, content?)))
-        .collect()
+    ]
 }
 
 fn title(scores: &Scores) -> String {
@@ -185,6 +186,13 @@ struct Plane {
     width: f64,
     height: f64,
 }
+
+/// Where both shares have the same length.
+const SQUARE: Plane = Plane {
+    width: SIDE,
+    height: SIDE,
+};
+const SIDE: f64 = 180.0;
 
 impl Plane {
     fn x(&self, share: f64) -> f64 {

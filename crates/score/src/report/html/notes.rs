@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{heads, table};
 use crate::report::{counted, provenance, truth_boxes};
-use crate::score::Scores;
+use crate::score::{Comparison, NotScored, Scores};
 use scaleproof_core::spelling;
 
 pub(super) fn cautions(scores: &Scores) -> Markup {
@@ -17,16 +17,16 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     html! {
         @if !scores.not_scored.is_empty() {
             h3 { "Photos not scored" }
-            (photos_with_reasons(scores.not_scored.iter().map(|n| [&n.file, &n.session, &n.variant, &n.reason])))
+            (photos_with_reasons(&scores.not_scored))
         }
     }
 }
 
-/// A table of photos (file, session, texture, reason).
-pub(super) fn photos_with_reasons<'a>(photos: impl Iterator<Item = [&'a String; 4]>) -> Markup {
+/// A table of photos and why they are left out.
+pub(super) fn photos_with_reasons(photos: &[NotScored]) -> Markup {
     let rows = html! {
-        @for [file, session, variant, reason] in photos {
-            tr { td { (file) } td.text { (session) } td.text { (variant) } td.wrap { (reason) } }
+        @for p in photos {
+            tr { td { (p.file) } td.text { (p.session) } td.text { (p.variant) } td.wrap { (p.reason) } }
         }
     };
     table(None, &heads("photo", &["session", "texture", "reason"]), &rows)
@@ -58,6 +58,12 @@ fn taken(times: Option<&[String; 2]>) -> String {
         [first, last] if first == last => first.clone(),
         [first, last] => format!("{first} to {last}"),
     })
+}
+
+/// The random numbers that the intervals of a comparison rest on.
+pub(super) fn bootstrap(comparison: &Comparison) -> String {
+    let (draws, seed) = (comparison.bootstrap_draws, comparison.bootstrap_seed);
+    format!("{draws} bootstrap draws, seed {seed}")
 }
 
 /// `chance` says which random numbers the figures rest on.

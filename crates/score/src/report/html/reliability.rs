@@ -2,16 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, number, small_charts};
+use super::{SIDE, SQUARE, number, small_charts};
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use scaleproof_core::spelling;
 use scaleproof_plot::Drawing;
 
-const SIDE: f64 = 180.0;
-const PLANE: Plane = Plane {
-    width: SIDE,
-    height: SIDE,
-};
 /// With fewer detections the error says little.
 const FEW: usize = 100;
 
@@ -56,11 +51,11 @@ fn verdict(r: &Reliability) -> String {
 
 fn diagram(title: &str, r: &Reliability) -> Drawing {
     let marks = html! {
-        (PLANE.grid(-5.0, Some(24.0)))
+        (SQUARE.grid(-5.0, Some(24.0)))
         @for bin in &r.bins { (bar(bin)) }
         line x1="0" y1=(SIDE) x2=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
         text x=(SIDE / 2.0) y=(SIDE + 38.0) font-size="10" text-anchor="middle" { "confidence" }
-        (PLANE.upright_title(-21.0, "share correct"))
+        (SQUARE.upright_title(-21.0, "share correct"))
     };
     Drawing {
         area: [-30.0, -8.0, 222.0, 232.0],
@@ -70,7 +65,7 @@ fn diagram(title: &str, r: &Reliability) -> Drawing {
 }
 
 fn bar(bin: &ConfidenceBin) -> Markup {
-    let (x, y) = (|v: f64| PLANE.x(v), |v: f64| PLANE.y(v));
+    let (x, y) = (|v: f64| SQUARE.x(v), |v: f64| SQUARE.y(v));
     let middle = x((bin.low + bin.high) / 2.0);
     html! {
         @if let (Some(confidence), Some(rate)) = (bin.mean_confidence, bin.correct) {

@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 
 use super::side::{ClusteredAp, Side};
 use super::summary::variants;
-use super::{ScoredPhoto, ScoredSet, Scores};
+use super::{NotScored, ScoredPhoto, ScoredSet, Scores};
 use pairs::{Cell, Cluster, clustered_by, clusters, pair};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
@@ -56,11 +56,8 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
             variants: all.join(", "),
         });
     }
-    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
-    if others.is_empty() {
-        return Err(CompareError::NothingElse { base: base.into() });
-    }
-    compared_by(scores.set(), base, &others, definition, clustered_by)
+    let others = others(&all, base)?;
+    compare_set(scores.set(), base, &others, definition, None)
 }
 
 /// What a run says of its variants against its base, for as many as can be paired; computed once.
@@ -68,7 +65,7 @@ pub fn paired(scores: &Scores) -> &[Compared] {
     scores.paired.get_or_init(|| {
         let (base, ap) = (&scores.base, scores.criteria.ap);
         let others = scores.variants().into_iter().filter(|v| v != base);
-        let compared = others.filter_map(|other| compare_set(scores.set(), base, &[other], ap).ok());
+        let compared = others.filter_map(|other| compare_set(scores.set(), base, &[other], ap, None).ok());
         compared.flat_map(|comparison| comparison.results).collect()
     })
 }
@@ -80,7 +77,28 @@ pub fn compare_with(
     others: &[&str],
     definition: ApDefinition,
 ) -> Result<Comparison, CompareError> {
-    compared_by(scores.set(), base, others, definition, |_| ClusteredBy::PlaceAndBin)
+    compare_set(scores.set(), base, others, definition, Some(ClusteredBy::PlaceAndBin))
+}
+
+/// The variants but for the base, of which there must be one.
+fn others<'a>(all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
+    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
+    let none = || CompareError::NothingElse { base: base.into() };
+    (!others.is_empty()).then_some(others).ok_or_else(none)
+}
+
+/// The pairs of two variants, of which there must be one, and the photos left over.
+fn some_pairs<'a>(
+    set: ScoredSet<'a>,
+    base: &str,
+    variant: &str,
+) -> Result<(Vec<Cell<'a>>, Vec<NotScored>), CompareError> {
+    let (cells, left_over) = pair(set, base, variant);
+    if cells.is_empty() {
+        let (base, variant) = (base.to_owned(), variant.to_owned());
+        return Err(CompareError::NoPair { base, variant });
+    }
+    Ok((cells, left_over))
 }
 
 /// Whether photos of two variants can be compared.
@@ -88,34 +106,19 @@ pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
 }
 
-/// Compares these variants of a scored set with `base`, by the clusters that [`compare()`] takes.
+/// Compares these variants of a scored set with `base`, by the clusters that [`compare()`] takes where none are named.
 pub(super) fn compare_set(
     set: ScoredSet,
     base: &str,
     others: &[&str],
     definition: ApDefinition,
-) -> Result<Comparison, CompareError> {
-    compared_by(set, base, others, definition, clustered_by)
-}
-
-fn compared_by(
-    set: ScoredSet,
-    base: &str,
-    others: &[&str],
-    definition: ApDefinition,
-    clustered_by: fn(&[Cell]) -> ClusteredBy,
+    by: Option<ClusteredBy>,
 ) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
     for variant in others {
-        let (cells, left_over) = pair(set, base, variant);
-        if cells.is_empty() {
-            return Err(CompareError::NoPair {
-                base: base.into(),
-                variant: (*variant).to_owned(),
-            });
-        }
+        let (cells, left_over) = some_pairs(set, base, variant)?;
         unpaired.extend(left_over);
-        let by = clustered_by(&cells);
+        let by = by.unwrap_or_else(|| clustered_by(&cells));
         for (side, detector) in Side::each(set.detectors) {
             let name = detector.manifest.name.clone();
             results.push(compared(name, variant, (&cells, by), side, definition));

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::result::{ClusteredBy, Unpaired};
-use crate::score::{ScoredPhoto, ScoredSet};
+use super::result::ClusteredBy;
+use crate::score::{NotScored, ScoredPhoto, ScoredSet};
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_pose::scene::Bin;
 
@@ -25,7 +25,7 @@ pub(super) struct Cluster<'a> {
 /// Pairs the photos of two variants by place and bin, in the order of the sessions; photos left over are returned too.
 ///
 /// A photo without a place is in the one unnamed place, so that two sessions pair when neither names any.
-pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<Unpaired>) {
+pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<NotScored>) {
     let mut sides: BTreeMap<_, [Vec<&ScoredPhoto>; 2]> = BTreeMap::new();
     let mut unpaired = Vec::new();
     for photo in set.photos {
@@ -87,16 +87,14 @@ pub(super) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<
 }
 
 fn direction(bin: &Bin) -> String {
-    let Bin {
-        azimuth_deg,
-        pitch_deg,
-        distance_mm,
-    } = bin;
-    format!("azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm")
+    format!(
+        "azimuth {}°, pitch {}°, {} mm",
+        bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
+    )
 }
 
-fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> Unpaired {
-    Unpaired {
+fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> NotScored {
+    NotScored {
         session: set.sessions[photo.session].name.clone(),
         file: photo.file.clone(),
         variant: photo.variant.clone(),

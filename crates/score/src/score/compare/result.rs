@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::score::NotScored;
 use scaleproof_core::statistics::Interval;
 
 /// Photos that are taken as dependent on each other, and so counted together.
@@ -173,18 +174,8 @@ pub struct Comparison {
     /// One for each detector and other variant.
     pub results: Vec<Compared>,
     /// Scored photos that are in no difference.
-    pub unpaired: Vec<Unpaired>,
+    pub unpaired: Vec<NotScored>,
     /// With `--sequential`: every variant against the base, look by look.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sequential: Option<Sequential>,
-}
-
-/// A scored photo that has no partner, and why.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Unpaired {
-    pub session: String,
-    pub file: String,
-    pub variant: String,
-    /// A sentence.
-    pub reason: String,
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::pairs::{Cell, Pair, pair};
 use super::result::{ClusteredBy, Course, Decision, Sequential, SequentialFinding};
-use super::{CompareError, Scores, Side, variants};
+use super::{CompareError, Scores, Side, others, some_pairs, variants};
 use crate::score::ScoredPhoto;
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_core::statistics::{Sequence, Shown};
@@ -30,22 +30,13 @@ pub fn sequential(
 ) -> Result<Sequential, CompareError> {
     let mut results = Vec::new();
     let all = variants(&scores.photos, base);
-    if all.iter().all(|variant| variant == base) {
-        return Err(CompareError::NothingElse { base: base.into() });
-    }
-    for variant in all.iter().filter(|v| *v != base) {
-        let (cells, _) = pair(scores.set(), base, variant);
-        if cells.is_empty() {
-            return Err(CompareError::NoPair {
-                base: base.into(),
-                variant: variant.clone(),
-            });
-        }
+    for variant in others(&all, base)? {
+        let (cells, _) = some_pairs(scores.set(), base, variant)?;
         let looks = looks(&cells, by);
         for (side, detector) in Side::each(&scores.detectors) {
             results.push(Course {
                 detector: detector.manifest.name.clone(),
-                variant: variant.clone(),
+                variant: variant.to_owned(),
                 looks: looks.len(),
                 repeats: cells.iter().map(|cell| cell.pairs.len() - 1).sum(),
                 hit_rate: decide(&looks, least, |(base, other)| side.hit(base) - side.hit(other)),

@@ -4,19 +4,13 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::{LabelledPhoto, LabelledPhotos, Object};
+use scaleproof_core::coco::File;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Labels;
-
-/// Other keys are passed over.
-#[derive(Deserialize)]
-struct File {
-    images: Vec<Image>,
-    annotations: Vec<Annotation>,
-    categories: Vec<Category>,
-}
 
 #[derive(Deserialize)]
 struct Image {
@@ -24,30 +18,18 @@ struct Image {
     file_name: String,
 }
 
-#[derive(Deserialize)]
-struct Annotation {
-    image_id: u64,
-    category_id: u64,
-    /// x, y, width, height in px.
-    bbox: [f64; 4],
-    #[serde(default)]
-    iscrowd: u8,
-}
-
-#[derive(Deserialize)]
-struct Category {
-    id: u64,
-    name: String,
-}
-
-pub(super) fn read(path: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, FileError> {
+/// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector with these labels.
+///
+/// # Errors
+/// What is no such file; boxes that are none; no category that is a label.
+pub fn labelled_photos(path: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, FileError> {
     let text = files::read_text(path)?;
     let refused = |message: String| FileError::content(path, message);
-    let file: File = serde_json::from_str(&text).map_err(|e| refused(format!("line {}: {e}", e.line())))?;
-    let label_of = |name: &str| (0..labels.count()).find(|label| labels.name(*label) == Some(name));
+    let file: File<Image, IgnoredAny, u8> =
+        serde_json::from_str(&text).map_err(|e| refused(format!("line {}: {e}", e.line())))?;
     let (mut known, mut unknown) = (BTreeMap::new(), Vec::new());
     for category in &file.categories {
-        match label_of(&category.name) {
+        match labels.find(&category.name) {
             Some(label) => drop(known.insert(category.id, label)),
             None => unknown.push(category.name.clone()),
         }

@@ -8,19 +8,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, ious, over_ious};
-use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::{statistics, workers};
-use scaleproof_detect::{DetectError, Detection, Detector, Labels, Manifest, Runtime};
+use scaleproof_detect::{DetectError, Detection, Detector, Manifest, Runtime};
 use scaleproof_photo::photo::{Photo, PhotoError};
 
+pub use coco::labelled_photos;
 pub use trials::{LEAST_GAIN, Trial, Trials, trials};
 
 /// Why a detector cannot be held against labels.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelledError {
-    #[error(transparent)]
-    File(#[from] FileError),
     #[error(transparent)]
     Photo(#[from] PhotoError),
     #[error(transparent)]
@@ -62,14 +60,6 @@ pub struct Averages {
 type Found = Vec<Vec<Detection>>;
 
 impl LabelledPhotos {
-    /// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector with these labels.
-    ///
-    /// # Errors
-    /// What is no such file; boxes that are none; no category that is a label.
-    pub fn read(annotations: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, LabelledError> {
-        Ok(coco::read(annotations, folder, labels)?)
-    }
-
     /// Boxes that count, and how many labels they have.
     pub fn counts(&self) -> [usize; 2] {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
@@ -127,8 +117,20 @@ impl LabelledPhotos {
 
     /// The boxes of a label in each photo.
     fn images(&self, found: &Found, label: usize, shift: i64) -> Vec<ImageBoxes> {
-        let both = self.photos.iter().zip(found);
-        both.map(|(photo, found)| boxes(photo, found, label, shift)).collect()
+        let boxes = |(photo, found): (&LabelledPhoto, &Vec<Detection>)| {
+            let own = |is_crowd: bool| {
+                let objects = photo.objects.iter();
+                let kept = objects.filter(move |object| object.label == label && object.is_crowd == is_crowd);
+                kept.map(|object| object.box_px).collect()
+            };
+            let detections = found.iter().filter(|d| d.label as i64 + shift == label as i64);
+            ImageBoxes {
+                truths: own(false),
+                crowds: own(true),
+                detections: detections.map(|d| (d.score, d.box_px)).collect(),
+            }
+        };
+        self.photos.iter().zip(found).map(boxes).collect()
     }
 
     /// What a change gains in AP@[.5:.95] at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
@@ -160,18 +162,4 @@ fn gain(sides: &[(Ranked, Ranked)], times: &[u32]) -> f64 {
         .filter_map(|(before, after)| Some(ap(after)? - ap(before)?));
     let gains: Vec<f64> = gains.collect();
     gains.iter().sum::<f64>() / gains.len().max(1) as f64
-}
-
-fn boxes(photo: &LabelledPhoto, found: &[Detection], label: usize, shift: i64) -> ImageBoxes {
-    let of = |is_crowd: bool| {
-        let objects = photo.objects.iter();
-        let kept = objects.filter(move |object| object.label == label && object.is_crowd == is_crowd);
-        kept.map(|object| object.box_px).collect()
-    };
-    let detections = found.iter().filter(|d| d.label as i64 + shift == label as i64);
-    ImageBoxes {
-        truths: of(false),
-        crowds: of(true),
-        detections: detections.map(|d| (d.score, d.box_px)).collect(),
-    }
 }

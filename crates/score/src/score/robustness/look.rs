@@ -13,7 +13,7 @@ use crate::score::{NotScoredReason, PhotoOutcome, ScoredPhoto, Scores};
 use scaleproof_core::files::sha256_hex;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
-use scaleproof_photo::photo::{Photo, shrunk};
+use scaleproof_photo::photo::{Photo, fitting, shrunk};
 
 /// The photo with what is found in it under each condition, or why a detector says nothing of it.
 pub(super) fn at(
@@ -29,7 +29,7 @@ pub(super) fn at(
         return Err(ScoreError::PhotoChanged { file });
     }
     let mut decoded = DecodedPhoto::new(&file);
-    let size = reduced_size([file.width, file.height]);
+    let size = fitting([file.width, file.height], LONGEST_PX);
     let mut reduced: Option<RgbImage> = None;
     let seen = conditions.iter().map(|condition| {
         let view = View::new(photo, *condition);
@@ -63,12 +63,6 @@ pub(super) fn at(
     seen.collect()
 }
 
-/// Of a photo of a size, so that its longer side is at most [`LONGEST_PX`].
-fn reduced_size(size: [u32; 2]) -> [u32; 2] {
-    let share = (f64::from(LONGEST_PX) / f64::from(size[0].max(size[1]))).min(1.0);
-    size.map(|side| (f64::from(side) * share).round().max(1.0) as u32)
-}
-
 /// What a condition makes of a photo.
 struct View {
     condition: Condition,
@@ -91,7 +85,7 @@ impl View {
         };
         let seed = u64::from_str_radix(&sha256_hex(alike.as_bytes())[..16], 16).unwrap_or_default();
         let size = [photo.width, photo.height];
-        let reduced = reduced_size(size);
+        let reduced = fitting(size, LONGEST_PX);
         let [across, down] = [0, 1].map(|i| f64::from(reduced[i]) / f64::from(size[i]));
         let truth = BoxPx::new(
             across * photo.truth.x1,

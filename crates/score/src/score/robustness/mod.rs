@@ -122,7 +122,7 @@ fn rows(
     let mut rows = Vec::new();
     for (base, other) in compared {
         // Without pairs, because detectors said nothing of so many photos, the severity has no row.
-        if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap) {
+        if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap, None) {
             rows.extend(comparison.results.into_iter().map(|compared| row(base, compared)));
         }
     }

@@ -5,19 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{ImportFault, ImportedPhoto, viewpoint};
+use super::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
 use crate::session::conditions::{is_name, scalar};
 use crate::session::{PhotoEntry, words};
+use scaleproof_core::coco::{Annotation, Category, File};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::scene::Classes;
-
-/// Other keys are passed over.
-#[derive(Deserialize)]
-struct File {
-    images: Vec<Image>,
-    annotations: Vec<Annotation>,
-    categories: Vec<Category>,
-}
 
 #[derive(Deserialize)]
 struct Image {
@@ -31,27 +24,12 @@ struct Image {
     other: BTreeMap<String, Value>,
 }
 
-#[derive(Deserialize)]
-struct Annotation {
-    image_id: u64,
-    category_id: u64,
-    /// x, y, width, height in px.
-    bbox: [f64; 4],
-    attributes: Option<Attributes>,
-}
-
 #[derive(Deserialize, Default)]
 struct Attributes {
     #[serde(flatten)]
     about: About,
     #[serde(flatten)]
     other: BTreeMap<String, Value>,
-}
-
-#[derive(Deserialize)]
-struct Category {
-    id: u64,
-    name: String,
 }
 
 /// Keys of COCO's images, and of this program's exports, that say nothing of the scene.
@@ -67,10 +45,14 @@ struct About {
     distance_mm: Option<f64>,
 }
 
-/// The photos with a box of the class, in the order of `images`, and the names of those without.
-pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<ImportedPhoto>, Vec<String>), ImportFault> {
+/// Reads COCO's `images`, `annotations` and `categories`; a box of any label of `class` is the model's. An image or its annotation's `attributes`
+/// may have `variant`, `place`, `azimuth_deg`, `pitch_deg` and `distance_mm`.
+///
+/// # Errors
+/// Broken syntax, numbers that are none, several boxes in one photo.
+pub fn parse(text: &str, class: &Classes) -> Result<ImportedRows, ImportFault> {
     let fault = |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
-    let file: File = serde_json::from_str(text).map_err(fault)?;
+    let file: File<Image, Attributes> = serde_json::from_str(text).map_err(fault)?;
     let boxes = boxes(&file, class)?;
     let mut ids = BTreeSet::new();
     let (mut rows, mut without_box) = (Vec::new(), Vec::new());
@@ -105,8 +87,10 @@ pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<ImportedPhoto>, 
     }
 }
 
+type Boxes<'a> = BTreeMap<u64, Vec<&'a Annotation<Attributes>>>;
+
 /// The annotations of a class by image.
-fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, ImportFault> {
+fn boxes<'a>(file: &'a File<Image, Attributes>, class: &Classes) -> Result<Boxes<'a>, ImportFault> {
     let is_own = |c: &&Category| c.name == class.joined() || class.labels().contains(&c.name);
     let own = file.categories.iter().filter(is_own);
     let wanted: Vec<u64> = own.map(|c| c.id).collect();
@@ -120,14 +104,14 @@ fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a An
             known.join(", ")
         )));
     }
-    let mut boxes: BTreeMap<u64, Vec<&Annotation>> = BTreeMap::new();
+    let mut boxes = Boxes::new();
     for annotation in file.annotations.iter().filter(|a| wanted.contains(&a.category_id)) {
         boxes.entry(annotation.image_id).or_default().push(annotation);
     }
     Ok(boxes)
 }
 
-fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
+fn entry(image: &Image, annotation: &Annotation<Attributes>) -> Result<PhotoEntry, String> {
     let [x, y, width, height] = annotation.bbox;
     if !(width > 0.0 && height > 0.0) {
         return Err(format!(
@@ -144,7 +128,6 @@ fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
         file: image.file_name.clone(),
         variant: own.variant.clone().or(other.variant).unwrap_or_default(),
         place: own.place.clone().or(other.place),
-        taken: None,
         box_xyxy_px: Some(BoxPx::new(x, y, x + width, y + height)),
         viewpoint: viewpoint([
             own.azimuth_deg.or(other.azimuth_deg),
@@ -154,5 +137,6 @@ fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
         conditions: kept
             .filter_map(|(name, value)| Some((name.clone(), scalar(value)?)))
             .collect(),
+        ..PhotoEntry::default()
     })
 }

@@ -2,11 +2,12 @@
 
 use csv::{Position, ReaderBuilder, StringRecord};
 
-use super::{ImportFault, ImportedPhoto, viewpoint};
+use super::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
 use crate::session::PhotoEntry;
 use crate::session::conditions::is_name;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
+use scaleproof_pose::scene::Classes;
 
 /// The columns, in any order, all others being conditions; those after the seventh may be left out or empty, and so may `variant` and `place`.
 const COLUMNS: [&str; 10] = [
@@ -23,8 +24,11 @@ const COLUMNS: [&str; 10] = [
 ];
 const NEEDED: [&str; 5] = ["file", "x1", "y1", "x2", "y2"];
 
-/// The rows of a table.
-pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
+/// Reads a table with the header `file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm`, boxes in px; every box is the model's.
+///
+/// # Errors
+/// Broken syntax, numbers that are none.
+pub fn parse(text: &str, _: &Classes) -> Result<ImportedRows, ImportFault> {
     // Spreadsheets mark UTF-8 with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -43,7 +47,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
             size: None,
         });
     }
-    Ok(rows)
+    Ok((rows, Vec::new()))
 }
 
 /// Where each of [`COLUMNS`] stands.
@@ -91,7 +95,6 @@ fn entry(
         file: text(0).ok_or("file is empty: name the photo")?.to_owned(),
         variant: text(1).unwrap_or_default().to_owned(),
         place: text(2).map(str::to_owned),
-        taken: None,
         box_xyxy_px: Some(BoxPx::new(needed(3)?, needed(4)?, needed(5)?, needed(6)?)),
         viewpoint: viewpoint([number(7)?, number(8)?, number(9)?])?,
         conditions: conditions
@@ -99,6 +102,7 @@ fn entry(
             .filter_map(|(column, name)| Some(((*name).to_owned(), record.get(*column)?.to_owned())))
             .filter(|(_, value)| !value.is_empty())
             .collect(),
+        ..PhotoEntry::default()
     })
 }
 

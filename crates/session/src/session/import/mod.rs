@@ -4,8 +4,8 @@
 //! The photos stay where and as they are. A session has one model in each photo, so a photo with several boxes of its class is
 //! refused, and one without any is left out and said.
 
-mod coco;
-mod csv;
+pub mod coco;
+pub mod csv;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::{PhotoEntry, Session, SessionError, SessionFile, check_photo};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_photo::photo::{self, PhotoError};
-use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
+use scaleproof_pose::scene::{Scene, Viewpoint};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
@@ -66,15 +66,8 @@ pub struct Imported {
     pub without_box: Vec<String>,
 }
 
-/// Formats that are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AnnotationFormat {
-    /// COCO's `images`, `annotations` and `categories`. An image or its annotation's `attributes` may have `variant`, `place`,
-    /// `azimuth_deg`, `pitch_deg` and `distance_mm`.
-    Coco,
-    /// A table with a header: `file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm`, boxes in px.
-    Csv,
-}
+/// The photos of an annotation file, in its order, and the names of those without a box of the class.
+pub type ImportedRows = (Vec<ImportedPhoto>, Vec<String>);
 
 /// What a file says about one photo.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,21 +104,6 @@ impl ImportFault {
     }
 }
 
-/// Reads an annotation file's text; a box of any label of `class` is the model's.
-///
-/// # Errors
-/// Broken syntax, numbers that are none, several boxes in one photo.
-pub fn parse(
-    text: &str,
-    format: AnnotationFormat,
-    class: &Classes,
-) -> Result<(Vec<ImportedPhoto>, Vec<String>), ImportFault> {
-    match format {
-        AnnotationFormat::Coco => coco::parse(text, class),
-        AnnotationFormat::Csv => csv::parse(text).map(|rows| (rows, Vec::new())),
-    }
-}
-
 /// Makes a session of an annotation file. Nothing is written yet.
 ///
 /// # Errors
@@ -135,9 +113,9 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
     if path.exists() {
         return Err(SessionImportError::SessionThere { path });
     }
-    let format = match request.file.extension().and_then(|e| e.to_str()) {
-        Some("json") => AnnotationFormat::Coco,
-        Some("csv") => AnnotationFormat::Csv,
+    let parse = match request.file.extension().and_then(|e| e.to_str()) {
+        Some("json") => coco::parse,
+        Some("csv") => csv::parse,
         _ => {
             let path = request.file.to_owned();
             return Err(SessionImportError::UnknownFormat { path });
@@ -145,7 +123,7 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
     };
     let class = Scene::open(request.scene)?.model.class;
     let text = files::read_text(request.file)?;
-    let (rows, without_box) = parse(&text, format, &class).map_err(|fault| error(request.file, fault))?;
+    let (rows, without_box) = parse(&text, &class).map_err(|fault| error(request.file, fault))?;
     if rows.is_empty() {
         let fault = ImportFault::of_file(format!("it has no photo with a box of {}", class.quoted()));
         return Err(error(request.file, fault));
