@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::wrap::{Point, cross};
+use scaleproof_core::geometry::extent;
 
 /// An affine function on the plane, as the column of an image on a flat triangle is.
 #[derive(Debug, Clone, Copy)]
@@ -23,13 +24,13 @@ impl Affine {
             (along_b * (c[1] - a[1]) - along_c * (b[1] - a[1])) / doubled,
             (along_c * (b[0] - a[0]) - along_b * (c[0] - a[0])) / doubled,
         ];
-        let range = extremes(values);
-        let is_good = slope.iter().chain(&range).all(|number| number.abs() < 1e12);
+        let (low, high) = extent(values);
+        let is_good = slope.iter().chain(&[low, high]).all(|number| number.abs() < 1e12);
         is_good.then_some(Self {
             origin: *a,
             value: values[0],
             slope,
-            range,
+            range: [low, high],
         })
     }
 
@@ -41,14 +42,9 @@ impl Affine {
     pub fn cells(&self, polygon: &[Point]) -> RangeInclusive<i64> {
         let [low, high] = self.range;
         let cell = |value: f64| value.clamp(low, high).floor() as i64;
-        let [lowest, highest] = extremes(polygon.iter().map(|p| self.at(p)));
+        let (lowest, highest) = extent(polygon.iter().map(|p| self.at(p)));
         cell(lowest)..=cell(highest)
     }
-}
-
-fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
-    let widened = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];
-    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], widened)
 }
 
 /// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.

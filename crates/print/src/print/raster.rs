@@ -7,8 +7,8 @@ use super::buckets::{Buckets, bounds};
 use super::polygon::{Affine, area, slices, within};
 use super::sheet::RectMm;
 use super::wrap::{Point, Region, cross};
-use scaleproof_core::geometry::distance;
 use scaleproof_core::geometry::length::shown;
+use scaleproof_core::geometry::{distance, nearest_share};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
@@ -307,8 +307,7 @@ impl<'a> FlatPaint<'a> {
         let near = self.borders.at(p)?.iter().map(|i| &self.ends[*i as usize]);
         let foot = |[a, b]: &[Point; 2]| {
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
-            let along = along.clamp(0.0, 1.0);
+            let along = nearest_share(p, [*a, *b]);
             // Outlines run counter-clockwise, so the surface is to their left.
             let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
             ([a[0] + along * dx, a[1] + along * dy], [-dy / length, dx / length])

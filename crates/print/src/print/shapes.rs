@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::sheet::{PointMm, RectMm, sides};
+use scaleproof_core::geometry::extent;
 use scaleproof_pose::tags::{Modules, TagImage};
 
 /// A closed convex outline, counter-clockwise.
@@ -129,12 +130,7 @@ pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
     let mut axes = edges(a).into_iter().chain(edges(b)).filter(|(x, y)| x.hypot(*y) > 0.0);
     axes.all(|(x, y)| {
         let (nx, ny) = (-y / x.hypot(y), x / x.hypot(y));
-        let span = |outline: &[PointMm]| {
-            let along = outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny);
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            })
-        };
+        let span = |outline: &[PointMm]| extent(outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny));
         let ((low_a, high_a), (low_b, high_b)) = (span(a), span(b));
         low_a < high_b - TOUCH_MM && low_b < high_a - TOUCH_MM
     })

@@ -7,6 +7,7 @@ use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
 use crate::print::sheet::sides;
+use scaleproof_core::geometry::to_segment;
 
 /// A place in a plane, mm.
 pub type Point = [f64; 2];
@@ -105,7 +106,7 @@ impl Region {
     pub fn distance_mm(&self, p: Point) -> f64 {
         let nearest = self
             .edges()
-            .map(|(a, b)| to_segment(p, a, b))
+            .map(|(a, b)| to_segment(p, [*a, *b]))
             .fold(f64::INFINITY, f64::min);
         if self.contains(p) { -nearest } else { nearest }
     }
@@ -146,11 +147,4 @@ pub fn cross(a: &Point, b: &Point, c: &Point) -> f64 {
 /// Twice the area inside an outline; negative if it runs clockwise.
 pub fn doubled_area(outline: &[Point]) -> f64 {
     sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
-}
-
-fn to_segment(p: Point, a: &Point, b: &Point) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
-    let along = along.clamp(0.0, 1.0);
-    (p[0] - a[0] - along * dx).hypot(p[1] - a[1] - along * dy)
 }
