@@ -236,7 +236,7 @@ fn rest(model: &Model) -> Texture {
 /// Finished textures in their places, over another texture.
 fn with_patches(below: Texture, patches: &[PanelPatch]) -> Texture {
     let placed = patches.iter().map(|patch| PlacedPatch {
-        image: patch.image.shared(),
+        image: patch.image.pixels.clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::advice::Advice;
 use super::guidance::Guidance;
-use scaleproof_core::geometry::{Rigid, distance};
+use scaleproof_core::geometry::{Rigid, distance, extent};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma};
@@ -322,8 +322,7 @@ fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera)
     let corners = scene.model.box_corners_mm().into_iter();
     let corners: Vec<[f64; 2]> = corners.filter_map(|corner| camera.project(&(pose * corner))).collect();
     let range = |axis: usize, size: u32| {
-        let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-        let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = extent(corners.iter().map(|c| c[axis]));
         low.clamp(0.0, f64::from(size)) as u32..high.clamp(0.0, f64::from(size)) as u32
     };
     let (columns, rows) = (range(0, grey.width()), range(1, grey.height()));

@@ -35,6 +35,18 @@ pub fn to_segment(p: Point2, [a, b]: [Point2; 2]) -> f64 {
     (p[0] - a[0] - along * (b[0] - a[0])).hypot(p[1] - a[1] - along * (b[1] - a[1]))
 }
 
+/// The stretches of a range on which something holds.
+pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    for i in range.filter(holds) {
+        match found.last_mut() {
+            Some(last) if last.end == i => last.end += 1,
+            _ => found.push(i..i + 1),
+        }
+    }
+    found
+}
+
 /// The cells left of, right of, above and below one of a grid that is counted row by row; `None` beyond its border.
 pub fn cells_beside(i: usize, columns: usize, rows: usize) -> [Option<usize>; 4] {
     let (column, row) = (i % columns, i / columns);

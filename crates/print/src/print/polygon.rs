@@ -2,8 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use super::wrap::{Point, cross};
-use scaleproof_core::geometry::extent;
+use super::wrap::Point;
+use scaleproof_core::geometry::{doubled_area, extent};
 
 /// An affine function on the plane, as the column of an image on a flat triangle is.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +18,7 @@ pub struct Affine {
 impl Affine {
     /// The function with these values at a triangle's corners; `None` for a triangle without area, and for values beyond all use.
     pub fn through([a, b, c]: &[Point; 3], values: [f64; 3]) -> Option<Self> {
-        let doubled = cross(a, b, c);
+        let doubled = doubled_area(*a, *b, *c);
         let [along_b, along_c] = [values[1] - values[0], values[2] - values[0]];
         let slope = [
             (along_b * (c[1] - a[1]) - along_c * (b[1] - a[1])) / doubled,
@@ -74,8 +74,8 @@ pub fn slices(
 
 /// The part of a polygon within a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
-    let turn = cross(a, b, c).signum();
-    let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * cross(from, to, p));
+    let turn = doubled_area(*a, *b, *c).signum();
+    let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * doubled_area(*from, *to, *p));
     [(a, b), (b, c), (c, a)].into_iter().fold(polygon.to_vec(), cut_by)
 }
 
@@ -105,6 +105,6 @@ pub fn area(polygon: &[Point]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else {
         return 0.0;
     };
-    let fan = rest.windows(2).map(|pair| cross(first, &pair[0], &pair[1]));
+    let fan = rest.windows(2).map(|pair| doubled_area(*first, pair[0], pair[1]));
     0.5 * fan.sum::<f64>().abs()
 }

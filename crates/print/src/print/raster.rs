@@ -6,9 +6,9 @@ use image::{Rgb, RgbImage};
 use super::buckets::{Buckets, bounds};
 use super::polygon::{Affine, area, slices, within};
 use super::sheet::RectMm;
-use super::wrap::{Point, Region, cross};
+use super::wrap::{Point, Region};
 use scaleproof_core::geometry::length::shown;
-use scaleproof_core::geometry::{distance, nearest_share};
+use scaleproof_core::geometry::{distance, doubled_area, nearest_share};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
@@ -376,12 +376,8 @@ thread_local! {
 }
 
 /// The shares of a triangle's corners at a place inside it.
-fn inside([a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
-    let whole = cross(a, b, c);
-    let shares = [
-        cross(b, c, &p) / whole,
-        cross(c, a, &p) / whole,
-        cross(a, b, &p) / whole,
-    ];
+fn inside(&[a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
+    let whole = doubled_area(a, b, c);
+    let shares = [[b, c], [c, a], [a, b]].map(|[from, to]| doubled_area(from, to, p) / whole);
     shares.iter().all(|share| *share >= -1e-9).then_some(shares)
 }

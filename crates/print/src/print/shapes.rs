@@ -1,9 +1,7 @@
 //! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and cutting them off at an edge.
 
-use std::ops::Range;
-
 use super::sheet::{PointMm, RectMm, sides};
-use scaleproof_core::geometry::extent;
+use scaleproof_core::geometry::{extent, stretches};
 use scaleproof_pose::tags::{Modules, TagImage};
 
 /// A closed convex outline, counter-clockwise.
@@ -64,18 +62,6 @@ pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> 
         runs.map(move |run| place.rectangle(edge(run.start), -edge(row + 1), edge(run.end), -edge(row)))
     };
     (0..side).flat_map(in_row).collect()
-}
-
-/// The stretches of a range on which something holds.
-pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
-    let mut found: Vec<Range<usize>> = Vec::new();
-    for i in range.filter(holds) {
-        match found.last_mut() {
-            Some(last) if last.end == i => last.end += 1,
-            _ => found.push(i..i + 1),
-        }
-    }
-    found
 }
 
 /// A straight stroke with butt ends.

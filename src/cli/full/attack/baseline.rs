@@ -218,7 +218,7 @@ fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(scaleproof_print::print::patch::check)?;
     let of = |patch: scaleproof_print::print::patch::PanelPatch| PlacedPatch {
-        image: patch.image.pixels().clone(),
+        image: (*patch.image.pixels).clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm.into(),

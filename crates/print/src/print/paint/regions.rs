@@ -4,9 +4,8 @@
 use std::ops::Range;
 
 use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
-use crate::print::shapes::stretches;
 use crate::print::template::TemplateRect;
-use scaleproof_core::geometry::cells_beside;
+use scaleproof_core::geometry::{cells_beside, stretches};
 use scaleproof_surface::pattern::palette::Painted;
 
 /// A pattern in paints, repeated over a panel from its top-left corner.

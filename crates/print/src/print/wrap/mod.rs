@@ -13,7 +13,7 @@ mod seams;
 
 pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, wrap};
 pub use panel::{Face, PRINTED, PaintedSurface, Panel};
-pub use region::{Contour, Point, Region, corners, cross};
+pub use region::{Contour, Point, Region, corners};
 
 use super::SheetError;
 use super::page::Media;

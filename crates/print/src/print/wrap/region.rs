@@ -7,7 +7,7 @@ use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
 use crate::print::sheet::sides;
-use scaleproof_core::geometry::to_segment;
+use scaleproof_core::geometry::{self, to_segment};
 
 /// A place in a plane, mm.
 pub type Point = [f64; 2];
@@ -92,7 +92,7 @@ impl Region {
     pub fn contains(&self, p: Point) -> bool {
         // Winding number: each edge that crosses the ray to the right counts up or down.
         let crossing = |(a, b): (&Point, &Point)| {
-            let side = cross(a, b, &p);
+            let side = geometry::doubled_area(*a, *b, p);
             match (a[1] <= p[1], b[1] <= p[1]) {
                 (true, false) if side > 0.0 => 1,
                 (false, true) if side < 0.0 => -1,
@@ -137,11 +137,6 @@ pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point
     places
         .into_iter()
         .fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), wider)
-}
-
-/// Twice the signed area of a triangle.
-pub fn cross(a: &Point, b: &Point, c: &Point) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Twice the area inside an outline; negative if it runs clockwise.
