@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use scaleproof::{Front, LayoutRequest, Orientation, Paper, Pattern, Printer, TemplateRequest, template, write_pdf};
+use scaleproof::{Front, LayoutRequest, Media, Orientation, Paper, Pattern, TemplateRequest, template, write_pdf};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
@@ -15,15 +15,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         scale: 10.0,
         pattern_name: pattern.display().to_string(),
         front: Front::Left,
-        date: None,
         layout: LayoutRequest {
             size_mm: (600.0, 300.0),
-            paper: Paper::A4.into(),
+            media: Media::new(Paper::A4),
             orientation: Orientation::Auto,
             overlap_mm: 8.0,
             bleed_mm: 2.0,
-            margin_mm: 5.0,
-            printer: Printer::EXACT,
         },
     };
     let made = template(&Pattern::load(pattern)?, &request)?;

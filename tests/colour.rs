@@ -17,7 +17,7 @@ use scaleproof_print::colour_chart::layout::{CELL_MM, ChartKind, ChartLayout};
 use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, read};
 use scaleproof_print::print::chart::chart;
 use scaleproof_print::print::page::Media;
-use scaleproof_print::print::paper::Paper;
+use scaleproof_print::print::paper::{Paper, Stock};
 use scaleproof_print::print::printer::{Printer as Correction, PrinterFile};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::colour::Lab;
@@ -173,11 +173,7 @@ fn a_photo_is_read_rightly_or_refused() {
 
 /// The place of the chart's upper left corner on the page and an image's pixels per mm.
 fn corner_px() -> ([f64; 2], f64) {
-    let media = Media {
-        paper: Paper::A4.into(),
-        printer: Correction::EXACT,
-    };
-    let area = chart(media).unwrap().area;
+    let area = chart(Media::new(Paper::A4)).unwrap().area;
     let px_per_mm = DPI / 25.4;
     ([area.left_mm * px_per_mm, (297.0 - area.top_mm) * px_per_mm], px_per_mm)
 }
@@ -311,8 +307,8 @@ fn only_photos_of_one_print_are_averaged() {
 fn the_chart_has_what_the_paper_has_room_for() {
     let on = |paper: &str| {
         chart(Media {
-            paper: paper.parse().unwrap(),
             printer: Correction::measured(99.0, 99.0).unwrap(),
+            ..Media::new(paper.parse::<Stock>().unwrap())
         })
     };
     for (paper, kind) in [

@@ -13,7 +13,6 @@ use paper::{A4, Mm, Page, distance, render};
 use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, board};
 use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::Paper;
-use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::sheet::RectMm;
 use theirs::Charuco;
 
@@ -73,10 +72,7 @@ fn print(
         square_mm,
         marker_mm,
         dictionary: dictionary.map(str::to_owned),
-        media: Media {
-            paper: Paper::A4.into(),
-            printer: Printer::EXACT,
-        },
+        media: Media::new(Paper::A4),
     };
     let mut pages = render(&folder.path().join("b.pdf"), 300, A4);
     assert_eq!(pages.len(), 1);

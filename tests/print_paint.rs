@@ -13,7 +13,6 @@ use proptest::prelude::*;
 use raster::{Stencil, filled};
 use render::{done, pages, scaleproof, usual_request, words};
 use scaleproof_print::print::paint::{PaintRequest, PaintSheets, paint_sheets};
-use scaleproof_print::print::paper::Paper;
 use scaleproof_print::print::sheet::{Mark, Sheet};
 use scaleproof_print::print::template::{Front, LayoutRequest, SheetPlan, TemplateRequest};
 use scaleproof_print::print::{pdf, svg};
@@ -39,10 +38,8 @@ fn request(size_mm: (f64, f64), tile_mm: f64) -> PaintRequest {
             scale: 10.0,
             pattern_name: "p.png".into(),
             front: Front::Left,
-            date: None,
             layout: LayoutRequest {
                 size_mm,
-                paper: Paper::A4.into(),
                 ..usual_request()
             },
         },

@@ -3,6 +3,7 @@
 
 use crate::common;
 use crate::print_template::render;
+use crate::print_wrap;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -15,29 +16,23 @@ use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of, words};
 use scaleproof_print::print::paper::Paper;
 use scaleproof_print::print::pdf;
-use scaleproof_print::print::printer::Printer;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
 use scaleproof_surface::pattern::colour::Lab;
 use scaleproof_surface::pattern::world_aligned::{Side, WorldAligned};
 use scaleproof_surface::pattern::{Pattern, light};
 use scaleproof_surface::texture::{MappedImages, Texture, Tile};
 use scaleproof_wrap::pieces::{Piece, PiecesRequest, PrintedPieces, flattened, pieces};
+use scaleproof_wrap::unwrap::UnwrapRequest;
 
 /// What the program takes when nothing is said.
 pub fn request(most_pieces: usize, paper: Paper) -> PiecesRequest {
     PiecesRequest {
-        most_pieces: Some(most_pieces),
-        mean_stretch: 1.03,
-        stretch_99: 1.2,
-        dpi: 300.0,
+        unwrap: UnwrapRequest {
+            most_pieces: Some(most_pieces),
+            ..UnwrapRequest::default()
+        },
         tabs_mm: None,
-        name: "p.png".into(),
-        facts: String::new(),
-        scale: 10.0,
-        date: None,
-        paper: paper.into(),
-        margin_mm: 5.0,
-        printer: Printer::EXACT,
+        sheets: print_wrap::request(paper),
     }
 }
 
@@ -323,7 +318,7 @@ fn is_as_asked(read: &Read, file: &Path, most_pieces: usize, most_pages: usize) 
     made.facts().iter().for_each(|fact| println!("{fact}"));
     println!("{} pages", made.pages.len());
     assert!(made.pieces.len() <= most_pieces && made.pages.len() <= most_pages);
-    assert!(made.visible_share() >= 0.97 && made.mean_stretch <= 1.03 && made.stretch_99 <= 1.2);
+    assert!(made.visible_share() >= 0.97 && made.flat.mean_stretch <= 1.03 && made.flat.stretch_99 <= 1.2);
     assert_eq!(made.unlettered_mm, 0.0);
     read.letters_stand_clear(file, is_bright);
     read.pieces_lie_apart();
@@ -542,7 +537,7 @@ fn a_house_is_cut_lettered_and_tabbed() {
         let made = pieces(&mesh, &flat, &texture, &request).unwrap();
         made.facts().iter().for_each(|fact| println!("{fact}"));
         let surface = 2.0 * 120.0 * 30.0 + 2.0 * 120.0 * 50.0 + 2.0 * (80.0 * 30.0 + 80.0 * 30.0 / 2.0);
-        assert!((made.surface_mm2() - surface).abs() < 0.1 && (made.largest_stretch - 1.0).abs() < 1e-3);
+        assert!((made.flat.surface_mm2() - surface).abs() < 0.1 && (made.flat.largest_stretch - 1.0).abs() < 1e-3);
         let extra: f64 = made
             .cut
             .iter()

@@ -11,7 +11,8 @@ use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_rulers, dark_lines_mm};
 use render::{done, pages, pattern_file, scaleproof, usual_request};
-use scaleproof_print::print::check::{self, CheckRequest};
+use scaleproof_print::print::check;
+use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::Paper;
 use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::{LayoutRequest, layout};
@@ -60,7 +61,10 @@ fn a_corrected_template_comes_out_true_on_its_printer() {
         ));
         let request = LayoutRequest {
             size_mm,
-            printer: Printer::measured(x_mm, y_mm).unwrap(),
+            media: Media {
+                printer: Printer::measured(x_mm, y_mm).unwrap(),
+                ..Media::new(Paper::A4)
+            },
             ..usual_request()
         };
         let layout = layout(&request).unwrap();
@@ -95,11 +99,9 @@ fn the_check_page_measures_what_it_says() {
             printer_file(x_mm, y_mm, folder.path())
         };
         done(&format!("print check{option}{file} -o {}", pdf.display()));
-        let plan = check::plan(&CheckRequest {
-            paper: Paper::A4.into(),
-            margin_mm: 5.0,
+        let plan = check::plan(&Media {
             printer: Printer::measured(x_mm, y_mm).unwrap(),
-            date: None,
+            ..Media::new(Paper::A4)
         });
         let plan = plan.unwrap();
         let drawn = pages(&pdf, 1, 600.0);

@@ -12,9 +12,8 @@ use image::GrayImage;
 use paper::{A4, Page, distance, render};
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_print::print::page::Media;
-use scaleproof_print::print::paper::Paper;
-use scaleproof_print::print::printer::Printer;
-use scaleproof_print::print::sheet::Sheet;
+use scaleproof_print::print::paper::{Paper, Stock};
+use scaleproof_print::print::sheet::{Mark, Sheet};
 use scaleproof_print::print::tags::{TagRequest, TagSheets, arrange, tag_sheets};
 
 /// Runs the program; it must succeed.
@@ -91,10 +90,7 @@ fn assert_cards_fold_to_the_scene(folder: &Path, file: &Path) {
         &format!("print tags --scene {} -o {}", file.display(), pdf.display()),
     );
     let request = TagRequest {
-        media: Media {
-            paper: Paper::A4.into(),
-            printer: Printer::EXACT,
-        },
+        media: Media::new(Paper::A4),
         plain: false,
         whole_mat: false,
     };
@@ -214,10 +210,7 @@ fn worst_on_mat(mat: &Page, scene: &Scene, allowed_mm: f64) -> f64 {
 }
 
 fn made(scene: &Scene, paper: &str, whole_mat: bool) -> TagSheets {
-    let media = Media {
-        paper: paper.parse().unwrap(),
-        printer: Printer::EXACT,
-    };
+    let media = Media::new(paper.parse::<Stock>().unwrap());
     let request = TagRequest {
         media,
         plain: false,
@@ -363,9 +356,9 @@ fn place_strips_put_cards_where_the_scene_says() {
 }
 
 fn texts(sheet: &Sheet) -> Vec<&str> {
-    fn of(mark: &scaleproof_print::print::sheet::Mark) -> Option<&str> {
+    fn of(mark: &Mark) -> Option<&str> {
         match mark {
-            scaleproof_print::print::sheet::Mark::Text { text, .. } => Some(text),
+            Mark::Text(line) => Some(&line.text),
             _ => None,
         }
     }
@@ -516,7 +509,7 @@ fn place(sheet: &Sheet) -> (usize, usize) {
 
 fn label(sheet: &Sheet) -> String {
     match sheet.marks.last() {
-        Some(scaleproof_print::print::sheet::Mark::Text { text, .. }) => text.clone(),
+        Some(Mark::Text(line)) => line.text.clone(),
         other => panic!("the last mark is the label, not {other:?}"),
     }
 }

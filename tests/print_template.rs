@@ -14,6 +14,7 @@ use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the
 use proptest::prelude::*;
 use render::{done, oblong_pattern, pages, pattern_file, scaleproof, text_of, usual_request};
 use scaleproof_core::files;
+use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::{Orientation, Paper, Stock};
 use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::{LayoutRequest, TemplateRect, layout};
@@ -27,9 +28,10 @@ fn print(pattern: Pattern, tile_mm: f64, request: LayoutRequest, paper: &str) ->
         size_mm: (width, height),
         overlap_mm,
         bleed_mm,
-        margin_mm,
+        media,
         ..
     } = request;
+    let margin_mm = media.margin_mm;
     let (from, to) = (png.display(), pdf.display());
     done(&format!(
         "print template --pattern {from} --tile-mm {tile_mm} --size-mm {width}x{height} --paper {paper} \
@@ -68,7 +70,7 @@ fn a_whole_a3_page_measures_what_it_says() {
     let folder = tempfile::tempdir().unwrap();
     let request = LayoutRequest {
         size_mm: (260.0, 370.0),
-        paper: Paper::A3.into(),
+        media: Media::new(Paper::A3),
         ..usual_request()
     };
     let printed = print(oblong_pattern(folder.path()), 61.7, request, "a3");
@@ -85,7 +87,7 @@ fn a_roll_measures_what_it_says() {
     let folder = tempfile::tempdir().unwrap();
     let request = LayoutRequest {
         size_mm: (300.0, 250.0),
-        paper: Stock::Roll { width_mm: 210.0 },
+        media: Media::new(Stock::Roll { width_mm: 210.0 }),
         overlap_mm: 12.5,
         bleed_mm: 4.0,
         ..usual_request()
@@ -445,8 +447,8 @@ proptest! {
         margin_mm in 0.0..12.0f64,
     ) {
         let printer = Printer::measured(stretch.0, stretch.1).unwrap();
-        let paper = Stock::Cut(paper);
-        let request = LayoutRequest { size_mm, paper, orientation, overlap_mm, bleed_mm, margin_mm, printer };
+        let media = Media { margin_mm, printer, ..Media::new(paper) };
+        let request = LayoutRequest { size_mm, media, orientation, overlap_mm, bleed_mm };
         let made = layout(&request).unwrap();
         prop_assert_eq!(made.sheets.len(), made.rows * made.columns);
         for (i, sheet) in made.sheets.iter().enumerate() {

@@ -11,8 +11,8 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of};
+use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::Paper;
-use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::wrap::{Face, PaintedSurface, Wrap, WrapRequest, wrap};
 use scaleproof_surface::mesh::{Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
@@ -21,17 +21,14 @@ use scaleproof_surface::texture::{Texture, Tile};
 
 const DPI: f64 = 400.0;
 /// What the program takes when nothing is said.
-fn request(paper: Paper) -> WrapRequest {
+pub fn request(paper: Paper) -> WrapRequest {
     WrapRequest {
         scale: 10.0,
         name: "p.png".into(),
         facts: String::new(),
         dpi: 300.0,
-        date: None,
-        paper: paper.into(),
         overlap_mm: 8.0,
-        margin_mm: 5.0,
-        printer: Printer::EXACT,
+        media: Media::new(paper),
     }
 }
 

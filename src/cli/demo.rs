@@ -10,8 +10,8 @@ use super::answer::told;
 use super::{CommandResult, Result, advice, detectors, locate, print, score};
 use scaleproof_core::files;
 use scaleproof_detect::{Manifest, Runtime, WeightFolders};
+use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::{Orientation, Paper};
-use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::{Front, LayoutRequest, TemplateRequest};
 use scaleproof_score::report;
 use scaleproof_score::score::{EvaluatedDetector, Options, Scores};
@@ -96,19 +96,16 @@ pub(super) fn print_template(
 ) -> Result<()> {
     let layout = LayoutRequest {
         size_mm: (600.0, 300.0),
-        paper: Paper::A4.into(),
+        media: Media::new(Paper::A4),
         orientation: Orientation::Auto,
         overlap_mm: 8.0,
         bleed_mm: 2.0,
-        margin_mm: 5.0,
-        printer: Printer::EXACT,
     };
     let request = TemplateRequest {
         tile_mm,
         scale: 10.0,
         pattern_name: name.into(),
         front: Front::Left,
-        date: None,
         layout,
     };
     let made = print::write_template(pattern, &request, pdf)?;

@@ -27,13 +27,8 @@ pub(crate) fn note_enlarged(path: &Path, pattern: &Pattern) {
 /// Any image; says what was done to it.
 pub(crate) fn picture(path: &Path) -> Result<Picture, PictureError> {
     let picture = Picture::load(path)?;
-    note(path, picture.note.as_deref());
-    Ok(picture)
-}
-
-/// What was done to an image.
-pub(crate) fn note(path: &Path, clause: Option<&str>) {
-    if let Some(clause) = clause {
+    if let Some(clause) = &picture.note {
         say!("note: {} {clause}", path.display());
     }
+    Ok(picture)
 }

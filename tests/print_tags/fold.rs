@@ -4,7 +4,7 @@
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily, corners_in_tag_mm};
-use scaleproof_print::print::sheet::{Mark, Sheet};
+use scaleproof_print::print::sheet::{Line, Mark, Sheet};
 use scaleproof_print::print::tags::arrange;
 
 use super::paper::Mm;
@@ -25,7 +25,7 @@ impl Card {
     pub fn on(sheet: &Sheet) -> Vec<Card> {
         let mut level: Vec<(f64, f64, f64, bool)> = Vec::new();
         for mark in &sheet.marks {
-            if let Mark::Line { from, to, dash_mm, .. } = mark
+            if let Mark::Line(Line { from, to, dash_mm, .. }) = mark
                 && from.y_mm == to.y_mm
                 && sheet.trim.left_mm < 6.0
             {

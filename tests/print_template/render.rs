@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use image::RgbImage;
+use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::{Orientation, Paper};
-use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::LayoutRequest;
 use scaleproof_surface::pattern::Pattern;
 
@@ -29,12 +29,10 @@ pub fn done(command: &str) {
 pub fn usual_request() -> LayoutRequest {
     LayoutRequest {
         size_mm: (600.0, 300.0),
-        paper: Paper::A4.into(),
+        media: Media::new(Paper::A4),
         orientation: Orientation::Auto,
         overlap_mm: 8.0,
         bleed_mm: 2.0,
-        margin_mm: 5.0,
-        printer: Printer::EXACT,
     }
 }
 

@@ -5,6 +5,7 @@
 use ab_glyph::{Font, FontRef, OutlinedGlyph, ScaleFont, point};
 use image::Rgb;
 pub use image::RgbImage;
+use scaleproof_core::geometry::to_segment;
 
 /// Space around a label's text, by the size of its letters.
 const MARGIN: f64 = 0.3;
@@ -63,7 +64,7 @@ pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
         for n in (middle - reach).floor() as i64..=(middle + reach).ceil() as i64 {
             let mut at = [m; 2];
             at[minor] = n;
-            let distance = distance_to(from, to, at.map(|v| v as f64));
+            let distance = to_segment(at.map(|v| v as f64), [from, to]);
             blend(image, at, pen.colour, half + 0.5 - distance);
         }
     }
@@ -190,20 +191,6 @@ fn clipped(image: &RgbImage, from: [f64; 2], to: [f64; 2], width_px: f64) -> Opt
     }
     let at = |t: f64| [from[0] + t * along[0], from[1] + t * along[1]];
     (enter <= leave).then(|| [at(enter), at(leave)])
-}
-
-/// From a point to the nearest point of a line segment.
-fn distance_to(from: [f64; 2], to: [f64; 2], at: [f64; 2]) -> f64 {
-    let along = [to[0] - from[0], to[1] - from[1]];
-    let [x, y] = [at[0] - from[0], at[1] - from[1]];
-    let squared = along[0] * along[0] + along[1] * along[1];
-    let projected = x * along[0] + y * along[1];
-    let t = if squared > 0.0 {
-        (projected / squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (x - t * along[0]).hypot(y - t * along[1])
 }
 
 /// Mixes a colour into a pixel by how much of it is covered; nothing outside the image.

@@ -1,5 +1,7 @@
 //! An axis: values to pixels, and where its ticks stand.
 
+use scaleproof_core::geometry::extent;
+
 /// How values are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
@@ -21,10 +23,7 @@ impl PlotAxis {
     /// Wide enough for all values. On a log axis it ends at 1, 2 or 5 times a power of ten; a linear one starts at 0 or below.
     pub fn around(title: &str, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
         let usable = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for v in values.into_iter().filter(usable) {
-            (low, high) = (low.min(v), high.max(v));
-        }
+        let (mut low, mut high) = extent(values.into_iter().filter(usable));
         if low > high {
             (low, high) = (0.1, 1.0);
         }

@@ -3,8 +3,8 @@
 //! Sheets are planned in the millimetres that come out on paper, and drawn as vectors.
 //!
 //! ```
+//! use scaleproof_print::print::page::Media;
 //! use scaleproof_print::print::paper::{Orientation, Paper};
-//! use scaleproof_print::print::printer::Printer;
 //! use scaleproof_print::print::template::{Front, LayoutRequest, TemplateRequest, template};
 //! use scaleproof_surface::pattern::Pattern;
 //!
@@ -13,15 +13,12 @@
 //!     scale: 10.0,
 //!     pattern_name: "random".into(),
 //!     front: Front::Left,
-//!     date: None,
 //!     layout: LayoutRequest {
 //!         size_mm: (600.0, 300.0),
-//!         paper: Paper::A4.into(),
+//!         media: Media::new(Paper::A4),
 //!         orientation: Orientation::Auto,
 //!         overlap_mm: 8.0,
 //!         bleed_mm: 2.0,
-//!         margin_mm: 5.0,
-//!         printer: Printer::EXACT,
 //!     },
 //! };
 //! let made = template(&Pattern::random(16, 1)?, &request)?;

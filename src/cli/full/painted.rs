@@ -108,10 +108,10 @@ fn facts(model: &Model, made: &PaintedPieces) -> Answer {
         sheets: made.sheets(),
         narrow_parts: made.narrow.0,
         narrow_mm2: made.narrow.1,
-        surface_mm2: made.surface_mm2(),
-        visible_mm2: made.visible_mm2,
-        left_out: pieces::left_out(&made.left_out),
-        mean_stretch: made.mean_stretch,
-        stretch_99: made.stretch_99,
+        surface_mm2: made.flat.surface_mm2(),
+        visible_mm2: made.flat.visible_mm2,
+        left_out: pieces::left_out(&made.flat.left_out),
+        mean_stretch: made.flat.mean_stretch,
+        stretch_99: made.flat.stretch_99,
     }
 }

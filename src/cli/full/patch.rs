@@ -13,7 +13,7 @@ use crate::cli::full::model::ModelArgs;
 use crate::cli::print::{value_names, write_files};
 use crate::cli::{Result, enlarged, units};
 use scaleproof_core::spelling::count;
-use scaleproof_print::print::patch::{PanelPatch, PatchImage, patches};
+use scaleproof_print::print::patch::{PanelPatch, PatchError, patches};
 use scaleproof_print::print::{paper, wrap};
 use scaleproof_surface::pattern::world_aligned::Side;
 use scaleproof_surface::texture::PlacedPatch;
@@ -121,8 +121,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
     }
     let one = |i: usize| -> Result<PanelPatch> {
-        let image = PatchImage::load(&args.patch[i])?;
-        enlarged::note(&args.patch[i], image.note());
+        let image = enlarged::picture(&args.patch[i]).map_err(PatchError::from)?;
         let size = args.size_mm[i].trim();
         let size_mm = match size.parse::<f64>() {
             Ok(width) => (width, image.height_for(width)),

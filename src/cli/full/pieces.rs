@@ -10,12 +10,14 @@ use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::Model;
 use crate::cli::full::texture::NamedTexture;
-use crate::cli::print::{PaperArgs, write_files};
-use crate::cli::{Result, progress};
+use crate::cli::print::write_files;
+use crate::cli::progress;
 use scaleproof_plot::lettering;
+use scaleproof_print::print::output::SheetOutput;
+use scaleproof_print::print::wrap::WrapRequest;
 use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::{Piece, PiecesRequest, Place, PrintedPieces, flattened, pieces, reason};
-use scaleproof_wrap::unwrap::LeftOut;
+use scaleproof_wrap::unwrap::{LeftOut, UnwrapRequest};
 
 /// How the model is cut into pieces, and what is printed of them.
 #[derive(clap::Args)]
@@ -48,43 +50,33 @@ pub(crate) struct PiecesArgs {
 
 impl PiecesArgs {
     /// What is printed of a painted model.
-    pub(super) fn request(
-        &self,
-        paper: &PaperArgs,
-        (model, painted): (&Model, &NamedTexture),
-    ) -> Result<PiecesRequest> {
-        Ok(PiecesRequest {
+    pub(super) fn request(&self, sheets: WrapRequest) -> PiecesRequest {
+        let unwrap = UnwrapRequest {
             most_pieces: Some(self.pieces),
             mean_stretch: self.mean_stretch,
             stretch_99: self.max_stretch,
-            dpi: self.dpi,
+            ..UnwrapRequest::default()
+        };
+        PiecesRequest {
+            unwrap,
             tabs_mm: self.tabs,
-            name: painted.name.clone(),
-            facts: captioned(painted),
-            scale: model.scale,
-            date: paper.date()?,
-            paper: paper.paper.parse()?,
-            margin_mm: paper.margin_mm,
-            printer: paper.printer()?,
-        })
+            sheets,
+        }
     }
 }
 
 /// Prints the pieces.
 pub(super) fn run(
-    args: &PiecesArgs,
-    paper: &PaperArgs,
     (model, painted): (&Model, &NamedTexture),
-    inputs: &[Option<&Path>],
+    request: &PiecesRequest,
+    (output, inputs): (&SheetOutput, &[Option<&Path>]),
     (as_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
-    let output = paper.output()?;
-    let request = args.request(paper, (model, painted))?;
     let busy = progress::steps("unwrapping", 100);
     let surface = (&model.mesh, &*model.materials);
     // Drawing takes a little, too.
-    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64))?;
-    let made = pieces(&model.mesh, &flat, &painted.texture, &request)?;
+    let flat = flattened(surface, request, &mut |share| busy.set_position((95.0 * share) as u64))?;
+    let made = pieces(&model.mesh, &flat, &painted.texture, request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -169,12 +161,12 @@ fn facts(model: &Model, made: &PrintedPieces) -> PiecesAnswer {
         seams: made.seams.len(),
         unlettered_mm: made.unlettered_mm,
         cut_mm: made.cut_mm(),
-        surface_mm2: made.surface_mm2(),
-        visible_mm2: made.visible_mm2,
-        left_out: left_out(&made.left_out),
-        mean_stretch: made.mean_stretch,
-        stretch_99: made.stretch_99,
-        largest_stretch: made.largest_stretch,
+        surface_mm2: made.flat.surface_mm2(),
+        visible_mm2: made.flat.visible_mm2,
+        left_out: left_out(&made.flat.left_out),
+        mean_stretch: made.flat.mean_stretch,
+        stretch_99: made.flat.stretch_99,
+        largest_stretch: made.flat.largest_stretch,
     }
 }
 

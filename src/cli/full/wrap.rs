@@ -60,11 +60,8 @@ impl SheetArgs {
             name: String::new(),
             facts: String::new(),
             dpi: DPI,
-            date: self.paper.date()?,
-            paper: self.paper.paper.parse()?,
             overlap_mm: self.overlap_mm.unwrap_or(OVERLAP_MM),
-            margin_mm: self.paper.margin_mm,
-            printer: self.paper.printer()?,
+            media: self.paper.media()?,
         })
     }
 }
@@ -80,14 +77,22 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         args.paint.palette.as_deref(),
     ];
     inputs.extend(painted.images.iter().map(|path| Some(path.as_path())));
+    let request = || -> Result<WrapRequest> {
+        Ok(WrapRequest {
+            name: painted.name.clone(),
+            facts: pieces::captioned(&painted),
+            dpi: args.pieces.dpi,
+            ..args.sheets.request(model.scale)?
+        })
+    };
     let outcome = if args.pieces.panels {
-        panels(args, (&model, &painted), &inputs, out)
+        panels(args, (&model, &painted), request()?, &inputs, out)
     } else if args.sheets.overlap_mm.is_some() {
         return Err(
             "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
         );
     } else if let Some(paints) = args.paint.paints()? {
-        let request = args.pieces.request(&args.sheets.paper, (&model, &painted))?;
+        let request = args.pieces.request(request()?);
         let output = args.sheets.paper.output()?;
         painted::run(
             (&model, &painted.texture, &paints),
@@ -96,8 +101,9 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             (args.json, out),
         )
     } else {
-        let paper = &args.sheets.paper;
-        pieces::run(&args.pieces, paper, (&model, &painted), &inputs, (args.json, out))
+        let output = args.sheets.paper.output()?;
+        let request = args.pieces.request(request()?);
+        pieces::run((&model, &painted), &request, (&output, &inputs), (args.json, out))
     }?;
     if model.file.is_some() {
         units::note(super::model::turned(model.mesh.size_mm()));
@@ -109,17 +115,11 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
 fn panels(
     args: &WrapArgs,
     (model, painted): (&Model, &NamedTexture),
+    request: WrapRequest,
     inputs: &[Option<&Path>],
     out: &mut dyn Write,
 ) -> CommandResult {
-    let sheets = &args.sheets;
-    let request = WrapRequest {
-        name: painted.name.clone(),
-        facts: pieces::captioned(painted),
-        dpi: args.pieces.dpi,
-        ..sheets.request(model.scale)?
-    };
-    let output = sheets.paper.output()?;
+    let output = args.sheets.paper.output()?;
     let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &painted.texture, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;

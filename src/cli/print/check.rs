@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, PaperArgs, told, write_files, written};
-use scaleproof_print::print::check::{CheckRequest, check};
+use scaleproof_print::print::check::check;
 
 #[derive(clap::Args)]
 pub(crate) struct CheckArgs {
@@ -18,19 +18,14 @@ pub(crate) struct CheckArgs {
 }
 
 pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
-    let request = CheckRequest {
-        paper: args.paper.paper.parse()?,
-        margin_mm: args.paper.margin_mm,
-        printer: args.paper.printer()?,
-        date: args.paper.date()?,
-    };
-    let sheets = check(&request)?;
+    let media = args.paper.media()?;
+    let sheets = check(&media)?;
     let files = args
         .paper
         .output()?
         .files("Printer check", &["check".to_owned()], &sheets)?;
     write_files(&files, &[args.paper.printer.as_deref()])?;
-    let next = request.printer.verify_command();
+    let next = media.printer.verify_command();
     // One page is one file.
     let words = format!("{}: print at 100 %, measure, then {next}", files[0].0.display());
     told(args.json, written(&files, Answer { next }), words, out)

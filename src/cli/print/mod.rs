@@ -16,10 +16,9 @@ use super::answer::{Named, Written, named, told, written};
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Result, full};
 use scaleproof_core::files;
-use scaleproof_print::print::SheetError;
-use scaleproof_print::print::date::Date;
 use scaleproof_print::print::output::{OutputError, SheetFormat, SheetOutput};
 use scaleproof_print::print::page::Media;
+use scaleproof_print::print::paper::Stock;
 use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::sheet::Sheet;
 use scaleproof_surface::pattern::Pattern;
@@ -121,8 +120,8 @@ pub(super) struct CutSheetArgs {
 impl CutSheetArgs {
     pub(super) fn media(&self) -> Result<Media> {
         Ok(Media {
-            paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,
+            ..Media::new(self.paper.parse::<Stock>()?)
         })
     }
 
@@ -164,7 +163,7 @@ pub(in crate::cli) fn card_fault(error: &CardError) -> String {
 pub(crate) struct PaperArgs {
     /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    pub(super) paper: String,
+    paper: String,
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
@@ -173,13 +172,13 @@ pub(crate) struct PaperArgs {
     pub(super) format: Option<SheetFormat>,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
-    pub(super) margin_mm: f64,
+    margin_mm: f64,
     /// Correct the sizes by this file of `print verify`
     #[arg(long, value_name = "TOML")]
     pub(super) printer: Option<PathBuf>,
     /// A day for the caption, as YYYY-MM-DD
     #[arg(long, value_name = "DATE")]
-    pub(super) date: Option<String>,
+    date: Option<String>,
 }
 
 impl PaperArgs {
@@ -187,12 +186,13 @@ impl PaperArgs {
         SheetOutput::named(&self.output, self.format)
     }
 
-    pub(super) fn printer(&self) -> Result<Printer> {
-        printer(self.printer.as_deref())
-    }
-
-    pub(super) fn date(&self) -> Result<Option<Date>, SheetError> {
-        self.date.as_deref().map(str::parse).transpose()
+    pub(super) fn media(&self) -> Result<Media> {
+        Ok(Media {
+            paper: self.paper.parse()?,
+            margin_mm: self.margin_mm,
+            printer: printer(self.printer.as_deref())?,
+            date: self.date.as_deref().map(str::parse).transpose()?,
+        })
     }
 }
 

@@ -153,12 +153,10 @@ fn write(
 fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateRequest> {
     let layout = LayoutRequest {
         size_mm: paper::size_mm(&args.size_mm)?,
-        paper: args.paper.paper.parse()?,
+        media: args.paper.media()?,
         orientation: args.orientation,
         overlap_mm: args.overlap_mm,
         bleed_mm: args.bleed_mm,
-        margin_mm: args.paper.margin_mm,
-        printer: args.paper.printer()?,
     };
     let pattern_name = path
         .file_name()
@@ -169,7 +167,6 @@ fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateReq
         scale: args.scale,
         pattern_name,
         front: args.front,
-        date: args.paper.date()?,
         layout,
     })
 }

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::advice::Advice;
 use super::guidance::Guidance;
-use scaleproof_core::geometry::{Rigid, distance};
+use scaleproof_core::geometry::{Rigid, distance, extent};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma, locate_near};
+use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma};
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
@@ -128,13 +128,13 @@ impl Judge {
         let live = self.live.as_mut();
         let at_once = live.map(|live| {
             let pose = self.pose.as_ref().filter(|_| self.tracked < MOST_TRACKED);
-            locate_near(pose, luma, turned_deg, scene, camera, live.as_mut())
+            locate_luma(luma, turned_deg, pose, scene, camera, live.as_mut())
         });
         let is_answered = at_once.as_ref().is_some_and(|photo| photo.result.is_ok());
         self.unanswered = if is_answered { 0 } else { self.unanswered + 1 };
         let photo = at_once
             .filter(|_| is_answered || !self.unanswered.is_multiple_of(UNANSWERED))
-            .unwrap_or_else(|| locate_luma(luma, turned_deg, scene, camera, self.tags.as_mut()));
+            .unwrap_or_else(|| locate_luma(luma, turned_deg, None, scene, camera, self.tags.as_mut()));
         let judgement = self.weigh(photo, luma, guidance);
         self.pose = judgement.located.as_ref().map(|located| located.pose);
         self.tracked = (self.tracked + 1) % (MOST_TRACKED + 1);
@@ -154,7 +154,7 @@ impl Judge {
         if self.live.is_none() {
             return first;
         }
-        let photo = locate_luma(luma, turned_deg, &self.scene, camera, self.tags.as_mut());
+        let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
         self.weigh(photo, luma, guidance)
     }
 
@@ -322,8 +322,7 @@ fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera)
     let corners = scene.model.box_corners_mm().into_iter();
     let corners: Vec<[f64; 2]> = corners.filter_map(|corner| camera.project(&(pose * corner))).collect();
     let range = |axis: usize, size: u32| {
-        let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-        let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = extent(corners.iter().map(|c| c[axis]));
         low.clamp(0.0, f64::from(size)) as u32..high.clamp(0.0, f64::from(size)) as u32
     };
     let (columns, rows) = (range(0, grey.width()), range(1, grey.height()));

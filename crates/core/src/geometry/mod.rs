@@ -9,6 +9,7 @@ pub mod rigid;
 
 pub use bbox::BoxPx;
 pub use plane::{
-    PlaneTriangle, Point2, UnionFind, between, circle, convex_hull, distance, doubled_area, extent, offset, view_axes,
+    PlaneTriangle, Point2, UnionFind, between, cells_beside, circle, convex_hull, distance, doubled_area, extent,
+    nearest_share, offset, stretches, to_segment, view_axes,
 };
 pub use rigid::Rigid;

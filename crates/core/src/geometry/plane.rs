@@ -22,6 +22,42 @@ pub fn offset(p: Point2, along: Point2, by: f64) -> Point2 {
     [0, 1].map(|axis| p[axis] + by * along[axis])
 }
 
+/// The share of the way along a segment at which it is nearest to a point: 0 and 1 at its ends.
+pub fn nearest_share(p: Point2, [a, b]: [Point2; 2]) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+    along.clamp(0.0, 1.0)
+}
+
+/// The distance of a point from a segment.
+pub fn to_segment(p: Point2, [a, b]: [Point2; 2]) -> f64 {
+    let along = nearest_share(p, [a, b]);
+    (p[0] - a[0] - along * (b[0] - a[0])).hypot(p[1] - a[1] - along * (b[1] - a[1]))
+}
+
+/// The stretches of a range on which something holds.
+pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    for i in range.filter(holds) {
+        match found.last_mut() {
+            Some(last) if last.end == i => last.end += 1,
+            _ => found.push(i..i + 1),
+        }
+    }
+    found
+}
+
+/// The cells left of, right of, above and below one of a grid that is counted row by row; `None` beyond its border.
+pub fn cells_beside(i: usize, columns: usize, rows: usize) -> [Option<usize>; 4] {
+    let (column, row) = (i % columns, i / columns);
+    [
+        (column > 0).then(|| i - 1),
+        (column + 1 < columns).then(|| i + 1),
+        (row > 0).then(|| i - columns),
+        (row + 1 < rows).then(|| i + columns),
+    ]
+}
+
 /// The corners of a regular polygon around a point, counter-clockwise from the right.
 pub fn circle([x, y]: Point2, radius: f64, corners: u32) -> impl Iterator<Item = Point2> {
     (0..corners).map(move |i| {

@@ -1,7 +1,9 @@
 //! Points and triangles in a plane.
 
 use proptest::prelude::*;
-use scaleproof_core::geometry::{PlaneTriangle, UnionFind, between, circle, distance, doubled_area, extent, view_axes};
+use scaleproof_core::geometry::{
+    PlaneTriangle, UnionFind, between, circle, distance, doubled_area, extent, stretches, view_axes,
+};
 
 #[test]
 fn an_area_has_the_sign_of_its_turn() {
@@ -63,4 +65,11 @@ proptest! {
         let back = [0, 1].map(|axis| (0..3).map(|i| shares[i] * corners[i][axis]).sum::<f64>());
         prop_assert!(distance(p, back) < 1e-9);
     }
+}
+
+#[test]
+fn neighbours_join_into_stretches() {
+    let differs = [false, true, true, false, true, false];
+    assert_eq!(stretches(0..6, |i| differs[*i]), [1..3, 4..5]);
+    assert_eq!(stretches(0..2, |_| false), []);
 }

@@ -32,7 +32,7 @@ pub use alike::{LocateFiles, MOST_LISTED};
 pub use diagnosis::Diagnosis;
 pub use factor::spread;
 pub use matches::{Ignored, IgnoredTag, area_px};
-pub use photo::{LocatedPhoto, locate_luma, locate_near, locate_photo, locate_tags};
+pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
 pub use planar::planar_branches;
 pub use solver::Solver;
 pub use sqpnp::sqpnp;

@@ -30,25 +30,15 @@ pub fn locate_photo(
     tags: &mut dyn TagDetector,
 ) -> Result<LocatedPhoto, PhotoError> {
     let luma = photo.luma_where_seen()?;
-    Ok(locate_luma(luma.as_ref(), photo.turned_deg, scene, camera, tags))
+    Ok(locate_luma(luma.as_ref(), photo.turned_deg, None, scene, camera, tags))
 }
 
-/// Finds the tags in upright luma, which EXIF turned by `turned_deg`, and locates its camera: for frames that are no files.
+/// Finds the tags in upright luma, which EXIF turned by `turned_deg`, and locates its camera: for frames that are no files. With a guess of the
+/// pose, `T_camera_model`, tags are looked for where it expects them, before the image is searched.
 pub fn locate_luma(
     luma: &dyn Luma,
     turned_deg: u32,
-    scene: &Scene,
-    camera: &Camera,
-    tags: &mut dyn TagDetector,
-) -> LocatedPhoto {
-    locate_near(None, luma, turned_deg, scene, camera, tags)
-}
-
-/// Like [`locate_luma`], with a guess of the pose, `T_camera_model`: tags are looked for where it expects them, before the image is searched.
-pub fn locate_near(
-    pose: Option<&Rigid>,
-    luma: &dyn Luma,
-    turned_deg: u32,
+    guess: Option<&Rigid>,
     scene: &Scene,
     camera: &Camera,
     tags: &mut dyn TagDetector,
@@ -60,7 +50,7 @@ pub fn locate_near(
     let mut answered = None;
     let seen = tags.find_until(luma, &mut |seen| {
         let result = locate(seen, scene, &fitted.camera);
-        let missing = still_missing(&result, pose, seen, scene, &fitted.camera);
+        let missing = still_missing(&result, guess, seen, scene, &fitted.camera);
         answered = Some((seen.to_vec(), result));
         missing
     });

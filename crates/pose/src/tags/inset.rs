@@ -7,6 +7,7 @@
 use image::GrayImage;
 
 use super::{TagHomography, TagImage, refine};
+use scaleproof_core::geometry::stretches;
 
 /// Below so many pixels a cell, the blur of its other edge moves an edge too.
 const MIN_CELL_PX: f64 = 4.0;
@@ -35,12 +36,13 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
         if cell < MIN_CELL_PX {
             return None;
         }
-        for run in runs(&behind_the_ring(tag, side)) {
+        let differs = behind_the_ring(tag, side);
+        for run in stretches(0..differs.len(), |cell| differs[*cell]) {
             // Both ends are a share of the side, from its first corner on.
             let at = |along: f64| homography.pixel_at(side, along / n, 1.0 / n);
-            let (from, to) = (at(run.0 as f64 + END_CELLS), at(run.1 as f64 - END_CELLS));
+            let (from, to) = (at(run.start as f64 + END_CELLS), at(run.end as f64 - END_CELLS));
             if let Some(offset) = refine::edge_offset(grey, from, to, BAND_CELLS * cell) {
-                let cells_seen = (run.1 - run.0) as f64;
+                let cells_seen = run.len() as f64;
                 weight += cells_seen;
                 moved += cells_seen * offset;
             }
@@ -71,11 +73,4 @@ pub fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
     };
     let differs = |along| (1..n - 1).contains(&along) && at(along, 1) != at(along, 0);
     (0..n).map(differs).collect()
-}
-
-/// The runs of `true`: first cell and the one after the last.
-pub fn runs(differs: &[bool]) -> Vec<(usize, usize)> {
-    let cells: Vec<(usize, &bool)> = differs.iter().enumerate().collect();
-    let runs = cells.chunk_by(|a, b| a.1 == b.1).filter(|run| *run[0].1);
-    runs.map(|run| (run[0].0, run[run.len() - 1].0 + 1)).collect()
 }

@@ -3,6 +3,7 @@
 use image::GrayImage;
 
 use super::sides_px;
+use scaleproof_core::geometry::extent;
 use scaleproof_photo::photo::Luma;
 
 /// Pixels about a tag. Where its own pixel (0, 0) lies in the image is added to all that leaves this room.
@@ -26,12 +27,10 @@ impl Part {
         let margin = longest / cells * reach + reach_px + MARGIN_PX;
         let most = luma.size();
         let ends = [0, 1].map(|k| {
-            let along = corners_px.map(|corner| corner[k]);
-            let low = along.into_iter().fold(f64::INFINITY, f64::min) - margin;
-            let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max) + margin;
+            let (low, high) = extent(corners_px.map(|corner| corner[k]));
             // Numbers that are too large or none become the nearest end or 0.
-            let start = (low.floor() as u32).min(most[k]);
-            let end = (high.ceil() as u32).saturating_add(1).min(most[k]);
+            let start = ((low - margin).floor() as u32).min(most[k]);
+            let end = ((high + margin).ceil() as u32).saturating_add(1).min(most[k]);
             (start, end.saturating_sub(start))
         });
         let (start, size) = (ends.map(|(start, _)| start), ends.map(|(_, size)| size));

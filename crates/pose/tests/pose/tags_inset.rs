@@ -2,13 +2,7 @@
 
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::TagImage;
-use scaleproof_pose::tags::inset::{behind_the_ring, runs};
-
-#[test]
-fn runs_are_joined() {
-    assert_eq!(runs(&[false, true, true, false, true, false]), [(1, 3), (4, 5)]);
-    assert_eq!(runs(&[false, false]), []);
-}
+use scaleproof_pose::tags::inset::behind_the_ring;
 
 #[test]
 fn the_cells_behind_the_ring_are_the_code_s_outer_bits() {

@@ -8,6 +8,7 @@ use super::layout::{ChartCell, ChartKind, FAMILY};
 use super::light::{ChartLight, Surface};
 use super::sample::{PatchSample, sample};
 use super::{ColourChartError, place};
+use scaleproof_core::geometry::extent;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::TagDetector;
@@ -228,9 +229,7 @@ fn evenness(inked: &[Sampled], light: &ChartLight) -> Result<(f64, f64), ColourC
 
 fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChartError> {
     let blacks = patches.iter().filter(|(asked, _)| *asked == [0; 3]);
-    let lightness: Vec<f64> = blacks.map(|(_, light)| Lab::from_linear(*light).l).collect();
-    let low = lightness.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = lightness.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = extent(blacks.map(|(_, light)| Lab::from_linear(*light).l));
     if high - low > MOST_BLACK_SPREAD {
         return Err(ColourChartError::UnevenBlack { low, high });
     }

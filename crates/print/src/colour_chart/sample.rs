@@ -5,6 +5,7 @@ use palette::Srgb;
 
 use super::find::FoundChart;
 use super::layout::ChartCell;
+use scaleproof_core::geometry::extent;
 
 /// Side of the square in the middle of a cell whose pixels count: 2.5 mm of the patch around it are left to blur, to lens
 /// distortion and to paper that is not quite flat.
@@ -64,8 +65,8 @@ pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<P
 
 /// The pixels between the least and the greatest of some places; `None` when they leave the photo.
 fn span(places: [f64; 4], side: u32) -> Option<std::ops::RangeInclusive<u32>> {
-    let low = places.iter().copied().fold(f64::INFINITY, f64::min).floor();
-    let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
+    let (low, high) = extent(places);
+    let (low, high) = (low.floor(), high.ceil());
     (low >= 0.0 && high <= f64::from(side) - 1.0).then_some(low as u32..=high as u32)
 }
 

@@ -3,7 +3,6 @@
 use super::SheetError;
 use super::frame::PageFrame;
 use super::page::Media;
-use super::printer::Printer;
 use super::shapes::{TagPlacement, black_modules};
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::template::making;
@@ -51,7 +50,7 @@ pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
         marks.push(Mark::black(black_modules(image.modules(), &place)));
     }
     let label = format!("chart {}", layout.kind.name());
-    let sheet = page.labelled(page.printable, marks, &captions(&layout, &media.printer), &label);
+    let sheet = page.labelled(page.printable, marks, &captions(&layout, &media), &label);
     Ok(PrintedChart { layout, area, sheet })
 }
 
@@ -70,7 +69,7 @@ fn placed(media: Media) -> Result<(ChartLayout, PageFrame, RectMm), ChartPrintEr
     })
 }
 
-fn captions(layout: &ChartLayout, printer: &Printer) -> Vec<String> {
+fn captions(layout: &ChartLayout, media: &Media) -> Vec<String> {
     let (kind, ids) = (layout.kind.name(), layout.kind.tag_ids());
     let contents = format!(
         "Colour chart {kind}: {} patches, {} cells of bare paper, tag36h11 {} to {} of {} mm",
@@ -85,7 +84,7 @@ fn captions(layout: &ChartLayout, printer: &Printer) -> Vec<String> {
         "Print at 100 %, on the paper and with the settings of the later sheets; let the ink dry. Lay it flat, in even light from the side.",
         "Photograph all of it sharply, from above, without flash and a little dark: white paper must not be at the end of the scale.",
         &contents,
-        &format!("{then} · {}", making(printer, None)),
+        &format!("{then} · {}", making(media)),
     ]
     .map(str::to_owned)
     .to_vec()

@@ -1,10 +1,10 @@
 //! The page that measures a printer: rulers along both axes, boxes, diagonals, and room to write down.
 
 use super::SheetError;
-use super::date::Date;
-use super::frame::{PageFrame, PageSetup};
+use super::frame::PageFrame;
+use super::page::Media;
 use super::paper::{Paper, Stock};
-use super::printer::{self, Printer};
+use super::printer;
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use super::template::{making, rulers};
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, size, wrapped};
@@ -26,16 +26,6 @@ const BLANKS_MM: f64 = 48.0;
 /// Length of the check page of a roll.
 const ROLL_LENGTH_MM: f64 = 260.0;
 
-/// A request for a printer's check page, which is upright, so that its x is the printer's.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CheckRequest {
-    pub paper: Stock,
-    pub margin_mm: f64,
-    /// The correction to try out, or [`Printer::EXACT`].
-    pub printer: Printer,
-    pub date: Option<Date>,
-}
-
 /// Where the measured things are on the page, in true millimetres (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckPlan {
@@ -44,21 +34,16 @@ pub struct CheckPlan {
     pub long_box: RectMm,
 }
 
-/// Plans the check page.
+/// Plans the check page, which is upright, so that its x is the printer's. The correction of the media is tried out on it.
 ///
 /// # Errors
 /// A margin that is no length, paper too small for the boxes and their blanks.
-pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
-    let page = match request.paper {
+pub fn plan(media: &Media) -> Result<CheckPlan, SheetError> {
+    let page = match media.paper {
         Stock::Cut(paper) => paper.portrait(),
         Stock::Roll { width_mm } => Paper::new(width_mm, ROLL_LENGTH_MM),
     };
-    let setup = PageSetup {
-        margin_mm: request.margin_mm,
-        printer: request.printer,
-        turned: false,
-    };
-    let frame = PageFrame::new(page, setup)?;
+    let frame = PageFrame::new(page, media.setup(false))?;
     let area = frame.usable;
     let needed = (
         SQUARE_MM + GAP_MM + BLANKS_MM,
@@ -71,7 +56,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
         );
         return Err(SheetError::PaperTooSmall {
             paper_mm: size((page.width_mm, page.height_mm)),
-            margin_mm: request.margin_mm,
+            margin_mm: media.margin_mm,
             needed_mm: size((more.0.ceil(), more.1.ceil())),
         });
     }
@@ -88,8 +73,8 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
 ///
 /// # Errors
 /// As for [`plan`].
-pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
-    let plan = plan(request)?;
+pub fn check(media: &Media) -> Result<Vec<Sheet>, SheetError> {
+    let plan = plan(media)?;
     let mut marks = rulers(&plan.frame);
     marks.extend(outline(plan.square));
     marks.extend(diagonals(plan.square));
@@ -98,7 +83,7 @@ pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
     marks.push(Mark::text(label, TEXT_MM, TextAnchor::Left, "10 × 5 cm"));
     marks.extend(head(&plan));
     marks.extend(blanks(&plan));
-    marks.extend(caption(&plan, request));
+    marks.extend(caption(&plan, media));
     let sheet = plan.frame.sheet(plan.frame.whole(), plan.frame.whole(), marks);
     Ok(vec![printer::corrected_one(sheet, plan.frame.setup.stretch())])
 }
@@ -173,10 +158,10 @@ fn blanks(plan: &CheckPlan) -> Vec<Mark> {
     marks
 }
 
-fn caption(plan: &CheckPlan, request: &CheckRequest) -> Vec<Mark> {
+fn caption(plan: &CheckPlan, media: &Media) -> Vec<Mark> {
     let area = plan.frame.printable;
     let blanks = "Printer and paper: ______________________________   measured by, on: ______________________________";
-    let lines = [blanks, &making(&request.printer, request.date)];
+    let lines = [blanks, &making(media)];
     Mark::lines(lines, area.left_mm, (TEXT_MM, area.width_mm()), |i| {
         area.bottom_mm + 1.0 + (1 - i) as f64 * 1.5 * LEADING_MM
     })

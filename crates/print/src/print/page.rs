@@ -1,6 +1,7 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
 use super::SheetError;
+use super::date::Date;
 use super::frame::{PageFrame, PageSetup};
 use super::paper::Stock;
 use super::printer::{Printer, corrected_one};
@@ -16,14 +17,29 @@ const LEADING_MM: f64 = 3.3;
 const LABEL_MM: f64 = 5.0;
 const LABEL_WIDTH_MM: f64 = 24.0;
 
-/// What is printed on, and by what.
+/// What is printed on, by what and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Media {
     pub paper: Stock,
+    /// Border of the paper that the printer cannot reach.
+    pub margin_mm: f64,
+    /// The measured stretch of the printer, which is corrected.
     pub printer: Printer,
+    /// Named in the captions when given; there is no clock, so that the same input gives the same bytes.
+    pub date: Option<Date>,
 }
 
 impl Media {
+    /// A paper with the usual margin, and a printer that nobody has measured.
+    pub fn new(paper: impl Into<Stock>) -> Self {
+        Self {
+            paper: paper.into(),
+            margin_mm: MARGIN_MM,
+            printer: Printer::EXACT,
+            date: None,
+        }
+    }
+
     /// Refuses a roll.
     ///
     /// # Errors
@@ -35,20 +51,30 @@ impl Media {
         }
     }
 
+    /// The setup of a page that is used upright or `turned`.
+    pub fn setup(&self, turned: bool) -> PageSetup {
+        PageSetup {
+            margin_mm: self.margin_mm,
+            printer: self.printer,
+            turned,
+        }
+    }
+
+    /// The frame of the paper used upright or `turned`. A roll's page is as long as a page can be; [`PageFrame::cut_off`] shortens it.
+    ///
+    /// # Errors
+    /// A margin that is no length, paper too small for the rulers.
+    pub fn frame(&self, turned: bool) -> Result<PageFrame, SheetError> {
+        PageFrame::new(self.paper.page(turned), self.setup(turned))
+    }
+
     /// The frames of the paper used upright and across, as far as the paper allows; never empty. Their usable areas are for the
-    /// content. A roll's page is as long as a page can be; [`PageFrame::cut_off`] shortens it.
+    /// content.
     ///
     /// # Errors
     /// Paper too small for the rulers either way.
     pub fn both_ways(self) -> Result<Vec<PageFrame>, SheetError> {
-        let [upright, across] = [false, true].map(|turned| {
-            let setup = PageSetup {
-                margin_mm: MARGIN_MM,
-                printer: self.printer,
-                turned,
-            };
-            PageFrame::new(self.paper.page(turned), setup)
-        });
+        let [upright, across] = [false, true].map(|turned| self.frame(turned));
         match upright {
             Ok(upright) => Ok([upright].into_iter().chain(across).collect()),
             Err(error) => across.map(|across| vec![across]).map_err(|_| error),

@@ -1,9 +1,6 @@
 //! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
 
-use std::path::Path;
 use std::sync::Arc;
-
-use image::RgbImage;
 
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::template::{TemplateError, check_scale, furniture};
@@ -47,39 +44,21 @@ pub enum PatchError {
     },
 }
 
-/// An image to be printed as it is.
+/// An image on a panel.
 #[derive(Debug, Clone)]
-pub struct PatchImage(Picture);
+pub struct PanelPatch {
+    /// How the captions call it: its file name.
+    pub name: String,
+    /// It is printed as it is.
+    pub image: Picture,
+    pub side: Side,
+    /// Its middle in the panel's plane: (u, v), see [`Side`].
+    pub at_mm: Point,
+    /// Width and height on the panel.
+    pub size_mm: (f64, f64),
+}
 
-impl PatchImage {
-    /// Reads a PNG or JPEG.
-    ///
-    /// # Errors
-    /// Whatever [`Picture::load`] refuses.
-    pub fn load(path: &Path) -> Result<Self, PatchError> {
-        Ok(Self(Picture::load(path)?))
-    }
-
-    /// The pixels of the image.
-    pub fn pixels(&self) -> &RgbImage {
-        &self.0.pixels
-    }
-
-    /// What was done to it, as a clause.
-    pub fn note(&self) -> Option<&str> {
-        self.0.note.as_deref()
-    }
-
-    /// The pixels without a copy.
-    pub fn shared(&self) -> Arc<RgbImage> {
-        Arc::clone(&self.0.pixels)
-    }
-
-    /// Height for a width that keeps the image's proportions.
-    pub fn height_for(&self, width: f64) -> f64 {
-        self.0.height_for(width)
-    }
-
+impl PanelPatch {
     /// The image over an area of a page.
     fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
         match stamp {
@@ -89,18 +68,19 @@ impl PatchImage {
                 clip: area,
             },
             None => Mark::Image {
-                image: self.shared(),
+                image: Arc::clone(&self.image.pixels),
                 area,
             },
         }
     }
 
     /// Every pixel as a rectangle, if they are few. Frame: origin at the top-left corner, y up.
-    fn stamp(&self, (width_mm, height_mm): (f64, f64)) -> Option<Arc<Stamp>> {
-        let (columns, rows) = self.pixels().dimensions();
+    fn stamp(&self) -> Option<Arc<Stamp>> {
+        let (columns, rows) = self.image.pixels.dimensions();
         if columns > MAX_RECTANGLES || rows > MAX_RECTANGLES {
             return None;
         }
+        let (width_mm, height_mm) = self.size_mm;
         let (wide, high) = (width_mm / f64::from(columns), height_mm / f64::from(rows));
         // Each runs on under its right and its lower neighbour, which cover it: no white hairlines.
         let fill = |(column, row, pixel): (u32, u32, &image::Rgb<u8>)| {
@@ -112,25 +92,10 @@ impl PatchImage {
         };
         Some(Arc::new(Stamp {
             bounds: RectMm::new(0.0, -height_mm - 0.25 * high, width_mm + 0.25 * wide, 0.0),
-            fills: self.pixels().enumerate_pixels().map(fill).collect(),
+            fills: self.image.pixels.enumerate_pixels().map(fill).collect(),
         }))
     }
-}
 
-/// An image on a panel.
-#[derive(Debug, Clone)]
-pub struct PanelPatch {
-    /// How the captions call it: its file name.
-    pub name: String,
-    pub image: PatchImage,
-    pub side: Side,
-    /// Its middle in the panel's plane: (u, v), see [`Side`].
-    pub at_mm: Point,
-    /// Width and height on the panel.
-    pub size_mm: (f64, f64),
-}
-
-impl PanelPatch {
     fn area(&self) -> RectMm {
         let ([u, v], (width, height)) = (self.at_mm, self.size_mm);
         RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
@@ -142,7 +107,7 @@ impl PanelPatch {
         format!(
             "{width} × {height} mm on the {} panel at {u}, {v} mm, sha256 {}",
             self.side.name(),
-            self.image.0.sha256.get(..12).unwrap_or_default()
+            self.image.sha256.get(..12).unwrap_or_default()
         )
     }
 
@@ -233,14 +198,12 @@ impl Patches {
         let (template, layout, corner) = named.spread(on_it[0].side, region, ROOM_MM)?;
         let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
         let captions = furniture::Captions::of_image(&template, &facts).of_piece(name);
-        let stamps: Vec<_> = on_it.iter().map(|p| p.image.stamp(p.size_mm)).collect();
+        let stamps: Vec<_> = on_it.iter().map(|p| p.stamp()).collect();
         let mut sheets = Vec::new();
         for plan in &layout.sheets {
             let by = moved_by_mm(plan, corner);
-            let images = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
-                let area = patch.area().moved(by);
-                patch.image.mark(stamp.as_ref(), area)
-            });
+            let images = on_it.iter().zip(&stamps);
+            let images = images.map(|(patch, stamp)| patch.mark(stamp.as_ref(), patch.area().moved(by)));
             let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
             let mut content = vec![Mark::Clipped {
                 to: moved(region.contours(), by),

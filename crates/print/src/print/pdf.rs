@@ -187,53 +187,42 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
     let fill = |colour: Srgb8| Op::SetFillColor { col: color(colour) };
     match mark {
         Mark::Fill(Fill { area, colour }) => vec![fill(*colour), rectangle(*area, PaintMode::Fill)],
-        Mark::Line {
-            from,
-            to,
-            width_mm,
-            dash_mm,
-            colour,
-        } => {
+        Mark::Line(line) => {
             let solid = LineDashPattern::solid;
             let dashed = |(dash, gap)| LineDashPattern::new(0.0, &[pt(dash).0, pt(gap).0]);
-            let line = Line {
-                points: vec![line_point(from), line_point(to)],
+            let dash = line.dash_mm.map_or_else(solid, dashed);
+            let drawn = Line {
+                points: [line.from, line.to].iter().map(line_point).collect(),
                 is_closed: false,
             };
             vec![
-                Op::SetOutlineColor { col: color(*colour) },
-                Op::SetOutlineThickness { pt: pt(*width_mm) },
-                Op::SetLineDashPattern {
-                    dash: dash_mm.map_or_else(solid, dashed),
+                Op::SetOutlineColor {
+                    col: color(line.colour),
                 },
-                Op::DrawLine { line },
+                Op::SetOutlineThickness { pt: pt(line.width_mm) },
+                Op::SetLineDashPattern { dash },
+                Op::DrawLine { line: drawn },
             ]
         }
-        Mark::Text {
-            at,
-            size_mm,
-            anchor,
-            text,
-            colour,
-        } => {
-            let width_mm = lettering::width_mm(text, *size_mm);
-            let left_mm = match anchor {
+        Mark::Text(line) => {
+            let (at, width_mm) = (line.at, lettering::width_mm(&line.text, line.size_mm));
+            let left_mm = match line.anchor {
                 TextAnchor::Left => at.x_mm,
                 TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
                 TextAnchor::Right => at.x_mm - width_mm,
             };
             vec![
                 Op::StartTextSection,
-                fill(*colour),
+                fill(line.colour),
                 Op::SetFont {
                     font: PdfFontHandle::Builtin(STAND_IN),
-                    size: pt(*size_mm),
+                    size: pt(line.size_mm),
                 },
                 Op::SetTextMatrix {
                     matrix: TextMatrix::Translate(pt(left_mm), pt(at.y_mm)),
                 },
                 Op::ShowText {
-                    items: vec![TextItem::Text(text.clone())],
+                    items: vec![TextItem::Text(line.text.clone())],
                 },
                 Op::EndTextSection,
             ]

@@ -2,7 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use super::wrap::{Point, cross};
+use super::wrap::Point;
+use scaleproof_core::geometry::{doubled_area, extent};
 
 /// An affine function on the plane, as the column of an image on a flat triangle is.
 #[derive(Debug, Clone, Copy)]
@@ -17,19 +18,19 @@ pub struct Affine {
 impl Affine {
     /// The function with these values at a triangle's corners; `None` for a triangle without area, and for values beyond all use.
     pub fn through([a, b, c]: &[Point; 3], values: [f64; 3]) -> Option<Self> {
-        let doubled = cross(a, b, c);
+        let doubled = doubled_area(*a, *b, *c);
         let [along_b, along_c] = [values[1] - values[0], values[2] - values[0]];
         let slope = [
             (along_b * (c[1] - a[1]) - along_c * (b[1] - a[1])) / doubled,
             (along_c * (b[0] - a[0]) - along_b * (c[0] - a[0])) / doubled,
         ];
-        let range = extremes(values);
-        let is_good = slope.iter().chain(&range).all(|number| number.abs() < 1e12);
+        let (low, high) = extent(values);
+        let is_good = slope.iter().chain(&[low, high]).all(|number| number.abs() < 1e12);
         is_good.then_some(Self {
             origin: *a,
             value: values[0],
             slope,
-            range,
+            range: [low, high],
         })
     }
 
@@ -41,14 +42,9 @@ impl Affine {
     pub fn cells(&self, polygon: &[Point]) -> RangeInclusive<i64> {
         let [low, high] = self.range;
         let cell = |value: f64| value.clamp(low, high).floor() as i64;
-        let [lowest, highest] = extremes(polygon.iter().map(|p| self.at(p)));
+        let (lowest, highest) = extent(polygon.iter().map(|p| self.at(p)));
         cell(lowest)..=cell(highest)
     }
-}
-
-fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
-    let widened = |[low, high]: [f64; 2], value: f64| [low.min(value), high.max(value)];
-    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], widened)
 }
 
 /// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.
@@ -78,8 +74,8 @@ pub fn slices(
 
 /// The part of a polygon within a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
-    let turn = cross(a, b, c).signum();
-    let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * cross(from, to, p));
+    let turn = doubled_area(*a, *b, *c).signum();
+    let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * doubled_area(*from, *to, *p));
     [(a, b), (b, c), (c, a)].into_iter().fold(polygon.to_vec(), cut_by)
 }
 
@@ -109,6 +105,6 @@ pub fn area(polygon: &[Point]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else {
         return 0.0;
     };
-    let fan = rest.windows(2).map(|pair| cross(first, &pair[0], &pair[1]));
+    let fan = rest.windows(2).map(|pair| doubled_area(*first, pair[0], pair[1]));
     0.5 * fan.sum::<f64>().abs()
 }

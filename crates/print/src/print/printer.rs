@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ruler;
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::sheet::{Fill, Line, Mark, PointMm, RectMm, Sheet, Stamp, Text};
 use scaleproof_core::files;
 use scaleproof_core::geometry::length::shown;
 use scaleproof_plot::lettering::number;
@@ -263,8 +263,8 @@ impl PageStretch {
         for mark in marks {
             match mark {
                 Mark::Fill(Fill { area, .. }) | Mark::Image { area, .. } => *area = self.area(*area),
-                Mark::Line { from, to, .. } => self.points([from, to]),
-                Mark::Text { at, size_mm, .. } => {
+                Mark::Line(Line { from, to, .. }) => self.points([from, to]),
+                Mark::Text(Text { at, size_mm, .. }) => {
                     self.points([at]);
                     *size_mm *= self.factors.0;
                 }

@@ -6,9 +6,9 @@ use image::{Rgb, RgbImage};
 use super::buckets::{Buckets, bounds};
 use super::polygon::{Affine, area, slices, within};
 use super::sheet::RectMm;
-use super::wrap::{Point, Region, cross};
-use scaleproof_core::geometry::distance;
+use super::wrap::{Point, Region};
 use scaleproof_core::geometry::length::shown;
+use scaleproof_core::geometry::{distance, doubled_area, nearest_share};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
@@ -307,8 +307,7 @@ impl<'a> FlatPaint<'a> {
         let near = self.borders.at(p)?.iter().map(|i| &self.ends[*i as usize]);
         let foot = |[a, b]: &[Point; 2]| {
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
-            let along = along.clamp(0.0, 1.0);
+            let along = nearest_share(p, [*a, *b]);
             // Outlines run counter-clockwise, so the surface is to their left.
             let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
             ([a[0] + along * dx, a[1] + along * dy], [-dy / length, dx / length])
@@ -377,12 +376,8 @@ thread_local! {
 }
 
 /// The shares of a triangle's corners at a place inside it.
-fn inside([a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
-    let whole = cross(a, b, c);
-    let shares = [
-        cross(b, c, &p) / whole,
-        cross(c, a, &p) / whole,
-        cross(a, b, &p) / whole,
-    ];
+fn inside(&[a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
+    let whole = doubled_area(a, b, c);
+    let shares = [[b, c], [c, a], [a, b]].map(|[from, to]| doubled_area(from, to, p) / whole);
     shares.iter().all(|share| *share >= -1e-9).then_some(shares)
 }

@@ -1,8 +1,7 @@
 //! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and cutting them off at an edge.
 
-use std::ops::Range;
-
 use super::sheet::{PointMm, RectMm, sides};
+use scaleproof_core::geometry::{extent, stretches};
 use scaleproof_pose::tags::{Modules, TagImage};
 
 /// A closed convex outline, counter-clockwise.
@@ -65,18 +64,6 @@ pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> 
     (0..side).flat_map(in_row).collect()
 }
 
-/// The stretches of a range on which something holds.
-pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
-    let mut found: Vec<Range<usize>> = Vec::new();
-    for i in range.filter(holds) {
-        match found.last_mut() {
-            Some(last) if last.end == i => last.end += 1,
-            _ => found.push(i..i + 1),
-        }
-    }
-    found
-}
-
 /// A straight stroke with butt ends.
 pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
     let (dx, dy) = (to.x_mm - from.x_mm, to.y_mm - from.y_mm);
@@ -129,12 +116,7 @@ pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
     let mut axes = edges(a).into_iter().chain(edges(b)).filter(|(x, y)| x.hypot(*y) > 0.0);
     axes.all(|(x, y)| {
         let (nx, ny) = (-y / x.hypot(y), x / x.hypot(y));
-        let span = |outline: &[PointMm]| {
-            let along = outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny);
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            })
-        };
+        let span = |outline: &[PointMm]| extent(outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny));
         let ((low_a, high_a), (low_b, high_b)) = (span(a), span(b));
         low_a < high_b - TOUCH_MM && low_b < high_a - TOUCH_MM
     })

@@ -153,26 +153,34 @@ pub struct Stamp {
     pub fills: Vec<Fill>,
 }
 
+/// A straight line with butt ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    pub from: PointMm,
+    pub to: PointMm,
+    pub width_mm: f64,
+    /// (dash, gap); `None` is solid.
+    pub dash_mm: Option<(f64, f64)>,
+    pub colour: Srgb8,
+}
+
+/// One line of text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Text {
+    pub at: PointMm,
+    /// The em.
+    pub size_mm: f64,
+    pub anchor: TextAnchor,
+    pub text: String,
+    pub colour: Srgb8,
+}
+
 /// One thing on a page. Marks are painted in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
     Fill(Fill),
-    /// A straight line with butt ends. `dash_mm` is (dash, gap); `None` is solid.
-    Line {
-        from: PointMm,
-        to: PointMm,
-        width_mm: f64,
-        dash_mm: Option<(f64, f64)>,
-        colour: Srgb8,
-    },
-    /// One line of text; `size_mm` is the em.
-    Text {
-        at: PointMm,
-        size_mm: f64,
-        anchor: TextAnchor,
-        text: String,
-        colour: Srgb8,
-    },
+    Line(Line),
+    Text(Text),
     /// A filled area: everything inside any of the closed outlines. It is painted in one go, so that outlines which share an
     /// edge show no hairline; all run the same way round.
     Area {
@@ -204,20 +212,26 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// A solid black line.
-    pub fn line(from: impl Into<PointMm>, to: impl Into<PointMm>, width_mm: f64) -> Self {
-        Self::Line {
-            from: from.into(),
-            to: to.into(),
+    /// A line, solid or of (dash, gap).
+    pub fn stroke<P: Into<PointMm>>(ends: [P; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Self {
+        let [from, to] = ends.map(Into::into);
+        Self::Line(Line {
+            from,
+            to,
             width_mm,
-            dash_mm: None,
-            colour: BLACK,
-        }
+            dash_mm,
+            colour,
+        })
     }
 
-    /// Solid black lines along a closed outline.
-    pub fn outline(outline: &[PointMm], width_mm: f64) -> impl Iterator<Item = Self> {
-        sides(outline).map(move |(from, to)| Self::line(*from, *to, width_mm))
+    /// A solid black line.
+    pub fn line(from: impl Into<PointMm>, to: impl Into<PointMm>, width_mm: f64) -> Self {
+        Self::stroke([from.into(), to.into()], width_mm, None, BLACK)
+    }
+
+    /// Solid lines along a closed outline.
+    pub fn outline(outline: &[PointMm], width_mm: f64, colour: Srgb8) -> impl Iterator<Item = Self> {
+        sides(outline).map(move |(from, to)| Self::stroke([*from, *to], width_mm, None, colour))
     }
 
     /// A filled rectangle.
@@ -233,13 +247,13 @@ impl Mark {
 
     /// Black text.
     pub fn text(at: impl Into<PointMm>, size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
-        Self::Text {
+        Self::Text(Text {
             at: at.into(),
             size_mm,
             anchor,
             text: text.into(),
             colour: BLACK,
-        }
+        })
     }
 
     /// Black text of this size, or smaller to be no wider than `most_mm`.
@@ -254,10 +268,15 @@ impl Mark {
     }
 
     /// Black text whose capitals have their middle at a place; sized as by [`Mark::fitted`].
-    pub fn centred((x, y): (f64, f64), (size_mm, most_mm): (f64, f64), text: impl Into<String>) -> Self {
-        let text = text.into();
+    pub fn centred(at: impl Into<PointMm>, (size_mm, most_mm): (f64, f64), text: impl Into<String>) -> Self {
+        let (text, PointMm { x_mm, y_mm }) = (text.into(), at.into());
         let size_mm = fitting_size_mm(&text, size_mm, most_mm);
-        Self::text((x, y - 0.5 * CAP_HEIGHT * size_mm), size_mm, TextAnchor::Centre, text)
+        Self::text(
+            (x_mm, y_mm - 0.5 * CAP_HEIGHT * size_mm),
+            size_mm,
+            TextAnchor::Centre,
+            text,
+        )
     }
 
     /// Lines of text from `left_mm` on, each with its baseline by its number; sized as by [`Mark::fitted`].

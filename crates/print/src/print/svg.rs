@@ -71,43 +71,32 @@ impl SvgPage {
                 let (rect, fill) = (self.corner_and_size(*area), hex(*colour));
                 let _ = writeln!(self.content, "<rect {rect} fill=\"{fill}\"/>");
             }
-            Mark::Line {
-                from,
-                to,
-                width_mm,
-                dash_mm,
-                colour,
-            } => {
-                let [(x1, y1), (x2, y2)] = [from, to].map(|end| self.place(*end));
-                let dash = dash_mm.map_or(String::new(), |(dash, gap)| {
+            Mark::Line(line) => {
+                let [(x1, y1), (x2, y2)] = [line.from, line.to].map(|end| self.place(end));
+                let dash = line.dash_mm.map_or(String::new(), |(dash, gap)| {
                     format!(" stroke-dasharray=\"{} {}\"", length(dash), length(gap))
                 });
-                let (stroke, width) = (hex(*colour), length(*width_mm));
+                let (stroke, width) = (hex(line.colour), length(line.width_mm));
                 let _ = writeln!(
                     self.content,
                     "<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" stroke=\"{stroke}\" stroke-width=\"{width}\"{dash}/>"
                 );
             }
-            Mark::Text {
-                at,
-                size_mm,
-                anchor,
-                text,
-                colour,
-            } => {
-                let (x, y) = self.place(*at);
-                let anchor = match anchor {
+            Mark::Text(line) => {
+                let (x, y) = self.place(line.at);
+                let anchor = match line.anchor {
                     TextAnchor::Left => "start",
                     TextAnchor::Centre => "middle",
                     TextAnchor::Right => "end",
                 };
-                let (size, width) = (length(*size_mm), length(lettering::width_mm(text, *size_mm)));
+                let width_mm = lettering::width_mm(&line.text, line.size_mm);
+                let [size, width] = [line.size_mm, width_mm].map(length);
                 let _ = writeln!(
                     self.content,
                     "<text x=\"{x}\" y=\"{y}\" font-family=\"{FAMILY}, Verdana, sans-serif\" font-size=\"{size}\" \
                      text-anchor=\"{anchor}\" textLength=\"{width}\" lengthAdjust=\"spacingAndGlyphs\" fill=\"{}\">{}</text>",
-                    hex(*colour),
-                    escaped(text)
+                    hex(line.colour),
+                    escaped(&line.text)
                 );
             }
             // One path, so that outlines which share an edge show no hairline; SVG fills by the nonzero rule, as the PDF does.

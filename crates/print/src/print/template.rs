@@ -12,7 +12,6 @@ pub use furniture::{Captions, around, guides, making, rulers};
 pub use layout::LayoutRequest;
 pub use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
 
-use super::date::Date;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::{SheetError, printer};
 use scaleproof_core::geometry::length::{SCALES, shown};
@@ -72,8 +71,6 @@ pub struct TemplateRequest {
     pub pattern_name: String,
     /// Which way the model looks on the sheets.
     pub front: Front,
-    /// Named in the caption when given; there is no clock, so that the same input gives the same bytes.
-    pub date: Option<Date>,
     /// Size, paper and edges.
     pub layout: LayoutRequest,
 }

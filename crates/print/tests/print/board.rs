@@ -3,7 +3,6 @@
 use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, definition};
 use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::Paper;
-use scaleproof_print::print::printer::Printer;
 
 #[test]
 fn the_file_comes_back_as_it_was() {
@@ -13,10 +12,7 @@ fn the_file_comes_back_as_it_was() {
         square_mm: 26.0,
         marker_mm: None,
         dictionary: None,
-        media: Media {
-            paper: Paper::A4.into(),
-            printer: Printer::EXACT,
-        },
+        media: Media::new(Paper::A4),
     };
     for kind in [BoardKind::Aprilgrid, BoardKind::Charuco, BoardKind::Chessboard] {
         let definition = definition(&BoardRequest {

@@ -1,18 +1,16 @@
 //! Templates spread over sheets.
 
+use scaleproof_print::print::page::Media;
 use scaleproof_print::print::paper::{Orientation, Paper, Stock};
-use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::{LayoutRequest, layout};
 
 pub fn request(size_mm: (f64, f64)) -> LayoutRequest {
     LayoutRequest {
         size_mm,
-        paper: Paper::A4.into(),
+        media: Media::new(Paper::A4),
         orientation: Orientation::Auto,
         overlap_mm: 8.0,
         bleed_mm: 2.0,
-        margin_mm: 5.0,
-        printer: Printer::EXACT,
     }
 }
 
@@ -33,10 +31,10 @@ fn a_template_made_to_measure_needs_one_sheet() {
 
 #[test]
 fn a_roll_is_used_the_way_that_wastes_less() {
-    let paper = Stock::Roll { width_mm: 610.0 };
+    let media = Media::new(Stock::Roll { width_mm: 610.0 });
     let of = |size_mm| {
         let made = layout(&LayoutRequest {
-            paper,
+            media,
             ..request(size_mm)
         })
         .unwrap();

@@ -7,7 +7,7 @@ use opencv::prelude::*;
 
 use super::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
-use scaleproof_core::geometry::distance;
+use scaleproof_core::geometry::{distance, extent};
 use scaleproof_photo::photo::Luma;
 use scaleproof_pose::board::{Definition, Marker};
 use scaleproof_pose::tags::{
@@ -253,11 +253,11 @@ fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCor
     const BENT_SHARE: f64 = 0.04;
     let places = board.corners_mm();
     let (from, to): (Vec<[f64; 2]>, Vec<[f64; 2]>) = found.iter().map(|c| (places[c.id], c.px)).unzip();
-    let extent = |axis: usize| {
-        let all = to.iter().map(|p| p[axis]);
-        all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
+    let length = |axis: usize| {
+        let (low, high) = extent(to.iter().map(|p| p[axis]));
+        high - low
     };
-    let limit_px = BENT_SHARE * extent(0).hypot(extent(1));
+    let limit_px = BENT_SHARE * length(0).hypot(length(1));
     let mut mask = Mat::default();
     let h = calib3d::find_homography(&points(&from), &points(&to), &mut mask, calib3d::RANSAC, limit_px);
     let Ok(h) = h else { return Err(NoBoard::NotFlat) };

@@ -1,7 +1,9 @@
 //! Which tag was seen in which photo: the network that is adjusted, and the parts it falls into.
 
+use std::collections::BTreeMap;
+
 use super::residual::squared_px;
-use scaleproof_core::geometry::Rigid;
+use scaleproof_core::geometry::{Rigid, UnionFind};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::TagFamily;
 
@@ -115,21 +117,17 @@ impl TagNetwork<'_> {
     /// The seen tags in groups that shared photos connect; fixed tags, whose places are known, are one to begin with. The group
     /// with the fixed tags comes first, the others by their first tag.
     pub(super) fn groups(&self) -> Vec<Vec<usize>> {
-        let mut group: Vec<usize> = (0..self.tags.len()).collect();
-        let mut join = |a: usize, b: usize| {
-            let (from, to) = (group[a].max(group[b]), group[a].min(group[b]));
-            group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
-        };
-        let fixed: Vec<usize> = (0..self.tags.len()).filter(|t| self.is_fixed(*t)).collect();
-        fixed.windows(2).for_each(|pair| join(pair[0], pair[1]));
+        let mut sets = UnionFind::new(self.tags.len());
+        let mut join = |tags: Vec<usize>| tags.windows(2).for_each(|pair| sets.unite(pair[0], pair[1]));
+        join((0..self.tags.len()).filter(|t| self.is_fixed(*t)).collect());
         for photo in 0..self.photos {
-            let tags: Vec<usize> = self.sightings_of(Node::Photo(photo)).map(|s| s.tag).collect();
-            tags.windows(2).for_each(|pair| join(pair[0], pair[1]));
+            join(self.sightings_of(Node::Photo(photo)).map(|s| s.tag).collect());
         }
-        let seen = Vec::from_iter((0..self.tags.len()).filter(|t| self.is_seen(Node::Tag(*t))));
-        let members = |g| Vec::from_iter(seen.iter().copied().filter(|t| group[*t] == g));
-        let mut groups: Vec<Vec<usize>> = (0..self.tags.len()).map(members).collect();
-        groups.retain(|g| !g.is_empty());
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for tag in (0..self.tags.len()).filter(|t| self.is_seen(Node::Tag(*t))) {
+            groups.entry(sets.root(tag)).or_default().push(tag);
+        }
+        let mut groups: Vec<Vec<usize>> = groups.into_values().collect();
         groups.sort_by_key(|g| !g.iter().any(|t| self.is_fixed(*t)));
         groups
     }

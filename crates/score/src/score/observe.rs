@@ -299,7 +299,7 @@ impl<'a> Observer<'a> {
         let key = self.key(&["tags", &photo.sha256, &searched]);
         self.kept(key, |own| {
             let luma = timed(Stage::Read, || photo.luma_where_seen())?;
-            let search = || locate_luma(luma.as_ref(), photo.turned_deg, scene, camera, own.tags.as_mut());
+            let search = || locate_luma(luma.as_ref(), photo.turned_deg, None, scene, camera, own.tags.as_mut());
             Ok(timed(Stage::Tags, search).seen)
         })
     }

@@ -68,7 +68,7 @@ pub(super) fn measure(
         AdviseError::Size { file, fault }
     })?;
     let usual_tags = opened.get_mut(&TagDetectorChoice::default());
-    let found = usual_tags.map(|tags| locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags.as_mut()));
+    let found = usual_tags.map(|tags| locate_luma(&sample.luma, sample.turned_deg, None, scene, camera, tags.as_mut()));
     let fit = found.as_ref().map(Fit::from_photo).unwrap_or_default();
     let usual = found.and_then(|found| usual(sample, found, scene, fitted));
     let reference = usual.as_ref().map_or(&[][..], |usual| &usual.reference);

@@ -90,7 +90,7 @@ pub(crate) fn timed_tags(
 ) -> (Vec<SeenTag>, f64) {
     fastest(|| match choice {
         // It stops where the pose says so, which is part of its time.
-        TagDetectorChoice::Cascade => locate_luma(luma, turned_deg, scene, camera, detector).seen,
+        TagDetectorChoice::Cascade => locate_luma(luma, turned_deg, None, scene, camera, detector).seen,
         _ => detector.find(luma),
     })
 }

@@ -267,7 +267,7 @@ pub fn on_photos(
                 // A cut photo comes as one of another size, and the camera file cannot know.
                 let photo = spoil.apply(&sample.luma, at.2, tags, &mut rng);
                 for (detector, tally) in open.iter_mut().zip(&mut tallies) {
-                    let answer = locate_luma(&photo, sample.turned_deg, scene, camera, detector.as_mut());
+                    let answer = locate_luma(&photo, sample.turned_deg, None, scene, camera, detector.as_mut());
                     tally.count(answer.result.ok(), &sample.truth, scene);
                 }
                 on_done();

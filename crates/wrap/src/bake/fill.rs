@@ -6,7 +6,7 @@ use std::ops::Range;
 use image::{Rgb, RgbImage};
 
 use super::BakedFace;
-use scaleproof_core::geometry::PlaneTriangle;
+use scaleproof_core::geometry::{PlaneTriangle, cells_beside};
 use scaleproof_core::workers;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
@@ -160,14 +160,7 @@ fn spread(texels: &mut [Option<[u8; 3]>], width: usize) {
     let height = texels.len() / width;
     let mut border: VecDeque<usize> = (0..texels.len()).filter(|i| texels[*i].is_some()).collect();
     while let Some(from) = border.pop_front() {
-        let (x, y) = (from % width, from / width);
-        let beside = [
-            (x > 0).then(|| from - 1),
-            (x + 1 < width).then(|| from + 1),
-            (y > 0).then(|| from - width),
-            (y + 1 < height).then(|| from + width),
-        ];
-        for to in beside.into_iter().flatten() {
+        for to in cells_beside(from, width, height).into_iter().flatten() {
             if texels[to].is_none() {
                 texels[to] = texels[from];
                 border.push_back(to);

@@ -8,7 +8,7 @@ use super::flat::Piece;
 use super::labels::{self, Signs};
 use super::nest::Place;
 use super::pages::{cover_frame, frames, furniture, nested, shape, sheet, sheet_frames};
-use super::pen::{HALO_MM, LINE_MM, Pen, around, cut};
+use super::pen::{HALO_MM, LINE_MM, Pen, cut};
 use super::seams;
 use super::tabs::{self, Tabs};
 use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, PrintedPieces, cover, pages};
@@ -46,11 +46,11 @@ pub fn pieces(
     texture: &Texture,
     request: &PiecesRequest,
 ) -> Result<PrintedPieces, PiecesError> {
-    check_scale(request.scale)?;
+    check_scale(request.sheets.scale)?;
     if let Texture::Tile(tile) = texture {
         cell_mm(&tile.pattern, &request.template().tiled(tile.tile_mm()))?;
     }
-    raster::check(request.dpi, 0.0)?;
+    raster::check(request.sheets.dpi, 0.0)?;
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
     let frames = frames(request)?;
     let pieces = Piece::all(flat);
@@ -68,31 +68,27 @@ pub fn pieces(
         let (low, high) = piece.region.moved(|p| place.pose.at(p)).bounds().unwrap_or_default();
         (high[0] - low[0] + 2.0 * BLEED_MM) * (high[1] - low[1] + 2.0 * BLEED_MM)
     });
-    raster::check(request.dpi, boxes_mm2.sum())?;
+    raster::check(request.sheets.dpi, boxes_mm2.sum())?;
     let all: Vec<usize> = (0..pieces.len()).collect();
     let mut drawn = workers::each(&all, |i| {
         let (piece, Place { page, pose }) = (&pieces[*i], places[*i]);
         let frame = &sheet_frames[page];
         let paint = FlatPaint::new(mesh, texture, &piece.triangles, &piece.region, BLEED_MM);
-        let grid = PixelGrid::new(frame.page.height_mm, request.dpi);
+        let grid = PixelGrid::new(frame.page.height_mm, request.sheets.dpi);
         let image = paint.image(&pose, grid, BLEED_MM, frame.whole());
         marks(&Pen { piece, pose }, &outlines[*i], &tabs[*i], &signs[*i], image)
     });
     let mut made = PrintedPieces {
         cut: outlines.iter().map(|o| o.cut.clone()).collect(),
         unlettered_mm,
-        left_out: flat.left_out.clone(),
-        visible_mm2: flat.visible_mm2,
-        mean_stretch: flat.mean_stretch,
-        stretch_99: flat.stretch_99,
-        largest_stretch: flat.largest_stretch,
+        flat: flat.clone(),
         pages: Vec::new(),
         pieces,
         seams,
         places,
         frame,
     };
-    let captions = Captions::of_image(&request.template(), &request.facts);
+    let captions = Captions::of_image(&request.template(), &request.sheets.facts);
     let mut pages = vec![cover::cover(&made, &cover_frame(&frame, request)?, &captions)];
     for (page, frame) in sheet_frames.iter().enumerate() {
         let here = made
@@ -155,7 +151,7 @@ fn marks(pen: &Pen, outlines: &Outlines, tabs: &Tabs, signs: &Signs, image: Opti
     marks.extend(folds.map(|ends| pen.line(*ends, LINE_MM, Some(FOLD_DASH_MM))));
     // White along the outer side of the line that is cut, so that it shows on a dark texture.
     let halo = moved(cut_out.grown(CUT_HALO_MM).contours(), [0.0; 2]);
-    marks.extend(halo.iter().flat_map(|outline| around(outline, HALO_MM, WHITE)));
+    marks.extend(halo.iter().flat_map(|outline| Mark::outline(outline, HALO_MM, WHITE)));
     marks.extend(cut(&cut_out));
     marks.extend(pen.signs(signs));
     marks

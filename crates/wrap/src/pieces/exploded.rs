@@ -6,9 +6,9 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
 use super::flat::Piece;
-use super::pen::centred;
-use scaleproof_core::geometry::{PlaneTriangle, circle, view_axes};
-use scaleproof_print::print::sheet::{Mark, PointMm, RectMm, WHITE};
+use scaleproof_core::geometry::{PlaneTriangle, view_axes};
+use scaleproof_print::print::paint::disc;
+use scaleproof_print::print::sheet::{Mark, RectMm, WHITE};
 
 /// From where the two views look: azimuth from the front, elevation.
 const VIEWS_DEG: [(f64, f64); 2] = [(40.0, 32.0), (220.0, 32.0)];
@@ -62,24 +62,18 @@ pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Ma
                 && (spot.room_mm >= 1.2 || spot.room_mm > beside || (spot.room_mm == beside && view == 0))
             {
                 let size_mm = (1.5 * spot.room_mm).clamp(LEAST_NUMBER_MM, NUMBER_MM);
-                if colours.is_some() {
-                    marks.push(disc(spot, 0.8 * size_mm));
-                }
-                let at = PointMm::new(spot.x_mm, spot.y_mm);
-                marks.push(centred(at, size_mm, (i + 1).to_string()));
+                let at = (spot.x_mm, spot.y_mm);
+                // White below a number, so that it is read on any colour.
+                let below = colours.map(|_| Mark::Area {
+                    outlines: vec![disc(at, 0.8 * size_mm)],
+                    colour: WHITE,
+                });
+                marks.extend(below);
+                marks.push(Mark::centred(at, (size_mm, f64::INFINITY), (i + 1).to_string()));
             }
         }
     }
     marks
-}
-
-/// White below a number, so that it is read on any colour.
-fn disc(spot: NumberSpot, radius_mm: f64) -> Mark {
-    let outline = circle([spot.x_mm, spot.y_mm], radius_mm, 24);
-    Mark::Area {
-        outlines: vec![outline.map(|[x, y]| PointMm::new(x, y)).collect()],
-        colour: WHITE,
-    }
 }
 
 /// The pieces that no view shows, by index.

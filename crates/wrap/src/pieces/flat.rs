@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 use crate::unwrap::{Chart, Unwrapped};
 use scaleproof_core::geometry::{convex_hull, distance, extent};
 use scaleproof_print::print::raster::FlatTriangle;
+use scaleproof_print::print::sheet::sides;
 use scaleproof_print::print::wrap::{Point, Region};
 use scaleproof_surface::mesh::doubled_area;
 
@@ -82,7 +83,7 @@ impl Piece {
 fn along_x(chart: &Chart) -> Point {
     let hull = convex_hull(chart.faces.iter().flat_map(|f| f.flat_mm).collect());
     let mut best = (f64::INFINITY, [1.0, 0.0]);
-    for (a, b) in hull.iter().zip(hull.iter().cycle().skip(1)) {
+    for (a, b) in sides(&hull) {
         let length = distance(*a, *b);
         if length < SAME_MM {
             continue;

@@ -3,7 +3,7 @@
 use super::BLEED_MM;
 use super::flat::Piece;
 use super::seams::Seam;
-use scaleproof_core::geometry::{between, distance, offset};
+use scaleproof_core::geometry::{between, distance, nearest_share, offset};
 use scaleproof_print::print::buckets::{Buckets, bounds};
 use scaleproof_print::print::wrap::{Point, Region};
 
@@ -298,7 +298,5 @@ impl<'a> Places<'a> {
 
 /// From a place to a segment.
 fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
-    distance(p, between(a, b, along.clamp(0.0, 1.0)))
+    distance(p, between(a, b, nearest_share(p, [a, b])))
 }

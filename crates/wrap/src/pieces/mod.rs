@@ -27,15 +27,13 @@ use crate::unwrap::{LeftOut, LeftOutReason, UnwrapRequest, Unwrapped, unwrap};
 use scaleproof_core::geometry::length::BadLength;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::SheetError;
-use scaleproof_print::print::date::Date;
 use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::paper::{Orientation, Stock};
-use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::raster::RasterError;
 use scaleproof_print::print::sheet::Sheet;
-use scaleproof_print::print::template::{Front, LayoutRequest, TemplateError, TemplateRequest};
-use scaleproof_print::print::wrap::Region;
+use scaleproof_print::print::template::{TemplateError, TemplateRequest};
+use scaleproof_print::print::wrap::{Region, WrapRequest};
 use scaleproof_surface::mesh::Mesh;
+use scaleproof_surface::pattern::world_aligned::Side;
 
 /// How far the texture runs on beyond a piece's outline.
 const BLEED_MM: f64 = 2.0;
@@ -59,60 +57,40 @@ pub enum PiecesError {
     TooLarge { piece: usize },
 }
 
-/// What to print. All lengths in mm.
+/// What to print.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecesRequest {
-    pub most_pieces: Option<usize>,
-    pub mean_stretch: f64,
-    pub stretch_99: f64,
-    pub dpi: f64,
-    /// Width of the glue tabs; `None`: none.
+    /// The size that pieces must fit is that of the paper.
+    pub unwrap: UnwrapRequest,
+    /// Width of the glue tabs, mm; `None`: none.
     pub tabs_mm: Option<f64>,
-    /// How the captions call the texture, and facts about it.
-    pub name: String,
-    pub facts: String,
-    /// The model is 1:`scale`; only the captions use it.
-    pub scale: f64,
-    pub date: Option<Date>,
-    pub paper: Stock,
-    pub margin_mm: f64,
-    pub printer: Printer,
+    /// As for panels. No piece is spread over sheets, so that the overlap has no meaning.
+    pub sheets: WrapRequest,
 }
 
 impl PiecesRequest {
     /// What the document is called.
     pub fn title(&self) -> String {
-        format!("Pieces of {}", self.name)
+        format!("Pieces of {}", self.sheets.name)
     }
 
-    fn unwrap(&self, fits_mm: [f64; 2]) -> UnwrapRequest {
-        UnwrapRequest {
-            most_pieces: self.most_pieces,
-            mean_stretch: self.mean_stretch,
-            stretch_99: self.stretch_99,
+    /// Cuts and flattens the paint of some materials of a mesh into pieces of this size at most.
+    fn unwrapped(
+        &self,
+        (mesh, materials): (&Mesh, &[usize]),
+        fits_mm: [f64; 2],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Unwrapped, PiecesError> {
+        let request = UnwrapRequest {
             fits_mm: Some(fits_mm),
-            hidden_too: false,
-        }
+            ..self.unwrap.clone()
+        };
+        Ok(unwrap(mesh, materials, &request, progress)?)
     }
 
     /// What the captions are made of.
     fn template(&self) -> TemplateRequest {
-        TemplateRequest {
-            tile_mm: 1.0,
-            scale: self.scale,
-            pattern_name: self.name.clone(),
-            front: Front::None,
-            date: self.date,
-            layout: LayoutRequest {
-                size_mm: (1.0, 1.0),
-                paper: self.paper,
-                orientation: Orientation::Auto,
-                overlap_mm: 0.0,
-                bleed_mm: 0.0,
-                margin_mm: self.margin_mm,
-                printer: self.printer,
-            },
-        }
+        self.sheets.template(Side::Front, (1.0, 1.0))
     }
 }
 
@@ -126,11 +104,8 @@ pub struct PrintedPieces {
     /// Each piece with its tabs, in its plane: what is cut out.
     pub cut: Vec<Region>,
     pub frame: PageFrame,
-    pub left_out: Vec<LeftOut>,
-    pub visible_mm2: f64,
-    pub mean_stretch: f64,
-    pub stretch_99: f64,
-    pub largest_stretch: f64,
+    /// What was drawn.
+    pub flat: Unwrapped,
     /// Length of the seams that have no letter on one of their sides.
     pub unlettered_mm: f64,
     /// The first page, then the sheets, as the printer needs them.
@@ -149,10 +124,6 @@ impl PrintedPieces {
         pages::sheets(&self.places)
     }
 
-    pub fn surface_mm2(&self) -> f64 {
-        self.pieces.iter().map(|piece| piece.surface_mm2).sum()
-    }
-
     /// Length of everything that is cut.
     pub fn cut_mm(&self) -> f64 {
         self.cut.iter().map(Region::border_mm).sum()
@@ -160,7 +131,7 @@ impl PrintedPieces {
 
     /// The share of the visible paint that is on pieces.
     pub fn visible_share(&self) -> f64 {
-        self.surface_mm2() / self.visible_mm2.max(f64::MIN_POSITIVE)
+        self.flat.surface_mm2() / self.flat.visible_mm2.max(f64::MIN_POSITIVE)
     }
 
     /// One sentence a fact.
@@ -170,12 +141,12 @@ impl PrintedPieces {
                 "{} on {}: {} of paint, {:.1} % of what can be seen",
                 count(self.pieces.len(), "piece"),
                 count(self.sheets(), "sheet"),
-                cm2(self.surface_mm2()),
+                cm2(self.flat.surface_mm2()),
                 100.0 * self.visible_share()
             ),
             format!(
                 "stretch (mm on the surface for 1 mm on paper, or the inverse): mean {:.3}, 99th percentile {:.3}, largest {:.2}",
-                self.mean_stretch, self.stretch_99, self.largest_stretch
+                self.flat.mean_stretch, self.flat.stretch_99, self.flat.largest_stretch
             ),
             format!(
                 "{:.1} m to cut, {} with letters",
@@ -183,7 +154,7 @@ impl PrintedPieces {
                 count(self.seams.len(), "seam")
             ),
         ];
-        facts.extend(left_out_facts(&self.left_out));
+        facts.extend(left_out_facts(&self.flat.left_out));
         facts
     }
 }
@@ -214,10 +185,9 @@ pub fn reason(reason: LeftOutReason) -> &'static str {
 /// # Errors
 /// Bounds that no pieces keep, and whatever refuses the paper.
 pub fn flattened(
-    (mesh, materials): (&Mesh, &[usize]),
+    surface: (&Mesh, &[usize]),
     request: &PiecesRequest,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Unwrapped, PiecesError> {
-    let fits_mm = draw::fits_mm(request)?;
-    Ok(unwrap(mesh, materials, &request.unwrap(fits_mm), progress)?)
+    request.unwrapped(surface, draw::fits_mm(request)?, progress)
 }

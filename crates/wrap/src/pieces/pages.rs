@@ -4,13 +4,11 @@ use super::labels::{Label, Signs};
 use super::nest::{self, Place};
 use super::{PiecesError, PiecesRequest};
 use scaleproof_core::geometry::{circle, distance, offset};
-use scaleproof_plot::lettering::fitting_size_mm;
-use scaleproof_print::print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame, PageSetup};
-use scaleproof_print::print::paper::{MAX_SIDE_MM, Stock};
+use scaleproof_print::print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame};
+use scaleproof_print::print::paper::Stock;
 use scaleproof_print::print::ruler;
 use scaleproof_print::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
-use scaleproof_print::print::template::layout::{cut_from_roll, roll_page};
-use scaleproof_print::print::template::{Captions, rulers};
+use scaleproof_print::print::template::Captions;
 use scaleproof_print::print::wrap::{Point, Region};
 
 const SHEET_MM: f64 = 5.0;
@@ -18,24 +16,11 @@ const SHEET_WIDTH_MM: f64 = 22.0;
 
 /// The page upright and across, as far as the paper allows; of a roll only across it.
 pub fn frames(request: &PiecesRequest) -> Result<Vec<PageFrame>, PiecesError> {
-    let frame = |turned: bool| {
-        let setup = PageSetup {
-            margin_mm: request.margin_mm,
-            printer: request.printer,
-            turned,
-        };
-        let page = match request.paper {
-            Stock::Cut(paper) if turned => paper.landscape(),
-            Stock::Cut(paper) => paper.portrait(),
-            Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
-        };
-        PageFrame::new(page, setup)
-    };
-    let turns: &[bool] = match request.paper {
-        Stock::Cut(_) => &[false, true],
-        Stock::Roll { .. } => &[false],
-    };
-    Ok(good_ones(turns.iter().map(|turned| frame(*turned)))?)
+    let media = request.sheets.media;
+    Ok(match media.paper {
+        Stock::Cut(_) => media.both_ways()?,
+        Stock::Roll { .. } => vec![media.frame(false)?],
+    })
 }
 
 /// What came out well; the first error where nothing did.
@@ -119,8 +104,8 @@ pub fn sheet_frames(
         let tops = on_page.filter_map(|(place, shape)| Some(shape.moved(|p| place.pose.at(p)).bounds()?.1[1]));
         tops.fold(0.0, f64::max)
     };
-    let one = |page: usize| cut_to(frame, request, top(page) - frame.usable.bottom_mm);
-    (0..sheets(places)).map(one).collect()
+    let one = |page: usize| frame.cut_off(request.sheets.media.paper, top(page) - frame.usable.bottom_mm);
+    Ok((0..sheets(places)).map(one).collect::<Result<_, _>>()?)
 }
 
 /// How many sheets carry pieces.
@@ -128,28 +113,18 @@ pub fn sheets(places: &[Place]) -> usize {
     places.iter().map(|place| place.page + 1).max().unwrap_or(0)
 }
 
-/// A page's frame; of a roll, a piece of it that takes so much.
-fn cut_to(frame: &PageFrame, request: &PiecesRequest, length_mm: f64) -> Result<PageFrame, PiecesError> {
-    let page = match request.paper {
-        Stock::Cut(_) => return Ok(*frame),
-        Stock::Roll { width_mm } => cut_from_roll(width_mm, length_mm, &frame.setup),
-    };
-    Ok(PageFrame::new(page, frame.setup)?)
-}
-
 /// The first page's frame: as the sheets', of a roll as long as it takes.
 pub fn cover_frame(frame: &PageFrame, request: &PiecesRequest) -> Result<PageFrame, PiecesError> {
     const ROLL_MM: f64 = 280.0;
-    cut_to(frame, request, ROLL_MM)
+    Ok(frame.cut_off(request.sheets.media.paper, ROLL_MM)?)
 }
 
 /// One page: what is on it, rulers, captions, and which page it is.
-pub fn sheet(frame: &PageFrame, mut marks: Vec<Mark>, captions: &Captions, (page, pages): (usize, usize)) -> Sheet {
-    marks.extend(rulers(frame));
-    marks.extend(captions.marks(frame.printable));
-    let label = format!("{} of {pages}", page + 1);
-    let size_mm = fitting_size_mm(&label, SHEET_MM, SHEET_WIDTH_MM);
+pub fn sheet(frame: &PageFrame, marks: Vec<Mark>, captions: &Captions, (page, pages): (usize, usize)) -> Sheet {
+    let mut sheet = captions.sheet(frame, marks);
     let at = (frame.printable.right_mm, frame.printable.bottom_mm + 0.8);
-    marks.push(Mark::text(at, size_mm, TextAnchor::Right, label));
-    frame.sheet(frame.whole(), frame.whole(), marks)
+    let label = format!("{} of {pages}", page + 1);
+    let room = (SHEET_MM, SHEET_WIDTH_MM);
+    sheet.marks.push(Mark::fitted(at, room, TextAnchor::Right, label));
+    sheet
 }

@@ -4,9 +4,9 @@ use super::BLEED_MM;
 use super::flat::Piece;
 use super::labels::{Label, NUMBER_RING_MM, Signs};
 use scaleproof_core::geometry::{between, circle, distance};
-use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
+use scaleproof_plot::lettering::fitting_size_mm;
 use scaleproof_print::print::raster::Pose;
-use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, Srgb8, TextAnchor, WHITE};
+use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, TextAnchor, WHITE};
 use scaleproof_print::print::wrap::{Point, Region, cut_line, moved};
 
 const LETTER_MM: f64 = 3.0;
@@ -19,30 +19,6 @@ pub const HALO_MM: f64 = 0.45;
 pub struct Pen<'a> {
     pub piece: &'a Piece,
     pub pose: Pose,
-}
-
-/// A line on the page.
-pub fn stroke([from, to]: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Mark {
-    Mark::Line {
-        from,
-        to,
-        width_mm,
-        dash_mm,
-        colour,
-    }
-}
-
-/// Solid lines around an outline on the page.
-pub fn around(outline: &[PointMm], width_mm: f64, colour: Srgb8) -> impl Iterator<Item = Mark> {
-    let next = outline.iter().cycle().skip(1);
-    let sides = outline.iter().zip(next);
-    sides.map(move |(from, to)| stroke([*from, *to], width_mm, None, colour))
-}
-
-/// A text whose capitals have their middle at a place of the page.
-pub fn centred(at: PointMm, size_mm: f64, text: impl Into<String>) -> Mark {
-    let baseline = (at.x_mm, at.y_mm - 0.5 * CAP_HEIGHT * size_mm);
-    Mark::text(baseline, size_mm, TextAnchor::Centre, text)
 }
 
 /// The line along which a region of the page is cut, drawn and for a plotter.
@@ -78,12 +54,12 @@ impl Pen<'_> {
     }
 
     pub fn line(&self, ends: [Point; 2], width_mm: f64, dash_mm: Option<(f64, f64)>) -> Mark {
-        stroke(ends.map(|p| self.place(p)), width_mm, dash_mm, BLACK)
+        Mark::stroke(ends.map(|p| self.place(p)), width_mm, dash_mm, BLACK)
     }
 
     fn haloed(&self, ends: [Point; 2]) -> [Mark; 2] {
         let ends = ends.map(|p| self.place(p));
-        [(HALO_MM, WHITE), (LINE_MM, BLACK)].map(|(width_mm, colour)| stroke(ends, width_mm, None, colour))
+        [(HALO_MM, WHITE), (LINE_MM, BLACK)].map(|(width_mm, colour)| Mark::stroke(ends, width_mm, None, colour))
     }
 
     /// Ticks, then letters and the number with their leaders.
@@ -108,12 +84,12 @@ impl Pen<'_> {
             let end = between(label.names, label.at, (away - rim) / away);
             marks.extend(self.haloed([self.off_line(label.names, label.at), end]));
         }
-        let size_mm = fitting_size_mm(&label.text, most, 1.7 * rim);
-        let at = self.place(label.at);
+        let (at, size) = (self.place(label.at), (most, 1.7 * rim));
         if label.is_number {
             marks.extend(self.ring(label.at));
-            marks.push(centred(at, size_mm, &label.text));
+            marks.push(Mark::centred(at, size, &label.text));
         } else {
+            let size_mm = fitting_size_mm(&label.text, size.0, size.1);
             let baseline = (at.x_mm, at.y_mm - 0.28 * size_mm);
             marks.push(Mark::text(baseline, size_mm, TextAnchor::Centre, &label.text));
         }
@@ -123,17 +99,14 @@ impl Pen<'_> {
     /// The ring around a number, with the arrow that points up on the model.
     fn ring(&self, at: Point) -> Vec<Mark> {
         let ring: Vec<PointMm> = circle(at, NUMBER_RING_MM, 32).map(|p| self.place(p)).collect();
-        let mut marks: Vec<Mark> = around(&ring, LINE_MM, BLACK).collect();
+        let mut marks: Vec<Mark> = Mark::outline(&ring, LINE_MM, BLACK).collect();
         let up = self.piece.up[1].atan2(self.piece.up[0]);
         let arrow = [(1.3, 0.0), (0.0, 0.35), (0.0, -0.35)].map(|(beyond, turn)| {
             let (s, c) = (up + turn).sin_cos();
             let radius = NUMBER_RING_MM + beyond;
             self.place([at[0] + radius * c, at[1] + radius * s])
         });
-        marks.push(Mark::Area {
-            outlines: vec![arrow.to_vec()],
-            colour: BLACK,
-        });
+        marks.push(Mark::black(vec![arrow.to_vec()]));
         marks
     }
 }

@@ -114,6 +114,13 @@ pub struct Unwrapped {
     pub largest_stretch: f64,
 }
 
+impl Unwrapped {
+    /// True area of all pieces.
+    pub fn surface_mm2(&self) -> f64 {
+        self.charts.iter().map(|chart| chart.surface_mm2).sum()
+    }
+}
+
 /// Why there are no pieces.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnwrapError {

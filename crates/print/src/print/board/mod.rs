@@ -7,7 +7,6 @@ pub use scaleproof_pose::board::Definition;
 use super::SheetError;
 use super::frame::PageFrame;
 use super::page::Media;
-use super::printer::Printer;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::geometry::length::{self, BadLength};
@@ -200,7 +199,7 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     };
     let corner = PointMm::new(area.left_mm, area.top_mm);
     let marks = vec![Mark::black(draw::black(&definition, corner)?)];
-    let captions = captions(&definition, &media.printer);
+    let captions = captions(&definition, &media);
     let sheet = page.labelled(page.printable, marks, &captions, definition.name());
     Ok(Board {
         definition,
@@ -209,9 +208,9 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     })
 }
 
-fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {
+fn captions(definition: &Definition, media: &Media) -> Vec<String> {
     let print = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
     let glue = "Glue the sheet to something flat and stiff; a board that bends spoils a calibration.";
-    let lines = [print, glue, &definition.line(), &making(printer, None)];
+    let lines = [print, glue, &definition.line(), &making(media)];
     lines.map(str::to_owned).to_vec()
 }

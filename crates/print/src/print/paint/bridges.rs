@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use super::plane::{Area, PlaneOutline, PlanePoint, edges};
+use super::plane::{Area, PlaneOutline, PlanePoint, edges, point};
 use crate::print::buckets::{Buckets, bounds};
-use scaleproof_core::geometry::distance;
+use scaleproof_core::geometry::{UnionFind, distance, nearest_share};
 
 /// A bridge: the square is swept along it.
 pub type Link = (PlanePoint, PlanePoint);
@@ -23,8 +23,8 @@ pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     if ways.is_empty() {
         return Vec::new();
     }
-    let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
-    let corners: Vec<[f64; 2]> = ways.iter().map(|(corner, _)| at(*corner)).collect();
+    let places = |(a, b): &Link| bounds(&[point(*a), point(*b)], reach as f64);
+    let corners: Vec<[f64; 2]> = ways.iter().map(|(corner, _)| point(*corner)).collect();
     let (low, high) = bounds(&corners, reach as f64);
     let buckets = Buckets::new(low, high, ways.iter().map(places));
     let mut found = BTreeSet::new();
@@ -32,7 +32,7 @@ pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     for edge in &along {
         let corner = edge.way.0;
         let mut nearest: Option<(i64, PlanePoint)> = None;
-        let near = buckets.at(at(corner)).unwrap_or_default().iter();
+        let near = buckets.at(point(corner)).unwrap_or_default().iter();
         for other in near.map(|i| &along[*i as usize]) {
             let way = other.way;
             if out_of_reach(corner, way, reach) || corner == way.0 || corner == way.1 {
@@ -93,11 +93,7 @@ impl Along {
 }
 
 fn between(a: PlanePoint, b: PlanePoint) -> f64 {
-    distance(at(a), at(b))
-}
-
-fn at(p: PlanePoint) -> [f64; 2] {
-    [f64::from(p.x), f64::from(p.y)]
+    distance(point(a), point(b))
 }
 
 /// The larger of the ways along x and y.
@@ -145,14 +141,13 @@ pub fn nearest(core: &Area) -> Vec<Link> {
 }
 
 fn without_circles(best: &[Option<(f64, usize, Link)>]) -> Vec<Link> {
-    let mut group: Vec<usize> = (0..best.len()).collect();
+    let mut groups = UnionFind::new(best.len());
     let mut links = Vec::new();
     for (from, held) in best.iter().enumerate() {
         let Some((_, to, link)) = held else { continue };
-        let (mine, other) = (group[from], group[*to]);
-        if mine != other {
+        if groups.root(from) != groups.root(*to) {
             links.push(*link);
-            group.iter_mut().filter(|g| **g == other).for_each(|g| *g = mine);
+            groups.unite(from, *to);
         }
     }
     links
@@ -169,8 +164,7 @@ fn out_of_reach(place: PlanePoint, (a, b): Link, reach: i64) -> bool {
 
 fn nearest_on((a, b): Link, to: PlanePoint) -> PlanePoint {
     let (dx, dy) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
-    let along = (f64::from(to.x - a.x) * dx + f64::from(to.y - a.y) * dy) / (dx * dx + dy * dy).max(1.0);
-    let along = along.clamp(0.0, 1.0);
+    let along = nearest_share(point(to), [point(a), point(b)]);
     PlanePoint::new(a.x + (along * dx).round() as i32, a.y + (along * dy).round() as i32)
 }
 

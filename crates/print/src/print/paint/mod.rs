@@ -162,9 +162,7 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
         pages.push(printer::corrected_one(sheet, frame.setup.stretch()));
         names.push(name);
     };
-    let steps = legend::steps(request);
-    let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
-    let cover = cover(&layout, &captions, "How to paint", &steps);
+    let cover = cover(&layout, &captions, "How to paint", &legend::steps(request));
     add(&layout.cover, "paint".to_owned(), cover);
     let table = Legend {
         painted,

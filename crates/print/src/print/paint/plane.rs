@@ -26,6 +26,11 @@ pub fn mm(units: i32) -> f64 {
     f64::from(units) / PER_MM
 }
 
+/// A corner as a point of the plane, in units.
+pub fn point(p: PlanePoint) -> [f64; 2] {
+    [f64::from(p.x), f64::from(p.y)]
+}
+
 /// Any number of pieces, with or without holes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Area {

@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
-use crate::print::shapes::stretches;
 use crate::print::template::TemplateRect;
+use scaleproof_core::geometry::{cells_beside, stretches};
 use scaleproof_surface::pattern::palette::Painted;
 
 /// A pattern in paints, repeated over a panel from its top-left corner.
@@ -148,7 +148,7 @@ fn flooded(
     let mut found: Vec<(usize, u32)> = first.into_iter().map(|i| (i, 0)).collect();
     let mut next = 0;
     while let Some((cell, steps)) = found.get(next).copied() {
-        for i in neighbours(cell, wide, high).into_iter().flatten() {
+        for i in cells_beside(cell, wide, high).into_iter().flatten() {
             if !seen[i] && alike(i) {
                 seen[i] = true;
                 found.push((i, steps + 1));
@@ -162,22 +162,11 @@ fn flooded(
 /// How many steps each cell is from the nearest cell of another paint, or from the outside.
 fn depths(wide: usize, high: usize, paint: impl Fn(usize) -> usize) -> Vec<u32> {
     let is_other = |n: &Option<usize>, i: usize| n.is_none_or(|n| paint(n) != paint(i));
-    let at_border = |i: &usize| neighbours(*i, wide, high).iter().any(|n| is_other(n, *i));
+    let at_border = |i: &usize| cells_beside(*i, wide, high).iter().any(|n| is_other(n, *i));
     let border = (0..wide * high).filter(at_border).collect();
     let mut depth = vec![0; wide * high];
     for (i, steps) in flooded(border, wide, high, &mut vec![false; wide * high], |_| true) {
         depth[i] = steps;
     }
     depth
-}
-
-/// Left, right, above, below.
-fn neighbours(i: usize, wide: usize, high: usize) -> [Option<usize>; 4] {
-    let (column, row) = (i % wide, i / wide);
-    [
-        (column > 0).then(|| i - 1),
-        (column + 1 < wide).then(|| i + 1),
-        (row > 0).then(|| i - wide),
-        (row + 1 < high).then(|| i + wide),
-    ]
 }

@@ -4,8 +4,9 @@
 use super::plane::{PlaneOutline, mm};
 use super::regions::CellGrid;
 use super::{PaintRequest, Stencil};
-use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::sheet::{BLACK, Line, Mark, PointMm, RectMm, Sheet, Srgb8, Text, TextAnchor};
 use crate::print::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
+use scaleproof_core::geometry::circle;
 use scaleproof_plot::lettering::printable;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Paint;
@@ -42,9 +43,8 @@ pub fn cross((x, y): (f64, f64), near: f64, far: f64) -> [Mark; 4] {
 
 /// A round hole.
 pub fn disc((x, y): (f64, f64), radius: f64) -> Vec<PointMm> {
-    let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(HOLE_CORNERS);
-    let corner = |i: u32| PointMm::new(x + radius * turn(i).cos(), y + radius * turn(i).sin());
-    (0..HOLE_CORNERS).map(corner).collect()
+    let corners = circle([x, y], radius, HOLE_CORNERS);
+    corners.map(|[x, y]| PointMm::new(x, y)).collect()
 }
 
 /// The middles of a rim's corners.
@@ -127,7 +127,7 @@ impl<'a> StencilPen<'a> {
             },
         ];
         marks.extend(registration(outer, rim, hole_mm));
-        marks.extend(Mark::outline(&outer.outline(), LINE_MM));
+        marks.extend(Mark::outline(&outer.outline(), LINE_MM, BLACK));
         marks.push(self.label(plan, rim, number, paint));
         marks.extend(guides(self.layout, plan));
         if self.mirror {
@@ -160,8 +160,8 @@ impl<'a> StencilPen<'a> {
 pub fn mirrored(mut mark: Mark, piece: RectMm) -> Mark {
     let turn = |p: &mut PointMm| p.x_mm = piece.left_mm + piece.right_mm - p.x_mm;
     match &mut mark {
-        Mark::Line { from, to, .. } => [from, to].into_iter().for_each(turn),
-        Mark::Text { at, anchor, .. } => {
+        Mark::Line(Line { from, to, .. }) => [from, to].into_iter().for_each(turn),
+        Mark::Text(Text { at, anchor, .. }) => {
             turn(at);
             *anchor = match anchor {
                 TextAnchor::Left => TextAnchor::Right,

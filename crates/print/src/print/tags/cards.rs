@@ -59,7 +59,7 @@ fn plain_marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
         Mark::black(outlines),
         Mark::text(baseline, size_mm, TextAnchor::Left, name),
     ];
-    marks.extend(Mark::outline(&card.outline(), LINE_MM));
+    marks.extend(Mark::outline(&card.outline(), LINE_MM, BLACK));
     marks
 }
 
@@ -157,13 +157,7 @@ fn mm(value: f64) -> String {
 /// Cut lines around the card, fold lines across it.
 fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
     let page = |[x, y]: [f64; 2]| PointMm::new(at.x_mm + x, at.y_mm + y);
-    let line = |from, to, dash_mm| Mark::Line {
-        from: page(from),
-        to: page(to),
-        width_mm: LINE_MM,
-        dash_mm,
-        colour: BLACK,
-    };
+    let line = |from, to, dash_mm| Mark::stroke([page(from), page(to)], LINE_MM, dash_mm, BLACK);
     let (tab, w, h) = (net.tab, net.width_mm, net.height_mm);
     let fold = |fold: Fold| line([0.0, fold.y_mm], [w, fold.y_mm], Some(DASH_MM));
     let folds = net.folds.map(fold);

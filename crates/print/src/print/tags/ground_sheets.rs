@@ -7,7 +7,7 @@ use super::piece::CutPiece;
 use super::strip::{PlaceStrip, WIDTH_MM};
 use super::{Instead, LINE_MM, captions};
 use crate::print::page::Media;
-use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::{SheetPlan, guides};
 use scaleproof_plot::lettering::width_mm;
 use scaleproof_pose::scene::Scene;
@@ -84,6 +84,6 @@ fn strip_marks(strip: &PlaceStrip, ground: &Ground, at: PointMm) -> Vec<Mark> {
         (area.top_mm - EDGE_MM, area.top_mm),
     ];
     marks.extend(ends.map(|(from, to)| Mark::line((free.0, from), (free.0, to), LINE_MM)));
-    marks.extend(Mark::outline(&area.outline(), LINE_MM));
+    marks.extend(Mark::outline(&area.outline(), LINE_MM, BLACK));
     marks
 }

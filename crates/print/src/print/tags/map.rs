@@ -49,9 +49,7 @@ impl TagMap<'_> {
             page = page.cut_off(self.media.paper, ROLL_COVER_MM)?;
         }
         let title = format!("Tags of {}: how to set them up", printable(&self.scene.model.name));
-        let steps = self.steps();
-        let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
-        let marks = instructions(&page, title, (&steps, &[]), |room| self.pictures(room));
+        let marks = instructions(&page, title, (&self.steps(), &[]), |room| self.pictures(room));
         let how_to = [
             "Keep this page beside you while you cut: it names every sheet.",
             "Seen from above, the model's front to the right.",

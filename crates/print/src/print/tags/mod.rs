@@ -22,6 +22,7 @@ use std::fmt;
 use super::SheetError;
 use super::page::Media;
 use super::sheet::{RectMm, Sheet};
+use super::template::making;
 use scaleproof_core::spelling::{count, list};
 use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::{Scene, Tag, TagFamily};
@@ -308,13 +309,8 @@ fn family_name(family: TagFamily) -> &'static str {
 
 /// The lines at the foot of every page.
 fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
-    let making = format!(
-        "scene {} · scale 1:{} · {} · scaleproof {}",
-        scene.model.name,
-        number(scene.model.scale),
-        media.printer.caption(),
-        env!("CARGO_PKG_VERSION")
-    );
+    let (name, scale) = (&scene.model.name, number(scene.model.scale));
+    let making = format!("scene {name} · scale 1:{scale} · {}", making(&media));
     let check = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
     [check, how_to[0], how_to[1], &making].map(str::to_owned).to_vec()
 }

@@ -26,10 +26,8 @@ const MAP_MOST_MM: f64 = 150.0;
 const BODY_MOST_MM: f64 = 320.0;
 
 /// Draws the first page of a template: a heading, numbered steps, the map and the scale check.
-pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
-    first_page(&layout.cover, captions, heading, (instructions, &[]), |room| {
-        map(layout, room)
-    })
+pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, steps: &[impl AsRef<str>]) -> Sheet {
+    first_page(&layout.cover, captions, heading, (steps, &[]), |room| map(layout, room))
 }
 
 /// A first page of numbered steps, facts, and a picture beside or below them.
@@ -37,7 +35,7 @@ pub fn first_page(
     frame: &PageFrame,
     captions: &Captions,
     heading: &str,
-    texts: (&[&str], &[String]),
+    texts: (&[impl AsRef<str>], &[String]),
     picture: impl FnOnce(RectMm) -> Vec<Mark>,
 ) -> Sheet {
     let title = format!("{heading}: {}", captions.title(TITLE_MM, 0.5 * frame.usable.width_mm()));
@@ -57,7 +55,7 @@ pub fn titled(area: RectMm, title: String) -> (Mark, RectMm) {
 pub fn instructions(
     frame: &PageFrame,
     title: String,
-    (steps, facts): (&[&str], &[String]),
+    (steps, facts): (&[impl AsRef<str>], &[String]),
     picture: impl FnOnce(RectMm) -> Vec<Mark>,
 ) -> Vec<Mark> {
     let (title, free) = titled(frame.usable, title);
@@ -80,7 +78,7 @@ pub fn instructions(
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
     for (i, step) in steps.iter().enumerate() {
         line(body.left_mm, y, TEXT_MM, format!("{}.", i + 1));
-        for text in wrapped(step, TEXT_MM, text_mm - 2.0 * TEXT_MM) {
+        for text in wrapped(step.as_ref(), TEXT_MM, text_mm - 2.0 * TEXT_MM) {
             line(body.left_mm + 2.0 * TEXT_MM, y, TEXT_MM, text);
             y -= LEADING_MM;
         }

@@ -3,9 +3,8 @@
 
 use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
-use crate::print::date::Date;
 use crate::print::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
-use crate::print::printer::Printer;
+use crate::print::page::Media;
 use crate::print::ruler;
 use crate::print::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8, TextAnchor, WHITE};
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened, width_mm};
@@ -77,13 +76,7 @@ fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let mut marks = Vec::new();
     let mut ghost = |from: (f64, f64), to: (f64, f64)| {
         for (colour, dash_mm) in [(WHITE, None), (BLACK, Some((2.0, 2.0)))] {
-            marks.push(Mark::Line {
-                from: from.into(),
-                to: to.into(),
-                width_mm: GHOST_LINE_MM,
-                dash_mm,
-                colour,
-            });
+            marks.push(Mark::stroke([from, to], GHOST_LINE_MM, dash_mm, colour));
         }
     };
     // A strip too narrow for the line is its own mark.
@@ -181,7 +174,7 @@ impl Captions {
             piece: None,
             name: printable(&request.pattern_name),
             facts: printable(facts),
-            making: making(&request.layout.printer, request.date),
+            making: making(&request.layout.media),
             true_size: format!(
                 "True size: 45 mm here = {} mm on the car (1:{}).",
                 number(45.0 * request.scale),
@@ -245,10 +238,10 @@ impl Captions {
 }
 
 /// A clause that says by which printer, program and when a sheet was made.
-pub fn making(printer: &Printer, date: Option<Date>) -> String {
+pub fn making(media: &Media) -> String {
     let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION"));
-    let date = date.map_or(String::new(), |date| format!(" · {date}"));
-    format!("{} · {program}{date}", printer.caption())
+    let date = media.date.map_or(String::new(), |date| format!(" · {date}"));
+    format!("{} · {program}{date}", media.printer.caption())
 }
 
 /// An arrow of [`ARROW_MM`] around `centre`.

@@ -3,13 +3,10 @@
 //! Two frames, both in millimetres. *Template frame*: origin at the template's top-left corner, x right, y **down**, as the
 //! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
 
-pub use crate::print::frame::cut_from_roll;
-pub use crate::print::paper::roll_page;
-
 use crate::print::SheetError;
-use crate::print::frame::{PageFrame, PageSetup};
+use crate::print::frame::PageFrame;
+use crate::print::page::Media;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Stock};
-use crate::print::printer::Printer;
 use crate::print::sheet::RectMm;
 use scaleproof_core::geometry::length;
 use scaleproof_plot::lettering::size;
@@ -29,17 +26,13 @@ pub struct LayoutRequest {
     /// Width and height of the whole template.
     pub size_mm: (f64, f64),
     /// What it is printed on.
-    pub paper: Stock,
+    pub media: Media,
     /// How sheets lie.
     pub orientation: Orientation,
     /// Width of the strip that a sheet shares with its right and its lower neighbour, for gluing.
     pub overlap_mm: f64,
     /// How far the pattern runs on beyond the template's outer edge, so that a cut beside the line shows no paper.
     pub bleed_mm: f64,
-    /// Border of the paper that the printer cannot reach.
-    pub margin_mm: f64,
-    /// The measured stretch of the printer, which is corrected.
-    pub printer: Printer,
 }
 
 /// A rectangle in the template frame.
@@ -98,9 +91,9 @@ pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
             (Err(e), Err(_)) => return Err(e),
         },
     };
-    if matches!(request.paper, Stock::Roll { .. }) {
+    if matches!(request.media.paper, Stock::Roll { .. }) {
         layout.cover.setup.turned = false;
-        layout.cover = layout.cover.cut_off(request.paper, ROLL_COVER_MM)?;
+        layout.cover = layout.cover.cut_off(request.media.paper, ROLL_COVER_MM)?;
     }
     Ok(layout)
 }
@@ -120,12 +113,7 @@ fn check(request: &LayoutRequest) -> Result<(), SheetError> {
 
 /// The template on the paper used upright or `turned`.
 fn spread(request: &LayoutRequest, turned: bool) -> Result<SheetLayout, SheetError> {
-    let setup = PageSetup {
-        margin_mm: request.margin_mm,
-        printer: request.printer,
-        turned,
-    };
-    let frame = PageFrame::new(request.paper.page(turned), setup)?;
+    let frame = request.media.frame(turned)?;
     let (columns, rows) = sheets(request, &frame)?;
     let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
     let (total, count) = if turned {
@@ -133,7 +121,7 @@ fn spread(request: &LayoutRequest, turned: bool) -> Result<SheetLayout, SheetErr
     } else {
         (request.size_mm.1, rows)
     };
-    let frame = frame.cut_off(request.paper, carried_mm(total, count, overlap_mm, bleed_mm))?;
+    let frame = frame.cut_off(request.media.paper, carried_mm(total, count, overlap_mm, bleed_mm))?;
     let x = cuts(request.size_mm.0, columns, overlap_mm, bleed_mm);
     let y = cuts(request.size_mm.1, rows, overlap_mm, bleed_mm);
     Ok(SheetLayout::cut_at(frame, &x, &y, [0.0, overlap_mm, bleed_mm]))

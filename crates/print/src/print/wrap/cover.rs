@@ -4,7 +4,7 @@ use super::seams::PanelSeams;
 use super::{Contour, Panel, Point, Wrap};
 use crate::print::frame::PageFrame;
 use crate::print::printer;
-use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8};
 use crate::print::template::{Captions, cover};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -86,10 +86,12 @@ fn small<'a>(
     let to_page = |p: Point| (scale * p[0] + by[0], scale * p[1] + by[1]);
     let outline = |outline: &Contour| outline.iter().map(|p| to_page(*p).into()).collect();
     let outlines: Vec<Vec<PointMm>> = panel.region.contours().map(outline).collect();
-    let lines = outlines.iter().flat_map(|outline| Mark::outline(outline, LINE_MM));
-    let lines: Vec<Mark> = lines.collect();
-    let mut marks = vec![Mark::Area { outlines, colour: GREY }];
-    marks.extend(lines);
+    let area = Mark::Area {
+        outlines: outlines.clone(),
+        colour: GREY,
+    };
+    let mut marks = vec![area];
+    marks.extend(outlines.iter().flat_map(|o| Mark::outline(o, LINE_MM, BLACK)));
     let edges = panel.edges.iter();
     marks.extend(edges.map(|[a, b]| Mark::line(to_page(*a), to_page(*b), 0.5 * LINE_MM)));
     for (letter, seam, at) in letters {

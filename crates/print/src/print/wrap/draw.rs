@@ -143,13 +143,8 @@ impl Drawing<'_> {
         let by = self.piece.moved_by_mm(plan);
         let panel = &self.piece.panel;
         let mut lines = cut_line(&panel.region, by);
-        lines.extend(panel.edges.iter().map(|[from, to]| Mark::Line {
-            from: place(*from, by),
-            to: place(*to, by),
-            width_mm: EDGE_LINE_MM,
-            dash_mm: Some(EDGE_DASH_MM),
-            colour: BLACK,
-        }));
+        let edges = panel.edges.iter().map(|ends| ends.map(|p| place(p, by)));
+        lines.extend(edges.map(|ends| Mark::stroke(ends, EDGE_LINE_MM, Some(EDGE_DASH_MM), BLACK)));
         let mut marks = vec![
             Mark::Clipped {
                 to: moved(self.grown.contours(), by),
@@ -177,7 +172,9 @@ pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
 /// The line around a region, outside of it.
 pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     let around = moved(region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM).contours(), by);
-    let lines = around.iter().flat_map(|outline| Mark::outline(outline, CUT_LINE_MM));
+    let lines = around
+        .iter()
+        .flat_map(|outline| Mark::outline(outline, CUT_LINE_MM, BLACK));
     lines.collect()
 }
 

@@ -13,12 +13,11 @@ mod seams;
 
 pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, wrap};
 pub use panel::{Face, PRINTED, PaintedSurface, Panel};
-pub use region::{Contour, Point, Region, corners, cross};
+pub use region::{Contour, Point, Region, corners};
 
 use super::SheetError;
-use super::date::Date;
-use super::paper::{Orientation, Stock};
-use super::printer::Printer;
+use super::page::Media;
+use super::paper::Orientation;
 use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest, layout};
@@ -60,12 +59,9 @@ pub struct WrapRequest {
     pub facts: String,
     /// Pixels per inch of such a texture.
     pub dpi: f64,
-    pub date: Option<Date>,
-    pub paper: Stock,
     /// Width of the strip that neighbouring sheets of a panel share.
     pub overlap_mm: f64,
-    pub margin_mm: f64,
-    pub printer: Printer,
+    pub media: Media,
 }
 
 impl WrapRequest {
@@ -89,7 +85,7 @@ impl WrapRequest {
     }
 
     /// A panel of this size as a template.
-    pub(super) fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
+    pub fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
             Side::Left => Front::Left,
             Side::Right => Front::Right,
@@ -102,16 +98,13 @@ impl WrapRequest {
             scale: self.scale,
             pattern_name: self.name.clone(),
             front,
-            date: self.date,
             layout: LayoutRequest {
                 size_mm,
-                paper: self.paper,
+                media: self.media,
                 orientation: Orientation::Auto,
                 overlap_mm: self.overlap_mm,
                 // The pattern runs on beyond the panel's outline, not beyond the sheets'.
                 bleed_mm: 0.0,
-                margin_mm: self.margin_mm,
-                printer: self.printer,
             },
         }
     }

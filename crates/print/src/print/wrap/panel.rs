@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
 
-use super::region::{Point, Region, cross};
+use super::region::{Point, Region};
 use crate::print::buckets::{Buckets, bounds};
+use scaleproof_core::geometry;
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -190,7 +191,7 @@ impl<'a> Cover<'a> {
 
     fn height(&self, face: &Face, p: Point) -> Option<f64> {
         let [a, b, c] = face.corners.map(|corner| self.side.project(&corner));
-        let (whole, at_b, at_c) = (cross(&a, &b, &c), cross(&a, &p, &c), cross(&a, &b, &p));
+        let [whole, at_b, at_c] = [[b, c], [p, c], [b, p]].map(|[b, c]| geometry::doubled_area(a, b, c));
         let (second, third) = (at_b / whole, at_c / whole);
         let first = 1.0 - second - third;
         let inside = first >= 0.0 && second >= 0.0 && third >= 0.0;

@@ -7,6 +7,7 @@ use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
 use crate::print::sheet::sides;
+use scaleproof_core::geometry::{self, to_segment};
 
 /// A place in a plane, mm.
 pub type Point = [f64; 2];
@@ -91,7 +92,7 @@ impl Region {
     pub fn contains(&self, p: Point) -> bool {
         // Winding number: each edge that crosses the ray to the right counts up or down.
         let crossing = |(a, b): (&Point, &Point)| {
-            let side = cross(a, b, &p);
+            let side = geometry::doubled_area(*a, *b, p);
             match (a[1] <= p[1], b[1] <= p[1]) {
                 (true, false) if side > 0.0 => 1,
                 (false, true) if side < 0.0 => -1,
@@ -105,7 +106,7 @@ impl Region {
     pub fn distance_mm(&self, p: Point) -> f64 {
         let nearest = self
             .edges()
-            .map(|(a, b)| to_segment(p, a, b))
+            .map(|(a, b)| to_segment(p, [*a, *b]))
             .fold(f64::INFINITY, f64::min);
         if self.contains(p) { -nearest } else { nearest }
     }
@@ -138,19 +139,7 @@ pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point
         .fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), wider)
 }
 
-/// Twice the signed area of a triangle.
-pub fn cross(a: &Point, b: &Point, c: &Point) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
 /// Twice the area inside an outline; negative if it runs clockwise.
 pub fn doubled_area(outline: &[Point]) -> f64 {
     sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
-}
-
-fn to_segment(p: Point, a: &Point, b: &Point) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
-    let along = along.clamp(0.0, 1.0);
-    (p[0] - a[0] - along * dx).hypot(p[1] - a[1] - along * dy)
 }

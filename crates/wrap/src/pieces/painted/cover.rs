@@ -22,8 +22,7 @@ pub fn cover(
     (frame, captions): (&PageFrame, &Captions),
     request: &PaintedRequest,
 ) -> Sheet {
-    let steps = steps(request);
-    let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
+    let texts = (&*steps(request), &*made.facts());
     let paint = |piece: usize, triangle: usize, shares: [f64; 3]| {
         let FlatTriangle { triangle, weights, .. } = made.pieces[piece].triangles[triangle];
         let at = SurfacePoint::in_part(triangle, &weights, shares);
@@ -31,7 +30,7 @@ pub fn cover(
         let paint = made.painted.paint_at(column as usize, row as usize);
         made.painted.paints[paint].paint.rgb
     };
-    cover::first_page(frame, captions, "Paint on a model", (&steps, &made.facts()), |room| {
+    cover::first_page(frame, captions, "Paint on a model", texts, |room| {
         let (mut marks, top_mm) = order(made, room);
         let below = RectMm { top_mm, ..room };
         marks.extend(exploded::views(&made.pieces, Some(&paint), below));

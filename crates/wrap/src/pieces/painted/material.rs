@@ -1,7 +1,6 @@
 //! The sheet of material that a piece's stencils are cut from: the piece and a rim around it, with registration holes. Where the piece is
 //! cut into itself, the rim leaves the cut free, so that it closes on the model.
 
-use super::alone;
 use super::regions::Upright;
 use crate::pieces::flat::Piece;
 use crate::pieces::labels::Signs;
@@ -9,6 +8,7 @@ use crate::pieces::seams::Seam;
 use scaleproof_core::geometry::{between, circle, distance};
 use scaleproof_print::print::paint::plane::{Area, units};
 use scaleproof_print::print::paint::{hole_mm, rim_mm};
+use scaleproof_print::print::sheet::sides;
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 
 /// Holes of a piece, and how far apart they are at least.
@@ -55,7 +55,8 @@ pub fn sheet(
     let slits = upright.area(&Region::union(slits).without(&pieces[piece].region));
     let mut open = whole.without(&slits);
     // A scrap of the rim that hangs on nothing goes with the slit.
-    open.pieces.retain(|part| !alone(part).and(&region).is_empty());
+    open.pieces
+        .retain(|part| !Area::from_piece(part).and(&region).is_empty());
     let is_one = open.shrunk(units(0.5 * feature_mm)).pieces.len() == 1;
     if is_one { open } else { whole }
 }
@@ -112,14 +113,12 @@ impl Material {
 
 /// Places along an outline.
 fn along(outline: &Contour) -> Vec<Point> {
-    let next = outline.iter().cycle().skip(1);
-    let edges = outline.iter().zip(next);
-    edges
-        .flat_map(|(a, b)| {
-            let steps = (distance(*a, *b) / STEP_MM).ceil().max(1.0) as usize;
-            (0..steps).map(move |i| between(*a, *b, i as f64 / steps as f64))
-        })
-        .collect()
+    let places = |(a, b): (&Point, &Point)| {
+        let (a, b) = (*a, *b);
+        let steps = (distance(a, b) / STEP_MM).ceil().max(1.0) as usize;
+        (0..steps).map(move |i| between(a, b, i as f64 / steps as f64))
+    };
+    sides(outline).flat_map(places).collect()
 }
 
 /// A few places far from each other.

@@ -18,7 +18,7 @@ use super::labels::{self, Signs};
 use super::nest::Place;
 use super::seams::{self, Seam};
 use super::{AROUND_MM, PiecesError, PiecesRequest, cm2, left_out_facts, pages};
-use crate::unwrap::{LeftOut, Unwrapped, unwrap};
+use crate::unwrap::Unwrapped;
 use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
 use scaleproof_plot::lettering::number;
@@ -63,7 +63,7 @@ pub struct PaintedRequest {
 impl PaintedRequest {
     /// What the document is called.
     pub fn title(&self) -> String {
-        format!("Paint sheets of {}", self.pieces.name)
+        format!("Paint sheets of {}", self.pieces.sheets.name)
     }
 
     fn around_mm(&self) -> f64 {
@@ -98,10 +98,8 @@ pub struct PaintedPieces {
     pub stencils: Vec<PieceStencil>,
     /// Parts of a paint's area that are too narrow to be cut: how many, and their area, mm².
     pub narrow: (usize, f64),
-    pub left_out: Vec<LeftOut>,
-    pub visible_mm2: f64,
-    pub mean_stretch: f64,
-    pub stretch_99: f64,
+    /// What was drawn.
+    pub flat: Unwrapped,
     pub min_feature_mm: f64,
     /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
     pub pages: Vec<Sheet>,
@@ -115,10 +113,6 @@ impl PaintedPieces {
         pages::sheets(&self.places)
     }
 
-    pub fn surface_mm2(&self) -> f64 {
-        self.pieces.iter().map(|piece| piece.surface_mm2).sum()
-    }
-
     /// One sentence a fact.
     pub fn facts(&self) -> Vec<String> {
         let mut facts = vec![
@@ -127,12 +121,12 @@ impl PaintedPieces {
                 count(self.pieces.len(), "piece"),
                 count(self.sheets(), "sheet"),
                 count(self.stencils.len(), "stencil"),
-                cm2(self.surface_mm2()),
-                100.0 * self.surface_mm2() / self.visible_mm2.max(f64::MIN_POSITIVE)
+                cm2(self.flat.surface_mm2()),
+                100.0 * self.flat.surface_mm2() / self.flat.visible_mm2.max(f64::MIN_POSITIVE)
             ),
             format!(
                 "stretch (mm on the surface for 1 mm on paper, or the inverse): mean {:.3}, 99th percentile {:.3}",
-                self.mean_stretch, self.stretch_99
+                self.flat.mean_stretch, self.flat.stretch_99
             ),
         ];
         let (parts, mm2) = self.narrow;
@@ -144,7 +138,7 @@ impl PaintedPieces {
                 cm2(mm2)
             ));
         }
-        facts.extend(left_out_facts(&self.left_out));
+        facts.extend(left_out_facts(&self.flat.left_out));
         facts
     }
 
@@ -161,17 +155,17 @@ impl PaintedPieces {
 /// # Errors
 /// What cannot be a stencil's least width, bounds that no pieces keep, and whatever refuses the paper.
 pub fn flattened(
-    (mesh, materials): (&Mesh, &[usize]),
+    surface: (&Mesh, &[usize]),
     tile: &Tile,
     request: &PaintedRequest,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Unwrapped, PaintedError> {
-    check_scale(request.pieces.scale).map_err(PaintError::from)?;
+    check_scale(request.pieces.sheets.scale).map_err(PaintError::from)?;
     let template = request.pieces.template().tiled(tile.tile_mm());
     cell_mm(&tile.pattern, &template).map_err(PaintError::from)?;
     check_features(tile.cell_mm, tile.pattern.columns(), request.min_feature_mm)?;
     let fits_mm = pages::fits_mm(&request.pieces, request.around_mm())?;
-    Ok(unwrap(mesh, materials, &request.pieces.unwrap(fits_mm), progress).map_err(PiecesError::from)?)
+    Ok(request.pieces.unwrapped(surface, fits_mm, progress)?)
 }
 
 /// Draws the stencils of flattened pieces, and the pieces to paint by number.
@@ -185,8 +179,7 @@ pub fn painted_pieces(
     request: &PaintedRequest,
 ) -> Result<PaintedPieces, PaintedError> {
     let pieces = Piece::all(flat);
-    let mm2: f64 = pieces.iter().map(|piece| piece.surface_mm2).sum();
-    let cells = (mm2 / tile.cell_mm.powi(2)).ceil() as usize;
+    let cells = (flat.surface_mm2() / tile.cell_mm.powi(2)).ceil() as usize;
     if cells > MOST_CELLS {
         return Err(PaintError::TooManyCells { cells }.into());
     }
@@ -219,10 +212,7 @@ pub fn painted_pieces(
         areas: areas(&regions, &cuts, painted.paints.len()),
         narrow: narrow(&regions, &cuts),
         stencils: cuts.into_iter().flatten().filter(|s| !s.openings.is_empty()).collect(),
-        left_out: flat.left_out.clone(),
-        visible_mm2: flat.visible_mm2,
-        mean_stretch: flat.mean_stretch,
-        stretch_99: flat.stretch_99,
+        flat: flat.clone(),
         min_feature_mm: request.min_feature_mm,
         pages: Vec::new(),
         names: Vec::new(),
@@ -287,13 +277,6 @@ fn cut(
     all_from(&whole).map(|made| (whole, made))
 }
 
-/// One connected piece of an area as an area of its own.
-fn alone(piece: &[PlaneOutline]) -> Area {
-    Area {
-        pieces: vec![piece.to_vec()],
-    }
-}
-
 /// What rulers and captions take of a page; where stencils are mirrored on it, on both sides.
 fn taken(frame: &PageFrame, mirror: bool) -> Vec<RectMm> {
     let mut taken = pages::furniture(frame);
@@ -322,7 +305,7 @@ fn areas(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>], paints: usize) ->
 /// Parts of a paint's area of which nothing is cut: how many, and their area.
 fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) {
     let key = |part: &Vec<PlaneOutline>| {
-        let part = alone(part);
+        let part = Area::from_piece(part);
         let bounds = part.bounds().map(|b| [b.left, b.bottom, b.right, b.top]);
         (bounds, part.doubled_area())
     };
@@ -330,7 +313,7 @@ fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) 
     for stencil in cuts.iter().flatten() {
         let bridged: BTreeSet<_> = stencil.bridges.pieces.iter().map(key).collect();
         for part in &regions[stencil.piece].areas[stencil.paint].pieces {
-            let mm2 = alone(part).mm2();
+            let mm2 = Area::from_piece(part).mm2();
             if mm2 > NOTHING_MM2 && bridged.contains(&key(part)) {
                 sum = (sum.0 + 1, sum.1 + mm2);
             }
@@ -346,7 +329,7 @@ fn draw(
     signs: &[Signs],
     request: &PaintedRequest,
 ) -> Result<(), PaintedError> {
-    let captions = Captions::of_image(&request.pieces.template(), &request.pieces.facts);
+    let captions = Captions::of_image(&request.pieces.template(), &request.pieces.sheets.facts);
     let first = pages::cover_frame(&made.frame, &request.pieces)?;
     let cover = cover::cover(made, (mesh, tile), (&first, &captions), request);
     made.add("paint".to_owned(), cover);

@@ -1,10 +1,10 @@
 //! What each paint takes of a piece: the cells of a world-aligned pattern, cut at every triangle and laid flat with it.
 
-use super::alone;
 use crate::pieces::flat::Piece;
-use scaleproof_core::geometry::{between as mix, extent};
-use scaleproof_print::print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, units};
+use scaleproof_core::geometry::{between as mix, distance, extent, to_segment};
+use scaleproof_print::print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, point, units};
 use scaleproof_print::print::raster::FlatTriangle;
+use scaleproof_print::print::sheet::sides;
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
@@ -134,7 +134,7 @@ fn between(outline: &[Corner], axis: usize, first: f64) -> Vec<Corner> {
 fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
     let inside_by = |corner: &Corner| sign * (corner.cell[axis] - limit);
     let mut kept = Vec::with_capacity(outline.len() + 1);
-    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+    for (a, b) in sides(outline) {
         let (at_a, at_b) = (inside_by(a), inside_by(b));
         if at_a >= 0.0 {
             kept.push(*a);
@@ -166,7 +166,7 @@ fn outline(part: &[Corner], upright: &Upright) -> Option<PlaneOutline> {
 fn joined(parts: &[PlaneOutline]) -> Area {
     let grown = Area::of(parts).grown(JOINED);
     let mut area = grown.shrunk(JOINED);
-    area.pieces.retain(|piece| alone(piece).mm2() > NOTHING_MM2);
+    area.pieces.retain(|piece| Area::from_piece(piece).mm2() > NOTHING_MM2);
     area
 }
 
@@ -181,15 +181,15 @@ fn straightened(outline: &PlaneOutline) -> PlaneOutline {
     let Some(first) = outline.first() else {
         return Vec::new();
     };
-    let away = |i: usize| f64::from(outline[i].x - first.x).hypot(f64::from(outline[i].y - first.y));
+    let away = |i: usize| distance(point(outline[i]), point(*first));
     let farthest = (0..outline.len()).max_by(|a, b| away(*a).total_cmp(&away(*b)));
     let far = farthest.unwrap_or_default();
     let mut kept = vec![false; outline.len()];
     (kept[0], kept[far]) = (true, true);
-    let at = |i: usize| outline[i % outline.len()];
+    let at = |i: usize| point(outline[i % outline.len()]);
     let mut open = vec![(0, far), (far, outline.len())];
     while let Some((from, to)) = open.pop() {
-        let between = (from + 1..to).map(|i| (i, off_line(at(i), at(from), at(to))));
+        let between = (from + 1..to).map(|i| (i, to_segment(at(i), [at(from), at(to)])));
         if let Some((i, _)) = between
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .filter(|(_, off)| *off > STRAIGHT)
@@ -198,12 +198,5 @@ fn straightened(outline: &PlaneOutline) -> PlaneOutline {
             open.extend([(from, i), (i, to)]);
         }
     }
-    (0..outline.len()).filter(|i| kept[*i]).map(at).collect()
-}
-
-fn off_line(p: PlanePoint, a: PlanePoint, b: PlanePoint) -> f64 {
-    let (dx, dy) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
-    let (px, py) = (f64::from(p.x - a.x), f64::from(p.y - a.y));
-    let along = ((px * dx + py * dy) / (dx * dx + dy * dy).max(1.0)).clamp(0.0, 1.0);
-    (px - along * dx).hypot(py - along * dy)
+    (0..outline.len()).filter(|i| kept[*i]).map(|i| outline[i]).collect()
 }

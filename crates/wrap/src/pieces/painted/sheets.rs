@@ -1,10 +1,10 @@
 //! The sheets: pieces to paint by number, and the stencils of a paint. Each piece lies at one place on all of them.
 
 use super::regions::Upright;
-use super::{PaintedPieces, PieceStencil, alone};
+use super::{PaintedPieces, PieceStencil};
 use crate::pieces::labels::Signs;
 use crate::pieces::pages;
-use crate::pieces::pen::{LINE_MM, Pen, around, centred, cut};
+use crate::pieces::pen::{LINE_MM, Pen, cut};
 use scaleproof_plot::lettering::fitting_size_mm;
 use scaleproof_print::print::frame::PageFrame;
 use scaleproof_print::print::paint::plane::{Area, PlaneOutline, mm};
@@ -114,7 +114,7 @@ impl<'a> Drawing<'a> {
         }
         for (area, _) in areas() {
             let outlines = self.on_page(piece, area);
-            marks.extend(outlines.iter().flat_map(|o| around(o, BORDER_MM, BLACK)));
+            marks.extend(outlines.iter().flat_map(|o| Mark::outline(o, BORDER_MM, BLACK)));
         }
         for (paint, (area, _)) in areas().enumerate() {
             for patch in &area.pieces {
@@ -132,12 +132,13 @@ impl<'a> Drawing<'a> {
     /// A paint's number where its patch has most room; none where it would not be read.
     fn number(&self, piece: usize, paint: usize, patch: &[PlaneOutline]) -> Option<Mark> {
         let upright = self.made.regions[piece].upright;
-        let region = flat(&alone(patch), &upright);
+        let region = flat(&Area::from_piece(patch), &upright);
         let middle = region.innermost();
         let room_mm = -2.0 * region.distance_mm(middle);
         let text = (paint + 1).to_string();
         let size_mm = fitting_size_mm(&text, NUMBER_MM.min(NUMBER_SHARE * room_mm), NUMBER_SHARE * room_mm);
-        (size_mm >= LEAST_NUMBER_MM).then(|| centred(self.pen(piece).place(middle), size_mm, text))
+        let size = (size_mm, f64::INFINITY);
+        (size_mm >= LEAST_NUMBER_MM).then(|| Mark::centred(self.pen(piece).place(middle), size, text))
     }
 
     /// What is cut out tinted, the sheet's outer edge, and the piece's outline on it.
@@ -155,15 +156,15 @@ impl<'a> Drawing<'a> {
         marks.extend(folds.map(|ends| pen.line(*ends, EDGE_LINE_MM, Some(EDGE_DASH_MM))));
         let outline = pen.piece.region.edges();
         marks.extend(outline.map(|(a, b)| pen.line([*a, *b], BORDER_MM, Some(OUTLINE_DASH_MM))));
-        marks.extend(sheet.iter().flat_map(|outline| around(outline, LINE_MM, BLACK)));
+        marks.extend(sheet.iter().flat_map(|outline| Mark::outline(outline, LINE_MM, BLACK)));
         marks.extend([(openings, false), (sheet, true)].map(|(outlines, is_piece)| Mark::Cut { outlines, is_piece }));
         marks.extend(pen.signs(&self.signs[piece]));
         let near = 0.5 * self.hole_mm;
         marks.extend(self.holes(piece).flat_map(|at| cross(at, near, near + ARM_MM)));
         if let Some(tag) = self.made.materials[piece].tag {
             let text = format!("P{}", stencil.paint + 1);
-            let size_mm = fitting_size_mm(&text, TAG_MM, 2.0 * super::material::TAG_MM);
-            marks.push(centred(pen.place(tag), size_mm, text));
+            let size = (TAG_MM, 2.0 * super::material::TAG_MM);
+            marks.push(Mark::centred(pen.place(tag), size, text));
         }
         marks
     }
@@ -175,9 +176,8 @@ impl<'a> Drawing<'a> {
         let mut marks = swatch(area, self.made.painted.paints[paint].paint.rgb).to_vec();
         let side = if self.mirror { "back, " } else { "" };
         let text = format!("{side}paint {}", paint + 1);
-        let size_mm = fitting_size_mm(&text, PAINT_MM, 16.0);
         let at = (right - SWATCH_MM - 1.5, y);
-        marks.push(Mark::text(at, size_mm, TextAnchor::Right, text));
+        marks.push(Mark::fitted(at, (PAINT_MM, 16.0), TextAnchor::Right, text));
         marks
     }
 }
