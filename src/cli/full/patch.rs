@@ -142,7 +142,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
 /// The patches as a texture has them.
 pub(crate) fn placed(patches: &[PanelPatch]) -> Vec<PlacedPatch> {
     let patches = patches.iter().map(|patch| PlacedPatch {
-        image: patch.image.shared(),
+        image: patch.image.pixels.clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm,
