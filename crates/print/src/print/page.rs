@@ -1,6 +1,5 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
-use super::SheetError;
 use super::frame::PageFrame;
 use super::printer::corrected_one;
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
