@@ -6,6 +6,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{GrayImage, Luma, imageops};
 use rand::{Rng, RngExt};
 
+use scaleproof_core::geometry::extent;
 use scaleproof_pose::simulate::normal;
 
 /// Four corners of a tag in the image, px.
@@ -111,9 +112,7 @@ fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rn
 /// Paints a convex outline.
 fn fill(image: &mut GrayImage, outline: &TagCorners, grey: u8) {
     let span = |k: usize, size: u32| {
-        let values = outline.iter().map(|p| p[k]);
-        let low = values.clone().fold(f64::INFINITY, f64::min);
-        let high = values.fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = extent(outline.iter().map(|p| p[k]));
         (low.floor().max(0.0) as u32)..(high.ceil().clamp(0.0, f64::from(size)) as u32)
     };
     let side = |x: f64, y: f64, i: usize| {
