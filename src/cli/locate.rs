@@ -13,9 +13,7 @@ use scaleproof_core::{spelling, workers};
 use scaleproof_photo::copies;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
-use scaleproof_pose::locate::{
-    Abstention, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Sigma, Warning, locate_photo,
-};
+use scaleproof_pose::locate::{Abstention, BinProbability, IgnoredTag, locate_photo, Located, LocatedPhoto, LocateFiles, MOST_LISTED, Rival, Sigma, Warning};
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
 use scaleproof_session::envelope::EnvelopeShape;
@@ -64,12 +62,16 @@ pub(in crate::cli) struct OutputLine {
     azimuth_deg: Option<f64>,
     pitch_deg: Option<f64>,
     distance_mm: Option<f64>,
-    /// Standard deviations of the three, from corner noise alone.
+    /// Standard deviations of the three, by corner noise, bent paper and tags that stand off.
     sigma: Option<Sigma>,
     /// The bin of the scene.
     bin: Option<Bin>,
     /// That the bin is the right one, 0 to 1.
     bin_probability: Option<f64>,
+    /// Of a lone tag: its other pose.
+    rival: Option<Rival>,
+    /// Of a lone tag: the bins it may be in, the most probable first.
+    bins: Vec<BinProbability>,
     warnings: Vec<Warning>,
     /// Ids of the tags that the pose rests on.
     tags: Vec<u32>,
@@ -302,6 +304,8 @@ fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
         sigma: found.map(|l| l.sigma),
         bin: found.map(|l| l.bin),
         bin_probability: found.map(|l| l.bin_probability),
+        rival: found.and_then(|l| l.rival),
+        bins: found.map(|l| l.bins.clone()).unwrap_or_default(),
         warnings: found.map(|l| l.warnings.clone()).unwrap_or_default(),
         tags: found.map(|l| l.tags.clone()).unwrap_or_default(),
         ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),

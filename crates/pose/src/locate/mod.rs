@@ -11,6 +11,7 @@ mod photo;
 mod plain_view;
 mod planar;
 mod refine;
+mod resampled;
 mod solver;
 mod sqpnp;
 mod uncertainty;
@@ -24,6 +25,7 @@ use crate::tags::SeenTag;
 use consensus::Consensus;
 use matches::Corners;
 use refine::NO_HUBER;
+use resampled::Resampled;
 use scaleproof_core::geometry::Rigid;
 use solver::PoseCandidate;
 
@@ -43,7 +45,7 @@ pub use uncertainty::{Sigma, Uncertainty, bin_probability};
 pub struct Located {
     /// `T_camera_model`: model frame to camera frame, mm.
     pub pose: Rigid,
-    /// How far the pose may be off by corner noise.
+    /// How far the pose may be off.
     pub uncertainty: Uncertainty,
     /// Where the camera stands, seen from the model.
     pub viewpoint: Viewpoint,
@@ -53,6 +55,10 @@ pub struct Located {
     pub bin: Bin,
     /// The probability that the bin is the right one.
     pub bin_probability: f64,
+    /// The best different pose of a lone tag.
+    pub rival: Option<Rival>,
+    /// Of a lone tag, the bins it may be in, the most probable first; empty where several tags were used.
+    pub bins: Vec<BinProbability>,
     /// What weakens the answer.
     pub warnings: Vec<Warning>,
     /// Ids of the tags the pose rests on, ascending.
@@ -61,6 +67,25 @@ pub struct Located {
     pub ignored_tags: Vec<IgnoredTag>,
     /// Root mean square distance between seen and projected corners, px.
     pub rms_px: f64,
+}
+
+/// Another pose that a lone tag allows.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Rival {
+    /// Its viewpoint, with the next two.
+    pub azimuth_deg: f64,
+    pub pitch_deg: f64,
+    pub distance_mm: f64,
+    /// How likely it is relative to the pose that is given, by the residuals of both: 0 to 1.
+    pub likelihood: f64,
+}
+
+/// A bin and how probable it is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct BinProbability {
+    pub bin: Bin,
+    /// From 0 to 1.
+    pub probability: f64,
 }
 
 /// What weakens a pose (explained in codes.md).
@@ -97,9 +122,6 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         Consensus::unchecked(solver, solver.used(matches), camera)
     };
     let (best, rival) = doubt::without_rival(candidates, &matches, camera)?;
-    if let [only] = &matches[..] {
-        plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
-    }
     let has_outliers = !left_out.is_empty();
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
@@ -110,18 +132,38 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     })?;
     let viewpoint = viewpoint(&best.pose, scene);
     let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
-    let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
-    if has_outliers && is_poor_fit {
-        sigma = doubt::misfit_sigma(sigma);
-    }
-    doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
     let bin = scene.bins.bin_of(&viewpoint);
-    let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
-    // An excluded rival keeps the weight of its likelihood.
-    let bin_probability = rival.map_or(of_best, |rival| {
-        let weight = uncertainty.likelihood(&rival, &best, corners.image_px.len());
-        let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
-        (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
+    let likelihood = |rival: &PoseCandidate| uncertainty.likelihood(rival, &best, corners.image_px.len());
+    let mut bins = Vec::new();
+    let (sigma, bin_probability) = if let [only] = &matches[..] {
+        let resampled = Resampled::new(only, uncertainty.noise_px, scene, camera);
+        let settled = doubt::settled_alone(only, (&best, rival.as_ref()), &resampled, &viewpoint, &scene.bins)?;
+        plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
+        bins = resampled.bins(&scene.bins);
+        settled
+    } else {
+        let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
+        if has_outliers && is_poor_fit {
+            sigma = doubt::misfit_sigma(sigma);
+        }
+        doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
+        let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
+        // An excluded rival keeps the weight of its likelihood.
+        let with_rival = rival.as_ref().map_or(of_best, |rival| {
+            let weight = likelihood(rival);
+            let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
+            (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
+        });
+        (sigma, with_rival)
+    };
+    let rival = rival.filter(|_| matches.len() == 1).map(|rival| {
+        let from = self::viewpoint(&rival.pose, scene);
+        Rival {
+            azimuth_deg: from.azimuth_deg,
+            pitch_deg: from.pitch_deg,
+            distance_mm: from.distance_mm,
+            likelihood: likelihood(&rival),
+        }
     });
     let near_edge = (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge);
     let poor_fit = is_poor_fit.then_some(Warning::PoorFit);
@@ -134,6 +176,8 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         sigma,
         bin,
         bin_probability,
+        rival,
+        bins,
         warnings: near_edge.into_iter().chain(poor_fit).collect(),
         tags,
         ignored_tags,

@@ -1,13 +1,13 @@
 //! How far a pose may be off: its covariance, and what that means for the viewpoint and the bin.
 //!
-//! Only random corner errors are in it. What is wrong in the same way in every photo (a wrong camera file, a wrong tag size, a
-//! scene measured wrongly) leaves the residuals small and is not.
+//! In it are errors of single corners, paper that bends, and tags that stand a little off; the residuals say how much of each, beside what is
+//! expected. What is wrong in the same way in every photo (a wrong camera file, a wrong tag size) leaves the residuals small and is not.
 
-use nalgebra::{Matrix3, Matrix6, Point3};
+use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3};
 use serde::{Deserialize, Serialize};
 
-use super::matches::Corners;
-use super::refine::{self, CornerEquations, NO_HUBER};
+use super::matches::{Corners, area_px};
+use super::refine;
 use super::solver::PoseCandidate;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Viewpoint};
@@ -23,7 +23,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 /// noise is normal, and better where it has tails.
 const HUBER_SIGMAS: f64 = 2.0;
 
-/// Standard deviations of a viewpoint, from corner noise alone.
+/// Standard deviations of a viewpoint, by corner noise, bent paper and tags that stand off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Sigma {
     /// Of the azimuth, degrees.
@@ -39,7 +39,7 @@ pub struct Sigma {
 pub struct Uncertainty {
     /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`scaleproof_core::geometry::rigid::stepped`].
     pub covariance: Matrix6<f64>,
-    /// Corner noise, px per axis.
+    /// Noise of a corner, px per axis, the mean over the tags.
     pub noise_px: f64,
 }
 
@@ -98,15 +98,85 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
     Some((pose, at(&pose, corners, camera, HUBER_SIGMAS * noise_px)?))
 }
 
+/// Noise of a corner, px per axis: what any photo has, and the share of a tag's side that real paper adds by bending. Measured on 112 tags alone
+/// in photos of iPhones 4S and 13, tags of 26 to 390 px: with these, 71 to 82 % of azimuths and pitches are within 1 σ, 90 to 92 % within 2.
+const NOISE_PX: f64 = 0.3;
+const BENT_PAPER: f64 = 0.009;
+
+/// How many residuals the expectation weighs.
+const NOISE_WEIGHT: f64 = 8.0;
+
+/// The variance that is expected of a tag's corners, px² per axis.
+fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
+    NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
+}
+
+/// One tag's part in the normal equations.
+struct TagTerms {
+    /// JᵀJ of its corners.
+    information: Matrix6<f64>,
+    /// JᵀT, with the derivatives T of its corners by a displacement of the tag, mm.
+    displaced: Matrix6x3<f64>,
+    /// Σ T², px² per mm².
+    displacement: f64,
+    /// See [`expected_px2`].
+    expected_px2: f64,
+}
+
 /// How far a pose may be off that minimises residuals with this Huber threshold, px ([`NO_HUBER`]: least squares).
+///
+/// Two variance components by their moments (Searle, Casella & McCulloch 1992, section 5.3). A corner's own noise is expected, and smaller where the
+/// residuals are. Residuals beyond the expectation are of tags that stand off: much of that hides in the pose, the more the fewer tags
+/// there are. A lone tag's residuals are its noise.
 pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
     let clipped = Clipped::new(pose, corners, camera, huber_px)?;
-    let variance = pooled(clipped.squares, clipped.freedom) / (clipped.derivative * clipped.derivative);
-    let information = CornerEquations::at(*pose, corners, camera, NO_HUBER)?.information;
-    Some(Uncertainty {
-        covariance: information.cholesky()?.inverse() * variance,
-        noise_px: variance.sqrt(),
+    let squares = clipped.squares / (clipped.derivative * clipped.derivative);
+    let tags = tag_terms(pose, corners, camera)?;
+    let information: Matrix6<f64> = tags.iter().map(|tag| tag.information).sum();
+    let inverse = information.cholesky()?.inverse();
+    let kept = |tag: &TagTerms| 8.0 - (inverse * tag.information).trace();
+    let expected: f64 = tags.iter().map(|tag| tag.expected_px2 * kept(tag)).sum();
+    let ratio = if tags.len() > 1 { (squares / expected).min(1.0) } else { squares / expected };
+    let scale = (NOISE_WEIGHT + clipped.freedom * ratio) / (NOISE_WEIGHT + clipped.freedom);
+    let displaced_mm2 = if tags.len() > 1 {
+        let seen = |tag: &TagTerms| tag.displacement - (inverse * tag.displaced * tag.displaced.transpose()).trace();
+        ((squares - expected) / tags.iter().map(seen).sum::<f64>()).max(0.0)
+    } else {
+        0.0
+    };
+    let middle = tags.iter().map(|tag| {
+        let own = scale * tag.expected_px2 * tag.information;
+        own + displaced_mm2 * tag.displaced * tag.displaced.transpose()
+    });
+    let covariance = inverse * middle.sum::<Matrix6<f64>>() * inverse;
+    let mean = tags.iter().map(|tag| tag.expected_px2).sum::<f64>() / tags.len() as f64;
+    let is_finite = covariance.iter().all(|v| v.is_finite());
+    is_finite.then_some(Uncertainty {
+        covariance,
+        noise_px: (scale * mean).sqrt(),
     })
+}
+
+fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<Vec<TagTerms>> {
+    let tags = corners.model_mm.as_chunks::<4>().0.iter().zip(corners.image_px.as_chunks::<4>().0);
+    let terms = |(points, pixels): (&[Point3<f64>; 4], &[[f64; 2]; 4])| {
+        let (mut information, mut displaced, mut displacement) = (Matrix6::zeros(), Matrix6x3::zeros(), 0.0);
+        for point in points {
+            let (_, jacobian) = camera.project_by_pose(pose, point)?;
+            // A step's translation displaces the tag before the camera.
+            let by_place = jacobian.fixed_columns::<3>(3);
+            information += jacobian.transpose() * jacobian;
+            displaced += jacobian.transpose() * by_place;
+            displacement += by_place.norm_squared();
+        }
+        Some(TagTerms {
+            information,
+            displaced,
+            displacement,
+            expected_px2: expected_px2(pixels),
+        })
+    };
+    tags.map(terms).collect()
 }
 
 /// The variance of corner noise, px² per axis, from a sum of squared residuals and its degrees of freedom, and from what is

@@ -40,6 +40,10 @@ pub enum NoBoard {
 /// Larger photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
 const MOST_SEARCHED_PX: u64 = 27_000_000;
 
+/// Pixels a chessboard is looked for in, in this order: OpenCV's search takes minutes and gigabytes at 12 megapixels and misses boards there that it
+/// finds in smaller copies, whose squares are as wide as its filters.
+const CHESSBOARD_PX: [u64; 3] = [1_500_000, 400_000, 4_000_000];
+
 /// No board fits a smaller image.
 const LEAST_SIDE_PX: u32 = 32;
 
@@ -66,7 +70,8 @@ pub fn check(board: &Definition) -> Result<(), DictionaryError> {
 ///
 /// ChArUco: markers, then each inner corner by the homography of the two markers beside it (OpenCV's `interpolateCornersCharuco`
 /// without a camera), refined as a saddle point. AprilGrid: Kalibr's tag corners touch black squares, so they are saddle points too.
-/// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board.
+/// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board, in reduced copies of large photos; the corners
+/// are then refined as saddle points at full size.
 ///
 /// # Errors
 /// The reason why the photo cannot be used.
@@ -86,11 +91,9 @@ pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorne
 }
 
 fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
-    let flat = Mat::from_slice(grey.as_raw().as_slice()).map_err(failed)?;
-    let image = flat.reshape(1, grey.height() as i32).map_err(failed)?;
-    let image = image.try_clone().map_err(failed)?;
+    let image = mat(grey).map_err(failed)?;
     let found = match board {
-        Definition::Chessboard { inner_corners, .. } => chessboard(&image, *inner_corners).map_err(failed)?,
+        Definition::Chessboard { inner_corners, .. } => chessboard(grey, &image, *inner_corners).map_err(failed)?,
         Definition::Charuco { dictionary, .. } => {
             let seen = known(markers(&image, dictionary, 1)?, board, 0)?;
             charuco(&image, board, &seen).map_err(failed)?
@@ -113,6 +116,12 @@ fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBo
         }),
         _ => flat_enough(found, board),
     }
+}
+
+fn mat(grey: &GrayImage) -> opencv::Result<Mat> {
+    Mat::from_slice(grey.as_raw().as_slice())?
+        .reshape(1, grey.height() as i32)?
+        .try_clone()
 }
 
 fn failed(e: opencv::Error) -> NoBoard {
@@ -210,18 +219,51 @@ fn aprilgrid(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::
     Ok(found)
 }
 
-fn chessboard(image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
+fn chessboard(grey: &GrayImage, image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
+    let mut tried = Vec::new();
+    for most_px in CHESSBOARD_PX {
+        let factor = least_reduction(grey, most_px);
+        if tried.contains(&factor) {
+            continue;
+        }
+        tried.push(factor);
+        let found = match factor {
+            1 => sectors(image, inner_corners)?,
+            _ => sectors(&mat(&grey.reduced(factor))?, inner_corners)?,
+        };
+        if !found.is_empty() {
+            return if factor == 1 { Ok(numbered(found)) } else { saddles(image, &found, factor) };
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// All inner corners, row by row, or none.
+fn sectors(image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<[f64; 2]>> {
     let size = Size::new(inner_corners[0] as i32, inner_corners[1] as i32);
     let flags = calib3d::CALIB_CB_NORMALIZE_IMAGE | calib3d::CALIB_CB_EXHAUSTIVE | calib3d::CALIB_CB_ACCURACY;
     let mut corners = Vector::<Point2f>::new();
     if !calib3d::find_chessboard_corners_sb(image, size, &mut corners, flags)? {
         return Ok(Vec::new());
     }
-    let corner = |(id, p): (usize, Point2f)| SeenCorner {
-        id,
-        px: [p.x, p.y].map(f64::from),
-    };
-    Ok(corners.iter().enumerate().map(corner).collect())
+    Ok(corners.iter().map(|p| [p.x, p.y].map(f64::from)).collect())
+}
+
+fn numbered(corners: Vec<[f64; 2]>) -> Vec<SeenCorner> {
+    let corner = |(id, px)| SeenCorner { id, px };
+    corners.into_iter().enumerate().map(corner).collect()
+}
+
+/// The saddle points near places in a copy reduced by a factor; those without room are left out.
+fn saddles(image: &Mat, found: &[[f64; 2]], factor: u32) -> opencv::Result<Vec<SeenCorner>> {
+    let mut corners = Vec::new();
+    for (id, place) in found.iter().enumerate() {
+        let others = found.iter().enumerate().filter(|(other, _)| *other != id);
+        let free_px = others.map(|(_, px)| distance(*px, *place)).fold(f64::INFINITY, f64::min);
+        let guess = enlarged(*place, factor);
+        corners.extend(refined(image, guess, free_px * f64::from(factor))?.map(|px| SeenCorner { id, px }));
+    }
+    Ok(corners)
 }
 
 /// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.

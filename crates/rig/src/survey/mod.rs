@@ -260,6 +260,10 @@ fn without_suspects<'a>(
     let names = |numbers: &[usize]| numbers.iter().map(|p| photos[*p].name.clone()).collect::<Vec<_>>();
     let all = net.sightings.len();
     loop {
+        if let Some(closed) = closed(&net, poses) {
+            *poses = closed;
+            return Ok(net);
+        }
         let (rms_px, limit_px) = (suspects::noise_px(&net, poses), MAX_NOISE_DEG / net.camera.deg_per_px());
         if rms_px > limit_px || 3 * net.sightings.len() < 2 * all {
             return Err(SurveyError::Disagree { rms_px, limit_px });
@@ -297,6 +301,18 @@ fn without_suspects<'a>(
         net.sightings.retain(|s| s.tag != tag);
         readjust(&net, poses);
     }
+}
+
+/// The poses by least squares, where every sighting fits. A robust loss leaves the drift of a long chain to the one tag that closes it, which then
+/// looks moved; least squares spreads it over all of them.
+fn closed(net: &TagNetwork, poses: &Poses) -> Option<Poses> {
+    let mut closed = poses.clone();
+    adjust(net, &mut closed, Free::All, Loss::Squared, 100);
+    let noise_px = suspects::noise_px(net, &closed);
+    let limit_px = suspects::limit_px(net, noise_px);
+    let fits = |s: &Sighting| suspects::rms(s, net, &closed).is_some_and(|rms| rms <= limit_px);
+    let is_quiet = noise_px <= MAX_NOISE_DEG / net.camera.deg_per_px();
+    (is_quiet && net.sightings.iter().all(fits)).then_some(closed)
 }
 
 fn readjust(net: &TagNetwork, poses: &mut Poses) {

@@ -83,6 +83,7 @@ impl Conditions {
             "wrong_principal_point" => all.fault = Some(F::WrongPrincipalPoint { px: amount }),
             "wrong_tag_size" => all.fault = Some(F::WrongTagSize { factor: amount }),
             "moved_tag" => all.fault = Some(F::MovedTag { mm: amount }),
+            "bent_paper" => all.fault = Some(F::BentPaper { mm: amount }),
             "twisted_tag" => all.fault = Some(F::TwistedTag { deg: amount }),
             "wrong_corner" => all.fault = Some(F::WrongCorner { px: amount }),
             "duplicated_id" => all.fault = (amount > 0.0).then_some(F::DuplicatedId),
