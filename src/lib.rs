@@ -38,7 +38,7 @@ pub use scaleproof_pose::tags::{
     CornersBy, ExpectedTag, SeenTag, StartError, StillMissing, TagDetector, TagDetectorChoice,
 };
 pub use scaleproof_print::print::SheetError;
-pub use scaleproof_print::print::page::Media;
+pub use scaleproof_print::print::media::Media;
 pub use scaleproof_print::print::paper::{Orientation, Paper, Stock};
 pub use scaleproof_print::print::pdf::write as write_pdf;
 pub use scaleproof_print::print::printer::Printer;

@@ -16,7 +16,7 @@ use scaleproof_print::colour_chart::ColourChartError;
 use scaleproof_print::colour_chart::layout::{CELL_MM, ChartKind, ChartLayout};
 use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, read};
 use scaleproof_print::print::chart::chart;
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::{Paper, Stock};
 use scaleproof_print::print::printer::{Printer as Correction, PrinterFile};
 use scaleproof_surface::pattern::Pattern;

@@ -11,7 +11,7 @@ use opencv::core::{Mat, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 use paper::{A4, Mm, Page, distance, render};
 use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, board};
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::Paper;
 use scaleproof_print::print::sheet::RectMm;
 use theirs::Charuco;

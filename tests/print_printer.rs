@@ -12,7 +12,7 @@ use image::{Rgb, RgbImage};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_rulers, dark_lines_mm};
 use render::{done, pages, pattern_file, scaleproof, usual_request};
 use scaleproof_print::print::check;
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::Paper;
 use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::{LayoutRequest, layout};

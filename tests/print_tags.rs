@@ -11,7 +11,7 @@ use common::{assert_refused, home, program, stderr, stdout};
 use image::GrayImage;
 use paper::{A4, Page, distance, render};
 use scaleproof_pose::scene::{Scene, TagFamily};
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::{Paper, Stock};
 use scaleproof_print::print::sheet::{Mark, Sheet};
 use scaleproof_print::print::tags::{TagRequest, TagSheets, arrange, tag_sheets};

@@ -14,7 +14,7 @@ use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the
 use proptest::prelude::*;
 use render::{done, oblong_pattern, pages, pattern_file, scaleproof, text_of, usual_request};
 use scaleproof_core::files;
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::{Orientation, Paper, Stock};
 use scaleproof_print::print::printer::Printer;
 use scaleproof_print::print::template::{LayoutRequest, TemplateRect, layout};

@@ -11,7 +11,7 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of};
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::Paper;
 use scaleproof_print::print::wrap::{Face, PaintedSurface, Wrap, WrapRequest, wrap};
 use scaleproof_surface::mesh::{Mesh, MeshPlacement};

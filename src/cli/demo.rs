@@ -10,7 +10,7 @@ use super::answer::told;
 use super::{CommandResult, Result, advice, detectors, locate, print, score};
 use scaleproof_core::files;
 use scaleproof_detect::{Manifest, Runtime, WeightFolders};
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::{Orientation, Paper};
 use scaleproof_print::print::template::{Front, LayoutRequest, TemplateRequest};
 use scaleproof_score::report;

@@ -3,7 +3,7 @@
 //! Sheets are planned in the millimetres that come out on paper, and drawn as vectors.
 //!
 //! ```
-//! use scaleproof_print::print::page::Media;
+//! use scaleproof_print::print::media::Media;
 //! use scaleproof_print::print::paper::{Orientation, Paper};
 //! use scaleproof_print::print::template::{Front, LayoutRequest, TemplateRequest, template};
 //! use scaleproof_surface::pattern::Pattern;

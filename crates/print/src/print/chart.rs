@@ -2,7 +2,7 @@
 
 use super::SheetError;
 use super::frame::PageFrame;
-use super::page::Media;
+use super::media::Media;
 use super::shapes::{TagPlacement, black_modules};
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::template::making;

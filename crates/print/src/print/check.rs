@@ -2,7 +2,7 @@
 
 use super::SheetError;
 use super::frame::PageFrame;
-use super::page::Media;
+use super::media::Media;
 use super::paper::{Paper, Stock};
 use super::printer;
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};

@@ -10,6 +10,7 @@ pub mod chart;
 pub mod check;
 pub mod date;
 pub mod frame;
+pub mod media;
 pub mod output;
 pub mod pack;
 pub mod page;

@@ -1,104 +1,15 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
-use super::SheetError;
-use super::date::Date;
-use super::frame::{PageFrame, PageSetup};
-use super::paper::Stock;
-use super::printer::{Printer, corrected_one};
+use super::frame::PageFrame;
+use super::printer::corrected_one;
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use super::template::rulers;
 use scaleproof_plot::lettering::printable;
-
-/// Border of the paper that office printers do not reach.
-pub const MARGIN_MM: f64 = 5.0;
 
 const CAPTION_MM: f64 = 2.5;
 const LEADING_MM: f64 = 3.3;
 const LABEL_MM: f64 = 5.0;
 const LABEL_WIDTH_MM: f64 = 24.0;
-
-/// What is printed on, by what and when.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Media {
-    pub paper: Stock,
-    /// Border of the paper that the printer cannot reach.
-    pub margin_mm: f64,
-    /// The measured stretch of the printer, which is corrected.
-    pub printer: Printer,
-    /// Named in the captions when given; there is no clock, so that the same input gives the same bytes.
-    pub date: Option<Date>,
-}
-
-impl Media {
-    /// A paper with the usual margin, and a printer that nobody has measured.
-    pub fn new(paper: impl Into<Stock>) -> Self {
-        Self {
-            paper: paper.into(),
-            margin_mm: MARGIN_MM,
-            printer: Printer::EXACT,
-            date: None,
-        }
-    }
-
-    /// Refuses a roll.
-    ///
-    /// # Errors
-    /// A roll, for what must lie on one cut sheet.
-    pub fn check_is_cut(&self) -> Result<(), SheetError> {
-        match self.paper {
-            Stock::Cut(_) => Ok(()),
-            Stock::Roll { .. } => Err(SheetError::Roll),
-        }
-    }
-
-    /// The setup of a page that is used upright or `turned`.
-    pub fn setup(&self, turned: bool) -> PageSetup {
-        PageSetup {
-            margin_mm: self.margin_mm,
-            printer: self.printer,
-            turned,
-        }
-    }
-
-    /// The frame of the paper used upright or `turned`. A roll's page is as long as a page can be; [`PageFrame::cut_off`] shortens it.
-    ///
-    /// # Errors
-    /// A margin that is no length, paper too small for the rulers.
-    pub fn frame(&self, turned: bool) -> Result<PageFrame, SheetError> {
-        PageFrame::new(self.paper.page(turned), self.setup(turned))
-    }
-
-    /// The frames of the paper used upright and across, as far as the paper allows; never empty. Their usable areas are for the
-    /// content.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers either way.
-    pub fn both_ways(self) -> Result<Vec<PageFrame>, SheetError> {
-        let [upright, across] = [false, true].map(|turned| self.frame(turned));
-        match upright {
-            Ok(upright) => Ok([upright].into_iter().chain(across).collect()),
-            Err(error) => across.map(|across| vec![across]).map_err(|_| error),
-        }
-    }
-
-    /// A page on which a thing of some width and height has room with `quiet_mm` around it, and the thing's place in its middle;
-    /// `None` where it has none either way.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers.
-    pub fn with_room(
-        self,
-        (width_mm, height_mm): (f64, f64),
-        quiet_mm: f64,
-    ) -> Result<Option<(PageFrame, RectMm)>, SheetError> {
-        let fits = |page: &PageFrame| {
-            let (free_width, free_height) = page.usable_size();
-            width_mm <= free_width - 2.0 * quiet_mm && height_mm <= free_height - 2.0 * quiet_mm
-        };
-        let page = self.both_ways()?.into_iter().find(fits);
-        Ok(page.map(|page| (page, page.centred((width_mm, height_mm)))))
-    }
-}
 
 impl PageFrame {
     /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it

@@ -1,7 +1,7 @@
 //! Definitions of boards and their files.
 
 use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, definition};
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::Paper;
 
 #[test]

@@ -1,6 +1,6 @@
 //! Templates spread over sheets.
 
-use scaleproof_print::print::page::Media;
+use scaleproof_print::print::media::Media;
 use scaleproof_print::print::paper::{Orientation, Paper, Stock};
 use scaleproof_print::print::template::{LayoutRequest, layout};
 

@@ -88,7 +88,7 @@ impl Component {
             Store::Dense { all, entries } => {
                 let to = &mut all[64 * block..][..64];
                 to[0] = mean;
-                each_entry(&entries[..count.min(128)], 63, |place, value| to[place] = value);
+                each_entry(&entries[..count.min(128)], 63, to);
             }
             Store::Sparse { blocks, used, .. } => {
                 blocks[block] = SparseBlock {
@@ -118,20 +118,39 @@ impl Component {
         }
     }
 
-    /// Calls with every other value that is not zero and its place, up to the place `last`; says whether the block has any.
+    /// Gives every other value that is not zero and its place, up to the place `last`; says whether the block has any.
     #[inline(always)]
-    pub(super) fn each_other(&self, block: usize, last: usize, mut with: impl FnMut(usize, i16)) -> bool {
+    pub(super) fn each_other(&self, block: usize, last: usize, to: &mut impl Take) -> bool {
         match &self.store {
             Store::Sparse { blocks, values, .. } => {
                 let SparseBlock { start, count, .. } = blocks[block];
-                each_entry(&values[start as usize..][..usize::from(count)], last, with);
+                each_entry(&values[start as usize..][..usize::from(count)], last, to);
                 count > 0
             }
             Store::Dense { all, .. } => {
-                let others = (1..=last).zip(&all[64 * block + 1..]).filter(|(_, value)| **value != 0);
-                others.map(|(place, value)| with(place, *value)).count() > 0
+                let mut has_any = false;
+                for (place, value) in (1..=last).zip(&all[64 * block + 1..]) {
+                    if *value != 0 {
+                        to.take(place, *value);
+                        has_any = true;
+                    }
+                }
+                has_any
             }
         }
+    }
+}
+
+/// What takes the values of a block. A trait instead of a closure, since only a function can be told to become part of its caller, whose instructions
+/// for the processor's vectors it needs.
+pub(super) trait Take {
+    fn take(&mut self, place: usize, value: i16);
+}
+
+impl Take for [i16] {
+    #[inline(always)]
+    fn take(&mut self, place: usize, value: i16) {
+        self[place] = value;
     }
 }
 
@@ -169,7 +188,7 @@ impl Others<'_> {
 }
 
 #[inline(always)]
-fn each_entry(entries: &[u16], last: usize, mut with: impl FnMut(usize, i16)) {
+fn each_entry(entries: &[u16], last: usize, to: &mut (impl Take + ?Sized)) {
     let mut entries = entries.iter();
     while let Some(entry) = entries.next() {
         let place = usize::from(entry >> 10);
@@ -181,6 +200,6 @@ fn each_entry(entries: &[u16], last: usize, mut with: impl FnMut(usize, i16)) {
             // Ten bits with a sign.
             _ => ((entry << 6) as i16) >> 6,
         };
-        with(place, value);
+        to.take(place, value);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
-use super::coefficients::Component;
+use super::coefficients::{Component, Take};
 
 /// Where in a block, by rows, the coefficient of each place in the order of frequencies lies (T.81, figure A.6).
 pub(super) const ZIGZAG: [u8; 64] = [
@@ -25,6 +25,36 @@ pub(super) struct Transform<const N: usize> {
     mean_share: f32,
     /// The last place of the frequencies that count.
     last: usize,
+}
+
+/// Samples of the lowest frequencies.
+struct SumOfShares<'a, const N: usize> {
+    samples: [f32; N],
+    shares: &'a [[f32; N]],
+}
+
+impl<const N: usize> Take for SumOfShares<'_, N> {
+    #[inline(always)]
+    fn take(&mut self, place: usize, value: i16) {
+        let value = f32::from(value);
+        for (sample, share) in self.samples.iter_mut().zip(&self.shares[place & 63]) {
+            *sample += value * share;
+        }
+    }
+}
+
+/// The rows of a whole block, columns not yet transformed.
+struct RowSums<'a> {
+    rows: &'a mut [Lanes; 8],
+    shares: &'a [Lanes; 64],
+}
+
+impl Take for RowSums<'_> {
+    #[inline(always)]
+    fn take(&mut self, place: usize, value: i16) {
+        let row = &mut self.rows[(usize::from(ZIGZAG[place & 63]) / 8) & 7];
+        *row = sum(*row, times(self.shares[place & 63], f32::from(value)));
+    }
 }
 
 impl<const N: usize> Transform<N> {
@@ -61,14 +91,12 @@ impl<const N: usize> Transform<N> {
         if N == 64 {
             return self.whole(component, block, mean);
         }
-        let mut samples = [mean; N];
-        component.each_other(block, self.last, |place, value| {
-            let value = f32::from(value);
-            for (sample, share) in samples.iter_mut().zip(&self.shares[place & 63]) {
-                *sample += value * share;
-            }
-        });
-        samples.map(rounded)
+        let mut samples = SumOfShares {
+            samples: [mean; N],
+            shares: &self.shares,
+        };
+        component.each_other(block, self.last, &mut samples);
+        samples.samples.map(rounded)
     }
 
     /// Rows first, of those coefficients that are not zero; then all columns.
@@ -77,12 +105,11 @@ impl<const N: usize> Transform<N> {
         let mut rows = [[0.0_f32; 8]; 8];
         // The columns multiply it by [`C`] of 4.
         rows[0] = [mean / C[4]; 8];
-        let has_any = component.each_other(block, 63, |place, value| {
-            let value = f32::from(value);
-            let row = &mut rows[(usize::from(ZIGZAG[place & 63]) / 8) & 7];
-            *row = sum(*row, times(self.row_shares[place & 63], value));
-        });
-        if !has_any {
+        let mut to = RowSums {
+            rows: &mut rows,
+            shares: &self.row_shares,
+        };
+        if !component.each_other(block, 63, &mut to) {
             return [rounded(mean); N];
         }
         columns(&mut rows);

@@ -6,7 +6,7 @@ pub use scaleproof_pose::board::Definition;
 
 use super::SheetError;
 use super::frame::PageFrame;
-use super::page::Media;
+use super::media::Media;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::geometry::length::{self, BadLength};

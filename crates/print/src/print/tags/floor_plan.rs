@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::mat::{ARROW_MM, GREY, GroundWindow};
 use super::{TagPrintError, captions, family_name};
-use crate::print::page::Media;
+use crate::print::media::Media;
 use crate::print::shapes::{OutlineMm, stroke, stroked};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::cover::titled;

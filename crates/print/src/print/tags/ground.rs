@@ -9,7 +9,7 @@ use super::strip::{PlaceStrip, Standing};
 use super::{TagPrintError, TagRequest, piece};
 use crate::print::SheetError;
 use crate::print::frame::PageFrame;
-use crate::print::page::Media;
+use crate::print::media::Media;
 use crate::print::paper::Stock;
 use crate::print::shapes::{clipped, stroked};
 use crate::print::sheet::RectMm;

@@ -6,7 +6,7 @@ use super::mat::GroundWindow;
 use super::piece::CutPiece;
 use super::strip::{PlaceStrip, WIDTH_MM};
 use super::{Instead, LINE_MM, captions};
-use crate::print::page::Media;
+use crate::print::media::Media;
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::{SheetPlan, guides};
 use scaleproof_plot::lettering::width_mm;

@@ -4,7 +4,7 @@ use super::ground::Ground;
 use super::mat::{GREY, GroundWindow};
 use super::piece::PiecePage;
 use super::{Arrangement, TagPrintError, captions};
-use crate::print::page::Media;
+use crate::print::media::Media;
 use crate::print::shapes::{OutlineMm, stroked};
 use crate::print::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::cover::instructions;

@@ -20,7 +20,7 @@ pub use ground::Ground;
 use std::fmt;
 
 use super::SheetError;
-use super::page::Media;
+use super::media::Media;
 use super::sheet::{RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::spelling::{count, list};

@@ -2,8 +2,8 @@
 
 use super::{Instead, TagPrintError};
 use crate::print::frame::PageFrame;
+use crate::print::media::Media;
 use crate::print::pack::{self, Spot};
-use crate::print::page::Media;
 use crate::print::paper::Stock;
 use crate::print::sheet::{Mark, PointMm, RectMm};
 use scaleproof_plot::lettering::size;

@@ -4,7 +4,7 @@
 use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
 use crate::print::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
-use crate::print::page::Media;
+use crate::print::media::Media;
 use crate::print::ruler;
 use crate::print::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8, TextAnchor, WHITE};
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened, width_mm};

@@ -5,7 +5,7 @@
 
 use crate::print::SheetError;
 use crate::print::frame::PageFrame;
-use crate::print::page::Media;
+use crate::print::media::Media;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Stock};
 use crate::print::sheet::RectMm;
 use scaleproof_core::geometry::length;

@@ -16,7 +16,7 @@ pub use panel::{Face, PRINTED, PaintedSurface, Panel};
 pub use region::{Contour, Point, Region, corners};
 
 use super::SheetError;
-use super::page::Media;
+use super::media::Media;
 use super::paper::Orientation;
 use super::raster::RasterError;
 use super::sheet::Sheet;
