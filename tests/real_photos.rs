@@ -30,7 +30,10 @@ fn photos(set: &str) -> Vec<RealPhoto> {
     let mut photos = Vec::new();
     for (file, truth) in truth.as_object().unwrap() {
         let path: PathBuf = folder.join(file);
-        let Some(view) = truth["view"].as_array().filter(|_| path.exists() && file != WITHOUT_TRUTH) else {
+        let Some(view) = truth["view"]
+            .as_array()
+            .filter(|_| path.exists() && file != WITHOUT_TRUTH)
+        else {
             continue;
         };
         let scene = match truth["wall"].as_str() {
@@ -90,14 +93,17 @@ fn a_room_of_tags_on_paper_is_answered() {
 fn loose_paper_on_stairs_is_answered_and_every_whole_tag_is_used() {
     let photos = photos("veldrovive");
     assert_eq!(answered(&photos), photos.len());
-    let cut = photos.iter().flat_map(|photo| &photo.found.seen).filter(|tag| !tag.is_whole);
+    let cut = photos
+        .iter()
+        .flat_map(|photo| &photo.found.seen)
+        .filter(|tag| !tag.is_whole);
     // One tag of IMG_2031 touches the edge of the photo.
     assert_eq!(cut.map(|tag| tag.id).collect::<Vec<_>>(), [12]);
 }
 
 /// Each tag of each photo alone: errors within one, two and three of the stated σ, of how many numbers.
 fn alone(photos: &[RealPhoto]) -> ([f64; 3], u32, u32) {
-    let (mut within, mut numbers, mut tags) = ([0; 3], 0, 0);
+    let (mut within, mut numbers, mut tags) = ([0u32; 3], 0u32, 0u32);
     let mut wrong_bins = 0;
     for photo in photos {
         let camera = &photo.found.fitted.as_ref().unwrap().camera;

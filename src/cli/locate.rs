@@ -13,7 +13,10 @@ use scaleproof_core::{spelling, workers};
 use scaleproof_photo::copies;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
-use scaleproof_pose::locate::{Abstention, BinProbability, IgnoredTag, locate_photo, Located, LocatedPhoto, LocateFiles, MOST_LISTED, Rival, Sigma, Warning};
+use scaleproof_pose::locate::{
+    Abstention, BinProbability, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Rival, Sigma, Warning,
+    locate_photo,
+};
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
 use scaleproof_session::envelope::EnvelopeShape;

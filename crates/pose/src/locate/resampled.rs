@@ -27,8 +27,16 @@ impl Resampled {
     pub(super) fn new(only: &Match, noise_px: f64, scene: &Scene, camera: &Camera) -> Resampled {
         let mut rng = Pcg64Mcg::seed_from_u64(0);
         let viewpoint = |_| {
-            let corners_px = only.corners_px.map(|px| px.map(|v| v + noise_px * normal::draw(&mut rng)));
-            let pose = best_branch(&Match { corners_px, ..only.clone() }, camera)?;
+            let corners_px = only
+                .corners_px
+                .map(|px| px.map(|v| v + noise_px * normal::draw(&mut rng)));
+            let pose = best_branch(
+                &Match {
+                    corners_px,
+                    ..only.clone()
+                },
+                camera,
+            )?;
             Some(super::viewpoint(&pose, scene))
         };
         Resampled((0..DRAWS).filter_map(viewpoint).collect())

@@ -136,7 +136,11 @@ pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64
     let inverse = information.cholesky()?.inverse();
     let kept = |tag: &TagTerms| 8.0 - (inverse * tag.information).trace();
     let expected: f64 = tags.iter().map(|tag| tag.expected_px2 * kept(tag)).sum();
-    let ratio = if tags.len() > 1 { (squares / expected).min(1.0) } else { squares / expected };
+    let ratio = if tags.len() > 1 {
+        (squares / expected).min(1.0)
+    } else {
+        squares / expected
+    };
     let scale = (NOISE_WEIGHT + clipped.freedom * ratio) / (NOISE_WEIGHT + clipped.freedom);
     let displaced_mm2 = if tags.len() > 1 {
         let seen = |tag: &TagTerms| tag.displacement - (inverse * tag.displaced * tag.displaced.transpose()).trace();
@@ -158,7 +162,12 @@ pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64
 }
 
 fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<Vec<TagTerms>> {
-    let tags = corners.model_mm.as_chunks::<4>().0.iter().zip(corners.image_px.as_chunks::<4>().0);
+    let tags = corners
+        .model_mm
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .zip(corners.image_px.as_chunks::<4>().0);
     let terms = |(points, pixels): (&[Point3<f64>; 4], &[[f64; 2]; 4])| {
         let (mut information, mut displaced, mut displacement) = (Matrix6::zeros(), Matrix6x3::zeros(), 0.0);
         for point in points {

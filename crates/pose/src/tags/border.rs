@@ -67,7 +67,9 @@ const LEAST_OFF: f64 = 0.05;
 
 /// Grey levels along a square ring, `depth` (share of the side) inside the outline; `None` when it leaves the image.
 pub(super) fn ring(grey: &GrayImage, homography: &TagHomography, depth: f64) -> Option<Vec<f64>> {
-    places(depth).map(|(u, v)| level(grey, homography.pixel(u, v))).collect()
+    places(depth)
+        .map(|(u, v)| level(grey, homography.pixel(u, v)))
+        .collect()
 }
 
 /// Where a ring is sampled, in the outline's unit square.

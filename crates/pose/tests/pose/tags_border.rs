@@ -82,7 +82,10 @@ fn a_covered_corner_is_noticed_in_uneven_light() {
             let inwards = |v: f64| if v < 40.0 { v + 6.0 } else { v - 6.0 };
             found[corner] = found[corner].map(inwards);
             assert!(!is_whole(&image, &found, 8.0), "corner {corner}, level {level}");
-            assert!(!is_whole(&image, &corners, 8.0), "corner {corner} where it is, level {level}");
+            assert!(
+                !is_whole(&image, &corners, 8.0),
+                "corner {corner} where it is, level {level}"
+            );
         }
     }
 }

@@ -232,7 +232,11 @@ fn chessboard(grey: &GrayImage, image: &Mat, inner_corners: [u32; 2]) -> opencv:
             _ => sectors(&mat(&grey.reduced(factor))?, inner_corners)?,
         };
         if !found.is_empty() {
-            return if factor == 1 { Ok(numbered(found)) } else { saddles(image, &found, factor) };
+            return if factor == 1 {
+                Ok(numbered(found))
+            } else {
+                saddles(image, &found, factor)
+            };
         }
     }
     Ok(Vec::new())
@@ -259,7 +263,9 @@ fn saddles(image: &Mat, found: &[[f64; 2]], factor: u32) -> opencv::Result<Vec<S
     let mut corners = Vec::new();
     for (id, place) in found.iter().enumerate() {
         let others = found.iter().enumerate().filter(|(other, _)| *other != id);
-        let free_px = others.map(|(_, px)| distance(*px, *place)).fold(f64::INFINITY, f64::min);
+        let free_px = others
+            .map(|(_, px)| distance(*px, *place))
+            .fold(f64::INFINITY, f64::min);
         let guess = enlarged(*place, factor);
         corners.extend(refined(image, guess, free_px * f64::from(factor))?.map(|px| SeenCorner { id, px }));
     }
