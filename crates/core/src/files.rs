@@ -89,7 +89,9 @@ pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> 
     }
     let mut bytes = Vec::new();
     if about.len() <= most_bytes {
-        // It may grow meanwhile.
+        // Room for all of it, so that nothing is copied while it grows; it may grow meanwhile.
+        let no_room = |_| FileError::cannot_read(path, "the memory does not suffice for it");
+        bytes.try_reserve_exact(about.len() as usize + 1).map_err(no_room)?;
         let file = File::open(path).map_err(failed)?;
         file.take(most_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
     }

@@ -15,8 +15,7 @@ use clap::Subcommand;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::cli::answer::answer;
-use crate::cli::answer::{Named, named};
+use crate::cli::answer::{Named, answer, named};
 use crate::cli::{CommandResult, Outcome, Result, advice, full};
 use scaleproof_detect::{Manifest, WeightFolders, WeightsError, registered, registered_names};
 use scaleproof_photo::photo::Photo;

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use super::EvaluateError;
 use scaleproof_core::files;
@@ -18,6 +17,14 @@ pub struct RenderedFigures {
     /// AP@0.5 over these photos, and in `hit_rate` the share of them in which the model is found.
     pub ap50: f64,
     pub hit_rate: f64,
+}
+
+/// A pattern as `RenderPaint::identity` writes it; other paints have other keys there.
+#[derive(Deserialize)]
+struct Paint {
+    name: String,
+    sha256: String,
+    tile_mm: f64,
 }
 
 #[derive(Deserialize)]
@@ -101,13 +108,13 @@ fn summary_of(evaluation: &Path) -> Result<Summary, EvaluateError> {
     possible.map_err(|reason| EvaluateError::NotFinished { path, reason })
 }
 
-/// The name under which a pattern was rendered, as `RenderPaint::identity` wrote it; other paints have other keys.
+/// The name under which a pattern was rendered.
 fn variant(evaluation: &Path, sha256: &str, tile_mm: f64) -> Option<String> {
     let folders = std::fs::read_dir(evaluation.join("session").join("photos")).ok()?;
     let paints = folders.flatten().filter_map(|folder| {
         let text = files::read_text(&folder.path().join("paint.json")).ok()?;
-        serde_json::from_str::<Value>(&text).ok()
+        serde_json::from_str::<Paint>(&text).ok()
     });
-    let mut same = paints.filter(|paint| paint["sha256"] == sha256 && paint["tile_mm"].as_f64() == Some(tile_mm));
-    same.next()?["name"].as_str().map(str::to_owned)
+    let mut same = paints.filter(|paint| paint.sha256 == sha256 && paint.tile_mm == tile_mm);
+    same.next().map(|paint| paint.name)
 }

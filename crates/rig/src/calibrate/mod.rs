@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, Point3};
 
-use scaleproof_core::workers;
+use scaleproof_core::{files, workers};
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::Camera;
@@ -142,8 +142,7 @@ pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -
 }
 
 fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, UnusedPhoto> {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    let file = name.to_string_lossy().into_owned();
+    let file = files::name_of(path);
     let out = |e: &dyn std::error::Error| UnusedPhoto {
         file: file.clone(),
         reason: e.to_string(),

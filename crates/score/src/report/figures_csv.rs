@@ -4,76 +4,75 @@ use serde_json::{Value, json};
 
 use super::{ReportError, Row, csv_of};
 use crate::score::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
+use scaleproof_pose::scene::Bin;
 
 pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
     csv_of(scores.summaries.iter().flat_map(|s| rows(scores, s)))
 }
 
-/// A group of photos: its kind, the columns that name it, and what is known of it. The kind is `all`, `azimuth`, `cell` (azimuth × pitch × distance),
-/// `place` or `condition`.
-type Group<'a> = (
-    &'static str,
-    Vec<(&'static str, Value)>,
-    Option<&'a Figures>,
-    Option<Drop>,
-    Option<Asr>,
-);
-
-fn rows<'a>(scores: &Scores, s: &'a Summary) -> Vec<Row<'a>> {
-    let all = ("all", Vec::new(), Some(&s.overall), s.drop, s.asr);
-    let azimuths = s.azimuth_bins.iter().map(|b| -> Group {
-        let about = vec![("bin_azimuth_deg", json!(b.azimuth_deg))];
-        ("azimuth", about, b.figures.as_ref(), b.drop, None)
-    });
-    let cells = s.cells.iter().map(|c| -> Group {
-        let about = vec![
-            ("bin_azimuth_deg", json!(c.bin.azimuth_deg)),
-            ("bin_pitch_deg", json!(c.bin.pitch_deg)),
-            ("bin_distance_mm", json!(c.bin.distance_mm)),
-        ];
-        ("cell", about, Some(&c.figures), c.drop, None)
-    });
-    let places = s.places.iter().map(|p| -> Group {
-        let about = vec![("place", json!(p.place))];
-        ("place", about, Some(&p.figures), p.drop, None)
-    });
-    let conditions = s.conditions.iter().map(|c| -> Group {
-        let about = vec![("condition", json!(c.condition)), ("value", json!(c.value))];
-        ("condition", about, Some(&c.figures), c.drop, c.asr)
-    });
-    let groups = azimuths.chain(cells).chain(places).chain(conditions);
-    [all].into_iter().chain(groups).map(|g| row(scores, s, g)).collect()
+/// A group of photos, and what is known of it.
+#[derive(Default)]
+struct Group<'a> {
+    /// `all`, `azimuth`, `cell` (azimuth × pitch × distance), `place` or `condition`.
+    kind: &'static str,
+    azimuth_deg: Option<f64>,
+    cell: Option<Bin>,
+    place: Option<&'a str>,
+    condition: Option<[&'a str; 2]>,
+    figures: Option<&'a Figures>,
+    drop: Option<Drop>,
+    asr: Option<Asr>,
 }
 
-/// The columns that name a group; those of other kinds are empty.
-const ABOUT: [&str; 6] = [
-    "bin_azimuth_deg",
-    "bin_pitch_deg",
-    "bin_distance_mm",
-    "place",
-    "condition",
-    "value",
-];
+fn rows<'a>(scores: &Scores, s: &'a Summary) -> Vec<Row<'a>> {
+    let group = |kind, figures, drop| Group {
+        kind,
+        figures,
+        drop,
+        ..Group::default()
+    };
+    let all = Group {
+        asr: s.asr,
+        ..group("all", Some(&s.overall), s.drop)
+    };
+    let azimuths = s.azimuth_bins.iter().map(|b| Group {
+        azimuth_deg: Some(b.azimuth_deg),
+        ..group("azimuth", b.figures.as_ref(), b.drop)
+    });
+    let cells = s.cells.iter().map(|c| Group {
+        azimuth_deg: Some(c.bin.azimuth_deg),
+        cell: Some(c.bin),
+        ..group("cell", Some(&c.figures), c.drop)
+    });
+    let places = s.places.iter().map(|p| Group {
+        place: p.place.as_deref(),
+        ..group("place", Some(&p.figures), p.drop)
+    });
+    let conditions = s.conditions.iter().map(|c| Group {
+        condition: Some([&c.condition, &c.value]),
+        asr: c.asr,
+        ..group("condition", Some(&c.figures), c.drop)
+    });
+    let groups = azimuths.chain(cells).chain(places).chain(conditions);
+    [all].into_iter().chain(groups).map(|g| row(scores, s, &g)).collect()
+}
 
 /// The line of a group; one without photos has no figures but its zero.
-fn row<'a>(scores: &Scores, s: &Summary, (kind, about, figures, drop, asr): Group) -> Row<'a> {
+fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
     let criteria = &scores.criteria;
-    let figure = |of: fn(&Figures) -> f64| json!(figures.map(of));
-    let drop = |of: fn(&Drop) -> f64| json!(drop.as_ref().map(of));
-    let named = |column| {
-        about
-            .iter()
-            .find(|(name, _)| *name == column)
-            .map(|(_, value)| value.clone())
-    };
+    let figure = |of: fn(&Figures) -> f64| json!(g.figures.map(of));
+    let drop = |of: fn(&Drop) -> f64| json!(g.drop.as_ref().map(of));
     let mut row = vec![
         ("detector", json!(s.detector)),
         ("variant", json!(s.variant)),
-        ("group", json!(kind)),
-    ];
-    row.extend(ABOUT.map(|column| (column, named(column).unwrap_or_default())));
-    row.extend([
-        ("photos", json!(figures.map_or(0, |f| f.photos))),
+        ("group", json!(g.kind)),
+        ("bin_azimuth_deg", json!(g.azimuth_deg)),
+        ("bin_pitch_deg", json!(g.cell.map(|bin| bin.pitch_deg))),
+        ("bin_distance_mm", json!(g.cell.map(|bin| bin.distance_mm))),
+        ("place", json!(g.place)),
+        ("condition", json!(g.condition.map(|[name, _]| name))),
+        ("value", json!(g.condition.map(|[_, value]| value))),
+        ("photos", json!(g.figures.map_or(0, |f| f.photos))),
         ("protocol", json!(criteria.protocol.map(Protocol::name))),
         ("ap_definition", json!(criteria.ap.name())),
         ("ap50", figure(|f| f.ap50)),
@@ -81,7 +80,7 @@ fn row<'a>(scores: &Scores, s: &Summary, (kind, about, figures, drop, asr): Grou
         ("mar50", figure(|f| f.mar50)),
         ("mar", figure(|f| f.mar)),
         ("hit_confidence", json!(criteria.hit_confidence)),
-    ]);
+    ];
     let hit = ["hits", "hit_rate", "hit_rate_low", "hit_rate_high"];
     let misclassified = [
         "misclassified",
@@ -95,9 +94,9 @@ fn row<'a>(scores: &Scores, s: &Summary, (kind, about, figures, drop, asr): Grou
         "disappearance_rate_low",
         "disappearance_rate_high",
     ];
-    row.extend(rate(hit, figures.map(|f| f.hit_rate)));
-    row.extend(rate(misclassified, figures.map(|f| f.misclassification_rate)));
-    row.extend(rate(disappeared, figures.map(|f| f.disappearance_rate)));
+    row.extend(rate(hit, g.figures.map(|f| f.hit_rate)));
+    row.extend(rate(misclassified, g.figures.map(|f| f.misclassification_rate)));
+    row.extend(rate(disappeared, g.figures.map(|f| f.disappearance_rate)));
     row.extend([
         ("hallucinations_per_image", figure(|f| f.hallucinations_per_image)),
         ("false_positives_per_image", figure(|f| f.false_positives_per_image)),
@@ -107,9 +106,9 @@ fn row<'a>(scores: &Scores, s: &Summary, (kind, about, figures, drop, asr): Grou
         ("drop_hit_rate", drop(|d| d.hit_rate)),
         ("drop_mean_confidence", drop(|d| d.mean_confidence)),
         ("drop_median_confidence", drop(|d| d.median_confidence)),
-        ("asr_ap50", json!(asr.and_then(|a| a.ap50))),
-        ("asr_mar50", json!(asr.and_then(|a| a.mar50))),
-        ("asr_hit_rate", json!(asr.and_then(|a| a.hit_rate))),
+        ("asr_ap50", json!(g.asr.and_then(|a| a.ap50))),
+        ("asr_mar50", json!(g.asr.and_then(|a| a.mar50))),
+        ("asr_hit_rate", json!(g.asr.and_then(|a| a.hit_rate))),
     ]);
     row
 }

@@ -12,12 +12,12 @@ pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) ->
 
 /// A finding as people say it.
 pub(super) fn in_words(finding: Finding) -> &'static str {
-    [
-        "a drop",
-        "a rise",
-        "no difference shown, one of 0.2 is excluded",
-        "too few photos to tell",
-    ][finding as usize]
+    match finding {
+        Finding::Drop => "a drop",
+        Finding::Rise => "a rise",
+        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
+        Finding::TooFewPhotosToTell => "too few photos to tell",
+    }
 }
 
 /// A finding in a few words, without its explanation.

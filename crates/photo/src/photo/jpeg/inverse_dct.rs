@@ -81,12 +81,12 @@ impl<const N: usize> Transform<N> {
         }
     }
 
-    /// The samples of a block, 0 to 255.
+    /// The samples of a block, not yet [`rounded`].
     #[inline(always)]
-    pub(super) fn samples(&self, component: &Component, block: usize) -> [u8; N] {
+    pub(super) fn samples(&self, component: &Component, block: usize) -> [f32; N] {
         let mean = f32::from(component.mean(block)) * self.mean_share + MIDDLE;
         if N == 1 {
-            return [rounded(mean); N];
+            return [mean; N];
         }
         if N == 64 {
             return self.whole(component, block, mean);
@@ -96,12 +96,12 @@ impl<const N: usize> Transform<N> {
             shares: &self.shares,
         };
         component.each_other(block, self.last, &mut samples);
-        samples.samples.map(rounded)
+        samples.samples
     }
 
     /// Rows first, of those coefficients that are not zero; then all columns.
     #[inline(always)]
-    fn whole(&self, component: &Component, block: usize, mean: f32) -> [u8; N] {
+    fn whole(&self, component: &Component, block: usize, mean: f32) -> [f32; N] {
         let mut rows = [[0.0_f32; 8]; 8];
         // The columns multiply it by [`C`] of 4.
         rows[0] = [mean / C[4]; 8];
@@ -110,13 +110,11 @@ impl<const N: usize> Transform<N> {
             shares: &self.row_shares,
         };
         if !component.each_other(block, 63, &mut to) {
-            return [rounded(mean); N];
+            return [mean; N];
         }
         columns(&mut rows);
-        let mut samples = [0; N];
-        for (to, row) in samples.chunks_exact_mut(8).zip(rows) {
-            to.copy_from_slice(&row.map(rounded));
-        }
+        let mut samples = [0.0; N];
+        samples.copy_from_slice(rows.as_flattened());
         samples
     }
 }
@@ -128,7 +126,7 @@ const MIDDLE: f32 = 128.0 + 1.0 / 1024.0;
 /// To the next whole number of 0 to 255. Adding 1.5 · 2²³ leaves a whole number in the lowest bits of a float, which takes fewer steps than
 /// `as u8`.
 #[inline(always)]
-fn rounded(value: f32) -> u8 {
+pub(super) fn rounded(value: f32) -> u8 {
     const WHOLE: f32 = 12_582_912.0;
     let whole = (value + WHOLE).to_bits() as i32 - WHOLE.to_bits() as i32;
     whole.clamp(0, 255) as u8

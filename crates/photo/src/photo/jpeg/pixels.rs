@@ -8,7 +8,7 @@ use image::{GrayImage, RgbImage};
 use super::coefficients::Component;
 use super::colour;
 use super::frame::Colours;
-use super::inverse_dct::Transform;
+use super::inverse_dct::{Transform, rounded};
 use super::read::Coefficients;
 use super::upsample;
 
@@ -298,10 +298,22 @@ fn fill_across<const N: usize, const ACROSS: usize>(
     to: &mut [u8],
 ) {
     let stride = blocks.len() * ACROSS;
-    for (column, block) in blocks.enumerate() {
-        let samples = transform.samples(component, block);
-        for (row, samples) in samples.as_chunks::<ACROSS>().0.iter().enumerate() {
-            to[row * stride + column * ACROSS..][..ACROSS].copy_from_slice(samples);
+    let (mut values, mut samples) = ([[0.0; N]; AT_ONCE], [[0; N]; AT_ONCE]);
+    for first in (0..blocks.len()).step_by(AT_ONCE) {
+        let count = AT_ONCE.min(blocks.len() - first);
+        for (block, values) in (blocks.start + first..).zip(&mut values[..count]) {
+            *values = transform.samples(component, block);
+        }
+        for (sample, value) in samples.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
+            *sample = rounded(*value);
+        }
+        for (column, samples) in (first..).zip(&samples[..count]) {
+            for (row, samples) in samples.as_chunks::<ACROSS>().0.iter().enumerate() {
+                to[row * stride + column * ACROSS..][..ACROSS].copy_from_slice(samples);
+            }
         }
     }
 }
+
+/// Blocks whose samples are rounded in one loop, which the compiler makes vectors of.
+const AT_ONCE: usize = 16;
