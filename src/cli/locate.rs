@@ -71,9 +71,9 @@ pub(in crate::cli) struct OutputLine {
     bin: Option<Bin>,
     /// That the bin is the right one, 0 to 1.
     bin_probability: Option<f64>,
-    /// Of a lone tag: its other pose.
+    /// Of a lone tag, also of one that gives no pose: its other pose.
     rival: Option<Rival>,
-    /// Of a lone tag: the bins it may be in, the most probable first.
+    /// Of a lone tag, also of one that gives no pose: the bins it may have been seen from, the most probable first.
     bins: Vec<BinProbability>,
     warnings: Vec<Warning>,
     /// Ids of the tags that the pose rests on.
@@ -291,6 +291,10 @@ fn draw(answers: &Answered, places: &[PathBuf], files: &LocateFiles) -> Result<(
 
 fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
     let found = located(answer);
+    let lone = answer.as_ref().ok().and_then(|examined| match &examined.result {
+        Ok(found) => found.lone.as_ref(),
+        Err(abstention) => abstention.lone(),
+    });
     let fitted = answer.as_ref().ok().and_then(|examined| examined.fitted.as_ref().ok());
     let reason = match answer {
         Ok(examined) => examined.result.as_ref().err().map(Abstention::to_string),
@@ -307,8 +311,8 @@ fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
         sigma: found.map(|l| l.sigma),
         bin: found.map(|l| l.bin),
         bin_probability: found.map(|l| l.bin_probability),
-        rival: found.and_then(|l| l.rival),
-        bins: found.map(|l| l.bins.clone()).unwrap_or_default(),
+        rival: lone.and_then(|lone| lone.rival),
+        bins: lone.map(|lone| lone.bins.clone()).unwrap_or_default(),
         warnings: found.map(|l| l.warnings.clone()).unwrap_or_default(),
         tags: found.map(|l| l.tags.clone()).unwrap_or_default(),
         ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),

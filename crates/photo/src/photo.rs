@@ -27,7 +27,7 @@ use jpeg::{Coefficients, Colours};
 use luma::JpegLuma;
 pub use luma::Luma;
 pub use problem::DecodeProblem;
-pub use resize::{boxed, fitting, opencv_linear, shrunk};
+pub use resize::{boxed, doubled, fitting, opencv_linear, shrunk};
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

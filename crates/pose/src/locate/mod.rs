@@ -6,6 +6,7 @@ mod consensus;
 pub mod diagnosis;
 mod doubt;
 mod factor;
+mod lone_tag;
 mod matches;
 mod photo;
 mod plain_view;
@@ -33,6 +34,7 @@ pub use abstention::Abstention;
 pub use alike::{LocateFiles, MOST_LISTED};
 pub use diagnosis::Diagnosis;
 pub use factor::spread;
+pub use lone_tag::{BinProbability, LoneTag, Rival};
 pub use matches::{Ignored, IgnoredTag, area_px};
 pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
 pub use planar::planar_branches;
@@ -55,10 +57,8 @@ pub struct Located {
     pub bin: Bin,
     /// The probability that the bin is the right one.
     pub bin_probability: f64,
-    /// The best different pose of a lone tag.
-    pub rival: Option<Rival>,
-    /// Of a lone tag, the bins it may be in, the most probable first; empty where several tags were used.
-    pub bins: Vec<BinProbability>,
+    /// What remains open where the pose rests on one tag.
+    pub lone: Option<LoneTag>,
     /// What weakens the answer.
     pub warnings: Vec<Warning>,
     /// Ids of the tags the pose rests on, ascending.
@@ -69,25 +69,6 @@ pub struct Located {
     pub rms_px: f64,
 }
 
-/// Another pose that a lone tag allows.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Rival {
-    /// Its viewpoint, with the next two.
-    pub azimuth_deg: f64,
-    pub pitch_deg: f64,
-    pub distance_mm: f64,
-    /// How likely it is relative to the pose that is given, by the residuals of both: 0 to 1.
-    pub likelihood: f64,
-}
-
-/// A bin and how probable it is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct BinProbability {
-    pub bin: Bin,
-    /// From 0 to 1.
-    pub probability: f64,
-}
-
 /// What weakens a pose (explained in codes.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -96,6 +77,8 @@ pub enum Warning {
     NearBinEdge,
     /// The tags agree with each other worse than tags do in a good photo by a right camera: a crop, another camera, a bent card.
     PoorFit,
+    /// A lone tag leaves its pose open, and only the bin is sure: the other pose (`rival`) is in the same one.
+    OpenPose,
 }
 
 /// A bin less probable than this is given with a warning.
@@ -126,7 +109,7 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
     let corners = Corners::new(&matches);
-    let (best, uncertainty) = finished(solver, &best, &corners, camera).ok_or(Abstention::Degenerate {
+    let (best, mut uncertainty) = finished(solver, &best, &corners, camera).ok_or(Abstention::Degenerate {
         sigma_deg: 180.0,
         edge_deg: 0.0,
     })?;
@@ -134,13 +117,27 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
     let bin = scene.bins.bin_of(&viewpoint);
     let likelihood = |rival: &PoseCandidate| uncertainty.likelihood(rival, &best, corners.image_px.len());
-    let mut bins = Vec::new();
+    let mut lone = None;
     let (sigma, bin_probability) = if let [only] = &matches[..] {
         let resampled = Resampled::new(only, uncertainty.noise_px, scene, camera);
-        let settled = doubt::settled_alone(only, (&best, rival.as_ref()), &resampled, &viewpoint, &scene.bins)?;
+        let left_open = LoneTag {
+            rival: rival
+                .as_ref()
+                .map(|rival| Rival::new(rival.pose, &self::viewpoint(&rival.pose, scene), likelihood(rival))),
+            bins: resampled.bins(&scene.bins),
+        };
+        doubt::settled_alone(
+            only,
+            (&best, rival.as_ref()),
+            &resampled,
+            &viewpoint,
+            &scene.bins,
+            &left_open,
+        )?;
         plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
-        bins = resampled.bins(&scene.bins);
-        settled
+        lone = Some(left_open);
+        uncertainty.covariance = resampled.covariance(&best.pose).unwrap_or(uncertainty.covariance);
+        (resampled.sigma(&viewpoint), resampled.share_in(&bin, &scene.bins))
     } else {
         let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
         if has_outliers && is_poor_fit {
@@ -156,17 +153,9 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         });
         (sigma, with_rival)
     };
-    let rival = rival.filter(|_| matches.len() == 1).map(|rival| {
-        let from = self::viewpoint(&rival.pose, scene);
-        Rival {
-            azimuth_deg: from.azimuth_deg,
-            pitch_deg: from.pitch_deg,
-            distance_mm: from.distance_mm,
-            likelihood: likelihood(&rival),
-        }
-    });
     let near_edge = (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge);
     let poor_fit = is_poor_fit.then_some(Warning::PoorFit);
+    let open_pose = doubt::is_open(&sigma).then_some(Warning::OpenPose);
     let mut tags: Vec<u32> = matches.iter().map(|m| m.tag.id).collect();
     tags.sort_unstable();
     Ok(Located {
@@ -176,9 +165,8 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         sigma,
         bin,
         bin_probability,
-        rival,
-        bins,
-        warnings: near_edge.into_iter().chain(poor_fit).collect(),
+        lone,
+        warnings: near_edge.into_iter().chain(poor_fit).chain(open_pose).collect(),
         tags,
         ignored_tags,
         rms_px: best.rms_px,

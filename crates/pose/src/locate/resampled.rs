@@ -3,30 +3,31 @@
 //! Eight numbers and six unknowns: the two branches of a planar target exchange places, and near to frontal the tilt enters by its square. First
 //! derivatives at one pose know neither.
 
+use nalgebra::Matrix6;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use super::BinProbability;
+use super::lone_tag::BinProbability;
 use super::matches::{Corners, Match};
 use super::planar::planar_branches;
 use super::refine::{self, NO_HUBER};
 use super::uncertainty::Sigma;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Scene, Viewpoint, corners_in_tag_mm};
-use scaleproof_core::geometry::{Rigid, angle::turn};
+use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
 use scaleproof_core::statistics::normal;
 
 /// So many poses tell a share of 1 in 100 from none.
 const DRAWS: usize = 200;
 
-/// The viewpoints that a lone tag might have been seen from.
-pub(super) struct Resampled(Vec<Viewpoint>);
+/// The poses that a lone tag might have been seen from, each with its viewpoint.
+pub(super) struct Resampled(Vec<(Rigid, Viewpoint)>);
 
 impl Resampled {
     /// By normal noise of `noise_px` per axis about the corners that were seen. The same for the same tag.
     pub(super) fn new(only: &Match, noise_px: f64, scene: &Scene, camera: &Camera) -> Resampled {
         let mut rng = Pcg64Mcg::seed_from_u64(0);
-        let viewpoint = |_| {
+        let pose = |_| {
             let corners_px = only
                 .corners_px
                 .map(|px| px.map(|v| v + noise_px * normal::draw(&mut rng)));
@@ -37,16 +38,25 @@ impl Resampled {
                 },
                 camera,
             )?;
-            Some(super::viewpoint(&pose, scene))
+            Some((pose, super::viewpoint(&pose, scene)))
         };
-        Resampled((0..DRAWS).filter_map(viewpoint).collect())
+        Resampled((0..DRAWS).filter_map(pose).collect())
+    }
+
+    /// Covariance of the step from a pose to the true one; `None` without a pose.
+    pub(super) fn covariance(&self, from: &Rigid) -> Option<Matrix6<f64>> {
+        let squares = self.0.iter().map(|(pose, _)| {
+            let step = rigid::step_between(from, pose);
+            step * step.transpose()
+        });
+        (!self.0.is_empty()).then(|| squares.sum::<Matrix6<f64>>() / self.0.len() as f64)
     }
 
     /// Root mean square differences from a viewpoint; infinite without a pose.
     pub(super) fn sigma(&self, from: &Viewpoint) -> Sigma {
         let rms = |off: &dyn Fn(&Viewpoint) -> f64| match self.0.len() {
             0 => f64::INFINITY,
-            count => (self.0.iter().map(|v| off(v).powi(2)).sum::<f64>() / count as f64).sqrt(),
+            count => (self.0.iter().map(|(_, v)| off(v).powi(2)).sum::<f64>() / count as f64).sqrt(),
         };
         Sigma {
             azimuth_deg: rms(&|v| turn(from.azimuth_deg, v.azimuth_deg)),
@@ -68,7 +78,7 @@ impl Resampled {
 
     /// The bins of at least one pose, the most probable first.
     pub(super) fn bins(&self, bins: &Bins) -> Vec<BinProbability> {
-        let mut all: Vec<Bin> = self.0.iter().map(|v| bins.bin_of(v)).collect();
+        let mut all: Vec<Bin> = self.0.iter().map(|(_, v)| bins.bin_of(v)).collect();
         all.sort_unstable();
         let probability = |same: &[Bin]| BinProbability {
             bin: same[0],
@@ -80,7 +90,7 @@ impl Resampled {
     }
 
     fn share(&self, has: impl Fn(&Viewpoint) -> bool) -> f64 {
-        let with = self.0.iter().filter(|v| has(v)).count();
+        let with = self.0.iter().filter(|(_, v)| has(v)).count();
         (with as f64 + 0.5) / (self.0.len() as f64 + 1.0)
     }
 }
