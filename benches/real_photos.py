@@ -9,6 +9,7 @@ PHOTOS holds a folder a set with its camera.yaml, scenes and truth.json (photo -
 
 import functools
 import json
+import os
 import statistics
 import subprocess
 import sys
@@ -51,11 +52,14 @@ def sessions(photos, out):
         for scene, entries in photos_of(photos / name).items():
             folder = out / scene.stem / name
             folder.mkdir(parents=True, exist_ok=True)
-            stored = [{"file": str(path), "variant": "normal"} for path, _ in entries]
-            session = {"scene": str(scene), "camera": str(scene.parent / "camera.yaml"), "photos": stored}
+            for path in [scene, scene.parent / "camera.yaml", *(path for path, _ in entries)]:
+                (folder / path.name).unlink(missing_ok=True)
+                (folder / path.name).symlink_to(path)
+            stored = [{"file": path.name, "variant": "normal"} for path, _ in entries]
+            session = {"scene": scene.name, "camera": "camera.yaml", "photos": stored}
             (folder / "session.json").write_text(json.dumps(session))
             views = [dict(zip(["azimuth_deg", "pitch_deg", "distance_mm"], truth["view"])) for _, truth in entries]
-            known = [view | {"file": str(path), "sigma": sigma} for view, (path, _) in zip(views, entries)]
+            known = [view | {"file": path.name, "sigma": sigma} for view, (path, _) in zip(views, entries)]
             (folder / "truth.json").write_text(json.dumps({"photos": known}))
 
 
@@ -71,7 +75,7 @@ def ours(program, scene, paths):
     return answers
 
 
-# C AprilTag's memory does not survive many detectors one after the other.
+# C AprilTag's memory does not survive that several detectors end: each is made once, and the program ends without ending them.
 finder = functools.cache(finder)
 
 
@@ -162,7 +166,7 @@ def table(photos, program):
 def sigma(charts, _):
     """A row a material, a column a number of tags: shares over azimuth, pitch and distance, the poses, and the wrong ones of the bins that were sure."""
     rows = json.loads((charts / "sigma.json").read_text())["rows"]
-    print("| errors within 1 / 2 / 3 σ, % (poses; sure bins wrong) | one tag | two tags | three tags | four or more |")
+    print("| errors within 1 / 2 / 3 σ, % (poses of views; wrong of the bins stated with 99 % or more) | one tag | two tags | three tags | four or more |")
     print("|---|---|---|---|---|")
     print("| normal errors" + " | 68 / 95 / 99.7" * 4 + " |")
     for material in dict.fromkeys(row["material"] for row in rows):
@@ -198,3 +202,5 @@ if __name__ == "__main__":
     what, photos, other = sys.argv[1:]
     photos, other = Path(photos).resolve(), Path(other).resolve()
     {"sessions": sessions, "sigma": sigma, "table": table}[what](photos, other)
+    sys.stdout.flush()
+    os._exit(0)
