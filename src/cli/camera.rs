@@ -12,7 +12,7 @@ use super::{CommandResult, Outcome, Result};
 use crate::cli::answer::told;
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
-use scaleproof_pose::camera::{Camera, CameraFormat};
+use scaleproof_pose::camera::{Camera, CameraFormat, DistortionModel};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -26,7 +26,7 @@ pub(crate) enum Command {
 
 #[derive(clap::Args)]
 pub(crate) struct ConvertArgs {
-    /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal
+    /// Camera file: YAML or XML of OpenCV, YAML of ROS camera_info or Kalibr, or a .cameramodel of mrcal; with a pinhole or fisheye lens
     input: PathBuf,
     /// The camera file to write
     #[arg(short, long, value_name = "FILE")]
@@ -91,11 +91,6 @@ fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
     Ok(files::write_atomically(path, text.as_bytes())?)
 }
 
-/// The field of view of a side in px, degrees, without distortion.
-fn field_deg(side: u32, focal_px: f64) -> f64 {
-    2.0 * (f64::from(side) / 2.0 / focal_px).atan().to_degrees()
-}
-
 /// `camera show --json`.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct Answer {
@@ -107,10 +102,12 @@ pub(super) struct Answer {
     centre_px: [f64; 2],
     /// Standard deviations of fx, fy, cx, cy.
     sigma_px: Option<[f64; 4]>,
-    /// Across and down, without distortion.
+    /// Across and down, without distortion: of a pinhole, or of an ideal fisheye.
     field_of_view_deg: [f64; 2],
-    /// k1, k2, p1, p2, k3, k4, k5, k6.
-    distortion: [f64; 8],
+    /// k1, k2, p1, p2, k3, k4, k5, k6; `null` for a fisheye.
+    distortion: Option<Vec<f64>>,
+    /// k1, k2, k3, k4 of a fisheye; `null` for other lenses.
+    fisheye: Option<Vec<f64>>,
     /// How far a guessed focal length may be off.
     guessed_focal_percent: Option<f64>,
 }
@@ -121,14 +118,15 @@ fn json(camera: &Camera) -> Answer {
         focal_px: [camera.fx, camera.fy],
         centre_px: [camera.cx, camera.cy],
         sigma_px: camera.sigma_px,
-        field_of_view_deg: [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)],
-        distortion: *camera.distortion(),
+        field_of_view_deg: camera.field_of_view_deg(),
+        distortion: (!camera.is_fisheye()).then(|| camera.distortion().to_vec()),
+        fisheye: camera.is_fisheye().then(|| camera.distortion().to_vec()),
         guessed_focal_percent: camera.guess.map(|guess| guess.focal_percent),
     }
 }
 
 fn in_words(camera: &Camera) -> String {
-    let [across, down] = [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)];
+    let [across, down] = camera.field_of_view_deg();
     let sigma =
         |[fx, fy, cx, cy]: [f64; 4]| format!("± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px\n");
     let mut words = format!(
@@ -156,16 +154,14 @@ fn in_words(camera: &Camera) -> String {
 
 /// The coefficients that are not zero, by name.
 fn lens_model(camera: &Camera) -> String {
-    let names = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
-    let named = names
-        .iter()
-        .zip(camera.distortion())
-        .filter(|(_, value)| **value != 0.0);
+    let names = camera.distortion_model().names().iter();
+    let named = names.zip(camera.distortion()).filter(|(_, value)| **value != 0.0);
     let terms: Vec<String> = named.map(|(name, value)| format!("{name} {value}")).collect();
-    if terms.is_empty() {
-        "pinhole without distortion".into()
-    } else {
-        format!("Brown–Conrady with {}", terms.join(", "))
+    match (camera.distortion_model(), terms.is_empty()) {
+        (DistortionModel::BrownConrady, true) => "pinhole without distortion".into(),
+        (DistortionModel::BrownConrady, false) => format!("Brown–Conrady with {}", terms.join(", ")),
+        (DistortionModel::Fisheye, true) => "fisheye, equidistant".into(),
+        (DistortionModel::Fisheye, false) => format!("fisheye (Kannala–Brandt) with {}", terms.join(", ")),
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) struct Args {
     /// What stands on the table: scene.toml.
     #[arg(long)]
     scene: PathBuf,
-    /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal; see `scaleproof camera`.
+    /// Camera file: YAML or XML of OpenCV, YAML of ROS camera_info or Kalibr, or a .cameramodel of mrcal; see `scaleproof camera`.
     #[arg(long)]
     camera: PathBuf,
     /// What finds the tags: cascade, coarse-to-fine, apriltag, aruco, aruco-subpix, aruco-contour, aruco-apriltag or locus.

@@ -12,7 +12,7 @@ use scaleproof_rig::calibrate;
 
 /// Find the camera's focal length, centre and distortion from photos of a calibration board.
 ///
-/// The smallest camera model that the photos bear out is taken; what was dropped is said. Photos that do not determine a
+/// The smallest camera model that the photos bear out is taken, a fisheye among them; what was dropped is said. Photos that do not determine a
 /// camera are refused with the reason.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Args {

@@ -8,11 +8,11 @@ use scaleproof_core::files::{self, FileError};
 /// A camera file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CameraFormat {
-    /// OpenCV FileStorage YAML: 5 coefficients, or 8.
+    /// OpenCV FileStorage YAML (XML is read too): 5 coefficients, or 8; `fisheye_model` with 4.
     OpenCv,
-    /// ROS `camera_info` YAML: `plumb_bob` (5 coefficients) or `rational_polynomial` (8).
+    /// ROS `camera_info` YAML: `plumb_bob` (5 coefficients), `rational_polynomial` (8) or `equidistant` (a fisheye's 4).
     Ros,
-    /// Kalibr camchain YAML with one camera: `pinhole` with `radtan` (4 coefficients).
+    /// Kalibr camchain YAML with one camera: `pinhole` with `radtan` or `equidistant` (4 coefficients each).
     Kalibr,
     /// mrcal `.cameramodel`: LENSMODEL_PINHOLE, LENSMODEL_OPENCV4, 5 or 8.
     Mrcal,
@@ -68,7 +68,7 @@ impl Camera {
             CameraFormat::OpenCv => Ok(matrix_yaml::write_opencv(self)),
             CameraFormat::Ros => Ok(matrix_yaml::write_ros(self)),
             CameraFormat::Kalibr => kalibr::write(self),
-            CameraFormat::Mrcal => Ok(mrcal::write(self)),
+            CameraFormat::Mrcal => mrcal::write(self),
         });
         let format = format.name();
         written.map_err(|fault| CameraError::NotInFormat { format, fault })

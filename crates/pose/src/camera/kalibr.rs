@@ -1,4 +1,4 @@
-//! Kalibr's camchain YAML: `pinhole` cameras with `radtan` distortion.
+//! Kalibr's camchain YAML: `pinhole` cameras with `radtan` or `equidistant` distortion.
 //!
 //! Source: Kalibr wiki, "Yaml formats" and "Supported models".
 
@@ -39,7 +39,7 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
         return Err(unsupported("camera_model", &camera.camera_model));
     }
     let count = match camera.distortion_model.as_str() {
-        "radtan" => 4,
+        "radtan" | "equidistant" => 4,
         "none" => 0,
         other => return Err(unsupported("distortion_model", other)),
     };
@@ -52,21 +52,26 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
         });
     };
     let [width, height] = camera.resolution;
-    Ok(Camera::pinhole(width, height, *fx, *fy, *cx, *cy).with_distortion(&camera.distortion_coeffs))
+    let mut pinhole = Camera::pinhole(width, height, *fx, *fy, *cx, *cy);
+    if camera.distortion_model == "equidistant" {
+        pinhole = pinhole.with_fisheye([0.0; 4]);
+    }
+    Ok(pinhole.with_distortion(&camera.distortion_coeffs))
 }
 
 pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
-    let &[k1, k2, p1, p2, ref further @ ..] = camera.distortion();
-    if further.iter().any(|v| *v != 0.0) {
+    let coefficients = camera.needed_coefficients(&[4]);
+    if coefficients.len() > 4 {
         return Err(CameraFault::BeyondRadtan);
     }
+    let model = if camera.is_fisheye() { "equidistant" } else { "radtan" };
     let Camera { fx, fy, cx, cy, .. } = *camera;
     Ok(format!(
-        "{}cam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: radtan\n  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n  \
+        "{}cam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: {model}\n  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n  \
          rostopic: /cam0/image_raw\n",
         yaml::write_marks(camera),
         yaml::list(&[fx, fy, cx, cy]),
-        yaml::list(&[k1, k2, p1, p2]),
+        yaml::list(coefficients),
         camera.width,
         camera.height
     ))

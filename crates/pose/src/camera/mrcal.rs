@@ -61,12 +61,15 @@ fn without_bytes(text: &str) -> String {
     plain + rest
 }
 
-pub(super) fn write(camera: &Camera) -> String {
+pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
+    if camera.is_fisheye() {
+        return Err(CameraFault::Fisheye);
+    }
     let coefficients = camera.needed_coefficients(&[0, 4, 5, 8]);
     let model = MODELS.iter().find(|(_, count)| *count == coefficients.len());
     let mut intrinsics = vec![camera.fx, camera.fy, camera.cx, camera.cy];
     intrinsics.extend(coefficients);
-    format!(
+    Ok(format!(
         "{}{{\n    'lensmodel': '{}',\n\n    # fx, fy, cx, cy, then the coefficients in OpenCV's order\n    'intrinsics': [ {} ],\n\n    \
          # the camera's own frame\n    'extrinsics': [ 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 ],\n\n    'imagersize': [ {}, {} ],\n}}\n",
         yaml::write_marks(camera),
@@ -74,5 +77,5 @@ pub(super) fn write(camera: &Camera) -> String {
         yaml::list(&intrinsics),
         camera.width,
         camera.height
-    )
+    ))
 }

@@ -119,7 +119,7 @@ pub(super) fn determined(models: &[CandidateModel], chosen: usize, views: &[View
         percent: percent.to_owned(),
     };
     let covariance = fit.covariance(model, views).ok_or_else(|| open("more than 100"))?;
-    let share = covariance[(0, 0)].max(0.0).sqrt() / fit.camera[0];
+    let share = covariance[(0, 0)].max(0.0).sqrt() / fit.camera.values[0];
     if share > MOST_FOCAL_SIGMA {
         return Err(open(&format!("{:.1}", 100.0 * share)));
     }
@@ -181,11 +181,8 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
             found.lost_corners
         ));
     }
-    if found.chosen + 1 == LensModel::LADDER.len() {
-        say(
-            "the largest model was chosen: a fisheye or very wide lens may need one that this program does not have"
-                .into(),
-        );
+    if found.chosen_model().model == LensModel::Rational {
+        say("the largest model was chosen: this lens may need one that this program does not have".into());
     }
     cautions
 }

@@ -99,7 +99,7 @@ pub struct Calibration {
     pub models: Vec<CandidateModel>,
     /// Which of `models` the camera is.
     pub chosen: usize,
-    /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit.
+    /// Standard deviations of fx, fy, cx, cy (px), then the camera's coefficients; 0 for what the model does not fit.
     pub sigmas: [f64; model::ALL],
     /// Over all corners, px.
     pub rms_px: f64,
@@ -177,7 +177,7 @@ pub fn calibrate(
     left_out.extend(cleaned.dropped);
     let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
     doubt::seen_from_several_sides(&cleaned.first)?;
-    let mut models = ladder::fit_ladder(cleaned.first, &views);
+    let mut models = ladder::fit_ladder(cleaned.first, size, &views);
     let chosen = ladder::choose(&models).ok_or(CalibrationError::NoFit)?;
     let fit = models[chosen].fit.clone();
     doubt::determined(&models, chosen, &views)?;
@@ -190,7 +190,7 @@ pub fn calibrate(
     let coverage = coverage(&photos, size);
     let map = uncertainty::map(&fit, &covariance, size);
     let sigmas = sigmas(&fit, &covariance);
-    let mut camera = model::camera(size, &fit.camera);
+    let mut camera = Camera::from_parameters(size, &fit.camera);
     camera.sigma_px = Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]);
     let mut result = Calibration {
         board: board.clone(),

@@ -65,7 +65,7 @@ pub(super) fn usual(question: Question) -> Way {
     }
 }
 
-/// OpenCV's k1, k2, p1, p2, k3 … k6.
+/// OpenCV's k1, k2, p1, p2, k3 … k6; a fisheye has fewer.
 const ALL_TERMS: usize = 8;
 
 /// More tags than these in one photo are all of them.
@@ -124,7 +124,8 @@ impl Way {
 
     /// The camera with the terms that are kept.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
-        camera.clone().with_distortion(&camera.distortion()[..self.lens_terms])
+        let all = camera.distortion();
+        camera.clone().with_distortion(&all[..self.lens_terms.min(all.len())])
     }
 
     /// What it costs, least first: milliseconds where time is what differs, else its own size.

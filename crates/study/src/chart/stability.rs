@@ -73,7 +73,7 @@ impl Conditions {
             "tilt_of_a_single_tag" => all.tilt_deg = Some(amount),
             // The lens has this many times the stated camera's distortion, and the camera file none.
             "ignored_distortion" => {
-                let stronger = stated.distortion().map(|k| amount * k);
+                let stronger: Vec<f64> = stated.distortion().iter().map(|k| amount * k).collect();
                 all.camera = stated.clone().with_distortion(&stronger);
                 all.fault = Some(F::IgnoredDistortion);
             }
