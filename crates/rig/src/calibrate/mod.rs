@@ -3,6 +3,7 @@
 mod detect;
 mod doubt;
 mod fit;
+mod jackknife;
 mod ladder;
 mod model;
 mod outliers;
@@ -110,6 +111,8 @@ pub struct Calibration {
     /// Corners seen in each cell of a 10 × 10 grid over the image, row by row.
     pub coverage: Vec<u32>,
     pub map: UncertaintyMap,
+    /// How many times larger the focal length's standard deviation is than the scatter of the corners alone would make it: from leaving photos out.
+    pub focal_raised: f64,
     pub cautions: Vec<CalibrationCaution>,
 }
 
@@ -183,6 +186,7 @@ pub fn calibrate(
     doubt::determined(&models, chosen, &views)?;
     doubt::fits(&fit, &views, size)?;
     let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
+    let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views);
     let (w, h) = board.size_mm();
     let middle_mm = [w / 2.0, h / 2.0];
     ladder::compare(&mut models, chosen, middle_mm);
@@ -204,6 +208,7 @@ pub fn calibrate(
         lost_corners: cleaned.lost_corners,
         coverage,
         map,
+        focal_raised,
         cautions: Vec::new(),
     };
     result.cautions = doubt::cautions(&result);
