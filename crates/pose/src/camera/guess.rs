@@ -36,7 +36,9 @@ pub enum GuessError {
         recorded_width: u32,
         recorded_height: u32,
     },
-    #[error("it is {width}×{height}, a shape that no camera takes, so it was cropped or stitched: use the original photo")]
+    #[error(
+        "it is {width}×{height}, a shape that no camera takes, so it was cropped or stitched: use the original photo"
+    )]
     Shape { width: u32, height: u32 },
     #[error(
         "its EXIF data implies a sensor {mm:.2} mm wide, and such cameras have {least_mm} to {MOST_SENSOR_MM} mm: an editor made the photo smaller or cut it without saying so; use the original photo, or calibrate with a printed board"
@@ -114,7 +116,10 @@ impl Camera {
             (Some(a), Some(b)) => [a, b][usize::from(b.1 < a.1)],
             (a, b) => a.or(b).ok_or(GuessError::NoFocalLength)?,
         };
-        let deg = 2.0 * (f64::from(width).hypot(f64::from(height)) / 2.0 / px).atan().to_degrees();
+        let deg = 2.0
+            * (f64::from(width).hypot(f64::from(height)) / 2.0 / px)
+                .atan()
+                .to_degrees();
         if !VIEW_DEG.contains(&deg) {
             return Err(GuessError::FieldOfView { deg });
         }
@@ -153,24 +158,25 @@ fn resized(width: u32, height: u32, lens: &Lens) -> Result<f64, GuessError> {
 /// Refuses a photo of a shape that is cut or stitched.
 fn check_shape(width: u32, height: u32) -> Result<(), GuessError> {
     let by_shorter = f64::from(width.max(height)) / f64::from(width.min(height)).max(1.0);
-    match SCREENS.contains(&by_shorter) || is_shaped(width, height, &SHAPES) {
-        true => Ok(()),
-        false => Err(GuessError::Shape { width, height }),
-    }
+    let is_likely = SCREENS.contains(&by_shorter) || is_shaped(width, height, &SHAPES);
+    is_likely.then_some(()).ok_or(GuessError::Shape { width, height })
 }
 
 /// Refuses a focal length that in mm and in px makes a sensor as no camera has: by the pixels' pitch where EXIF has it, else by the 35 mm equivalent.
-fn check_sensor(longer_px: u32, lens: &Lens, by_35_mm: Option<Focal>, by_pitch: Option<Focal>) -> Result<(), GuessError> {
+fn check_sensor(
+    longer_px: u32,
+    lens: &Lens,
+    by_35_mm: Option<Focal>,
+    by_pitch: Option<Focal>,
+) -> Result<(), GuessError> {
     let least_mm = by_pitch.map_or(LEAST_SENSOR_MM, |_| LEAST_PITCHED_MM);
     let focal_mm = lens.focal_mm.filter(|mm| *mm > 0.0);
-    match by_pitch.or(by_35_mm).zip(focal_mm) {
-        Some(((px, _), focal_mm)) => {
-            let mm = f64::from(longer_px) * focal_mm / px;
-            let is_likely = (least_mm..=MOST_SENSOR_MM).contains(&mm);
-            is_likely.then_some(()).ok_or(GuessError::Sensor { mm, least_mm })
-        }
-        None => Ok(()),
-    }
+    let Some(((px, _), focal_mm)) = by_pitch.or(by_35_mm).zip(focal_mm) else {
+        return Ok(());
+    };
+    let mm = f64::from(longer_px) * focal_mm / px;
+    let is_likely = (least_mm..=MOST_SENSOR_MM).contains(&mm);
+    is_likely.then_some(()).ok_or(GuessError::Sensor { mm, least_mm })
 }
 
 /// Whether the sides are in one of these proportions, within 1 % and the rounding to whole pixels.
@@ -189,14 +195,18 @@ fn from_35_mm(width: u32, height: u32, lens: &Lens) -> Option<Focal> {
     // Cameras are known that write tens of thousands here.
     let equivalent_mm = lens.equivalent_35_mm.filter(|f| (5.0..=1500.0).contains(f))?;
     let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
-    let sensor = match is_shaped(width, height, &SENSOR_SHAPES) {
-        true => [long, short],
-        false => [long.max(short * SENSOR_SHAPES[0]), short.max(long / SENSOR_SHAPES[0])],
+    let sensor = if is_shaped(width, height, &SENSOR_SHAPES) {
+        [long, short]
+    } else {
+        [long.max(short * SENSOR_SHAPES[0]), short.max(long / SENSOR_SHAPES[0])]
     };
     let by_diagonal_px = |[long, short]: [f64; 2]| equivalent_mm * long.hypot(short) / 36f64.hypot(24.0);
     let px = by_diagonal_px(sensor);
     let readings = [by_diagonal_px([long, short]), equivalent_mm * sensor[0] / 36.0];
-    let furthest = readings.iter().map(|reading| (reading / px - 1.0).abs()).fold(0.0, f64::max);
+    let furthest = readings
+        .iter()
+        .map(|reading| (reading / px - 1.0).abs())
+        .fold(0.0, f64::max);
     let rounding = 50.0 / equivalent_mm;
     Some((px, rounding + furthest * 100.0 + NOMINAL_PERCENT + focus_percent(lens)))
 }

@@ -43,9 +43,10 @@ impl Maker {
     /// The 35 mm equivalent by the sensor's diagonal or by its longer side, some per cent off as makers state it, in whole mm.
     fn equivalent_mm(&self, by_diagonal: bool, nominal: f64) -> f64 {
         let [w, h] = self.sensor_px.map(|px| px * self.pitch_um / 1000.0);
-        let times = match by_diagonal {
-            true => 36f64.hypot(24.0) / w.hypot(h),
-            false => 36.0 / w,
+        let times = if by_diagonal {
+            36f64.hypot(24.0) / w.hypot(h)
+        } else {
+            36.0 / w
         };
         (self.focal_mm * nominal * times).round()
     }
@@ -80,8 +81,14 @@ fn the_stated_bound_covers_makers_conventions_crops_to_other_shapes_and_smaller_
                             continue;
                         }
                         let camera = Camera::guessed(width, height, &lens).unwrap();
-                        let (off, bound) = ((focal_px / camera.fx - 1.0).abs() * 100.0, camera.guess.unwrap().focal_percent);
-                        assert!(off <= bound, "{width}×{height}, {lens:?}: {off:.1} % off, stated {bound:.1} %");
+                        let (off, bound) = (
+                            (focal_px / camera.fx - 1.0).abs() * 100.0,
+                            camera.guess.unwrap().focal_percent,
+                        );
+                        assert!(
+                            off <= bound,
+                            "{width}×{height}, {lens:?}: {off:.1} % off, stated {bound:.1} %"
+                        );
                         all += 1;
                         if shape == w / h && w / h < 1.6 {
                             widest = widest.max(bound);
@@ -145,7 +152,16 @@ fn what_no_camera_has_is_refused() {
         let refused = Camera::guessed(width, height, &phone).unwrap_err();
         assert_eq!(refused, GuessError::Shape { width, height });
     }
-    for (width, height) in [(4032, 3024), (3024, 4032), (4080, 3072), (6000, 4000), (4000, 2252), (1080, 2340), (640, 640), (100, 75)] {
+    for (width, height) in [
+        (4032, 3024),
+        (3024, 4032),
+        (4080, 3072),
+        (6000, 4000),
+        (4000, 2252),
+        (1080, 2340),
+        (640, 640),
+        (100, 75),
+    ] {
         assert!(Camera::guessed(width, height, &phone).is_ok(), "{width}×{height}");
     }
     // 5.1 m where mm are meant, and a lens of 0.01 mm.

@@ -26,7 +26,10 @@ pub(super) fn raised(covariance: DMatrix<f64>, fit: &CameraFit, views: &[View]) 
     };
     let factors = DVector::from_fn(covariance.nrows(), |parameter, _| factor(parameter));
     let is_focal = |parameter: &usize| (0..2).any(|number| numbers[(number, *parameter)] != 0.0);
-    let focal = (0..factors.len()).filter(is_focal).map(|p| factors[p]).fold(1.0, f64::max);
+    let focal = (0..factors.len())
+        .filter(is_focal)
+        .map(|p| factors[p])
+        .fold(1.0, f64::max);
     (covariance.component_mul(&(&factors * factors.transpose())), focal)
 }
 
@@ -34,7 +37,11 @@ pub(super) fn raised(covariance: DMatrix<f64>, fit: &CameraFit, views: &[View]) 
 fn variances(fit: &CameraFit, views: &[View]) -> Option<[f64; ALL]> {
     let groups = views.len().min(MOST_GROUPS);
     let without = |group: usize| {
-        let kept = views.iter().zip(&fit.poses).enumerate().filter(|(i, _)| i % groups != group);
+        let kept = views
+            .iter()
+            .zip(&fit.poses)
+            .enumerate()
+            .filter(|(i, _)| i % groups != group);
         let (views, poses): (Vec<View>, Vec<_>) = kept.map(|(_, (view, pose))| (view.clone(), *pose)).unzip();
         Some(fit::fit(fit.model, &views, fit.camera, poses)?.camera)
     };

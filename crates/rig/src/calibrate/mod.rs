@@ -100,7 +100,8 @@ pub struct Calibration {
     pub models: Vec<CandidateModel>,
     /// Which of `models` the camera is.
     pub chosen: usize,
-    /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit.
+    /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit. By the scatter of the corners, or by
+    /// leaving photos out where that is larger.
     pub sigmas: [f64; model::ALL],
     /// Over all corners, px.
     pub rms_px: f64,
