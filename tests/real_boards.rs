@@ -114,7 +114,11 @@ fn print_at(x: f64, y: f64, shifted: Option<[f64; 2]>) -> f64 {
 fn photo(pose: &Isometry3<f64>, shifted: Option<[f64; 2]>) -> RgbImage {
     let k = Matrix3::new(FOCAL_PX, 0.0, CENTRE_PX[0], 0.0, FOCAL_PX, CENTRE_PX[1], 0.0, 0.0, 1.0);
     let r = pose.rotation.to_rotation_matrix().into_inner();
-    let plane = k * Matrix3::from_columns(&[r.column(0).into(), r.column(1).into(), pose.translation.vector]);
+    let plane = k * Matrix3::from_columns(&[
+        r.column(0).into_owned(),
+        r.column(1).into_owned(),
+        pose.translation.vector,
+    ]);
     let back = plane.try_inverse().unwrap();
     RgbImage::from_fn(PHONE[0], PHONE[1], |u, v| {
         let parts = [(-0.4, -0.2), (0.2, -0.4), (0.4, 0.2), (-0.2, 0.4)];
