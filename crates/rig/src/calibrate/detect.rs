@@ -69,8 +69,10 @@ pub(super) const LEAST_CORNERS: usize = 12;
 
 /// `cornerSubPix` looks at a square of this half side at most; more averages the lens's bending in.
 const WIDEST_WINDOW_PX: f64 = 10.0;
-/// A corner cannot be refined in a smaller square: with a half side of 1 px, noise alone moves it by half a pixel.
+/// The least half side: with 1 px, noise alone moves a corner by half a pixel.
 const NARROWEST_WINDOW_PX: f64 = 2.0;
+/// From a corner to the next; nearer ones pull at it. Down to here, corners of ChArUco boards lie within 0.1 px (root mean square) of a plane's homography.
+const LEAST_ROOM_PX: f64 = 2.4;
 
 /// Refuses a board whose markers OpenCV does not know.
 ///
@@ -171,7 +173,7 @@ fn small_squares(board: &Definition, markers: &[PlacedMarker]) -> Option<NoBoard
     };
     let scales: Vec<f64> = markers.iter().map(PlacedMarker::px_per_mm).collect();
     let square_px = side_mm * upper_median(&scales)?;
-    let least_px = (side_mm * SQRT_2 * NARROWEST_WINDOW_PX / room_mm(board)).ceil();
+    let least_px = (side_mm * LEAST_ROOM_PX / room_mm(board)).ceil();
     (square_px < least_px).then_some(NoBoard::SmallSquares { square_px, least_px })
 }
 
@@ -316,10 +318,10 @@ fn saddles(image: &Mat, found: &[[f64; 2]], factor: u32) -> opencv::Result<Vec<S
 
 /// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.
 fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<[f64; 2]>> {
-    // The window's corner must not lie beyond the next corner.
-    let half = (free_px / SQRT_2).min(WIDEST_WINDOW_PX).floor();
+    // The window's corner does not lie beyond the next corner, or hardly: there its weight is small.
+    let half = (free_px / SQRT_2).floor().clamp(NARROWEST_WINDOW_PX, WIDEST_WINDOW_PX);
     let inside = |at: f64, length: i32| at >= half + 1.0 && at <= f64::from(length) - half - 2.0;
-    if half < NARROWEST_WINDOW_PX || !inside(guess[0], image.cols()) || !inside(guess[1], image.rows()) {
+    if free_px < LEAST_ROOM_PX || !inside(guess[0], image.cols()) || !inside(guess[1], image.rows()) {
         return Ok(None);
     }
     let mut corner = Vector::<Point2f>::from_iter([Point2f::new(guess[0] as f32, guess[1] as f32)]);
