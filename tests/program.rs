@@ -56,6 +56,7 @@ mod program_detectors;
 mod program_gradients;
 mod protocols;
 mod ranking;
+mod real_boards;
 mod real_photos;
 mod report;
 mod results_outside;

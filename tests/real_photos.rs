@@ -126,7 +126,7 @@ fn alone(photos: &[RealPhoto]) -> ([f64; 3], u32, u32) {
         }
     }
     assert_eq!(wrong_bins, 0);
-    (within.map(|n| f64::from(n) / f64::from(numbers) as f64), numbers, tags)
+    (within.map(|n| f64::from(n) / f64::from(numbers)), numbers, tags)
 }
 
 #[test]

@@ -6,6 +6,8 @@ mod board_corners;
 mod camera;
 #[path = "pose/camera_fisheye.rs"]
 mod camera_fisheye;
+#[path = "pose/camera_guess.rs"]
+mod camera_guess;
 #[path = "pose/camera_projection.rs"]
 mod camera_projection;
 #[path = "pose/camera_ray.rs"]

@@ -2,9 +2,14 @@
 
 use exif::{Exif, In, Reader, Tag, Value};
 
-/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` when there is none or it is damaged.
+/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` when there is none or nothing of it can be read.
+///
+/// A fault ends only what it is in: piexif, for one, leaves out the end of each inner directory, which makes no value before it wrong.
 pub(super) fn read(block: &Option<Vec<u8>>) -> Option<Exif> {
-    Reader::new().read_raw(block.clone()?).ok()
+    match Reader::new().continue_on_error(true).read_raw(block.clone()?) {
+        Err(exif::Error::PartialResult(partial)) => Some(partial.into_inner().0),
+        read => read.ok(),
+    }
 }
 
 /// The tags a focal length in pixels can be made from; all absent when there is no EXIF data. Nothing is checked: cameras

@@ -16,7 +16,7 @@ use scaleproof_core::files;
 pub use fault::CameraFault;
 pub use fit::{FittedCamera, SizeError};
 pub use format::CameraFormat;
-pub use guess::Guess;
+pub use guess::{Guess, GuessError};
 
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]

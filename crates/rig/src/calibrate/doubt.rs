@@ -44,6 +44,8 @@ const LEAST_SPREAD_DEG: f64 = 12.0;
 const MOST_FOCAL_SIGMA: f64 = 0.01;
 /// Larger residuals than this share of the image's diagonal are another board or another camera: 2.4 px at 1280×960.
 const MOST_RMS_SHARE: f64 = 0.0015;
+/// The focal length's standard deviation is this many times what the corners explain: more than chance among five photos.
+const FOCAL_TIMES: f64 = 2.0;
 /// Photos below which the uncertainties are themselves uncertain.
 const FEW_PHOTOS: usize = 10;
 
@@ -173,6 +175,13 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     if tilted < 4 {
         say(format!(
             "only {tilted} photos show the board tilted by more than 20°, which is what the focal length comes from"
+        ));
+    }
+    if found.focal_raised > FOCAL_TIMES {
+        say(format!(
+            "the photos disagree about the focal length {:.0} times as much as their corners explain, which its σ contains: lock the focus, and \
+             keep the board flat",
+            found.focal_raised
         ));
     }
     if found.lost_corners > 0 {

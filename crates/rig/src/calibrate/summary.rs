@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::ladder::ModelDifference;
 use super::{Calibration, CalibrationCaution, Definition, LensModel, UnusedPhoto};
 
-/// `calibrate --json`. Standard deviations are of one sigma.
+/// `calibrate --json`. Standard deviations are of one sigma: by the scatter of the corners, or by leaving photos out where that is larger.
 #[derive(Serialize, JsonSchema)]
 pub struct CalibrationAnswer<'a> {
     /// The board, with the keys of its file (board.toml).
