@@ -57,6 +57,7 @@ mod program_gradients;
 mod protocols;
 mod ranking;
 mod real_photos;
+mod real_survey;
 mod report;
 mod results_outside;
 mod scale;

@@ -106,8 +106,8 @@ const BENT_PAPER: f64 = 0.009;
 /// How many residuals the expectation weighs.
 const NOISE_WEIGHT: f64 = 8.0;
 
-/// The variance that is expected of a tag's corners, px² per axis.
-fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
+/// The variance that is expected of a tag's corners, px² per axis: of any corner, and of paper that bends.
+pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
     NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
 }
 
