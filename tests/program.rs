@@ -58,6 +58,7 @@ mod protocols;
 mod ranking;
 mod real_boards;
 mod real_photos;
+mod real_survey;
 mod report;
 mod results_outside;
 mod scale;

@@ -8,3 +8,5 @@ mod survey_edges;
 mod survey_residual;
 #[path = "rig/survey_sizes.rs"]
 mod survey_sizes;
+#[path = "rig/survey_room.rs"]
+mod survey_room;

@@ -40,7 +40,7 @@ pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
 pub use planar::planar_branches;
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
-pub use uncertainty::{Sigma, Uncertainty, bin_probability};
+pub use uncertainty::{Sigma, Uncertainty, bin_probability, expected_px2};
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]

@@ -106,8 +106,8 @@ const BENT_PAPER: f64 = 0.009;
 /// Variance of the logarithm of a photo's noise variance: renders have a tenth of what is expected, bent cards three times as much.
 const SPREAD: f64 = 1.2;
 
-/// The variance that is expected of a tag's corners, px² per axis.
-fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
+/// The variance that is expected of a tag's corners, px² per axis: of any corner, and of paper that bends.
+pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
     NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
 }
 

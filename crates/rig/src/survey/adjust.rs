@@ -11,7 +11,7 @@ use scaleproof_core::geometry::rigid;
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_pose::scene::corners_in_tag_mm;
 
-/// What a corner's distance costs.
+/// What a corner's weighted squared distance costs.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Loss {
     Squared,
@@ -63,6 +63,12 @@ pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss
     let found = minimise(start, &limits);
     *poses = found.poses;
     found.cost
+}
+
+/// The cost after one step of the adjustment of all poses: nearly the least, where they are nearly the best.
+pub(super) fn cost_after_step(net: &TagNetwork, poses: &Poses, loss: Loss) -> f64 {
+    let stepped = NetworkEquations::at(net, Free::All, loss, poses.clone()).stepped(1e-6);
+    stepped.map_or(f64::INFINITY, |stepped| stepped.cost)
 }
 
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
@@ -158,12 +164,12 @@ impl<'a> NetworkEquations<'a> {
         let mut tie = Matrix6::zeros();
         for (corner, seen) in corners_in_tag_mm(net.tags[s.tag].size_mm).iter().zip(&s.corners_px) {
             let Some(l) = linear(&camera_tag, corner, seen, net.camera) else {
-                self.cost += loss.cost(NO_PIXEL);
+                self.cost += loss.cost(s.weight * NO_PIXEL);
                 continue;
             };
-            let squared_px = l.residual.norm_squared();
+            let squared_px = s.weight * l.residual.norm_squared();
             self.cost += loss.cost(squared_px);
-            let w = loss.weight(squared_px);
+            let w = s.weight * loss.weight(squared_px);
             if let Some(t) = tag {
                 self.tags[t] += w * l.by_tag.transpose() * l.by_tag;
                 self.tag_gradient[t] += w * l.by_tag.transpose() * l.residual;
