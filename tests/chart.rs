@@ -81,11 +81,11 @@ fn swept_views_are_right_or_refused() {
         "{:.3} % of the answered are silently wrong",
         100.0 * wrong
     );
-    // A frontal tag alone is never answered.
+    // A frontal tag alone is answered only where its bin is sure.
     let frontal = default()
         .find(|step| step.sweep == "tilt_of_a_single_tag" && step.amount == 0.0)
         .unwrap();
-    assert!(frontal.views > 200 && frontal.answered == 0.0, "{frontal:?}");
+    assert!(frontal.views > 200 && frontal.answered < 0.5 && frontal.silently_wrong == 0.0, "{frontal:?}");
     // The sweeps reach where it breaks: what cannot be known is refused.
     let weakest = default().map(|step| step.answered).fold(1.0, f64::min);
     assert!(weakest < 0.5, "nothing was driven until it broke");

@@ -162,12 +162,13 @@ fn looked(
     (seen, left)
 }
 
-/// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave.
+/// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave. One of them alone would be chosen
+/// against the others, which may be right.
 fn asked(tags: &MergedTags, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> (Vec<SeenTag>, StillMissing) {
     let seen = tags.seen();
     let left = missing(&seen);
     let fitted = tags.fitted();
-    if !left.has_pose && (1..seen.len()).contains(&fitted.len()) {
+    if !left.has_pose && (2..seen.len()).contains(&fitted.len()) {
         let left_by_fitted = missing(&fitted);
         if left_by_fitted.has_pose {
             return (fitted, left_by_fitted);
