@@ -85,7 +85,10 @@ fn swept_views_are_right_or_refused() {
     let frontal = default()
         .find(|step| step.sweep == "tilt_of_a_single_tag" && step.amount == 0.0)
         .unwrap();
-    assert!(frontal.views > 200 && frontal.answered < 0.5 && frontal.silently_wrong == 0.0, "{frontal:?}");
+    assert!(
+        frontal.views > 200 && frontal.answered < 0.5 && frontal.silently_wrong == 0.0,
+        "{frontal:?}"
+    );
     // The sweeps reach where it breaks: what cannot be known is refused.
     let weakest = default().map(|step| step.answered).fold(1.0, f64::min);
     assert!(weakest < 0.5, "nothing was driven until it broke");
@@ -286,11 +289,18 @@ fn the_reliability_of_sigma_is_charted() {
     assert!(output.status.success(), "{}", stderr(&output));
     let numbers = common::read_json(&out.path().join("sigma.json"));
     let rows = numbers["rows"].as_array().unwrap();
-    assert_eq!(rows.iter().map(|row| row["tags"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    assert_eq!(
+        rows.iter().map(|row| row["tags"].as_u64().unwrap()).collect::<Vec<_>>(),
+        [1, 2, 3, 4]
+    );
     for row in rows {
         assert_eq!(row["material"], "skyline");
         assert_eq!(row["azimuth"].as_array().unwrap().len(), 6);
     }
-    assert!(std::fs::read_to_string(out.path().join("sigma.svg")).unwrap().contains("Reliability of σ"));
+    assert!(
+        std::fs::read_to_string(out.path().join("sigma.svg"))
+            .unwrap()
+            .contains("Reliability of σ")
+    );
     assert!(stdout(&output).contains("normal errors"));
 }

@@ -6,7 +6,7 @@ mod calibrate_fisheye;
 mod survey_edges;
 #[path = "rig/survey_residual.rs"]
 mod survey_residual;
-#[path = "rig/survey_sizes.rs"]
-mod survey_sizes;
 #[path = "rig/survey_room.rs"]
 mod survey_room;
+#[path = "rig/survey_sizes.rs"]
+mod survey_sizes;

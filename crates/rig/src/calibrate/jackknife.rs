@@ -43,7 +43,7 @@ fn variances(fit: &CameraFit, views: &[View]) -> Option<[f64; ALL]> {
             .enumerate()
             .filter(|(i, _)| i % groups != group);
         let (views, poses): (Vec<View>, Vec<_>) = kept.map(|(_, (view, pose))| (view.clone(), *pose)).unzip();
-        Some(fit::fit(fit.model, &views, fit.camera, poses)?.camera)
+        Some(fit::fit(fit.model, &views, fit.camera, poses)?.camera.values)
     };
     let cameras: Vec<[f64; ALL]> = (0..groups).map(without).collect::<Option<_>>()?;
     let n = groups as f64;

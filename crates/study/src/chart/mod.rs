@@ -84,7 +84,11 @@ impl<'a, R> ChartNumbers<'a, R> {
         Ok(Self {
             scaleproof: env!("CARGO_PKG_VERSION"),
             session: distinct(sessions.iter().map(|session| session.name.as_str())).join(", "),
-            inputs: sessions.iter().flat_map(|session| session.hashes.clone()).chain(others).collect(),
+            inputs: sessions
+                .iter()
+                .flat_map(|session| session.hashes.clone())
+                .chain(others)
+                .collect(),
             tag_detectors: detectors.map(|choice| choice.provenance()).collect(),
             rows,
         })
