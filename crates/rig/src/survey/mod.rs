@@ -6,12 +6,16 @@
 mod adjust;
 mod edges;
 mod grow;
+mod lens;
+mod lens_numbers;
 mod look;
 mod network;
 mod problem;
 pub mod residual;
 mod sizes;
 mod suspects;
+
+use nalgebra::Matrix6;
 
 use adjust::{Free, Loss, adjust};
 use network::{Node, Poses, Sighting, SizedTag, TINY, TagKey, TagNetwork};
@@ -73,6 +77,8 @@ pub struct Survey {
     pub noise_px: f64,
     /// How far all tag edges were found too far in, px; taken out of the result.
     pub edge_shift_px: f64,
+    /// How far the lens that the photos fit moves a tag's corner at most from where the given camera has it, px; `None` where the given one fits.
+    pub lens_px: Option<f64>,
 }
 
 /// A tag that stands in the scene.
@@ -135,18 +141,21 @@ pub fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Res
     let mut poses = grow::grown(&net).ok_or(SurveyError::TwoArrangements)?;
     let (noise_px, rough) = (suspects::noise_px(&net, &poses), grow::rough(&net));
     let shared = edges::fit(&mut net, &mut poses, rough, 0.0, noise_px);
+    if lens::fit(&mut net, &mut poses, camera, rough, noise_px).is_some() {
+        grow::close(&net, &mut poses);
+    }
     let net = without_suspects(net, &mut poses, photos, &mut left_out)?;
     let net = without_doubtful(net, &mut poses, photos, &mut left_out);
     check_connected(&net)?;
-    finished(net, poses, shared.moved_px, photos, given, left_out)
+    finished((net, camera), poses, shared.moved_px, photos, given, left_out)
 }
 
 /// The usable sightings: whole tags of known size that are seen once in the photo.
-fn network<'a>(
+fn network(
     photos: &[PhotoTags],
     given: &SurveyInput,
-    camera: &'a Camera,
-) -> Result<(TagNetwork<'a>, Vec<LeftOutTag>), SurveyError> {
+    camera: &Camera,
+) -> Result<(TagNetwork, Vec<LeftOutTag>), SurveyError> {
     let mut keys: Vec<TagKey> = photos.iter().flat_map(|p| &p.seen).map(|s| (s.family, s.id)).collect();
     keys.extend(given.fixed);
     keys.sort_unstable();
@@ -177,7 +186,7 @@ fn network<'a>(
         }
     }
     let net = TagNetwork {
-        camera,
+        camera: camera.clone(),
         tags,
         photos: photos.len(),
         sightings,
@@ -251,12 +260,12 @@ fn check_connected(net: &TagNetwork) -> Result<(), SurveyError> {
 }
 
 /// Leaves out the tags that the photos disagree about, one after the other, and adjusts the rest again each time.
-fn without_suspects<'a>(
-    mut net: TagNetwork<'a>,
+fn without_suspects(
+    mut net: TagNetwork,
     poses: &mut Poses,
     photos: &[PhotoTags],
     left_out: &mut Vec<LeftOutTag>,
-) -> Result<TagNetwork<'a>, SurveyError> {
+) -> Result<TagNetwork, SurveyError> {
     let names = |numbers: &[usize]| numbers.iter().map(|p| photos[*p].name.clone()).collect::<Vec<_>>();
     let all = net.sightings.len();
     loop {
@@ -313,12 +322,12 @@ fn forget_unseen(net: &TagNetwork, poses: &mut Poses) {
 
 /// Leaves out photos and tags that could be in another pose. A tag that a single photo shows stays when that photo excludes its rival;
 /// that it has not moved, and has its stated size, nothing checks.
-fn without_doubtful<'a>(
-    mut net: TagNetwork<'a>,
+fn without_doubtful(
+    mut net: TagNetwork,
     poses: &mut Poses,
     photos: &[PhotoTags],
     left_out: &mut Vec<LeftOutTag>,
-) -> TagNetwork<'a> {
+) -> TagNetwork {
     adjust(&net, poses, Free::All, Loss::Squared, 50);
     let noise_px = suspects::noise_px(&net, poses).max(NOISE_FLOOR_PX);
     loop {
@@ -382,7 +391,7 @@ fn has_rival(net: &TagNetwork, poses: &Poses, node: Node, noise_px: f64) -> bool
 
 /// The least-squares result with its σ.
 fn finished(
-    mut net: TagNetwork,
+    (mut net, given_camera): (TagNetwork, &Camera),
     mut poses: Poses,
     moved_px: f64,
     photos: &[PhotoTags],
@@ -391,6 +400,10 @@ fn finished(
 ) -> Result<Survey, SurveyError> {
     let noise_px = suspects::noise_px(&net, &poses);
     let shared = edges::fit(&mut net, &mut poses, Loss::Squared, moved_px, noise_px);
+    let lens = lens::fit(&mut net, &mut poses, given_camera, Loss::Squared, noise_px);
+    if lens.is_none() {
+        net.camera = given_camera.clone();
+    }
     let net = &net;
     let left = adjust(net, &mut poses, Free::All, Loss::Squared, 100);
     let numbers = 8 * net.sightings.len();
@@ -422,7 +435,9 @@ fn finished(
                 let rate = shared.by_tag[t].unwrap_or_default();
                 // Per px² of noise, like the covariance.
                 let shared_px2 = shared.variance + (edges::LEFT_PX / noise_px.max(1e-6)).powi(2);
-                let covariance = covariance + shared_px2 * rate * rate.transpose();
+                let by_lens = lens.as_ref().and_then(|lens| Some((lens.by_tag[t]?, lens.covariance)));
+                let by_lens = by_lens.map_or_else(Matrix6::zeros, |(by, lens)| by * lens * by.transpose());
+                let covariance = covariance + shared_px2 * rate * rate.transpose() + by_lens;
                 let worst = |rows: usize| {
                     let block = covariance.fixed_view::<3, 3>(rows, rows).into_owned();
                     noise_px * block.symmetric_eigenvalues().max().max(0.0).sqrt()
@@ -477,7 +492,23 @@ fn finished(
         photos: photos.map(|(p, tags)| photo_report(net, &poses, p, tags)).collect(),
         noise_px: seen_px,
         edge_shift_px: shared.moved_px,
+        lens_px: lens.map(|_| lens_px(net, &poses, given_camera)),
     })
+}
+
+/// The largest distance between the corners' pixels by the fitted camera and by the given one, px.
+fn lens_px(net: &TagNetwork, poses: &Poses, given: &Camera) -> f64 {
+    let moved = |s: &Sighting| {
+        let camera_tag = poses.camera_tag(s)?;
+        let corners = corners_in_tag_mm(net.tags[s.tag].size_mm);
+        let moved = corners.iter().filter_map(|corner| {
+            let point = camera_tag * corner;
+            let ([x, y], [u, v]) = (net.camera.project(&point)?, given.project(&point)?);
+            Some((x - u).hypot(y - v))
+        });
+        Some(moved.fold(0.0, f64::max))
+    };
+    net.sightings.iter().filter_map(moved).fold(0.0, f64::max)
 }
 
 fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags) -> PhotoReport {

@@ -48,9 +48,9 @@ impl Sighting {
 
 /// All sightings by one camera.
 #[derive(Debug, Clone)]
-pub(super) struct TagNetwork<'a> {
+pub(super) struct TagNetwork {
     /// The survey's camera; it fits every photo.
-    pub camera: &'a Camera,
+    pub camera: Camera,
     pub tags: Vec<SizedTag>,
     pub photos: usize,
     pub sightings: Vec<Sighting>,
@@ -85,7 +85,7 @@ impl Poses {
     }
 }
 
-impl TagNetwork<'_> {
+impl TagNetwork {
     /// The sightings of a photo or a tag.
     pub(super) fn sightings_of(&self, node: Node) -> impl Iterator<Item = &Sighting> {
         self.sightings.iter().filter(move |s| s.is_of(node))
@@ -113,7 +113,7 @@ impl TagNetwork<'_> {
 
     /// Weighted squared distance in px² of each corner of a sighting from where a pose `T_camera_tag` puts it.
     pub(super) fn squared_px_under(&self, camera_tag: &Rigid, s: &Sighting) -> [f64; 4] {
-        let squared = squared_px(camera_tag, self.tags[s.tag].size_mm, &s.corners_px, self.camera);
+        let squared = squared_px(camera_tag, self.tags[s.tag].size_mm, &s.corners_px, &self.camera);
         squared.map(|e| s.weight * e)
     }
 

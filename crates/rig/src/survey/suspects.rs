@@ -140,13 +140,13 @@ pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit: Limit) -> Option<(us
 }
 
 /// What may be wrong with a tag, and the network and the poses if it is.
-struct Hypothesis<'a> {
+struct Hypothesis {
     fault: TagFault,
-    net: TagNetwork<'a>,
+    net: TagNetwork,
     poses: Poses,
 }
 
-fn fault<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize, limit: Limit) -> Option<Hypothesis<'a>> {
+fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit: Limit) -> Option<Hypothesis> {
     let (own, poses) = alone(net, poses, tag);
     let everywhere: Vec<usize> = own.sightings.iter().map(|s| s.photo).collect();
     let group = largest_group(&own, &poses, tag, limit);
@@ -206,7 +206,7 @@ fn fault<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize, limit: Limit) -> O
 }
 
 /// The network with one more tag: what stands in the place of `tag` in these photos.
-fn twinned<'a>(net: &TagNetwork<'a>, tag: usize, there: &[usize]) -> TagNetwork<'a> {
+fn twinned(net: &TagNetwork, tag: usize, there: &[usize]) -> TagNetwork {
     let mut net = net.clone();
     let twin = net.tags.len();
     net.tags.push(SizedTag {
@@ -224,7 +224,7 @@ fn twinned<'a>(net: &TagNetwork<'a>, tag: usize, there: &[usize]) -> TagNetwork<
 }
 
 /// A tag in two places, its photos parted so that the joint adjustment leaves least.
-fn parted<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize) -> Option<Hypothesis<'a>> {
+fn parted(net: &TagNetwork, poses: &Poses, tag: usize) -> Option<Hypothesis> {
     let photos: Vec<usize> = net.sightings_of(Node::Tag(tag)).map(|s| s.photo).collect();
     let mut poses = poses.clone();
     poses.tags.push(poses.tags[tag]);
@@ -273,7 +273,7 @@ fn partings(photos: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// The sightings of one tag, and the photos' poses as the other tags have them.
-fn alone<'a>(net: &TagNetwork<'a>, poses: &Poses, tag: usize) -> (TagNetwork<'a>, Poses) {
+fn alone(net: &TagNetwork, poses: &Poses, tag: usize) -> (TagNetwork, Poses) {
     let mut others = net.with(|s| s.tag != tag);
     let mut poses = poses.clone();
     if others.sightings.iter().all(|s| !others.is_fixed(s.tag)) {
