@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use super::lone_tag::BinProbability;
 use super::matches::{Corners, Match};
 use super::planar::planar_branches;
-use super::refine::{self, NO_HUBER};
+use super::refine;
 use super::uncertainty::Sigma;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Scene, Viewpoint, corners_in_tag_mm};
@@ -101,7 +101,7 @@ fn best_branch(only: &Match, camera: &Camera) -> Option<Rigid> {
     let to_model = only.tag.pose().inverse();
     let branches = planar_branches(&corners_in_tag_mm(only.tag.size_mm), &only.corners_px, camera);
     let refined = branches.into_iter().filter_map(|branch| {
-        let pose = refine::refine(&(branch * to_model), &corners, camera, NO_HUBER)?;
+        let pose = refine::refine_roughly(&(branch * to_model), &corners, camera)?;
         Some((refine::rms_px(&pose, &corners, camera)?, pose))
     });
     refined.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pose)| pose)
