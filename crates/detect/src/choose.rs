@@ -155,6 +155,7 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
     }
     let path = path(&name).ok_or(RegisterError::NoFolder)?;
     let text = kept.to_toml()?;
+    files::inputs::own(&path);
     if path.exists() && files::read_text(&path).ok().as_ref() != Some(&text) {
         return Err(RegisterError::Taken { name });
     }
@@ -177,6 +178,7 @@ pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
         return Err(RegisterError::NotThere { name, registered });
     }
     let path = path(name).ok_or(RegisterError::NoFolder)?;
+    files::inputs::own(&path);
     files::remove(&path)?;
     Ok(path)
 }

@@ -1,7 +1,7 @@
 //! `scaleproof print patch`: finished patch textures on the panels of a model.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,8 +10,9 @@ use super::wrap::SheetArgs;
 use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::ModelArgs;
-use crate::cli::print::{value_names, write_files};
+use crate::cli::print::value_names;
 use crate::cli::{Result, enlarged, units};
+use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchError, patches};
 use scaleproof_print::print::{paper, wrap};
@@ -61,13 +62,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let made = patches(&panels, &wanted, &request)?;
     let title = format!("Patches of {}", wanted[0].name);
     let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
-    let mut inputs: Vec<Option<&Path>> = args.places.patch.iter().map(|path| Some(path.as_path())).collect();
-    inputs.extend([
-        args.model.mesh.as_deref(),
-        args.model.scene.as_deref(),
-        sheets.paper.printer.as_deref(),
-    ]);
-    write_files(&files, &inputs)?;
+    files::write_all_atomically(&files)?;
     if args.model.mesh.is_some() {
         units::note(super::model::turned(model.mesh.size_mm()));
     }

@@ -15,7 +15,6 @@ use clap::Subcommand;
 use super::answer::{Named, Written, named, told, written};
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Result, full};
-use scaleproof_core::files;
 use scaleproof_print::print::media::Media;
 use scaleproof_print::print::output::{OutputError, SheetFormat, SheetOutput};
 use scaleproof_print::print::paper::Stock;
@@ -76,29 +75,6 @@ value_names!(sheet_format -> SheetFormat: Pdf "pdf" "One file with all pages", S
 
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
-
-/// Writes all files, or none, and none over an input.
-pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<()> {
-    for (i, (path, _)) in files.iter().enumerate() {
-        let (name, is_same) = (path.display(), |other: &Path| same_place(other, path));
-        if inputs.iter().flatten().any(|input| is_same(input)) {
-            return Err(format!("{name} is an input, which would be overwritten; give another output file").into());
-        }
-        if files[..i].iter().any(|(other, _)| is_same(other)) {
-            return Err(format!("two files would be written as {name}; give them different names").into());
-        }
-    }
-    Ok(files::write_all_atomically(files)?)
-}
-
-/// Whether two paths, of files that may not be there yet, name one place.
-fn same_place(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        let in_folder = || Some(files::folder_of(path).canonicalize().ok()?.join(path.file_name()?));
-        path.canonicalize().ok().or_else(in_folder)
-    };
-    a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
-}
 
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
