@@ -214,6 +214,19 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
+/// The path where nothing is there, else one numbered beside it: what an advice names as an output.
+pub fn free_place(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().display();
+    let ending = path
+        .extension()
+        .map_or(String::new(), |ending| format!(".{}", ending.display()));
+    let numbered = (2..).map(|number| path.with_file_name(format!("{stem}_{number}{ending}")));
+    let mut places = std::iter::once(path.to_owned()).chain(numbered);
+    places
+        .find(|place| place.symlink_metadata().is_err())
+        .unwrap_or_default()
+}
+
 /// The folder that a path lies in; `.` for a mere name.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent()

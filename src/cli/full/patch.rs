@@ -13,6 +13,7 @@ use crate::cli::full::model::ModelArgs;
 use crate::cli::print::value_names;
 use crate::cli::{Result, enlarged, units};
 use scaleproof_core::files;
+use scaleproof_core::geometry::length::parse_mm;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchError, patches};
 use scaleproof_print::print::{paper, wrap};
@@ -118,7 +119,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
     let one = |i: usize| -> Result<PanelPatch> {
         let image = enlarged::picture(&args.patch[i]).map_err(PatchError::from)?;
         let size = args.size_mm[i].trim();
-        let size_mm = match size.parse::<f64>() {
+        let size_mm = match parse_mm(size) {
             Ok(width) => (width, image.height_for(width)),
             Err(_) => paper::size_mm(size)?,
         };
@@ -148,6 +149,6 @@ pub(crate) fn placed(patches: &[PanelPatch]) -> Vec<PlacedPatch> {
 fn place(text: &str) -> Result<[f64; 2]> {
     let numbers = text
         .split_once(',')
-        .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+        .and_then(|(x, y)| Some([parse_mm(x).ok()?, parse_mm(y).ok()?]));
     numbers.ok_or_else(|| format!("place '{text}' is not understood; write X,Y in mm, as in -40,65").into())
 }

@@ -79,7 +79,7 @@ pub(super) type NewFile = (PathBuf, Vec<u8>);
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
 pub(super) struct CutSheetArgs {
-    /// a4, a3, letter, tabloid, or WxH in mm; tags also on a roll by its width in mm, as in roll610
+    /// a0 to a5, letter, legal, tabloid, ledger, or WxH in mm, or in inches as in 13x19in; tags also on a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
     /// Correct the sizes by this file of `print verify`
@@ -137,7 +137,7 @@ pub(in crate::cli) fn card_fault(error: &CardError) -> String {
 /// What tiled sheets and the check page are printed on, and where they are written.
 #[derive(clap::Args)]
 pub(crate) struct PaperArgs {
-    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
+    /// a0 to a5, letter, legal, tabloid, ledger, WxH in mm, or in inches as in 13x19in, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
     /// The file to write

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, PaperArgs, told, value_names, written};
+use crate::cli::advice::import_command;
 use crate::cli::{Result, enlarged, progress, units};
 use scaleproof_core::files;
 use scaleproof_core::spelling;
@@ -117,7 +118,7 @@ fn run_pattern(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
 
 fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
     if args.paint.is_asked() {
-        let command = format!("scaleproof pattern import {} --cells 24 -o pattern.png", path.display());
+        let command = import_command(path);
         let sheets = "stencils and sheets to paint by number are made of cells, and a texture has none";
         return Err(format!("{sheets}; make a pattern of it: {command}").into());
     }
