@@ -155,11 +155,11 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
     }
     let path = path(&name).ok_or(RegisterError::NoFolder)?;
     let text = kept.to_toml()?;
-    files::inputs::own(&path);
-    if path.exists() && files::read_text(&path).ok().as_ref() != Some(&text) {
+    if !path.exists() {
+        files::replace_atomically(&path, text.as_bytes())?;
+    } else if files::read_text(&path).ok() != Some(text) {
         return Err(RegisterError::Taken { name });
     }
-    files::replace_atomically(&path, text.as_bytes())?;
     Ok(path)
 }
 
@@ -178,7 +178,6 @@ pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
         return Err(RegisterError::NotThere { name, registered });
     }
     let path = path(name).ok_or(RegisterError::NoFolder)?;
-    files::inputs::own(&path);
     files::remove(&path)?;
     Ok(path)
 }

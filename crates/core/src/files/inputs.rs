@@ -54,14 +54,15 @@ pub(super) fn refuse<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<
     Ok(())
 }
 
-/// Makes a file this run's own, such as a checkpoint or the list of a session that goes on: it may be read and written again. What this run
-/// writes is its own by itself.
+/// Makes a file this run's own, unless it was read before: a checkpoint, say, or the list of a session that goes on. It may be read from here
+/// on, and written again. What this run writes is its own by itself.
 pub fn own(path: &Path) {
     let mut met = met();
     if let Some(met) = met.as_mut() {
         let place = place(path);
-        met.read.remove(&place);
-        met.written.insert(place);
+        if !met.read.contains(&place) {
+            met.written.insert(place);
+        }
     }
 }
 
