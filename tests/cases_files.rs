@@ -23,7 +23,7 @@ fn folder() -> TempDir {
     }
     done(&folder, "pattern random --cells 4 --seed 1 -o p.png");
     done(&folder, "pattern random --cells 4 --seed 2 -o q.png");
-    done(&folder, "print verify --x-mm 199 --y-mm 201 -o printer.toml");
+    done(&folder, "print verify --x-mm 99.5 --y-mm 100.5 -o printer.toml");
     folder
 }
 
@@ -90,7 +90,6 @@ const OVER_AN_INPUT: &[(&str, &str)] = &[
     ),
     ("pattern import p.png --cells 2 -o p.png", "p.png"),
     ("camera convert camera.yaml --format ros -o camera.yaml", "camera.yaml"),
-    ("pattern check p.png --printer colours.toml -o p.png", ""),
 ];
 
 #[test]
@@ -100,13 +99,13 @@ fn no_output_takes_the_place_of_an_input() {
     for (command, input) in OVER_AN_INPUT {
         let output = run(&folder, command);
         let words = format!("{input} is an input, which would be overwritten; give another output file");
-        assert_refused(&output, &if input.is_empty() { vec![] } else { vec![words.as_str()] });
+        assert_refused(&output, &[&words]);
         assert!(contents(folder.path()) == before, "{command}");
     }
     // Its own file of before is no input: it is measured again.
     done(
         &folder,
-        "print verify --x-mm 199 --y-mm 201 --printer printer.toml -o printer.toml",
+        "print verify --x-mm 99.5 --y-mm 100.5 --printer printer.toml -o printer.toml",
     );
     done(&folder, "texture bake --texture car.obj --size 64 -o out.png");
     done(&folder, "texture bake --texture car.obj --size 64 -o out.png");

@@ -22,22 +22,25 @@ pub(super) fn triangles(corners: &[Point3<f64>]) -> Result<Vec<[usize; 3]>, Stri
         return Ok(fan());
     }
     // Corners on one line have no area, however they are cut.
-    let Some(flat) = flattened(corners) else {
+    let Some(normal) = normal(corners) else {
         return Ok(fan());
     };
-    let areas = NOTHING.map(|share| share * scale(&flat));
-    if is_star(&flat, areas[0]) {
+    let views = [along_axis(corners, &normal), along(corners, &normal)];
+    if views.iter().any(|flat| is_star(flat, NOTHING[0] * scale(flat))) {
         return Ok(fan());
     }
     if corners.len() > MAX_CORNERS {
         return Err(format!("has {} corners, more than {MAX_CORNERS}", corners.len()));
     }
-    let cut = areas.into_iter().find_map(|nothing| Outline::new(&flat, nothing).cut());
-    cut.ok_or_else(|| "crosses itself".to_owned())
+    let cut = |flat: &Vec<Point>| {
+        let areas = NOTHING.map(|share| share * scale(flat));
+        areas.into_iter().find_map(|nothing| Outline::new(flat, nothing).cut())
+    };
+    views.iter().find_map(cut).ok_or_else(|| "crosses itself".to_owned())
 }
 
-/// Corners seen along the axis that the face turns to most, counter-clockwise; numbers stay as they are. `None` for corners on one line.
-fn flattened(corners: &[Point3<f64>]) -> Option<Vec<Point>> {
+/// Twice the face's area as a vector (Newell); `None` for corners on one line.
+fn normal(corners: &[Point3<f64>]) -> Option<Vector3<f64>> {
     let first = corners[0];
     let crosses = corners
         .windows(2)
@@ -49,15 +52,26 @@ fn flattened(corners: &[Point3<f64>]) -> Option<Vec<Point>> {
     let all: f64 = crosses.map(|cross| cross.norm()).sum();
     // Halves that cancel, as in a bow tie, leave no direction.
     let normal = if total.norm() > NOTHING[1] * all { total } else { widest };
+    (normal.norm() > 0.0).then_some(normal)
+}
+
+/// The corners seen along the axis that the normal is nearest to, counter-clockwise: numbers stay as they are, so that what touches in the file
+/// touches here.
+fn along_axis(corners: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point> {
     let axis = normal.iamax();
-    if normal[axis] == 0.0 {
-        return None;
-    }
     let [mut across, mut up] = [(axis + 1) % 3, (axis + 2) % 3];
     if normal[axis] < 0.0 {
         (across, up) = (up, across);
     }
-    Some(corners.iter().map(|p| [p[across], p[up]]).collect())
+    corners.iter().map(|p| [p[across], p[up]]).collect()
+}
+
+/// The corners seen along the normal, counter-clockwise: a face that is not plane may cross itself when it is seen from elsewhere.
+fn along(corners: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point> {
+    let across = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+    let up = normal.normalize().cross(&across);
+    let place = |p: &Point3<f64>| [across, up].map(|axis| axis.dot(&(p - corners[0])));
+    corners.iter().map(place).collect()
 }
 
 /// The area that rounding is measured by: the extent times the largest coordinate.
