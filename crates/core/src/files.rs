@@ -148,6 +148,7 @@ pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> R
             OutputPlace::Stream(stream) => streams.push((stream, content)),
         }
     }
+    inputs::refuse_twice(regular.iter().map(|(path, _)| path.as_path()))?;
     replace_all_atomically(&regular)?;
     let mut streams = streams.into_iter();
     streams.try_for_each(|(stream, content)| place::write_to(&stream, content.as_ref()))
@@ -156,7 +157,7 @@ pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> R
 /// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
 /// the place of one is replaced, never followed: the folder may come from somebody else.
 pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
-    inputs::refuse(files.iter().map(|(path, _)| path.as_ref()))?;
+    files.iter().try_for_each(|(path, _)| inputs::refuse(path.as_ref()))?;
     let mut staged = Vec::new();
     for (path, content) in files {
         journal::tidy(folder_of(path.as_ref()));
@@ -167,7 +168,7 @@ pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) ->
 
 /// Writes one file as [`replace_all_atomically`] does, without a look at what killed runs left in the folder.
 pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    inputs::refuse([path])?;
+    inputs::refuse(path)?;
     Staged::write(path, content)?.persist().map(drop)
 }
 
@@ -188,7 +189,7 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
 pub fn check_file_writable(path: &Path) -> Result<(), FileError> {
     match OutputPlace::at(path)? {
         OutputPlace::File(path) => {
-            inputs::refuse([path.as_path()])?;
+            inputs::refuse(&path)?;
             check_writable(folder_of(&path))
         }
         OutputPlace::Stream(_) => Ok(()),
@@ -197,7 +198,7 @@ pub fn check_file_writable(path: &Path) -> Result<(), FileError> {
 
 /// Removes a file, if it exists and is no input.
 pub fn remove(path: &Path) -> Result<(), FileError> {
-    inputs::refuse([path])?;
+    inputs::refuse(path)?;
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
         _ => Ok(()),

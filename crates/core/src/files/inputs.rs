@@ -39,19 +39,20 @@ pub fn note(path: &Path) {
     }
 }
 
-/// Refuses to write over an input, or two outputs into one place.
-pub(super) fn refuse<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
+/// Refuses to write over an input.
+pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
+    let is_input = met().as_ref().is_some_and(|met| met.read.contains(&place(path)));
+    let refused = || FileError::IsInput { path: path.to_owned() };
+    if is_input { Err(refused()) } else { Ok(()) }
+}
+
+/// Refuses two outputs in one place.
+pub(super) fn refuse_twice<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
     let mut places = BTreeSet::new();
-    for path in outputs {
-        let place = place(path);
-        if met().as_ref().is_some_and(|met| met.read.contains(&place)) {
-            return Err(FileError::IsInput { path: path.to_owned() });
-        }
-        if !places.insert(place) {
-            return Err(FileError::Twice { path: path.to_owned() });
-        }
-    }
-    Ok(())
+    let mut again = outputs.into_iter().filter(|path| !places.insert(place(path)));
+    again
+        .next()
+        .map_or(Ok(()), |path| Err(FileError::Twice { path: path.to_owned() }))
 }
 
 /// Makes a file this run's own, unless it was read before: a checkpoint, say, or the list of a session that goes on. It may be read from here

@@ -5,6 +5,8 @@ use std::collections::VecDeque;
 
 use nalgebra::{Point3, Vector3};
 
+use scaleproof_core::geometry::doubled_area;
+
 type Point = [f64; 2];
 
 /// Cutting ears takes the square of this.
@@ -82,11 +84,6 @@ fn scale(flat: &[Point]) -> f64 {
         .iter()
         .flat_map(|p| [0, 1].map(|axis| (p[axis] - flat[0][axis]).abs()));
     extent.fold(0.0, f64::max) * most
-}
-
-/// Twice the area of a triangle, positive when it turns counter-clockwise.
-fn doubled_area(a: Point, b: Point, c: Point) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Whether all of the face is seen from its first corner, so that a fan from there covers it once.
