@@ -425,7 +425,7 @@ fn convert_writes_each_format_and_refuses_what_it_cannot_say() {
     );
     let copy = write(folder.path(), "copy.yaml", &corpus("opencv.yaml"));
     let onto_itself = camera(&["convert", "--format", "ros", "-o", copy.to_str().unwrap()], &[&copy]);
-    assert_refused(&onto_itself, &["copy.yaml", "is the input"]);
+    assert_refused(&onto_itself, &["copy.yaml is an input"]);
     let rational = write(folder.path(), "rational.yaml", &corpus("opencv_rational.yaml"));
     let output = camera(&["convert", "--format", "kalibr", "-o", path_text], &[&rational]);
     assert_refused(&output, &["cannot be written as kalibr", "k1, k2, p1 and p2"]);

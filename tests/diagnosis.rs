@@ -475,9 +475,11 @@ fn pictures_of_iphones_are_refused_with_what_to_do() {
     let output = changed.locate(&[]);
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
+    let [from, to] = ["IMG_0.HEIC", "IMG_0.jpg"].map(|name| changed.file(name).display().to_string());
+    let advised = format!("convert it with `heif-dec {from} {to}`");
     for words in [
         "IMG_0.HEIC is a HEIC image, which this program does not read: set the iPhone to Settings › Camera › Formats › Most Compatible",
-        "convert it with `heif-dec 'IMG_0.HEIC' 'IMG_0.jpg'`",
+        &advised,
         "error: 5 more photos cannot be read for the same reason",
     ] {
         assert!(text.contains(words), "`{words}` is not in {text}");

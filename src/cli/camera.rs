@@ -1,14 +1,14 @@
 //! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::choice::one_of;
-use super::{CommandResult, Outcome, Result};
+use super::{CommandResult, Outcome};
 use crate::cli::answer::told;
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
@@ -78,17 +78,9 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> CommandResult {
         .or(mrcal)
         .ok_or_else(|| format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal"))?;
     let text = Camera::open(&args.input)?.write(format)?;
-    save(&args.output, &text, &args.input)?;
+    files::write_atomically(&args.output, text.as_bytes())?;
     writeln!(out, "{name}: {} format", format.name())?;
     Ok(Outcome::Done)
-}
-
-/// Writes a file that is not the one it was made from.
-fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
-    if files::is_same(path, made_from) {
-        return Err(format!("{} is the input: give the output another name", path.display()).into());
-    }
-    Ok(files::write_atomically(path, text.as_bytes())?)
 }
 
 /// `camera show --json`.
@@ -170,7 +162,7 @@ fn guess(args: &GuessArgs, out: &mut dyn Write) -> CommandResult {
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
     if let Some(path) = &args.output {
-        save(path, &camera.write(CameraFormat::OpenCv)?, &args.photo)?;
+        files::write_atomically(path, camera.write(CameraFormat::OpenCv)?.as_bytes())?;
     }
     writeln!(out, "{}", in_words(&camera))?;
     Ok(Outcome::Done)

@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use super::answer::{told, written};
 use super::enlarged::{note_enlarged, picture};
-use super::print::write_files;
 use super::{CommandResult, Outcome};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
@@ -160,7 +159,7 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
         (Some(text), _) => in_cells(&picture, cells(text, &picture)?)?,
     };
     let new = [(args.output.clone(), pattern.to_png()?)];
-    write_files(&new, &[Some(&args.image)])?;
+    files::write_all_atomically(&new)?;
     let [columns, rows] = [pattern.columns(), pattern.rows()];
     let (width, height) = picture.pixels.dimensions();
     let pixels = [
@@ -217,8 +216,7 @@ fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         let gamut = colours.gamut();
         let printed = pattern.recoloured(|rgb| gamut.printed(rgb).rgb())?;
         if let Some(output) = &args.output {
-            let inputs = [Some(args.pattern.as_path()), args.printer.as_deref()];
-            write_files(&[(output.clone(), printed.to_png()?)], &inputs)?;
+            files::write_atomically(output, &printed.to_png()?)?;
         }
         printed_contrast = Some(contrast::median_delta_e(&printed));
         print = Some(fate(&pattern, &colours));

@@ -17,6 +17,7 @@ use image::{GrayImage, RgbImage, imageops};
 
 use decode::{Header, heif_kind, orientation_of, turned_deg};
 use scaleproof_core::files;
+use scaleproof_core::spelling::quoted;
 
 pub use budget::{Budget, DecodeCost};
 pub use decode::open_png;
@@ -51,14 +52,14 @@ pub enum PhotoError {
 
 /// What to do with an image of another kind that phones make.
 fn convert_sentence(path: &Path, kind: &str) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let [from, to] =
+        [path, &files::free_place(&path.with_extension("jpg"))].map(|path| quoted(&path.to_string_lossy()));
     let how = match kind {
         "HEIC" => "set the iPhone to Settings › Camera › Formats › Most Compatible, or convert it",
         _ => "convert it to JPEG",
     };
     format!(
-        "{} is {} {kind} image, which this program does not read: {how} with `heif-dec '{name}' '{stem}.jpg'` (Debian: apt install \
+        "{} is {} {kind} image, which this program does not read: {how} with `heif-dec {from} {to}` (Debian: apt install \
          libheif-examples, where it may be called heif-convert), and see that it stands upright",
         path.display(),
         if kind == "AVIF" { "an" } else { "a" },

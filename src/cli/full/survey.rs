@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::cli::{CommandResult, Outcome, advice, print, progress, scene};
+use crate::cli::{CommandResult, Outcome, advice, progress, scene};
+use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_print::print::tags::arrange;
@@ -63,9 +64,7 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
     Scene::parse(&text, &args.output)?;
-    let mut inputs: Vec<_> = args.photos.iter().map(|p| Some(p.as_path())).collect();
-    inputs.extend([Some(args.scene.as_path()), Some(args.camera.as_path())]);
-    print::write_files(&[(args.output.clone(), text.into_bytes())], &inputs)?;
+    files::write_atomically(&args.output, text.as_bytes())?;
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&json(&found))?)?;
     } else {

@@ -136,6 +136,9 @@ impl Session {
         for read in read.into_iter().flatten() {
             hashes.push(files::hashed(read)?);
         }
+        photos
+            .iter()
+            .for_each(|photo| files::inputs::note(&folder.join(&photo.file)));
         let real = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         Ok(Session {
             name: real.file_name().unwrap_or_default().to_string_lossy().into_owned(),

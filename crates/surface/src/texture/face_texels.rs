@@ -43,14 +43,21 @@ impl FaceTexels {
     }
 
     fn parse(bytes: &[u8], triangles: usize) -> Result<Self, String> {
-        let file = open(bytes)?;
+        let (file, start) = open(bytes)?;
         let side = side(file.shape(), triangles)?;
         if file.order() == Order::Fortran {
             return Err("it is stored in Fortran order; save numpy.ascontiguousarray of it".into());
         }
+        let (count, size) = (
+            triangles * side.pow(3) * 3,
+            file.dtype().num_bytes().unwrap_or_default(),
+        );
         let values = values(file)?;
-        if values.len() != triangles * side.pow(3) * 3 {
+        if values.len() != count {
             return Err("it ends too early".into());
+        }
+        if bytes.len() > start + count * size {
+            return Err("more follows its numbers: save one array a file".into());
         }
         let is_colour = |value: &&f32| (-ROUNDING..=1.0 + ROUNDING).contains(*value);
         if let Some(value) = values.iter().find(|value| !is_colour(value)) {
@@ -83,12 +90,12 @@ impl FaceTexels {
     }
 }
 
-/// The file with its header read.
-fn open(bytes: &[u8]) -> Result<NpyFile<&[u8]>, String> {
-    let header = match bytes {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => u64::from(u16::from_le_bytes([*a, *b])),
+/// The file with its header read, and where its numbers begin.
+fn open(bytes: &[u8]) -> Result<(NpyFile<&[u8]>, usize), String> {
+    let (magic, header) = match bytes {
+        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => (10, u64::from(u16::from_le_bytes([*a, *b]))),
         [0x93, b'N', b'U', b'M', b'P', b'Y', 2 | 3, _, a, b, c, d, ..] => {
-            u64::from(u32::from_le_bytes([*a, *b, *c, *d]))
+            (12, u64::from(u32::from_le_bytes([*a, *b, *c, *d])))
         }
         _ => return Err("it is no .npy file".into()),
     };
@@ -101,7 +108,7 @@ fn open(bytes: &[u8]) -> Result<NpyFile<&[u8]>, String> {
             e.to_string().lines().next().unwrap_or_default()
         )
     };
-    NpyFile::new(bytes).map_err(damaged)
+    Ok((NpyFile::new(bytes).map_err(damaged)?, magic + header as usize))
 }
 
 /// Of the cube.

@@ -87,6 +87,7 @@ fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec
             wanted,
         });
     }
+    files::inputs::own(&path);
     files::remove(&path)?;
     let values = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b));
     // What is no number would be black in one place and white in another.
