@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::diagnosis::{self, is_bad};
+use scaleproof_pose::locate::diagnosis::{self, OtherLooks, is_bad};
 use scaleproof_pose::locate::{Diagnosis, LocatedPhoto, locate};
 use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
@@ -179,7 +179,7 @@ fn named(sets: u64, photos_each: usize, wrong: Wrong) -> BTreeMap<&'static str, 
     let mut named = BTreeMap::new();
     for seed in 0..sets {
         let (photos, scene) = photos(photos_each, wrong, seed);
-        let word = match diagnosis::diagnose(&photos.iter().collect::<Vec<_>>(), &[], &scene) {
+        let word = match diagnosis::diagnose(&photos.iter().collect::<Vec<_>>(), &OtherLooks::default(), &scene) {
             None if diagnosis_asked(&photos) => "not named",
             None => "fine",
             Some(Diagnosis::TagSize(_)) => "size",
