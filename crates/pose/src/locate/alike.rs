@@ -36,9 +36,10 @@ impl LocateFiles {
         if diagnosis::is_without_tags(&examined) {
             let own = self.scene.families();
             let all = TagFamily::ALL.map(|(family, _)| family).into_iter();
-            others.families = look_again(&paths, all.filter(|family| !own.contains(family)).collect(), |luma| {
-                luma
-            });
+            // The tables of their codes take more than a hundred megabytes each.
+            let rare = [TagFamily::TagCircle49h12, TagFamily::TagCustom48h12];
+            let all = all.filter(|family| !own.contains(family) && !rare.contains(family));
+            others.families = look_again(&paths, all.collect(), |luma| luma);
         }
         if diagnosis::are_bad(&examined) {
             others.mirrored = look_again(&paths, self.scene.families(), |luma| imageops::flip_horizontal(&luma));
