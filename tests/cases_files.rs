@@ -306,7 +306,7 @@ fn whole_numbers_with_a_point_are_read_and_fractions_refused_in_words() {
     };
     let (output, out) = results(json!(1.0), json!(3.0));
     assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stdout(&output).contains("1 of 8"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("1/8"), "{}", stdout(&output));
     assert_eq!(
         read_json(&out.join("coco_truth.json"))["images"]
             .as_array()
@@ -336,7 +336,7 @@ fn results_without_any_detection_count_as_nothing_found() {
         let arguments = ["score", text(folder.path()), "--results", &given, "-o", text(&out)];
         let output = run(&[&arguments, more].concat());
         assert!(output.status.success(), "{}", stderr(&output));
-        assert!(stdout(&output).contains("0 of 8"), "{}", stdout(&output));
+        assert!(stdout(&output).contains("0/8"), "{}", stdout(&output));
         let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
         assert!(summary.contains("have no detection in any of 8 photos"), "{summary}");
         std::fs::remove_dir_all(&out).unwrap();
@@ -358,7 +358,7 @@ fn results_without_any_detection_count_as_nothing_found() {
     let (given, out) = (format!("mine={}", labels.display()), folder.path().join("out"));
     let output = run(&["score", text(folder.path()), "--results", &given, "-o", text(&out)]);
     assert!(
-        stdout(&output).contains("1 of 8"),
+        stdout(&output).contains("1/8"),
         "{}{}",
         stdout(&output),
         stderr(&output)
@@ -370,14 +370,22 @@ fn results_without_any_detection_count_as_nothing_found() {
     );
 }
 
-/// Views that OpenCV drew of a board in its layout before 4.6 (`tests/data/make_legacy_board.py`), by a focal length of 700 px.
+/// Views that OpenCV drew of a board in its layout before 4.6 (`tests/data/make_legacy_board.py`), by a focal length of 700 px. With the newer layout
+/// in the board's file, each corner still lies between the two markers that are named for it, or all lie one square further.
 #[test]
-fn boards_of_opencvs_old_layout_are_calibrated_and_told_from_new_ones() {
+fn boards_of_opencvs_old_layout_are_calibrated() {
     let folder = tempfile::tempdir().unwrap();
     let stored = common::home().join("tests/data/cases/legacy_board");
     let photos: Vec<PathBuf> = (0..6).map(|i| stored.join(format!("{i}.jpg"))).collect();
-    let calibrate = |board: &Path| {
-        let out = folder.path().join("camera.yaml");
+    let legacy = std::fs::read_to_string(stored.join("board.toml")).unwrap();
+    for text in [
+        legacy.clone(),
+        legacy.replace("legacy_layout = true", "legacy_layout = false"),
+    ] {
+        let (board, out) = (
+            write(folder.path(), "board.toml", text),
+            folder.path().join("camera.yaml"),
+        );
         let mut command = program();
         command
             .arg("calibrate")
@@ -386,18 +394,57 @@ fn boards_of_opencvs_old_layout_are_calibrated_and_told_from_new_ones() {
             .args(&photos)
             .arg("-o")
             .arg(&out);
-        (command.output().unwrap(), out)
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(
+            stdout(&output).matches(".jpg                             35 ").count(),
+            6,
+            "{}",
+            stdout(&output)
+        );
+        let camera = scaleproof_pose::camera::Camera::open(&out).unwrap();
+        assert!((camera.fx / 700.0 - 1.0).abs() < 0.005, "{camera:?}");
+    }
+}
+
+/// A pattern as an attack in PyTorch keeps it: planes of red, green and blue; and as OpenCV's users do; in NumPy's format.
+#[test]
+fn patterns_that_numpy_saved_are_imported_cell_by_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes: Vec<u8> = (0..48).map(|i| (i * 5) as u8).collect();
+    let header = |shape: &str| {
+        let text = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}");
+        [&b"\x93NUMPY\x01\0v\0"[..], format!("{text:<117}\n").as_bytes()].concat()
     };
-    let (output, file) = calibrate(&stored.join("board.toml"));
-    assert!(output.status.success(), "{}", stderr(&output));
-    let camera = scaleproof_pose::camera::Camera::open(&file).unwrap();
-    assert!((camera.fx / 700.0 - 1.0).abs() < 0.005, "{camera:?}");
-    std::fs::remove_file(&file).unwrap();
-    let legacy = std::fs::read_to_string(stored.join("board.toml")).unwrap();
-    let new = write(
-        folder.path(),
-        "board.toml",
-        legacy.replace("legacy_layout = true", "legacy_layout = false"),
-    );
-    assert_refused(&calibrate(&new).0, &["no photo shows the board"]);
+    // 4 × 4 pixels of three planes, or of three values.
+    let at = |x: usize, y: usize, channel: usize, is_planes: bool| {
+        bytes[if is_planes {
+            16 * channel + 4 * y + x
+        } else {
+            12 * y + 3 * x + channel
+        }]
+    };
+    for (shape, is_planes) in [("3, 4, 4", true), ("1, 3, 4, 4", true), ("4, 4, 3", false)] {
+        let array = write(folder.path(), "pattern.npy", [&header(shape)[..], &bytes].concat());
+        let out = folder.path().join(format!("{}.png", shape.replace(", ", "_")));
+        let output = run(&["pattern", "import", text(&array), "-o", text(&out)]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let cells = image::open(&out).unwrap().into_rgb8();
+        for (x, y, pixel) in cells.enumerate_pixels() {
+            let expected = [0, 1, 2].map(|channel| at(x as usize, y as usize, channel, is_planes));
+            assert_eq!(pixel.0, expected, "{shape} {x} {y}");
+        }
+    }
+    for (shape, words) in [
+        ("3, 16, 3", "its shape is [3, 16, 3]"),
+        ("48", "its shape is [48]"),
+        ("3, 4, 5", "it ends too early"),
+    ] {
+        let array = write(folder.path(), "pattern.npy", [&header(shape)[..], &bytes].concat());
+        let out = folder.path().join("none.png");
+        assert_refused(
+            &run(&["pattern", "import", text(&array), "-o", text(&out)]),
+            &["pattern.npy", words],
+        );
+    }
 }
