@@ -2,6 +2,7 @@
 //! and what no format has a place for, in comments that every format allows: that a camera is a guess, and standard deviations.
 
 use serde::de::DeserializeOwned;
+use serde_saphyr::NonFiniteFloatPolicy;
 
 use super::{Camera, CameraFault, Guess};
 
@@ -21,7 +22,9 @@ pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Resu
     let body = TAGS
         .iter()
         .fold(first_document(body).to_owned(), |body, tag| body.replace(tag, ""));
-    serde_saphyr::from_str(&body).map_err(|e| {
+    // A figure that nobody reads may be `.nan`.
+    let options = serde_saphyr::options! { non_finite_float_policy: NonFiniteFloatPolicy::PassThrough };
+    serde_saphyr::from_str_with_options(&body, options).map_err(|e| {
         // The first line of what the parser says, without its own "error: line …" frame.
         let reason = e.to_string();
         let line = reason.lines().next().unwrap_or_default();
