@@ -1,256 +1,450 @@
-//! Others' files through the program: what is refused, with which words, and that no input changes. A new file is a new line of a table.
+//! Files as other people's programs write them, through the program: photos, cards, boxes and numbers. A new file is a new line of a table.
 
 use crate::common;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, home, program, skyline, stderr, stdout};
-use tempfile::TempDir;
+use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use image::{DynamicImage, RgbImage};
+use scaleproof_pose::scene::Scene;
+use serde_json::{Value, json};
 
-/// A folder with the stored cases, a pattern with its card, a scene, a camera and a printer's file.
-fn folder() -> TempDir {
+fn run(arguments: &[&str]) -> Output {
+    program().args(arguments).output().unwrap()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, content).unwrap();
+    path
+}
+
+/// `locate --json` of photos, by a scene of one's own or the stored one.
+fn located(photos: &[PathBuf], scene: &Path) -> (Output, Vec<Value>) {
+    let mut command = program();
+    command
+        .args(["locate", "--json"])
+        .args(photos)
+        .arg("--scene")
+        .arg(scene);
+    let output = command
+        .arg("--camera")
+        .arg(skyline().join("camera.yaml"))
+        .output()
+        .unwrap();
+    let lines = stdout(&output)
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    (output, lines)
+}
+
+/// The segments of a JPEG up to its first scan are kept where `keep` says so, by their markers.
+fn with_segments(jpeg: &[u8], keep: impl Fn(u8) -> bool) -> Vec<u8> {
+    let (mut kept, mut at) = (jpeg[..2].to_vec(), 2);
+    while jpeg[at + 1] != 0xDA {
+        let end = at + 2 + usize::from(u16::from_be_bytes([jpeg[at + 2], jpeg[at + 3]]));
+        if keep(jpeg[at + 1]) {
+            kept.extend_from_slice(&jpeg[at..end]);
+        }
+        at = end;
+    }
+    [&kept, &jpeg[at..]].concat()
+}
+
+/// An image of motion JPEG, and one whose last two bytes were lost: libjpeg reads both without loss.
+#[test]
+fn jpegs_without_tables_or_without_their_end_are_located_as_the_whole_ones() {
     let folder = tempfile::tempdir().unwrap();
-    for entry in std::fs::read_dir(home().join("tests/data/cases")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_file() {
-            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    let base = std::fs::read(skyline().join("normal_000.jpg")).unwrap();
+    // The standard's tables are those of an encoder that computes none.
+    let picture = image::open(skyline().join("normal_000.jpg")).unwrap().into_rgb8();
+    let plain = scaleproof_photo::photo::preview_jpeg(&picture, 92).unwrap();
+    let (stored, bare) = (
+        write(folder.path(), "plain.jpg", &plain),
+        with_segments(&plain, |marker| marker != 0xC4),
+    );
+    assert!(bare.len() < plain.len() - 400);
+    let (bare, endless) = (
+        write(folder.path(), "avi1.jpg", bare),
+        write(folder.path(), "noeoi.jpg", &base[..base.len() - 2]),
+    );
+    let photos = [skyline().join("normal_000.jpg"), endless, stored, bare];
+    let (output, lines) = located(&photos, &skyline().join("scene.toml"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    for line in &lines {
+        let near = |key: &str, value: f64, within: f64| {
+            assert!((line[key].as_f64().unwrap() - value).abs() < within, "{line}");
+        };
+        near("azimuth_deg", 2.83, 0.01);
+        near("pitch_deg", 15.09, 0.01);
+        near("distance_mm", 884.8, 0.3);
+    }
+    for (same, [a, b]) in ["distance_mm", "rms_px"]
+        .into_iter()
+        .flat_map(|key| [[0, 1], [2, 3]].map(|pair| (key, pair)))
+    {
+        assert_eq!(lines[a][same], lines[b][same]);
+    }
+    assert_eq!(stderr(&output).matches("note: ").count(), 1, "{}", stderr(&output));
+    assert!(stderr(&output).contains("noeoi.jpg has no end-of-image marker"));
+    let cut = write(folder.path(), "cut.jpg", &base[..base.len() - 400]);
+    let (output, _) = located(&[cut], &skyline().join("scene.toml"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("cut.jpg ends in the middle of the image"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// The stored scene as if it had been printed otherwise: what `[cards]` says of it is worked into each tag.
+fn scene_with(cards: &str, folder: &Path) -> PathBuf {
+    let stored = std::fs::read_to_string(skyline().join("scene.toml")).unwrap();
+    let with = format!("[cards]\n{cards}\n\n{stored}");
+    let scene = Scene::parse(&with, Path::new("scene.toml")).unwrap();
+    let mesh = |path: PathBuf| skyline().join(path);
+    let scene = Scene {
+        model: scaleproof_pose::scene::ScaleModel {
+            envelope: scene.model.envelope.with_mesh(mesh),
+            ..scene.model
+        },
+        ..scene
+    };
+    write(folder, "scene.toml", scene.to_toml())
+}
+
+/// The cause is said once, and the line that it names makes all photos good.
+#[test]
+fn cards_that_all_differ_in_one_way_are_said_once_with_the_line_that_says_so() {
+    let photos: Vec<PathBuf> = (0..8).map(|i| skyline().join(format!("normal_00{i}.jpg"))).collect();
+    let (_, truth) = located(&photos, &skyline().join("scene.toml"));
+    for (scene_has, words, line) in [
+        ("turned_deg = 180", "all tags are turned by 180°", "turned_deg = 180"),
+        (
+            "turned_deg = 90",
+            "all tags are turned by 270° clockwise",
+            "turned_deg = 270",
+        ),
+        (
+            "turned_deg = 270",
+            "all tags are turned by 90° clockwise",
+            "turned_deg = 90",
+        ),
+        (
+            "ids_higher_by = 100",
+            "the ids of all tags are 100 lower",
+            "ids_higher_by = -100",
+        ),
+        (
+            "ids_higher_by = 3",
+            "the ids of all tags are 3 lower",
+            "ids_higher_by = -3",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = scene_with(scene_has, folder.path());
+        let (output, _) = located(&photos, &scene);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{scene_has}: {said}");
+        let notes: Vec<&str> = said.lines().filter(|line| line.starts_with("note: ")).collect();
+        let [note] = notes[..] else {
+            panic!("{scene_has}: {said}")
+        };
+        assert!(
+            note.contains(words) && note.contains(&format!("`[cards]` and `{line}`")),
+            "{note}"
+        );
+        assert!(note.contains("8 of the 8 photos"), "{note}");
+        let righted = format!("[cards]\n{line}\n\n{}", std::fs::read_to_string(&scene).unwrap());
+        std::fs::write(&scene, righted).unwrap();
+        let (output, lines) = located(&photos, &scene);
+        assert!(output.status.success(), "{}", stderr(&output));
+        for (line, truth) in lines.iter().zip(&truth) {
+            let [a, b] = [line, truth].map(|line| line["azimuth_deg"].as_f64().unwrap());
+            assert!((a - b).abs() < 0.01, "{scene_has}: {a} {b}");
         }
     }
-    for name in ["scene.toml", "camera.yaml"] {
-        std::fs::copy(skyline().join(name), folder.path().join(name)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let stored = std::fs::read_to_string(skyline().join("scene.toml")).unwrap();
+    for (cards, words) in [
+        ("turned_deg = 45", "cards.turned_deg is 45: give 0, 90, 180 or 270"),
+        (
+            "ids_higher_by = -1",
+            "cards.ids_higher_by is -1, and tag 0 has no such id",
+        ),
+        ("ids_higher_by = 9223372036854775807", "has no such id"),
+        ("turned = 90", "unknown field"),
+    ] {
+        let scene = write(folder.path(), "scene.toml", format!("[cards]\n{cards}\n{stored}"));
+        assert_refused(&located(&photos[..1], &scene).0, &[words]);
     }
-    done(&folder, "pattern random --cells 4 --seed 1 -o p.png");
-    done(&folder, "pattern random --cells 4 --seed 2 -o q.png");
-    done(&folder, "print verify --x-mm 99.5 --y-mm 100.5 -o printer.toml");
+}
+
+#[test]
+fn mirrored_prints_are_said_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mirrored = |i: usize| {
+        let picture = image::open(skyline().join(format!("normal_00{i}.jpg"))).unwrap();
+        let mut bytes = Vec::new();
+        let picture: RgbImage = DynamicImage::fliph(&picture).into_rgb8();
+        let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 95);
+        picture.write_with_encoder(encoder).unwrap();
+        write(folder.path(), &format!("{i}.jpg"), bytes)
+    };
+    let photos: Vec<PathBuf> = (0..5).map(mirrored).collect();
+    let (output, _) = located(&photos, &skyline().join("scene.toml"));
+    let said = stderr(&output);
+    assert_eq!(said.matches("note: ").count(), 1, "{said}");
+    assert!(said.contains("the tags are mirrored: 4 of 4 photos"), "{said}");
+}
+
+/// COCO images with the names of the stored photos and numbers that `id` makes; and their boxes.
+fn coco(id: impl Fn(usize) -> Value, bbox: [f64; 4]) -> Value {
+    let all = 0..8;
+    let images = all.clone().map(|i| json!({"id": id(i), "file_name": format!("normal_00{i}.jpg"), "width": 1280.0, "height": 960, "variant": "normal", "place": "yard", "azimuth_deg": 2.8, "pitch_deg": 15.0, "distance_mm": 884.0}));
+    let annotations = all.map(|i| json!({"image_id": id(i), "category_id": 3.0, "bbox": bbox, "iscrowd": 0.0}));
+    json!({"images": images.collect::<Value>(), "annotations": annotations.collect::<Value>(), "categories": [{"id": 3, "name": "car"}]})
+}
+
+const IN_PX: [f64; 4] = [474.0, 331.0, 306.0, 315.0];
+const IN_SHARES: [f64; 4] = [0.37, 0.34, 0.24, 0.33];
+
+/// A folder with the stored photos and a scene without tags.
+fn photos() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for i in 0..8 {
+        let name = format!("normal_00{i}.jpg");
+        std::fs::copy(skyline().join(&name), folder.path().join(name)).unwrap();
+    }
+    write(
+        folder.path(),
+        "scene.toml",
+        "[model]\nname = \"car\"\nscale = 10\nclass = \"car\"\nsize_mm = [455.0, 185.7, 129.1]\n\
+         [bins]\nazimuth_deg = 45\npitch_deg = [15]\ndistance_mm = [850]\n",
+    );
     folder
 }
 
-fn run(folder: &TempDir, command: &str) -> Output {
-    let words = command.split(' ');
-    program().current_dir(folder.path()).args(words).output().unwrap()
+fn import(file: &Path, folder: &Path) -> Output {
+    let scene = folder.join("scene.toml");
+    run(&[
+        "session",
+        "import",
+        text(file),
+        "--photos",
+        text(folder),
+        "--scene",
+        text(&scene),
+    ])
 }
 
-fn done(folder: &TempDir, command: &str) -> Output {
-    let output = run(folder, command);
-    assert!(output.status.success(), "{command}: {}", stderr(&output));
-    output
-}
-
-/// The bytes of all files in a folder.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => found.extend(contents(&path)),
-            false => _ = found.insert(path.clone(), std::fs::read(&path).unwrap()),
-        }
-    }
-    found
-}
-
-/// Commands whose output lies where something lies that they read, or that a file names which they read.
-const OVER_AN_INPUT: &[(&str, &str)] = &[
-    // An image of the mesh; its material library, beside the image that is asked for; the mesh itself.
-    ("texture bake --texture car.obj --size 64 -o ok.png", "ok.png"),
-    ("texture bake --texture car.obj --size 64 -o paint.png", "paint.mtl"),
-    ("texture bake --texture car.obj --size 64 -o car.png", "car.obj"),
-    ("texture show --texture car.obj -o ok.png", "ok.png"),
-    // An image that the mesh names is its own, even where it is not looked at.
-    (
-        "texture bake --mesh car.obj --pattern p.png --tile-mm 40 --size 64 -o ok.png",
-        "ok.png",
-    ),
-    (
-        "print wrap --panels --mesh car.obj --pattern p.png --tile-mm 40 --format pdf -o paint.mtl",
-        "paint.mtl",
-    ),
-    (
-        "print wrap --panels --mesh car.obj --length-mm 440 --pattern p.png --tile-mm 40 --format pdf -o car.obj",
-        "car.obj",
-    ),
-    (
-        "print wrap --panels --mesh h_buf1diff.glb --length-mm 440 --pattern p.png --tile-mm 40 --format pdf -o geo.bin",
-        "geo.bin",
-    ),
-    (
-        "print template --pattern p.png --tile-mm 40 --size-mm 100x100 --format pdf -o p.png",
-        "p.png",
-    ),
-    (
-        "print template --pattern p.png --tile-mm 40 --size-mm 100x100 --printer printer.toml --format pdf -o printer.toml",
-        "printer.toml",
-    ),
-    ("print tags --scene scene.toml --format pdf -o scene.toml", "scene.toml"),
-    (
-        "print check --printer printer.toml --format pdf -o ./printer.toml",
-        "printer.toml",
-    ),
-    ("pattern import p.png --cells 2 -o p.png", "p.png"),
-    ("camera convert camera.yaml --format ros -o camera.yaml", "camera.yaml"),
-];
-
+/// Boxes of 0…1 would blame the detector: every door refuses them.
 #[test]
-fn no_output_takes_the_place_of_an_input() {
-    let folder = folder();
-    let before = contents(folder.path());
-    for (command, input) in OVER_AN_INPUT {
-        let output = run(&folder, command);
-        let words = format!("{input} is an input, which would be overwritten; give another output file");
-        assert_refused(&output, &[&words]);
-        assert!(contents(folder.path()) == before, "{command}");
-    }
-    // Its own file of before is no input: it is measured again.
-    done(
-        &folder,
-        "print verify --x-mm 99.5 --y-mm 100.5 --printer printer.toml -o printer.toml",
+fn boxes_in_shares_are_refused_at_every_door() {
+    let folder = photos();
+    let shares = "look like shares of the photo's width and height";
+    let file = write(
+        folder.path(),
+        "coco.json",
+        coco(|i| json!(i + 1), IN_SHARES).to_string(),
     );
-    done(&folder, "texture bake --texture car.obj --size 64 -o out.png");
-    done(&folder, "texture bake --texture car.obj --size 64 -o out.png");
-}
-
-#[cfg(unix)]
-#[test]
-fn an_input_is_known_by_any_of_its_names() {
-    let folder = folder();
-    std::os::unix::fs::symlink("p.png", folder.path().join("link.png")).unwrap();
-    std::os::unix::fs::symlink(".", folder.path().join("here")).unwrap();
-    let before = contents(folder.path().canonicalize().unwrap().as_path()).len();
-    for (input, output) in [
-        ("link.png", "p.png"),
-        ("p.png", "link.png"),
-        ("here/p.png", "p.png"),
-        ("p.png", "here/p.png"),
-    ] {
-        let command = format!("pattern import {input} --cells 2 -o {output}");
-        assert_refused(&run(&folder, &command), &["is an input"]);
-    }
-    assert_eq!(contents(folder.path().canonicalize().unwrap().as_path()).len(), before);
-}
-
-/// Files that are refused, and with which words.
-const REFUSED: &[(&str, &str, &str)] = &[
-    (
-        "bow.obj",
-        "v 0 0 0\nv 400 80 0\nv 400 0 0\nv 0 80 0\nv 0 0 50\nf 1 2 3 4\nf 1 2 5\n",
-        "the face on line 6 crosses itself",
-    ),
-    (
-        "zero.obj",
-        "v 0 0 0\nv 400 80 0\nv 400 0 90\nf 0 1 2\n",
-        "names corner 0, and corners count from 1 to 3",
-    ),
-    (
-        "cut.stl",
-        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 0 0\nvertex 0 100 9\nendloop\nendfacet\n",
-        "ends before its last solid",
-    ),
-];
-
-#[test]
-fn what_is_wrong_with_a_mesh_is_said() {
-    let folder = folder();
-    for (name, text, words) in REFUSED {
-        std::fs::write(folder.path().join(name), text).unwrap();
-        let command =
-            format!("print wrap --panels --mesh {name} --length-mm 440 --pattern p.png --tile-mm 40 -o out.pdf");
-        assert_refused(&run(&folder, &command), &[words]);
-    }
-    std::fs::remove_file(folder.path().join("geo.bin")).unwrap();
-    let command = "print wrap --panels --mesh h_buf1diff.glb --length-mm 440 --pattern p.png --tile-mm 40 -o out.pdf";
-    assert_refused(&run(&folder, command), &["its data are in another file", "geo.bin"]);
-    let command = "texture bake --texture h_imgbuf1.glb --length-mm 440 --size 64 -o out.png";
-    assert_refused(&run(&folder, command), &["not named within the mesh's folder"]);
-}
-
-/// Meshes, their length in mm, and their size in mm by trimesh and their left panel in cm² by shapely.
-const MESHES: &[(&str, f64, [f64; 3], Option<f64>)] = &[
-    ("arch_ngon.obj", 455.0, [455.0, 186.0, 128.0], Some(425.4)),
-    ("arch_tri.obj", 455.0, [455.0, 186.0, 128.0], Some(425.4)),
-    ("box_q.glb", 455.0, [455.0, 186.0, 128.0], Some(582.4)),
-    ("box_webp_optional.glb", 455.0, [455.0, 186.0, 128.0], Some(582.4)),
-];
-
-#[test]
-fn panels_have_the_size_of_the_meshs_faces() {
-    let folder = folder();
-    for (name, length, size_mm, left_cm2) in MESHES {
-        let command = format!(
-            "print wrap --panels --mesh {name} --length-mm {length} --pattern p.png --tile-mm 40 --json -o out.pdf"
-        );
-        let json: serde_json::Value = serde_json::from_str(&stdout(&done(&folder, &command))).unwrap();
-        let size = json["model_size_mm"].as_array().unwrap();
-        for (found, expected) in size.iter().zip(size_mm) {
-            assert!((found.as_f64().unwrap() - expected).abs() < 0.05, "{name}: {size:?}");
-        }
-        let pieces = json["panels"].as_array().unwrap();
-        let left = pieces.iter().find(|piece| piece["panel"] == "left").unwrap();
-        if let Some(expected) = left_cm2 {
-            let found = left["surface_mm2"].as_f64().unwrap() / 100.0;
-            assert!((found - expected).abs() < 0.2, "{name}: {found}");
-        }
-    }
-}
-
-#[test]
-fn advice_never_writes_over_what_is_there() {
-    let folder = folder();
-    std::fs::write(
-        folder.path().join("it's.heic"),
-        std::fs::read(folder.path().join("heic.jpg")).unwrap(),
-    )
-    .unwrap();
-    std::fs::write(folder.path().join("it's.jpg"), "mine").unwrap();
-    for (photo, advised) in [
-        ("heic.jpg", "heif-dec heic.jpg heic_2.jpg"),
-        ("it's.heic", r"heif-dec 'it'\''s.heic' 'it'\''s_2.jpg'"),
-    ] {
-        let mut command = program();
-        // Without a decoder.
-        command.current_dir(folder.path()).env("PATH", "");
-        let output = command
-            .args(["locate", photo, "--scene", "scene.toml", "--camera", "camera.yaml"])
-            .output();
-        assert_refused(&output.unwrap(), &[&format!("`{advised}`")]);
-    }
-    std::fs::copy(folder.path().join("p.png"), folder.path().join("pattern.png")).unwrap();
-    let sheets = "print template --texture q.png --tile-mm 40 --size-mm 100x100 --paints 2 -o out.pdf";
+    assert_refused(&import(&file, folder.path()), &["normal_000.jpg", shares]);
+    let table = "file,variant,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm\nnormal_000.jpg,normal,0.37,0.34,0.61,0.67,2.8,15,884\n";
+    let file = write(folder.path(), "table.csv", table);
+    assert_refused(&import(&file, folder.path()), &["line 2", "normal_000.jpg", shares]);
+    let photo = json!({"file": "normal_000.jpg", "variant": "normal", "box_xyxy_px": [0.37, 0.34, 0.61, 0.67], "viewpoint": {"azimuth_deg": 2.8, "pitch_deg": 15, "distance_mm": 884}});
+    let session = json!({"scene": "scene.toml", "photos": [photo]});
+    write(folder.path(), "session.json", session.to_string());
+    let out = folder.path().join("out");
     assert_refused(
-        &run(&folder, sheets),
-        &["scaleproof pattern import q.png --cells 24 -o pattern_2.png"],
+        &run(&["score", text(folder.path()), "--recorded", "-o", text(&out)]),
+        &["session.json", "normal_000.jpg", shares],
+    );
+    let results = json!([{"image_id": "normal_000.jpg", "category_id": 3, "bbox": IN_SHARES, "score": 0.9}]);
+    let results = write(folder.path(), "results.json", results.to_string());
+    let given = format!("mine={}", results.display());
+    assert_refused(
+        &run(&["score", text(&skyline()), "--results", &given, "-o", text(&out)]),
+        &["results.json", shares],
     );
 }
 
+/// pandas writes 1.0 for 1, in files of truth and of results.
 #[test]
-fn lengths_may_be_in_inches() {
-    let folder = folder();
-    let sheet = |size: &str, tile: &str, paper: &str| {
-        let command = format!(
-            "print template --pattern p.png --tile-mm {tile} --size-mm {size} --paper {paper} --json -o out.pdf"
-        );
-        let json: serde_json::Value = serde_json::from_str(&stdout(&done(&folder, &command))).unwrap();
-        let thousandths = |mm: &serde_json::Value| (1000.0 * mm.as_f64().unwrap()).round();
-        let page = &json["page_mm"];
-        (
-            json["sheets"].as_u64(),
-            [&page[0], &page[1], &json["cell_mm"]].map(thousandths),
-        )
+fn whole_numbers_with_a_point_are_read_and_fractions_refused_in_words() {
+    let folder = photos();
+    let with = |name: &str, id: fn(usize) -> Value| write(folder.path(), name, coco(id, IN_PX).to_string());
+    let file = with("half.json", |i| json!(i as f64 + 1.5));
+    assert_refused(&import(&file, folder.path()), &["1.5 is no whole number from 0 up"]);
+    let file = with("negative.json", |i| json!(-(i as i64) - 1));
+    assert_refused(&import(&file, folder.path()), &["-1 is no whole number from 0 up"]);
+    let file = with("coco.json", |i| json!(i as f64 + 1.0));
+    let output = import(&file, folder.path());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let results = |id: Value, category: Value| {
+        let lines = json!([{"image_id": id, "category_id": category, "bbox": IN_PX, "score": 0.9}]);
+        let file = write(folder.path(), "results.json", lines.to_string());
+        let (given, out) = (format!("mine={}", file.display()), folder.path().join("out"));
+        let images = folder.path().join("coco.json");
+        let arguments = [
+            "score",
+            text(folder.path()),
+            "--results",
+            &given,
+            "--images",
+            text(&images),
+            "-o",
+            text(&out),
+        ];
+        (run(&arguments), out)
     };
+    let (output, out) = results(json!(1.0), json!(3.0));
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stdout(&output).contains("1/8"), "{}", stdout(&output));
     assert_eq!(
-        sheet("20x12in", "2in", "ledger"),
-        sheet("508x304.8", "50.8", "279.4x431.8")
-    );
-    assert_eq!(
-        sheet("508x304.8", "5.08cm", "legal"),
-        sheet("508x304.8", "50.8", "8.5x14in")
+        read_json(&out.join("coco_truth.json"))["images"]
+            .as_array()
+            .unwrap()
+            .len(),
+        8
     );
     assert_refused(
-        &run(
-            &folder,
-            "print template --pattern p.png --tile-mm 5furlong --size-mm 9x9 -o out.pdf",
-        ),
-        &["5furlong"],
+        &results(json!(1.5), json!(3)).0,
+        &["results.json, line 1", "a whole number from 0 up, or a name"],
     );
+    assert_refused(&results(json!(1), json!(3.5)).0, &["3.5 is no whole number from 0 up"]);
+}
+
+/// A pattern that hides everything leaves files without a detection.
+#[test]
+fn results_without_any_detection_count_as_nothing_found() {
+    let folder = photos();
+    let coco = write(folder.path(), "coco.json", coco(|i| json!(i + 1), IN_PX).to_string());
+    assert!(import(&coco, folder.path()).status.success());
+    let empty = write(folder.path(), "empty.json", "[]");
+    let labels = folder.path().join("labels");
+    std::fs::create_dir(&labels).unwrap();
+    (0..8).for_each(|i| drop(write(&labels, &format!("normal_00{i}.txt"), "")));
+    for (path, more) in [(&empty, &["--images", text(&coco)][..]), (&labels, &[])] {
+        let (given, out) = (format!("mine={}", path.display()), folder.path().join("out"));
+        let arguments = ["score", text(folder.path()), "--results", &given, "-o", text(&out)];
+        let output = run(&[&arguments, more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(stdout(&output).contains("0/8"), "{}", stdout(&output));
+        let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+        assert!(summary.contains("have no detection in any of 8 photos"), "{summary}");
+        std::fs::remove_dir_all(&out).unwrap();
+    }
+    std::fs::remove_file(labels.join("normal_003.txt")).unwrap();
+    for path in [&empty, &labels] {
+        let (given, out) = (format!("mine={}", path.display()), folder.path().join("out"));
+        assert_refused(
+            &run(&["score", text(folder.path()), "--results", &given, "-o", text(&out)]),
+            &["no detection in any photo of this run", "does not list them all"],
+        );
+    }
+    // As `numpy.savetxt` writes it.
+    write(
+        &labels,
+        "normal_003.txt",
+        "2.000000000000000000e+00 4.9e-01 5.1e-01 2.4e-01 3.3e-01 6.334990000000000343e-01\n",
+    );
+    let (given, out) = (format!("mine={}", labels.display()), folder.path().join("out"));
+    let output = run(&["score", text(folder.path()), "--results", &given, "-o", text(&out)]);
+    assert!(
+        stdout(&output).contains("1/8"),
+        "{}{}",
+        stdout(&output),
+        stderr(&output)
+    );
+    write(&labels, "normal_003.txt", "2.5 0.49 0.51 0.24 0.33 0.6\n");
+    assert_refused(
+        &run(&["score", text(folder.path()), "--results", &given, "-o", text(&out)]),
+        &["normal_003.txt, line 1", "the class \"2.5\" is no whole number"],
+    );
+}
+
+/// Views that OpenCV drew of a board in its layout before 4.6 (`tests/data/make_legacy_board.py`), by a focal length of 700 px. With the newer layout
+/// in the board's file, each corner still lies between the two markers that are named for it, or all lie one square further.
+#[test]
+fn boards_of_opencvs_old_layout_are_calibrated() {
+    let folder = tempfile::tempdir().unwrap();
+    let stored = common::home().join("tests/data/cases/legacy_board");
+    let photos: Vec<PathBuf> = (0..6).map(|i| stored.join(format!("{i}.jpg"))).collect();
+    let legacy = std::fs::read_to_string(stored.join("board.toml")).unwrap();
+    for text in [
+        legacy.clone(),
+        legacy.replace("legacy_layout = true", "legacy_layout = false"),
+    ] {
+        let (board, out) = (
+            write(folder.path(), "board.toml", text),
+            folder.path().join("camera.yaml"),
+        );
+        let mut command = program();
+        command
+            .arg("calibrate")
+            .arg("--board")
+            .arg(board)
+            .args(&photos)
+            .arg("-o")
+            .arg(&out);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(
+            stdout(&output).matches(".jpg                             35 ").count(),
+            6,
+            "{}",
+            stdout(&output)
+        );
+        let camera = scaleproof_pose::camera::Camera::open(&out).unwrap();
+        assert!((camera.fx / 700.0 - 1.0).abs() < 0.005, "{camera:?}");
+    }
+}
+
+/// A pattern as an attack in PyTorch keeps it: planes of red, green and blue; and as OpenCV's users do; in NumPy's format.
+#[test]
+fn patterns_that_numpy_saved_are_imported_cell_by_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes: Vec<u8> = (0..48).map(|i| (i * 5) as u8).collect();
+    let header = |shape: &str| {
+        let text = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}");
+        [&b"\x93NUMPY\x01\0v\0"[..], format!("{text:<117}\n").as_bytes()].concat()
+    };
+    // 4 × 4 pixels of three planes, or of three values.
+    let at = |x: usize, y: usize, channel: usize, is_planes: bool| {
+        bytes[if is_planes {
+            16 * channel + 4 * y + x
+        } else {
+            12 * y + 3 * x + channel
+        }]
+    };
+    for (shape, is_planes) in [("3, 4, 4", true), ("1, 3, 4, 4", true), ("4, 4, 3", false)] {
+        let array = write(folder.path(), "pattern.npy", [&header(shape)[..], &bytes].concat());
+        let out = folder.path().join(format!("{}.png", shape.replace(", ", "_")));
+        let output = run(&["pattern", "import", text(&array), "-o", text(&out)]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let cells = image::open(&out).unwrap().into_rgb8();
+        for (x, y, pixel) in cells.enumerate_pixels() {
+            let expected = [0, 1, 2].map(|channel| at(x as usize, y as usize, channel, is_planes));
+            assert_eq!(pixel.0, expected, "{shape} {x} {y}");
+        }
+    }
+    for (shape, words) in [
+        ("3, 16, 3", "its shape is [3, 16, 3]"),
+        ("48", "its shape is [48]"),
+        ("3, 4, 5", "it ends too early"),
+    ] {
+        let array = write(folder.path(), "pattern.npy", [&header(shape)[..], &bytes].concat());
+        let out = folder.path().join("none.png");
+        assert_refused(
+            &run(&["pattern", "import", text(&array), "-o", text(&out)]),
+            &["pattern.npy", words],
+        );
+    }
 }

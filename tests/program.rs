@@ -24,6 +24,7 @@ mod capture_camera;
 mod capture_decided;
 mod capture_page;
 mod cases_files;
+mod cases_meshes;
 mod chart;
 mod colour;
 mod compare;

@@ -26,8 +26,12 @@ pub(crate) enum Command {
 
 #[derive(clap::Args)]
 pub(crate) struct ConvertArgs {
-    /// Camera file: YAML or XML of OpenCV, YAML of ROS camera_info or Kalibr, or a .cameramodel of mrcal; with a pinhole or fisheye lens
+    /// Camera file of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt), Metashape (XML) or a NeRF program (transforms.json); with a pinhole or
+    /// fisheye lens
     input: PathBuf,
+    /// Which camera of a file of several: its name, id or label there
+    #[arg(long)]
+    name: Option<String>,
     /// The camera file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -77,7 +81,7 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> CommandResult {
         .format
         .or(mrcal)
         .ok_or_else(|| format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal"))?;
-    let text = Camera::open(&args.input)?.write(format)?;
+    let text = Camera::open_named(&args.input, args.name.as_deref())?.write(format)?;
     files::write_atomically(&args.output, text.as_bytes())?;
     writeln!(out, "{name}: {} format", format.name())?;
     Ok(Outcome::Done)

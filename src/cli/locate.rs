@@ -162,10 +162,13 @@ fn locate_all<'a>(
     let families = scene.families();
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
         let photo = Photo::open(path);
-        Ok(photo.and_then(|photo| locate_photo(&photo, scene, camera, tags)))
+        let note = photo.as_ref().ok().and_then(Photo::note);
+        Ok((note, photo.and_then(|photo| locate_photo(&photo, scene, camera, tags))))
     };
-    let answers = progress::photos("locating", photos.len())
+    let looked = progress::photos("locating", photos.len())
         .during(|bar| workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1)))?;
+    let (notes, answers): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
+    notes.iter().flatten().for_each(|note| say!("note: {note}"));
     Ok(photos.iter().map(PathBuf::as_path).zip(answers).collect())
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct NewArgs {
     /// Outer edge of a tag's black border in mm
     #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true)]
     tag_mm: f64,
-    /// tag36h11, tag16h5, tag25h9, tagstandard41h12 or tagstandard52h13
+    /// tag36h11, tag16h5, tag25h9, tagstandard41h12, tagstandard52h13, tagcircle21h7, tagcircle49h12 or tagcustom48h12
     #[arg(long, default_value = "tag36h11", value_parser = family)]
     family: TagFamily,
     /// Between the faces of the tent cards and the ground

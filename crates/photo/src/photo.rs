@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 
 use image::{GrayImage, RgbImage, imageops};
 
-use decode::{Header, heif_kind, orientation_of, turned_deg};
+use decode::{Header, heif_kind, turned_deg};
 use scaleproof_core::files;
 use scaleproof_core::spelling::quoted;
 
@@ -24,6 +24,7 @@ pub use decode::open_png;
 pub use encode::{as_jpeg, preview_jpeg};
 pub use exif_tags::{Lens, Shot};
 pub use heif::reads_heif;
+pub use jpeg::standard_huffman_tables;
 use jpeg::{Coefficients, Colours};
 use luma::JpegLuma;
 pub use luma::Luma;
@@ -92,7 +93,7 @@ pub struct Photo {
 
 impl Photo {
     /// Reads a JPEG or PNG file, whatever its name says; an HEIC file as a PNG, where the system has a decoder. A cut JPEG is refused here
-    /// already.
+    /// already; of one whose data is complete, [`Photo::note`] tells.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
         let is_heif = heif_kind(&bytes).is_some();
@@ -102,7 +103,7 @@ impl Photo {
         // Its pixels are upright; how the sensor lay is for the camera.
         let exif = heif::exif(&bytes);
         Ok(Photo {
-            turned_deg: turned_deg(orientation_of(exif.as_deref())),
+            turned_deg: turned_deg(exif_tags::orientation(exif.as_deref())),
             exif,
             ..Photo::from_bytes(path, png, Budget::FILE)?
         })
@@ -112,6 +113,18 @@ impl Photo {
     pub fn from_bytes(path: &Path, bytes: Vec<u8>, budget: Budget) -> Result<Photo, PhotoError> {
         let mut header = Header::read(&bytes, &budget).map_err(|problem| problem.at(path))?;
         let [width, height] = header.upright_size();
+        let coefficients = OnceLock::new();
+        if header.lacks_end() {
+            // Only its data tells whether it is whole.
+            let read = header.coefficients(&bytes, &budget);
+            let read = read.map_err(|problem| match problem {
+                DecodeProblem::Damaged(_) => DecodeProblem::Truncated.at(path),
+                other => other.at(path),
+            })?;
+            if let Some(read) = read {
+                coefficients.get_or_init(|| read);
+            }
+        }
         Ok(Photo {
             path: path.to_owned(),
             sha256: files::sha256_hex(&bytes),
@@ -122,7 +135,7 @@ impl Photo {
             exif: header.exif.take(),
             header,
             budget,
-            coefficients: OnceLock::new(),
+            coefficients,
         })
     }
 
@@ -138,17 +151,28 @@ impl Photo {
 
     /// What EXIF says about the lens.
     pub fn lens(&self) -> Lens {
-        exif_tags::read(&self.exif).map(Lens::from_exif).unwrap_or_default()
+        exif_tags::read(self.exif.as_deref())
+            .map(Lens::from_exif)
+            .unwrap_or_default()
     }
 
     /// When and how it was taken, as EXIF says.
     pub fn shot(&self) -> Shot {
-        exif_tags::read(&self.exif).map(Shot::from_exif).unwrap_or_default()
+        exif_tags::read(self.exif.as_deref())
+            .map(Shot::from_exif)
+            .unwrap_or_default()
     }
 
     /// How many bytes decoding at 1/`reduction` of the size holds.
     pub fn memory(&self, reduction: u32) -> u64 {
         self.header.cost.memory(reduction)
+    }
+
+    /// What is unusual about its file and does no harm, as a sentence.
+    pub fn note(&self) -> Option<String> {
+        let path = self.path.display();
+        let sentence = || format!("{path} has no end-of-image marker, as a copy that was cut; its data is complete");
+        self.header.lacks_end().then(sentence)
     }
 
     /// `jpg` or `png`, by the content.

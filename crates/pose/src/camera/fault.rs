@@ -6,16 +6,16 @@ pub enum CameraFault {
     #[error("the file is empty")]
     Empty,
     #[error(
-        "not a camera file: give YAML or XML of OpenCV, YAML of ROS camera_info or Kalibr, or a .cameramodel of mrcal"
+        "not a camera file: give one of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt), Metashape (XML) or a NeRF program (transforms.json)"
     )]
     UnknownFormat,
     #[error("not {what}: {reason}")]
     Syntax { what: &'static str, reason: String },
     #[error("{name} says {rows} × {cols} but has {found} numbers")]
     Matrix {
-        name: &'static str,
-        rows: usize,
-        cols: usize,
+        name: String,
+        rows: f64,
+        cols: f64,
         found: usize,
     },
     #[error("camera_matrix must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3")]
@@ -34,10 +34,14 @@ pub enum CameraFault {
         "distortion_model {model} has {limit} coefficients but distortion_coefficients has {found}: is it rational_polynomial?"
     )]
     RosCoefficients { model: String, limit: usize, found: usize },
-    #[error("the camchain has no camera")]
+    #[error("it has no calibrated camera")]
     NoCamera,
-    #[error("the camchain has several cameras ({names}): copy the one that took the photos into a file of its own")]
+    #[error(
+        "it has several cameras ({names}): write the one that took the photos into a file of its own (camera convert, with its name)"
+    )]
     SeveralCameras { names: String },
+    #[error("it has no camera {name}; it has {names}")]
+    NoSuchCamera { name: String, names: String },
     #[error("{key} {model} of {camera} is not supported: calibrate with pinhole and radtan or equidistant")]
     KalibrModel {
         key: &'static str,

@@ -1,14 +1,20 @@
 //! The camera: pinhole and Brown–Conrady distortion, or a fisheye, in OpenCV's conventions.
 
+mod chosen;
+mod colmap;
 mod fault;
+mod fields;
 mod fisheye;
 mod fit;
 mod format;
 mod guess;
 mod kalibr;
 mod matrix_yaml;
+mod metashape;
 mod mrcal;
+mod nerf;
 pub mod projection;
+mod xml;
 pub mod yaml;
 
 use scaleproof_core::files;

@@ -25,6 +25,13 @@ const MODELS: [(&str, usize); 4] = [
     ("LENSMODEL_OPENCV8", 8),
 ];
 
+/// Whether a text is one: a dictionary with a `lensmodel`.
+pub(super) fn is(text: &str) -> bool {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
+    let mut starts = lines.clone().map(str::trim_start).filter(|line| !line.is_empty());
+    starts.next().is_some_and(|line| line.starts_with('{')) && lines.clone().any(|line| line.contains("lensmodel"))
+}
+
 pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     let file: MrcalFile = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
     let Some((model, count)) = MODELS.iter().find(|(name, _)| *name == file.lensmodel) else {

@@ -253,6 +253,7 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
             "box_xyxy_px of {file} is empty: give [x1, y1, x2, y2] in pixels"
         ));
     }
+    BoxPx::check_counts_pixels(photo.box_xyxy_px).map_err(|why| format!("the box of {file}: {why}"))?;
     match photo.viewpoint {
         Some(v) if !v.is_possible() => Err(format!(
             "the viewpoint of {file} is impossible: azimuth_deg is in [0, 360), pitch_deg in [-90, 90], distance_mm above 0"

@@ -7,12 +7,15 @@ use std::sync::Arc;
 use image::codecs::webp::WebPDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
-use super::light;
+use super::{light, numpy};
 use scaleproof_core::files;
 use scaleproof_photo::photo::{Budget, DecodeCost, Photo, PhotoError, open_png};
 
 /// Most pixels along a side: what graphics cards take.
 const MAX_PIXELS: u32 = 16_384;
+
+/// Of a file that NumPy saved.
+const MOST_ARRAY_BYTES: u64 = 1 << 30;
 
 /// Why an image cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -33,7 +36,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Reads what photos are read from.
+    /// Reads what photos are read from, or an array that NumPy saved.
     ///
     /// # Errors
     /// An unreadable file, and whatever [`Picture::from_bytes`] refuses.
@@ -42,16 +45,27 @@ impl Picture {
             path: path.to_owned(),
             reason,
         };
+        if path.extension().is_some_and(|ending| ending == "npy") {
+            let bytes = files::read_at_most(path, MOST_ARRAY_BYTES).map_err(|e| bad(e.to_string()))?;
+            return Self::from_bytes(&bytes, None).map_err(bad);
+        }
         let photo = Photo::open(path).map_err(|e| bad(reason(e)))?;
         Self::from_bytes(photo.bytes(), Some(1.0)).map_err(bad)
     }
 
-    /// Decodes a PNG, JPEG or WebP. `alpha` is what its alpha is multiplied by: what is see-through then is laid on white, as paper is; `None` leaves the
+    /// Decodes a PNG, a JPEG, a WebP, or NumPy's array of colours. `alpha` is what its alpha is multiplied by: what is see-through then is laid on white, as paper is; `None` leaves the
     /// colours as they are. The error is a clause.
     ///
     /// # Errors
     /// A damaged file, 16-bit and CMYK images, more than [`MAX_PIXELS`] along a side.
     pub fn from_bytes(bytes: &[u8], alpha: Option<f64>) -> Result<Self, String> {
+        if bytes.starts_with(numpy::MAGIC) {
+            return Ok(Self {
+                pixels: Arc::new(numpy::image(bytes, MAX_PIXELS)?),
+                sha256: files::sha256_hex(bytes),
+                note: Some("is an array: its colours are taken for red, green, blue, in this order".into()),
+            });
+        }
         let image = match image::guess_format(bytes) {
             Ok(ImageFormat::Png) => png(bytes)?,
             Ok(ImageFormat::WebP) => webp(bytes)?,

@@ -7,13 +7,14 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::{LabelledPhoto, LabelledPhotos, Object};
-use scaleproof_core::coco::File;
+use scaleproof_core::coco::{self, File, Whole};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Labels;
 
 #[derive(Deserialize)]
 struct Image {
+    #[serde(deserialize_with = "coco::whole")]
     id: u64,
     file_name: String,
 }
@@ -25,7 +26,7 @@ struct Image {
 pub fn labelled_photos(path: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, FileError> {
     let text = files::read_text(path)?;
     let refused = |message: String| FileError::content(path, message);
-    let file: File<Image, IgnoredAny, u8> =
+    let file: File<Image, IgnoredAny, Whole> =
         serde_json::from_str(&text).map_err(|e| refused(format!("line {}: {e}", e.line())))?;
     let (mut known, mut unknown) = (BTreeMap::new(), Vec::new());
     for category in &file.categories {
@@ -74,10 +75,15 @@ pub fn labelled_photos(path: &Path, folder: &Path, labels: Labels) -> Result<Lab
             photo.objects.push(Object {
                 label: *label,
                 box_px: BoxPx::new(x, y, x + width, y + height),
-                is_crowd: annotation.iscrowd != 0,
+                is_crowd: annotation.iscrowd.0 != 0,
             });
         }
     }
+    let boxes = photos
+        .values()
+        .flat_map(|photo| &photo.objects)
+        .map(|object| object.box_px);
+    BoxPx::check_counts_pixels(boxes).map_err(|why| refused(why.to_owned()))?;
     if photos.values().all(|photo| photo.objects.is_empty()) {
         return Err(refused("it has no object with a label of the detector".to_owned()));
     }
