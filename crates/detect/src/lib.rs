@@ -19,6 +19,7 @@ mod input;
 mod labels;
 mod manifest;
 mod nms;
+mod onnx;
 mod outside;
 mod program;
 mod propose;
@@ -38,8 +39,9 @@ pub use heads::{Anchor, Anchors, Data, HeadError, Tensor, anchors, candidates, w
 pub use input::{InputPlacement, tensor};
 pub use labels::{Labels, LabelsError};
 pub use manifest::{
-    Channels, EfficientdetHead, FirstLabel, Head, Input, Kernel, Layout, Manifest, ManifestError, Resize, Scores,
-    Values, Weights,
+    AnchorHead, AnchorLabels, Channels, EfficientdetHead, FirstLabel, GridAnchors, GridsHead, Head, Input, Kernel,
+    Layout, ListHead, Manifest, ManifestError, Resize, Scores, SsdBoxes, SsdHead, StridesHead, TableHead, Unit, Values,
+    Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};

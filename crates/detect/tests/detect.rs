@@ -25,6 +25,8 @@ mod manifest;
 mod metadata;
 #[path = "detect/nms.rs"]
 mod nms;
+#[path = "detect/others.rs"]
+mod others;
 #[path = "detect/photo_names.rs"]
 mod photo_names;
 #[path = "detect/protocol.rs"]

@@ -31,6 +31,9 @@ pub(crate) struct Args {
     /// The input's size in pixels, where the file leaves it open: 640 or 640x480 (width first).
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<[u32; 2]>,
+    /// The number that the network gives the first of the labels, where it counts otherwise than its family does; `detectors validate` finds it.
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    first_label: Option<i64>,
     /// What labels of the network count as, where the scene calls them otherwise, as in PKW=car,LKW=truck.
     #[arg(long, value_name = "OWN=COUNTED", value_delimiter = ',', value_parser = mapped)]
     map: Vec<(String, String)>,
@@ -59,6 +62,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         family: args.family,
         labels: args.labels.as_deref().map(labels).transpose()?,
         size_px: args.size,
+        first_label: args.first_label,
         ..Hints::default()
     };
     // First, so that a file that cannot be read is named as such.

@@ -1,9 +1,10 @@
 //! Which families a network's outputs could be of: by their shapes and names, then by the range of their numbers.
 
+use super::details;
 use super::family::Family;
 use super::inspect::Inspected;
-use crate::heads::{BINS, Data, Tensor, efficientdet};
-use crate::manifest::{Layout, Scores};
+use crate::heads::{BINS, Data, Pair, TENSORFLOW, Tensor, efficientdet, ssd};
+use crate::manifest::{Layout, Scores, SsdBoxes};
 
 /// A family whose outputs have these shapes.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,9 @@ pub(super) struct FamilyCandidate {
 
 /// The grids that the one-stage families with one table use.
 const STRIDES: [&[u32]; 3] = [&[8, 16, 32], &[8, 16, 32, 64], &[16, 32, 64]];
+
+/// Grids of small networks, which have no finer one.
+const COARSE: [&[u32]; 2] = [&[16, 32], &[32, 64]];
 
 impl FamilyCandidate {
     fn new(family: Family, labels: Option<usize>, strides: &[u32]) -> FamilyCandidate {
@@ -34,44 +38,112 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     let (outputs, size) = (&network.answers[0], network.size_px);
     let is_named = |name: &str| outputs.iter().any(|t| t.name.split(':').next() == Some(name));
     let bare = |family, labels: Option<usize>| labels.map(|labels| FamilyCandidate::new(family, Some(labels), &[]));
-    if ["detection_boxes", "detection_classes", "detection_scores"]
-        .into_iter()
-        .all(is_named)
-    {
+    if TENSORFLOW[..3].iter().all(|name| is_named(name)) {
         return vec![FamilyCandidate::new(Family::TfOd, None, &[])];
     }
     if let Some(boxes) = listed_boxes(outputs) {
         let families = listing(network, boxes).into_iter();
         return families.map(|family| FamilyCandidate::new(family, None, &[])).collect();
     }
-    let yolov4 = labels_of_grids(outputs, size, &[8, 16, 32], |shape, grid| match shape {
-        [1, rows, columns, 3, row] if [*columns, *rows] == grid => row.checked_sub(5),
-        _ => None,
-    });
+    if tflite(network).is_some() {
+        return vec![FamilyCandidate::new(Family::TfliteSsd, None, &[])];
+    }
     let of_planes = |shape: &[usize], grid: [usize; 2], boxes: usize| match shape {
         [1, row, rows, columns] if [*columns, *rows] == grid && row % boxes == 0 => (row / boxes).checked_sub(5),
         _ => None,
     };
+    let in_grids = |strides: &[u32]| {
+        let labels = labels_of_grids(outputs, size, strides, |shape, grid| match shape {
+            [1, 3, rows, columns, row] | [1, rows, columns, 3, row] if [*columns, *rows] == grid => row.checked_sub(5),
+            [1, rows, columns, row] if [*columns, *rows] == grid && row % 3 == 0 => (row / 3).checked_sub(5),
+            _ => of_planes(shape, grid, 3),
+        });
+        labels.filter(|_| outputs.len() == strides.len())
+    };
     let fastestdet = labels_of_grids(outputs, size, &[16], |shape, grid| of_planes(shape, grid, 1));
-    let yolov3 = labels_of_grids(outputs, size, &[8, 16, 32], |shape, grid| of_planes(shape, grid, 3));
-    let of_grids = [
-        bare(Family::Yolov4, yolov4),
+    let (three, two) = (in_grids(&[8, 16, 32]), in_grids(&[16, 32]));
+    let is_zoo = outputs.iter().all(|t| t.shape.len() == 5);
+    let mut of_grids = vec![
+        bare(Family::Yolov4, three.filter(|_| is_zoo)),
         bare(Family::Fastestdet, fastestdet.filter(|_| outputs.len() == 1)),
-        nanodet(outputs, size),
-        bare(Family::Yolov3, yolov3.filter(|_| outputs.len() == 3)),
+        bare(Family::Yolov3, three.filter(|_| !is_zoo)),
         bare(Family::Efficientdet, efficientdet(outputs, size)),
     ];
-    let found: Vec<FamilyCandidate> = of_grids.into_iter().flatten().collect();
+    of_grids.extend([Family::Yolov3Tiny, Family::Yolov4Tiny, Family::YoloFastest].map(|family| bare(family, two)));
+    let mut found: Vec<FamilyCandidate> = of_grids.into_iter().flatten().collect();
+    found.extend(by_distances(network));
     if !found.is_empty() {
         return found;
     }
     let is_of_transformers = is_named("logits") && is_named("pred_boxes");
-    match rfdetr(outputs) {
+    let pair = Pair::find(outputs, |columns| columns > 0);
+    match pair {
         // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
-        Some(92) if is_of_transformers => Vec::new(),
-        Some(columns) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(columns), &[])],
-        Some(columns) => vec![FamilyCandidate::new(Family::Rfdetr, Some(columns), &[])],
-        None => outputs.iter().flat_map(|t| one_table(t, size)).collect(),
+        Some(pair) if is_of_transformers && pair.columns == 92 => Vec::new(),
+        Some(pair) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])],
+        Some(pair) if outputs[pair.boxes].shape.len() == 4 => {
+            vec![FamilyCandidate::new(Family::Yolov4Pytorch, Some(pair.columns), &[])]
+        }
+        // Queries are a few hundred, prior boxes more.
+        Some(pair) if pair.rows <= MOST_QUERIES => {
+            vec![FamilyCandidate::new(Family::Rfdetr, Some(pair.columns), &[])]
+        }
+        Some(pair) => vec![FamilyCandidate::new(Family::Ssd, Some(pair.columns), &[])],
+        None => outputs.iter().flat_map(|t| one_table(t, network)).collect(),
+    }
+}
+
+/// No DETR has more rows.
+const MOST_QUERIES: usize = 1000;
+
+/// The outputs that hold boxes, labels, scores and their number, of a network that ends with TFLite's operator, whatever they are called: four tables of
+/// floats, of which the labels are whole numbers in both answers and the scores are not.
+pub(super) fn tflite(network: &Inspected) -> Option<[String; 4]> {
+    let outputs = &network.answers[0];
+    let sides = |t: &Tensor| t.shape.iter().copied().filter(|side| *side != 1).collect::<Vec<_>>();
+    let boxes = outputs
+        .iter()
+        .position(|t| t.shape.len() == 3 && t.shape[2] == 4 && t.floats().is_some())?;
+    let rows = outputs[boxes].shape[1];
+    let count = outputs.iter().position(|t| sides(t).is_empty() && t.shape.len() < 2)?;
+    let lists: Vec<usize> = (0..outputs.len()).filter(|i| ![boxes, count].contains(i)).collect();
+    let [a, b] = lists[..] else { return None };
+    let is_list = |i: usize| outputs[i].shape == [1, rows] && outputs[i].floats().is_some();
+    let is_whole = |i: usize| {
+        network
+            .answers
+            .iter()
+            .all(|answer| floats(&answer[i]).all(|v| v.fract() == 0.0))
+    };
+    if outputs.len() != 4 || !is_list(a) || !is_list(b) {
+        return None;
+    }
+    let (labels, scores) = match [is_whole(a), is_whole(b)] {
+        [true, false] => (a, b),
+        [false, true] => (b, a),
+        _ => return None,
+    };
+    Some([boxes, labels, scores, count].map(|i| outputs[i].name.clone()))
+}
+
+/// NanoDet or PicoDet, which have the same tables. PicoDet comes from PaddlePaddle and has a batch axis and a fourth grid; where its file does not say where
+/// it comes from any more, both could be meant.
+fn by_distances(network: &Inspected) -> Vec<FamilyCandidate> {
+    let Some(found) = nanodet(&network.answers[0], network.size_px) else {
+        return Vec::new();
+    };
+    let outputs = &network.answers[0];
+    let is_of_paddle = |name: &str| name.starts_with("save_infer_model") || name.contains(".tmp_");
+    let picodet = FamilyCandidate {
+        family: Family::Picodet,
+        ..found.clone()
+    };
+    if network.file.made_by.contains("paddle") || outputs.iter().any(|t| is_of_paddle(&t.name)) {
+        vec![picodet]
+    } else if found.strides.len() > 3 && outputs.iter().all(|t| t.shape.len() == 3) {
+        vec![found, picodet]
+    } else {
+        vec![found]
     }
 }
 
@@ -147,6 +219,31 @@ pub(super) fn scores(network: &Inspected) -> Scores {
     }
 }
 
+/// Whether the scores beside some boxes are logits.
+pub(super) fn pair_scores(network: &Inspected, labels: Option<usize>) -> Scores {
+    let of = |outputs: &[Tensor]| {
+        let pair = Pair::find(outputs, |columns| Some(columns) == labels)?;
+        no_score(floats(&outputs[pair.scores]))
+    };
+    if network.answers.iter().any(|outputs| of(outputs).is_some()) {
+        Scores::Logits
+    } else {
+        Scores::Probabilities
+    }
+}
+
+/// Centres and sizes of the boxes of a family with one table, of both answers.
+pub(super) fn boxes<'a>(candidate: &'a FamilyCandidate, network: &'a Inspected) -> impl Iterator<Item = f32> + 'a {
+    let labels = candidate.labels.unwrap_or_default();
+    network.answers.iter().flat_map(move |outputs| -> Vec<f32> {
+        let by_columns = outputs.iter().find(|t| t.shape.len() == 3 && t.shape[1] == labels + 4);
+        match by_columns.filter(|_| candidate.family != Family::Yolov5) {
+            Some(t) => floats(t).take(4 * t.shape[2]).collect(),
+            None => table(outputs, labels + 5).map_or_else(Vec::new, |t| columns(t, 0..4).collect()),
+        }
+    })
+}
+
 /// A pair of tables per stride.
 fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
     let labels_at = |stride: u32| {
@@ -166,27 +263,19 @@ fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
     is_found.then(|| FamilyCandidate::new(Family::Nanodet, labels.first().copied(), &strides))
 }
 
-/// Boxes 1×n×4 beside logits 1×n×columns.
-fn rfdetr(outputs: &[Tensor]) -> Option<usize> {
-    let of = |t: &Tensor| match t.shape[..] {
-        [1, n, columns] => Some((n, columns)),
-        _ => None,
-    };
-    let [a, b] = [of(outputs.first()?)?, of(outputs.get(1)?)?];
-    match (outputs.len(), a, b) {
-        (2, (n, 4), (m, columns)) | (2, (n, columns), (m, 4)) if n == m => Some(columns),
-        _ => None,
-    }
-}
-
 /// The families that answer with one table; older exports add the grids it was made from.
-fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
+fn one_table(table: &Tensor, network: &Inspected) -> Vec<FamilyCandidate> {
     let [1, first, last] = table.shape[..] else {
         return Vec::new();
     };
+    let size = network.size_px;
     let mut found = Vec::new();
     let mut push = |family, labels, strides: &[u32]| found.push(FamilyCandidate::new(family, labels, strides));
     let is_grid = |n: usize, times: usize| STRIDES.iter().any(|s| times * cells(size, s) == n);
+    let is_coarse = COARSE.iter().any(|s| 3 * cells(size, s) == first);
+    if last > 5 && (network.file.made_by.contains("darknet") || is_coarse) {
+        return vec![FamilyCandidate::new(Family::Darknet, Some(last - 5), &[])];
+    }
     for strides in STRIDES.iter().filter(|s| cells(size, s) == first && last > 4 * BINS) {
         push(Family::NanodetPlus, Some(last - 4 * BINS), strides);
     }
@@ -199,13 +288,16 @@ fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
         push(Family::YoloxDecoded, Some(last - 5), &[]);
         push(Family::Yolov5, Some(last - 5), &[]);
     }
+    let is_ssd = ssd::priors(&[], size, last).is_some();
     if is_grid(last, 1) && first > 4 {
         push(Family::Yolov8, Some(first - 4), &[]);
+    } else if is_ssd && first > 4 {
+        push(Family::SsdTable, Some(first - 4), &[]);
     }
-    if !one_a_cell && !three_a_cell && !is_grid(last, 1) {
+    if !one_a_cell && !three_a_cell && !is_grid(last, 1) && !is_ssd {
         match last {
             6 => push(Family::Yolov10, None, &[]),
-            _ if last > 4 => push(Family::Rtdetr, Some(last - 4), &[]),
+            _ if last > 4 && first <= MOST_QUERIES => push(Family::Rtdetr, Some(last - 4), &[]),
             _ => {}
         }
     }
@@ -214,28 +306,32 @@ fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
 
 /// Why the numbers cannot be this family's, as what was found; `None` where nothing speaks against it.
 pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Option<String> {
-    let (family, labels) = (candidate.family, candidate.labels);
+    let (family, labels, size) = (candidate.family, candidate.labels, network.size_px);
     network.answers.iter().find_map(|outputs| match family {
         Family::Yolov4 => outputs.iter().find_map(|t| no_score(columns(t, 4..))),
-        Family::Yolov5 | Family::YoloxDecoded | Family::Yolox => {
+        Family::Yolov5 | Family::YoloxDecoded | Family::Yolox | Family::Darknet => {
             let t = table(outputs, labels? + 5)?;
             no_score(columns(t, 4..)).or_else(|| match family {
                 Family::Yolox => decoded(t),
-                _ => not_decoded(t, network.size_px),
+                _ => not_decoded([0, 2].map(|at| columns(t, at..at + 2).collect()), size),
             })
         }
-        Family::Yolov8 => {
+        Family::Yolov8 | Family::SsdTable => {
             let rows = labels? + 4;
             let t = outputs.iter().find(|t| t.shape.get(1) == Some(&rows))?;
-            no_score(floats(t).skip(4 * t.shape.last()?))
+            let n = *t.shape.last()?;
+            let sides = [0, 2 * n].map(|from| floats(t).skip(from).take(2 * n).collect());
+            no_score(floats(t).skip(4 * n)).or_else(|| not_decoded(sides, size))
         }
         Family::Yolov10 => {
             let t = table(outputs, 6)?;
             let labels = columns(t, 5..).find(|l| l.fract() != 0.0);
             let label = labels.map(|l| format!("its last column has {l}, which is no label"));
-            label.or_else(|| no_score(columns(t, 4..5)))
+            label
+                .or_else(|| no_score(columns(t, 4..5)))
+                .or_else(|| no_corners(t, 6))
         }
-        Family::Nanodet => {
+        Family::Nanodet | Family::Picodet => {
             let mut scores = outputs.iter().filter(|t| t.shape.last() == labels.as_ref());
             scores.find_map(|t| no_score(floats(t)))
         }
@@ -258,13 +354,59 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
             let gives = format!("{} gives logits", family.title());
             Some(format!("its scores are probabilities already, and {gives}"))
         }
-        Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?)),
-        Family::Yolov3 => {
-            let probabilities = no_score(outputs.iter().flat_map(floats)).is_none();
-            probabilities.then(|| "its numbers are probabilities already, and YOLOv3's grids are logits".to_owned())
+        Family::Yolov4Pytorch | Family::Ssd => {
+            let pair = Pair::find(outputs, |columns| Some(columns) == labels)?;
+            let is_bad_score = || no_score(floats(&outputs[pair.scores])).filter(|_| family == Family::Yolov4Pytorch);
+            match details::ssd_boxes(outputs, pair, size) {
+                None => Some(format!(
+                    "its boxes are neither decoded nor {} offsets from the prior boxes of an input of {}×{}",
+                    pair.rows, size[0], size[1]
+                )),
+                Some(SsdBoxes::Offsets) if family == Family::Yolov4Pytorch => Some("its boxes are not decoded".into()),
+                Some(_) => is_bad_score(),
+            }
         }
-        Family::Efficientdet | Family::Deim | Family::TfOd | Family::ZooRcnn | Family::Torchvision => None,
+        Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?)),
+        Family::TfOd => no_share(floats(outputs.iter().find(|t| t.name.starts_with(TENSORFLOW[0]))?)),
+        Family::TfliteSsd => no_share(floats(outputs.iter().find(|t| t.shape.len() == 3)?)),
+        Family::Yolov3 | Family::Yolov3Tiny | Family::Yolov4Tiny | Family::YoloFastest => {
+            let probabilities = no_score(outputs.iter().flat_map(floats)).is_none();
+            probabilities.then(|| "its numbers are probabilities already, and Darknet's grids are logits".to_owned())
+        }
+        Family::Deim | Family::ZooRcnn | Family::Torchvision => no_corners(listed_boxes(outputs)?, 4),
+        Family::Efficientdet => None,
     })
+}
+
+/// What outputs the families would have for an input of this size, as a clause.
+pub(super) fn needs(size: [u32; 2]) -> String {
+    let rows = |strides: &[&[u32]], times: usize| {
+        let all = strides.iter().map(|s| (times * cells(size, s)).to_string());
+        all.collect::<Vec<_>>().join(" or ")
+    };
+    let grid = |stride: u32| format!("{}×{}", size[1] / stride, size[0] / stride);
+    let (one, three, coarse) = (rows(&STRIDES, 1), rows(&STRIDES, 3), rows(&COARSE, 3));
+    let (cells, anchors) = (rows(&STRIDES[..2], 1), efficientdet::count(size));
+    [
+        format!("YOLOv5 to v7 would have a table 1×n×(5 + labels) of n = {three} rows"),
+        format!("Darknet's small YOLOs one of {coarse}"),
+        format!("YOLOX one of {one}"),
+        format!("NanoDet-Plus 1×n×(labels + {}) of {one}", 4 * BINS),
+        format!("YOLOv8 to 12 a table 1×(4 + labels)×n of n = {one} columns"),
+        "YOLOv10 and 26 1×n×6".to_owned(),
+        format!("RT-DETR of Ultralytics 1×n×(4 + labels) of up to {MOST_QUERIES} rows"),
+        format!("YOLOv3 and v4 three grids {}, {} and {}", grid(8), grid(16), grid(32)),
+        format!("FastestDet one of {}", grid(16)),
+        format!(
+            "NanoDet and PicoDet n×labels and n×{} for each stride ({cells} cells in all)",
+            4 * BINS
+        ),
+        format!("EfficientDet 1×{anchors}×4 and 1×{anchors}×labels"),
+        format!("SSDs boxes 1×n×4 and scores 1×n×labels of more than {MOST_QUERIES} rows, and DETRs of fewer"),
+        format!("TensorFlow's API {}", TENSORFLOW[..3].join(", ")),
+        "and R-CNNs, DEIM and torchvision boxes n×4, scores n and labels n as whole numbers".to_owned(),
+    ]
+    .join(", ")
 }
 
 /// Its values, where they are fractions.
@@ -304,13 +446,34 @@ fn decoded(t: &Tensor) -> Option<String> {
     ))
 }
 
-/// Decoded boxes have sizes of pixels, nearly all above 0, and centres all over the image.
-fn not_decoded(t: &Tensor, [width, _]: [u32; 2]) -> Option<String> {
-    let widest = columns(t, 0..1).fold(0.0, f32::max);
-    let what = match columns(t, 2..4).find(|v| *v < 0.0) {
+/// Decoded boxes have sizes above 0 and centres all over the image, in pixels or in shares of it. `sides`: all centres, then all sizes.
+fn not_decoded([centres, sizes]: [Vec<f32>; 2], [width, _]: [u32; 2]) -> Option<String> {
+    let widest = centres.iter().copied().fold(0.0, f32::max);
+    let are_shares = centres.iter().chain(&sizes).all(|v| details::SHARES.contains(v));
+    let what = match sizes.iter().find(|v| **v < 0.0) {
         Some(v) => format!("a box's size is {v}"),
+        None if are_shares && spread(&centres) > 0.2 => return None,
         None if widest < width as f32 / 4.0 => format!("no box's centre lies beyond {widest} pixels"),
         None => return None,
     };
     Some(format!("{what}: its boxes are not decoded"))
+}
+
+/// The standard deviation of some numbers: of numbers all over 0 to 1 it is near 0.29.
+fn spread(values: &[f32]) -> f32 {
+    let count = values.len().max(1) as f32;
+    let mean = values.iter().sum::<f32>() / count;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / count).sqrt()
+}
+
+/// Corners in pixels of boxes that end before they begin, or that all lie within a pixel or two; `row`: numbers a box.
+fn no_corners(t: &Tensor, row: usize) -> Option<String> {
+    let all: Vec<f32> = floats(t).collect();
+    let boxes = || all.chunks_exact(row);
+    if let Some(b) = boxes().find(|b| b[2] < b[0] - 1.0 || b[3] < b[1] - 1.0) {
+        return Some(format!("a box ends before it begins ({:?})", &b[..4]));
+    }
+    let is_tiny = !all.is_empty() && boxes().all(|b| b[..4].iter().all(|v| details::SHARES.contains(v)));
+    let is_empty = boxes().all(|b| b[..4].iter().all(|v| *v == 0.0));
+    (is_tiny && !is_empty).then(|| "its boxes are shares of the image, not pixels".to_owned())
 }

@@ -1,0 +1,32 @@
+//! What of a head follows from a network's numbers: whether boxes are pixels or shares, and in which order their sides come.
+
+use crate::heads::{Pair, Tensor, ssd};
+use crate::manifest::{SsdBoxes, Unit};
+
+/// Shares of an image's side; boxes may reach beyond it.
+pub(super) const SHARES: std::ops::RangeInclusive<f32> = -1.5..=2.5;
+
+/// Whether some centres and sizes are pixels or shares.
+pub(super) fn unit(mut values: impl Iterator<Item = f32>) -> Unit {
+    if values.all(|v| SHARES.contains(&v)) {
+        Unit::Shares
+    } else {
+        Unit::Pixels
+    }
+}
+
+/// What the boxes beside some scores are; `None` where they are neither decoded nor offsets from prior boxes that are known.
+pub(super) fn ssd_boxes(outputs: &[Tensor], pair: Pair, size: [u32; 2]) -> Option<SsdBoxes> {
+    let boxes = outputs[pair.boxes].floats()?.as_chunks::<4>().0;
+    let is_decoded = |[a, b, c, d]: &[f32; 4]| c >= a && d >= b;
+    if boxes.iter().all(is_decoded) {
+        if !boxes.iter().flatten().all(|v| SHARES.contains(v)) {
+            return Some(SsdBoxes::XyxyPixels);
+        }
+        // Row by row through a grid, x changes with every cell and y with every row.
+        let moves = |axis: usize| boxes.windows(2).map(|b| (b[1][axis] - b[0][axis]).abs()).sum::<f32>();
+        let is_x_first = moves(0) + moves(2) >= moves(1) + moves(3);
+        return Some(if is_x_first { SsdBoxes::Xyxy } else { SsdBoxes::Yxyx });
+    }
+    ssd::priors(outputs, size, pair.rows).map(|_| SsdBoxes::Offsets)
+}
