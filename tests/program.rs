@@ -23,6 +23,7 @@ mod capture;
 mod capture_camera;
 mod capture_decided;
 mod capture_page;
+mod cases_detectors;
 mod chart;
 mod colour;
 mod compare;

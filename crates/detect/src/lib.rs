@@ -11,6 +11,7 @@
 mod choose;
 mod coco_results;
 mod counting;
+mod darknet;
 #[cfg(feature = "full")]
 pub mod download;
 mod foreign;
@@ -34,6 +35,7 @@ use scaleproof_core::geometry::BoxPx;
 pub use choose::{RegisterError, choose, chosen_as, register, registered, registered_names, unregister};
 pub use coco_results::{CocoResult, Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;
+pub use darknet::{DarknetError, darknet_to_onnx, from_contents as darknet_contents_to_onnx};
 pub use foreign::{ForeignCard, ForeignKind};
 pub use heads::{Anchor, Anchors, Data, HeadError, Tensor, anchors, candidates, wants_photo_size};
 pub use input::{InputPlacement, tensor};

@@ -4,6 +4,8 @@ use scaleproof_testing as common;
 
 #[path = "detect/counting.rs"]
 mod counting;
+#[path = "detect/darknet.rs"]
+mod darknet;
 #[path = "detect/detection.rs"]
 mod detection;
 #[path = "detect/detector_heads.rs"]

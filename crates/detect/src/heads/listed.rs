@@ -52,8 +52,14 @@ impl<'a> Rows<'a> {
     /// `:0`. `named`: other names of the same four.
     pub(super) fn of_tensorflow(outputs: &'a [Tensor], named: Option<&[String; 4]>) -> Result<Rows<'a>, HeadError> {
         let names = named.map_or(TENSORFLOW, |named| named.each_ref().map(String::as_str));
-        let is_called = |t: &Tensor, name: &str| t.name == name || t.name.split(':').next() == Some(name);
-        let position = |which: usize| outputs.iter().position(|t| is_called(t, names[which]));
+        let position = |which: usize| {
+            let called = outputs.iter().position(|t| t.name == names[which]);
+            called.or_else(|| {
+                outputs
+                    .iter()
+                    .position(|t| t.name.split(':').next() == Some(names[which]))
+            })
+        };
         let find = || {
             let mut labels = whole(&outputs[position(1)?]);
             let output = position(2)?;

@@ -51,3 +51,28 @@ impl<'a> Iterator for Fields<'a> {
         Some((key >> 3, field))
     }
 }
+
+fn varint(mut value: u64) -> Vec<u8> {
+    let mut written = Vec::new();
+    while value >= 0x80 {
+        written.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    written.push(value as u8);
+    written
+}
+
+/// A field with a whole number.
+pub(super) fn int(field: u64, value: u64) -> Vec<u8> {
+    [varint(field << 3), varint(value)].concat()
+}
+
+/// A field with a float of 32 bits.
+pub(super) fn single(field: u64, value: f32) -> Vec<u8> {
+    [varint(field << 3 | 5), value.to_le_bytes().to_vec()].concat()
+}
+
+/// A field with bytes, a text or a message.
+pub(super) fn bytes(field: u64, value: &[u8]) -> Vec<u8> {
+    [varint(field << 3 | 2), varint(value.len() as u64), value.to_vec()].concat()
+}

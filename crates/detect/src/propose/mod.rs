@@ -227,7 +227,7 @@ pub fn propose(
     }
     Ok(Proposal {
         family,
-        notes: notes(&network, family, &manifest, guessed),
+        notes: notes(&network, &candidate, &manifest, guessed),
         manifest,
         text,
     })
@@ -406,7 +406,13 @@ fn shapes(outputs: &[Tensor]) -> String {
     outputs.iter().map(of).collect::<Vec<_>>().join(", ")
 }
 
-fn notes(network: &Inspected, family: Family, manifest: &Manifest, guessed: Option<&str>) -> Vec<ProposalNote> {
+fn notes(
+    network: &Inspected,
+    candidate: &FamilyCandidate,
+    manifest: &Manifest,
+    guessed: Option<&str>,
+) -> Vec<ProposalNote> {
+    let family = candidate.family;
     let mut notes = vec![ProposalNote::Recognised {
         title: family.title(),
         inputs: network.inputs.clone(),
@@ -414,7 +420,7 @@ fn notes(network: &Inspected, family: Family, manifest: &Manifest, guessed: Opti
     }];
     notes.extend(guessed.map(|list| ProposalNote::LabelsByCount {
         list: list.to_owned(),
-        count: manifest.labels.count(),
+        count: candidate.labels.unwrap_or(manifest.labels.count()),
     }));
     if network.takes.size_px.is_none() && !family.takes_any_size() {
         let [width, height] = manifest.input.size_px;

@@ -62,7 +62,7 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     };
     let fastestdet = labels_of_grids(outputs, size, &[16], |shape, grid| of_planes(shape, grid, 1));
     let (three, two) = (in_grids(&[8, 16, 32]), in_grids(&[16, 32]));
-    let is_zoo = outputs.iter().all(|t| t.shape.len() == 5);
+    let is_zoo = outputs.iter().all(|t| matches!(t.shape[..], [1, _, _, 3, _]));
     let mut of_grids = vec![
         bare(Family::Yolov4, three.filter(|_| is_zoo)),
         bare(Family::Fastestdet, fastestdet.filter(|_| outputs.len() == 1)),
@@ -81,14 +81,21 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
         // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
         Some(pair) if is_of_transformers && pair.columns == 92 => Vec::new(),
         Some(pair) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])],
-        Some(pair) if outputs[pair.boxes].shape.len() == 4 => {
-            vec![FamilyCandidate::new(Family::Yolov4Pytorch, Some(pair.columns), &[])]
-        }
-        // Queries are a few hundred, prior boxes more.
-        Some(pair) if pair.rows <= MOST_QUERIES => {
+        // Queries are a few hundred, prior boxes and cells more.
+        Some(pair) if pair.rows <= MOST_QUERIES && outputs[pair.boxes].shape.len() == 3 => {
             vec![FamilyCandidate::new(Family::Rfdetr, Some(pair.columns), &[])]
         }
-        Some(pair) => vec![FamilyCandidate::new(Family::Ssd, Some(pair.columns), &[])],
+        Some(pair) => {
+            let is_grid = |grids: &[&[u32]], times: usize| grids.iter().any(|s| times * cells(size, s) == pair.rows);
+            let is_of_anchors = outputs[pair.boxes].shape.len() == 4 || is_grid(&STRIDES, 3) || is_grid(&COARSE, 3);
+            let families: &[Family] = match (is_of_anchors, is_grid(&STRIDES, 1)) {
+                (true, _) => &[Family::Yolov4Pytorch],
+                (false, true) => &[Family::Yolov4Pytorch, Family::Ssd],
+                (false, false) => &[Family::Ssd],
+            };
+            let of = |family: &Family| FamilyCandidate::new(*family, Some(pair.columns), &[]);
+            families.iter().map(of).collect()
+        }
         None => outputs.iter().flat_map(|t| one_table(t, network)).collect(),
     }
 }
@@ -121,6 +128,8 @@ pub(super) fn tflite(network: &Inspected) -> Option<[String; 4]> {
     let (labels, scores) = match [is_whole(a), is_whole(b)] {
         [true, false] => (a, b),
         [false, true] => (b, a),
+        // Where nothing was found all are 0, and the operator's own order is left.
+        [true, true] if outputs[a].name.ends_with(":1") && outputs[b].name.ends_with("PostProcess:2") => (a, b),
         _ => return None,
     };
     Some([boxes, labels, scores, count].map(|i| outputs[i].name.clone()))
