@@ -69,7 +69,7 @@ pub(super) fn read(
 fn drop_unused_regions(model: &mut ModelProto) -> bool {
     let mut has_any = false;
     for node in model.graph.as_mut().into_iter().flat_map(|graph| &mut graph.node) {
-        let looks_at_it = node.attribute.iter().any(|a| a.s == b"tf_crop_and_resize");
+        let looks_at_it = node.attribute.iter().any(|a| &a.s[..] == b"tf_crop_and_resize");
         if node.op_type == "Resize"
             && !looks_at_it
             && let Some(region) = node.input.get_mut(1)
