@@ -15,6 +15,7 @@ mod darknet;
 #[cfg(feature = "full")]
 pub mod download;
 mod foreign;
+mod head;
 mod heads;
 mod input;
 mod labels;

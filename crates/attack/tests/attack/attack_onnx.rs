@@ -659,6 +659,27 @@ fn resizes() -> Vec<Small> {
             vec![scales, step("Resize", &["x", "", "scales"], &["y"], &attributes)],
         ));
     }
+    // As Paddle writes it: a region that only another mode looks at.
+    let (region, scales) = (
+        constant("region", &[8], &[0.0; 8]),
+        constant("scales", &[4], &[1.0, 1.0, 2.0, 2.0]),
+    );
+    let attributes = [
+        text("mode", "nearest"),
+        text("coordinate_transformation_mode", "half_pixel"),
+    ];
+    found.push(Small {
+        opset: 11,
+        ..small(
+            "Resize with a region of interest",
+            &[1, 2, 4, 5],
+            vec![
+                region,
+                scales,
+                step("Resize", &["x", "region", "scales"], &["y"], &attributes),
+            ],
+        )
+    });
     let sizes = whole_constant("sizes", &[4], &[1, 2, 8, 10]);
     let attributes = [
         text("mode", "nearest"),

@@ -138,7 +138,11 @@ impl Converter {
         let is_possible = [filters, side, groups, strides[0], strides[1]]
             .iter()
             .all(|v| (1..=1 << 16).contains(v));
-        if !is_possible || channels % groups != 0 || filters % groups != 0 || sides.iter().any(|room| *room < side) {
+        if !is_possible
+            || !channels.is_multiple_of(groups)
+            || !filters.is_multiple_of(groups)
+            || sides.iter().any(|room| *room < side)
+        {
             return Err(format!(
                 "[convolutional] cannot be laid over {channels}×{rows}×{columns} numbers: size {side}, stride {strides:?}, groups {groups}"
             ));
@@ -281,7 +285,11 @@ impl Converter {
         };
         let [_, rows, columns] = first.shape;
         let are_alike = layers.iter().all(|layer| layer.shape[1..] == [rows, columns]);
-        if !are_alike || groups == 0 || group >= groups || layers.iter().any(|layer| layer.shape[0] % groups != 0) {
+        if !are_alike
+            || groups == 0
+            || group >= groups
+            || layers.iter().any(|layer| !layer.shape[0].is_multiple_of(groups))
+        {
             let shapes: Vec<_> = layers.iter().map(|layer| layer.shape).collect();
             return Err(format!(
                 "[route] cannot join {shapes:?} (channels, rows, columns) in {groups} groups"
@@ -366,7 +374,10 @@ impl Converter {
             return Err(format!("[yolo] has mask={mask:?}, and {} anchors", all.len() / 2));
         };
         let (count, row) = (own.len(), classes.saturating_add(5));
-        if count.checked_mul(row) != Some(channels) || self.input[1] % rows != 0 || self.input[2] % columns != 0 {
+        if count.checked_mul(row) != Some(channels)
+            || !self.input[1].is_multiple_of(rows)
+            || !self.input[2].is_multiple_of(columns)
+        {
             return Err(format!(
                 "[yolo] of {count} anchors and {classes} classes needs {} channels in whole cells, and {channels}×{rows}×{columns} come in",
                 count.saturating_mul(row)

@@ -162,7 +162,7 @@ fn multiscale(size: [u32; 2]) -> Vec<[f32; 4]> {
         for cell in 0..columns * rows {
             // The generator shifts a grid by half a stride where the stride divides the side, else not at all.
             let centre = |cell: u32, axis: usize| {
-                let shift = if size[axis] % stride == 0 { 0.5 } else { 0.0 };
+                let shift = if size[axis].is_multiple_of(stride) { 0.5 } else { 0.0 };
                 (cell as f32 + shift) * stride as f32 / sides[axis]
             };
             let [x, y] = [centre(cell % columns, 0), centre(cell / columns, 1)];

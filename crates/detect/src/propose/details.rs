@@ -1,6 +1,6 @@
 //! What of a head follows from a network's numbers: whether boxes are pixels or shares, and in which order their sides come.
 
-use crate::heads::{Pair, Tensor, ssd};
+use crate::heads::{Data, Pair, Tensor, ssd};
 use crate::manifest::{SsdBoxes, Unit};
 
 /// Shares of an image's side; boxes may reach beyond it.
@@ -29,4 +29,29 @@ pub(super) fn ssd_boxes(outputs: &[Tensor], pair: Pair, size: [u32; 2]) -> Optio
         return Some(if is_x_first { SsdBoxes::Xyxy } else { SsdBoxes::Yxyx });
     }
     ssd::priors(outputs, size, pair.rows).map(|_| SsdBoxes::Offsets)
+}
+
+/// Its values, where they are fractions.
+pub(super) fn floats(t: &Tensor) -> impl Iterator<Item = f32> {
+    t.floats().unwrap_or_default().iter().copied()
+}
+
+pub(super) fn table(outputs: &[Tensor], row: usize) -> Option<&Tensor> {
+    let is_table = |t: &&Tensor| t.shape.len() == 3 && t.shape.last() == Some(&row);
+    outputs.iter().find(is_table)
+}
+
+/// The numbers in some columns of a table.
+pub(super) fn columns(t: &Tensor, of: impl std::ops::RangeBounds<usize>) -> impl Iterator<Item = f32> {
+    let row = t.shape.last().copied().unwrap_or(1).max(1);
+    let all = floats(t).enumerate();
+    all.filter(move |(i, _)| of.contains(&(i % row))).map(|(_, v)| v)
+}
+
+/// The boxes among outputs that list labels, boxes and scores.
+pub(super) fn listed_boxes(outputs: &[Tensor]) -> Option<&Tensor> {
+    let whole = outputs.iter().find(|t| matches!(t.data, Data::I64(_)))?;
+    let count: usize = whole.shape.iter().product();
+    let is_boxes = |t: &&Tensor| t.shape.last() == Some(&4) && t.shape.iter().product::<usize>() == 4 * count;
+    outputs.iter().find(is_boxes)
 }

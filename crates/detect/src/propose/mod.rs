@@ -4,6 +4,7 @@ mod details;
 mod family;
 mod inspect;
 mod metadata;
+mod numbers;
 mod recognise;
 
 use std::collections::BTreeSet;
@@ -257,15 +258,15 @@ fn head(
     let outputs = &network.answers[1];
     match &mut head {
         Head::Nanodet(own) | Head::Picodet(own) | Head::NanodetPlus(own) => own.strides.clone_from(&candidate.strides),
-        Head::Efficientdet(own) => own.scores = recognise::scores(network),
-        Head::Yolov5(own) => own.boxes = details::unit(recognise::boxes(candidate, network)),
-        Head::Yolov8(own) => own.boxes = details::unit(recognise::boxes(candidate, network)),
+        Head::Efficientdet(own) => own.scores = numbers::scores(network),
+        Head::Yolov5(own) => own.boxes = details::unit(numbers::boxes(candidate, network)),
+        Head::Yolov8(own) => own.boxes = details::unit(numbers::boxes(candidate, network)),
         Head::Ssd(own) => {
             let pair = heads::Pair::find(outputs, |columns| Some(columns) == candidate.labels);
             own.boxes = pair
                 .and_then(|pair| details::ssd_boxes(outputs, pair, network.size_px))
                 .unwrap_or(own.boxes);
-            own.scores = recognise::pair_scores(network, candidate.labels);
+            own.scores = numbers::pair_scores(network, candidate.labels);
         }
         Head::Yolov3(own) => {
             if let Some(anchors) = &network.metadata.anchors
@@ -338,7 +339,7 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
     }
     let mut refuted = Vec::new();
     fitting.retain(|c| {
-        let reason = recognise::against(c, network);
+        let reason = numbers::against(c, network);
         refuted.extend(
             reason
                 .iter()
@@ -445,7 +446,7 @@ fn usual_settings(manifest: &Manifest) -> String {
     let (input, head) = (&manifest.input, &manifest.head);
     let is_resized = input.resize != Resize::Original;
     let has_border = is_resized && !matches!(input.resize, Resize::Stretch | Resize::ShortSide);
-    let has_labels = manifest.with_other_labels().is_some();
+    let has_labels = manifest.head.with_other_labels().is_some();
     let all = [
         ("input.resize", true),
         ("input.kernel", is_resized),

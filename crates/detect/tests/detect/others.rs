@@ -37,7 +37,7 @@ fn mean_of_cars(manifest: &Manifest, network: &Path, variant: &str) -> f64 {
 fn keeping(labels: AnchorLabels, manifest: &Manifest) -> Manifest {
     let mut manifest = manifest.clone();
     if manifest.head.anchor_labels() != labels {
-        manifest.head = manifest.with_other_labels().unwrap().0;
+        manifest.head = manifest.head.with_other_labels().unwrap().0;
     }
     assert_eq!(Manifest::parse(&manifest.to_toml().unwrap(), "").unwrap(), manifest);
     manifest
