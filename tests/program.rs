@@ -25,6 +25,7 @@ mod capture_decided;
 mod capture_page;
 mod cases_files;
 mod cases_meshes;
+mod cases_detectors;
 mod chart;
 mod colour;
 mod compare;
