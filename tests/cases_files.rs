@@ -437,7 +437,7 @@ fn patterns_that_numpy_saved_are_imported_cell_by_cell() {
     }
     for (shape, words) in [
         ("3, 16, 3", "its shape is [3, 16, 3]"),
-        ("48", "its shape is [48]"),
+        ("48,", "its shape is [48]"),
         ("3, 4, 5", "it ends too early"),
     ] {
         let array = write(folder.path(), "pattern.npy", [&header(shape)[..], &bytes].concat());
