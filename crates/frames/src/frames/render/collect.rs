@@ -78,6 +78,7 @@ pub fn triples(raw: &Path, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, 
 /// The values of a raw image, which is then removed.
 fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
     let path = raw.join(format!("{name}.f32"));
+    files::inputs::own(&path);
     let bytes = files::read(&path)?;
     let wanted = size[0] as usize * size[1] as usize * channels * 4;
     if bytes.len() != wanted {
@@ -87,7 +88,6 @@ fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec
             wanted,
         });
     }
-    files::inputs::own(&path);
     files::remove(&path)?;
     let values = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b));
     // What is no number would be black in one place and white in another.
