@@ -38,6 +38,13 @@ impl Converter {
                 "[net] is for images of {input:?} (channels, height, width): 3 channels and sides of 32 to 8192 are read"
             ));
         }
+        if net.number("letter_box", 0)? != 0 {
+            return Err(
+                "letter_box pads the photo, which no network says of itself: set it to 0 here, and resize = \"letterbox_centre\" and pad = 127 under [input] in the \
+                 manifest that is then written"
+                    .to_owned(),
+            );
+        }
         Ok(Converter {
             graph: GraphWriter::default(),
             input,
