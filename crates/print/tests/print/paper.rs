@@ -43,7 +43,7 @@ fn papers_have_names_or_sizes() {
         let off = (found.width_mm - paper.width_mm).hypot(found.height_mm - paper.height_mm);
         assert!(off < 1e-9, "{text}: {found:?}");
     }
-    assert_eq!("roll24in".parse(), Ok(Stock::Roll { width_mm: 609.6 }));
+    assert_eq!("roll24in".parse(), Ok(Stock::Roll { width_mm: 25.4 * 24.0 }));
     for nonsense in [
         "in", "5x", "5inx", "4x5x6", "a9", "", "210", "0x10", "nanx10", "-1x5", "9000x20",
     ] {

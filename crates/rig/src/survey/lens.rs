@@ -8,14 +8,16 @@ use nalgebra::SMatrix;
 
 use super::adjust::{Free, LensEquations, Loss, adjust, lens_equations};
 use super::lens_numbers::{LENS, LensNumbers, changed};
-use super::network::{Poses, TagNetwork};
+use super::network::{Poses, TINY, TagNetwork};
 use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::expected_px2;
 
-/// How far a calibration may be off, σ of each number; the principal point in shares of the image's width. Autofocus and stabilisation move focal length
-/// and principal point by about so much from photo to photo; the coefficients are those of a lens that moves its image by 1 % at the middle of a side.
-const EXPECTED: [f64; LENS] = [0.01, 0.01, 0.01, 0.05, 0.2];
+/// How far a calibration may be off, σ of each number. Autofocus moves the focal length by about so much from photo to photo; the coefficients are those of
+/// a lens that moves its image by 1 % at the middle of a side.
+const EXPECTED: [f64; LENS] = [0.01, 0.05, 0.2];
 
-/// A lens is taken when it leaves less by the square of so many σ of a corner coordinate.
+/// A lens is taken when it leaves less by the square of so many σ of a corner coordinate, the expected one ([`expected_px2`]) where the photos are better:
+/// what is left of renders is no noise, and any further number explains some of it.
 const LENS_SIGMAS: f64 = 8.0;
 
 /// What is known about a fitted lens.
@@ -35,12 +37,7 @@ pub(super) fn fit(
     loss: Loss,
     noise_px: f64,
 ) -> Option<FittedLens> {
-    let mut expected = LensNumbers::from(EXPECTED);
-    (expected[1], expected[2]) = (
-        expected[1] * f64::from(given.width),
-        expected[2] * f64::from(given.width),
-    );
-    let stiffness = SMatrix::from_diagonal(&expected.map(|sigma| (noise_px / sigma).powi(2)));
+    let stiffness = SMatrix::from_diagonal(&LensNumbers::from(EXPECTED).map(|sigma| (noise_px / sigma).powi(2)));
     let at = |by: &LensNumbers, start: &Poses| {
         let mut net = net.clone();
         net.camera = changed(given, by);
@@ -62,7 +59,7 @@ pub(super) fn fit(
         }
         (by, best) = (by + step, next);
     }
-    if as_given - best.0 < (LENS_SIGMAS * noise_px).powi(2) {
+    if as_given - best.0 < LENS_SIGMAS.powi(2) * expected_px2(&TINY).max(noise_px * noise_px) {
         return None;
     }
     let equations = lens_equations(&best.1, &best.2, loss)?;

@@ -5,8 +5,8 @@ use nalgebra::{Point3, SMatrix, SVector};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::camera::projection::{PARAMETERS, project_unchecked};
 
-/// How many numbers: focal length (share of it), principal point (x, y; px), and the first two coefficients of its distortion.
-pub(super) const LENS: usize = 5;
+/// How many numbers: focal length (share of it), and the first two coefficients of the distortion. A moved principal point is nearly a turned camera.
+pub(super) const LENS: usize = 3;
 pub(super) type LensNumbers = SVector<f64, LENS>;
 
 /// By the lens's numbers, the pixel of a point of the camera frame.
@@ -18,9 +18,7 @@ pub(super) fn derivatives(camera: &Camera, point: &Point3<f64>) -> SMatrix<f64, 
 fn numbers(camera: &Camera) -> SMatrix<f64, PARAMETERS, LENS> {
     let mut numbers = SMatrix::zeros();
     (numbers[(0, 0)], numbers[(1, 0)]) = (camera.fx, camera.fy);
-    for i in 1..LENS {
-        numbers[(i + 1, i)] = 1.0;
-    }
+    (numbers[(4, 1)], numbers[(5, 2)]) = (1.0, 1.0);
     numbers
 }
 

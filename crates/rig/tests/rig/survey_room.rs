@@ -138,7 +138,11 @@ fn bend_mm(rng: &mut Pcg64Mcg) -> [Vector3<f64>; 4] {
 /// `T_camera_model` of a photo: every third one from nearer by.
 fn standpoint(k: u32, count: u32, rng: &mut Pcg64Mcg) -> Rigid {
     let (at, inwards) = wall((f64::from(k) + rng.random_range(0.0..1.0)) / f64::from(count));
-    let away = if k % 3 == 0 { 2000.0..2800.0 } else { 2800.0..3800.0 };
+    let away = if k.is_multiple_of(3) {
+        2000.0..2800.0
+    } else {
+        2800.0..3800.0
+    };
     let aside = Vector3::z().cross(&inwards) * rng.random_range(-800.0..800.0);
     let centre = at + inwards * rng.random_range(away) + aside + Vector3::z() * rng.random_range(1200.0..1700.0);
     let z = (at + Vector3::z() * 1050.0 - centre).normalize();

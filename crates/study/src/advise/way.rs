@@ -128,9 +128,11 @@ impl Way {
         camera.clone().with_distortion(&all[..self.lens_terms.min(all.len())])
     }
 
-    /// What it costs, least first: milliseconds where time is what differs, else its own size.
+    /// What it costs, least first: milliseconds where time is what differs, else its own size. What solvers take is little beside the search for
+    /// tags, so that the usual one stays where it is enough.
     pub(super) fn cost(&self, ms: f64) -> f64 {
         match self.question {
+            Question::Solver if self.is_usual() => 0.0,
             Question::TagDetector | Question::Solver => ms,
             Question::CameraModel => self.lens_terms as f64,
             Question::Tags => self.most_tags.unwrap_or(usize::MAX) as f64,

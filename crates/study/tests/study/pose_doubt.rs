@@ -282,7 +282,8 @@ fn frontal_views(azimuth_deg: f64) -> Tally {
     let (scene, camera) = skyline();
     let (sin, cos) = azimuth_deg.to_radians().sin_cos();
     let tag = Tag {
-        centre_mm: Point3::new(100.0 * cos, 100.0 * sin, 150.0),
+        // Clear of the model, which would hide it.
+        centre_mm: Point3::new(300.0 * cos, 300.0 * sin, 150.0),
         right: Vector3::new(-sin, cos, 0.0),
         up: Vector3::z(),
         ..scene.tags[8].clone()

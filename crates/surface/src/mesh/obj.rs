@@ -116,7 +116,8 @@ fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
     let place = index(parts.next()?, points)?;
     let coordinates = match parts.next() {
         None | Some("") => None,
-        Some(part) => Some(index(part, coordinates)?),
+        // One before the first is no coordinate, as number 0 is.
+        Some(part) => Some(index(part, coordinates).or_else(|| part.parse::<i64>().is_ok().then_some(0))?),
     };
     Some((place, coordinates))
 }
