@@ -118,7 +118,7 @@ fn the_skyline_photos_of_one_variant_give_the_tags_and_locate_the_other_variant(
         );
         assert!(surveyed >= 13 && mm < 0.5 && deg < 0.3 && ratio < 4.0);
         // Its distance rests on one size in one image, which its σ says; those seen straight on are among them.
-        assert!(lone.tags.len() >= 4 && lone_mm < 3.0 && lone_deg < 0.6 && lone_ratio < 2.0);
+        assert!(lone.tags.len() >= 3 && lone_mm < 3.0 && lone_deg < 0.6 && lone_ratio < 2.0);
         let located = program()
             .arg("locate")
             .args(photos(other))
@@ -232,7 +232,8 @@ fn one_origin_tag_ties_less_well_and_sigma_says_so() {
     let found = Scene::open(&out).unwrap();
     let (mm, deg, ratio) = worst(&found, &truth().0);
     println!("origin tag 0: worst {mm:.2} mm, {deg:.2}°, {ratio:.1} σ");
-    assert!(mm < 5.0 && deg < 0.3 && ratio < 4.0);
+    // The tags of one photo are among them.
+    assert!(mm < 7.0 && deg < 0.6 && ratio < 2.0);
     let sigma = |id: u32| found.tag(FAMILY, id).unwrap().sigma.unwrap().mm;
     assert!(sigma(4) > 1.5 * sigma(1), "further from the origin tag is less sure");
 }
