@@ -122,17 +122,8 @@ fn views() -> Vec<View> {
         .collect()
 }
 
-/// The camera of the enlarged photos. A pixel's centre is at a whole number, so the principal point shifts by half a pixel.
+/// The camera of the enlarged photos.
 fn enlarged_camera(c: &Camera) -> Camera {
-    let f = f64::from(ENLARGED);
-    let enlarged = |centre: f64| (centre + 0.5) * f - 0.5;
-    Camera::pinhole(
-        c.width * ENLARGED,
-        c.height * ENLARGED,
-        c.fx * f,
-        c.fy * f,
-        enlarged(c.cx),
-        enlarged(c.cy),
-    )
-    .with_distortion(c.distortion())
+    c.scaled_to(c.width * ENLARGED, c.height * ENLARGED)
+        .expect("the same aspect ratio")
 }

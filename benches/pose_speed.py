@@ -92,12 +92,12 @@ def covered(picture, rng):
 WAYS = [blurred, moved, dark, noisy, small, window, covered]
 
 
-def finder(name):
+def finder(name, family="36h11"):
     """Grey image to (id, corners in the order top-left, top-right, bottom-right, bottom-left)."""
     if name == "aruco":
         parameters = cv2.aruco.DetectorParameters()
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-        dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
+        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_APRILTAG_{family}"))
         detector = cv2.aruco.ArucoDetector(dictionary, parameters)
 
         def find(grey):
@@ -109,23 +109,40 @@ def finder(name):
         return find
     from pupil_apriltags import Detector
 
-    detector = Detector("tag36h11", nthreads=1, quad_decimate=float(name.split("-")[1]))
+    detector = Detector(f"tag{family}", nthreads=1, quad_decimate=float(name.split("-")[1]))
     sure = lambda d: d.hamming <= 1 and d.decision_margin > 20
     return lambda grey: [(d.tag_id, d.corners[::-1] - 0.5) for d in detector.detect(grey) if sure(d)]
 
 
-def locate(session, photos, name):
-    cv2.setNumThreads(1)
-    scene = tomllib.loads((session / "scene.toml").read_text())
-    stored = cv2.FileStorage(str(session / "camera.yaml"), cv2.FILE_STORAGE_READ)
+def camera(path):
+    """Matrix, distortion and image width of OpenCV's camera file."""
+    stored = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     matrix, lens = (stored.getNode(n).mat() for n in ["camera_matrix", "distortion_coefficients"])
-    width = stored.getNode("image_width").real()
+    return matrix, lens, stored.getNode("image_width").real()
+
+
+def tags(scene):
+    """Corners of a scene's tags by id, mm, and the point that viewpoints are seen from."""
     corners = {}
     for tag in scene["tag"]:
         centre, right, up = (np.array(tag[k]) for k in ["centre_mm", "right", "up"])
         half = tag["size_mm"] / 2
         corners[tag["id"]] = centre + half * np.array([up - right, up + right, right - up, -right - up])
-    target = np.array([0, 0, scene["model"]["size_mm"][2] / 2])
+    return corners, np.array([0, 0, scene["model"]["size_mm"][2] / 2])
+
+
+def from_target(seen, matrix, lens, target):
+    """Where the camera stands from the target, mm, by pairs of corners (mm, px): SQPnP and Levenberg-Marquardt."""
+    points, pixels = (np.concatenate(side).astype(float) for side in zip(*seen))
+    _, turn, shift = cv2.solvePnP(points, pixels, matrix, lens, flags=cv2.SOLVEPNP_SQPNP)
+    turn, shift = cv2.solvePnPRefineLM(points, pixels, matrix, lens, turn, shift)
+    return -cv2.Rodrigues(turn)[0].T @ shift.ravel() - target
+
+
+def locate(session, photos, name):
+    cv2.setNumThreads(1)
+    matrix, lens, width = camera(session / "camera.yaml")
+    corners, target = tags(tomllib.loads((session / "scene.toml").read_text()))
     find = finder(name)
     for photo in sorted(photos.glob("*.jpg")):
         grey = cv2.imread(str(photo), cv2.IMREAD_GRAYSCALE)
@@ -135,10 +152,7 @@ def locate(session, photos, name):
         seen = [(corners[i], c) for i, c in find(grey) if i in corners]
         line = {"file": photo.name, "status": "abstained"}
         if seen:
-            points, pixels = (np.concatenate(side).astype(float) for side in zip(*seen))
-            _, turn, shift = cv2.solvePnP(points, pixels, scaled, lens, flags=cv2.SOLVEPNP_SQPNP)
-            turn, shift = cv2.solvePnPRefineLM(points, pixels, scaled, lens, turn, shift)
-            view = -cv2.Rodrigues(turn)[0].T @ shift.ravel() - target
+            view = from_target(seen, scaled, lens, target)
             line |= {"status": "located", "azimuth_deg": float(np.degrees(np.arctan2(view[1], view[0])) % 360)}
         print(json.dumps(line))
 

@@ -6,7 +6,10 @@ use std::sync::LazyLock;
 
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof_core::files::sha256_hex;
-use scaleproof_detect::{Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest, protocol};
+use scaleproof_detect::{
+    Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest, darknet_contents_to_onnx,
+    protocol,
+};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::frames::import::import as import_frames;
 use scaleproof_photo::photo::Photo;
@@ -89,6 +92,14 @@ pub fn printer(bytes: &[u8]) {
 
 pub fn manifest(bytes: &[u8]) {
     let _ = text(bytes).map(|t| Manifest::parse(t, "detector.toml"));
+}
+
+/// A Darknet network: the configuration up to the first zero byte, the weights behind it.
+pub fn darknet(bytes: &[u8]) {
+    let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
+    let (cfg, weights) = bytes.split_at(end);
+    let weights = weights.get(1..).unwrap_or_default();
+    let _ = text(cfg).map(|cfg| darknet_contents_to_onnx(cfg, "x.cfg", weights, "x.weights"));
 }
 
 /// Board files: what is read can be written, and reads back as the same board.

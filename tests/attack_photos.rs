@@ -62,7 +62,9 @@ fn camera() -> Camera {
 
 fn camera_yaml() -> String {
     let c = camera();
-    let [k1, k2, p1, p2, k3, ..] = c.distortion();
+    let [k1, k2, p1, p2, k3, ..] = c.distortion() else {
+        panic!("no eight coefficients")
+    };
     format!(
         "image_width: {}\nimage_height: {}\ncamera_matrix: {{rows: 3, cols: 3, data: [{}, 0, {}, 0, {}, {}, 0, 0, 1]}}\n\
          distortion_coefficients: {{rows: 1, cols: 5, data: [{k1}, {k2}, {p1}, {p2}, {k3}]}}\n",

@@ -284,11 +284,6 @@ fn another_board_and_bad_requests_are_refused_and_nothing_is_written() {
         (text.replace("5X5_100", "9X9"), &stored[..5], vec!["DICT_9X9"]),
         (text.replace("22.0", "-22.0"), &stored[..5], vec!["is no board file"]),
         (
-            text.replace("legacy_layout = false", "legacy_layout = true"),
-            &stored[..5],
-            vec!["before OpenCV 4.6"],
-        ),
-        (
             text.replace("type = \"charuco\"", "type = \"circles\""),
             &stored[..5],
             vec!["is no board file"],

@@ -12,10 +12,11 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::diagnosis::{self, is_bad};
-use scaleproof_pose::locate::{Diagnosis, LocatedPhoto, locate};
+use scaleproof_pose::locate::diagnosis::{self, OtherLooks, is_bad};
+use scaleproof_pose::locate::{CardFault, Diagnosis, LocatedPhoto, locate};
 use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
+use scaleproof_pose::tags::SeenTag;
 
 const NOISE: Noise = Noise {
     sigma_px: 0.3,
@@ -46,6 +47,10 @@ enum Wrong {
     /// The ids of the photos are higher by this.
     Ids {
         by: u32,
+    },
+    /// Every card was printed turned by quarters, clockwise.
+    Turned {
+        quarters: usize,
     },
 }
 
@@ -124,6 +129,11 @@ fn photos(count: usize, wrong: Wrong, seed: u64) -> (Vec<LocatedPhoto>, Scene) {
         if let Wrong::Ids { by } = wrong {
             view.seen.iter_mut().for_each(|tag| tag.id += by);
         }
+        if let Wrong::Turned { quarters } = wrong {
+            // The tag's own first corner is where its card has the one to the right of it.
+            let turn = |tag: &mut SeenTag| tag.corners_px.rotate_left(quarters);
+            view.seen.iter_mut().for_each(turn);
+        }
         let of_view = match wrong {
             Wrong::In(_) | Wrong::Mixed => &view.scene,
             _ => &believed,
@@ -179,12 +189,17 @@ fn named(sets: u64, photos_each: usize, wrong: Wrong) -> BTreeMap<&'static str, 
     let mut named = BTreeMap::new();
     for seed in 0..sets {
         let (photos, scene) = photos(photos_each, wrong, seed);
-        let word = match diagnosis::diagnose(&photos.iter().collect::<Vec<_>>(), &[], &scene) {
+        let word = match diagnosis::diagnose(&photos.iter().collect::<Vec<_>>(), &OtherLooks::default(), &scene) {
             None if diagnosis_asked(&photos) => "not named",
             None => "fine",
             Some(Diagnosis::TagSize(_)) => "size",
             Some(Diagnosis::Focal(_)) => "focal",
             Some(Diagnosis::OtherIds { .. }) => "ids",
+            Some(Diagnosis::Cards(found)) => match (found.cards, wrong) {
+                (CardFault::Ids { higher_by }, Wrong::Ids { by }) if higher_by == i64::from(by) => "ids",
+                (CardFault::Turned { deg }, Wrong::Turned { quarters }) if deg as usize == 90 * quarters => "turned",
+                _ => "another",
+            },
             Some(_) => "another",
         };
         *named.entry(word).or_default() += 1;
@@ -204,6 +219,9 @@ fn the_cause_is_named_and_no_other() {
         (Wrong::In(SimulatedFault::WrongTagSize { factor: 1.1 }), Some("size")),
         (Wrong::In(SimulatedFault::WrongFocal { factor: 0.8 }), Some("focal")),
         (Wrong::In(SimulatedFault::WrongFocal { factor: 1.2 }), Some("focal")),
+        (Wrong::Turned { quarters: 1 }, Some("turned")),
+        (Wrong::Turned { quarters: 2 }, Some("turned")),
+        (Wrong::Turned { quarters: 3 }, Some("turned")),
         (Wrong::Nothing, None),
         (Wrong::Mixed, None),
         (Wrong::Shuffled, None),
@@ -475,9 +493,11 @@ fn pictures_of_iphones_are_refused_with_what_to_do() {
     let output = changed.locate(&[]);
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
+    let [from, to] = ["IMG_0.HEIC", "IMG_0.jpg"].map(|name| changed.file(name).display().to_string());
+    let advised = format!("convert it with `heif-dec {from} {to}`");
     for words in [
         "IMG_0.HEIC is a HEIC image, which this program does not read: set the iPhone to Settings › Camera › Formats › Most Compatible",
-        "convert it with `heif-dec 'IMG_0.HEIC' 'IMG_0.jpg'`",
+        &advised,
         "error: 5 more photos cannot be read for the same reason",
     ] {
         assert!(text.contains(words), "`{words}` is not in {text}");

@@ -53,7 +53,7 @@ fn a_misspelt_word_is_answered_with_the_word_that_was_meant() {
         ),
         (
             "print check --paper leter -o x.pdf",
-            "error: paper 'leter' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in \
+            "error: paper 'leter' is not known; use a0 to a5, letter, legal, tabloid, ledger, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in \
              roll610; did you mean letter?",
         ),
     ] {

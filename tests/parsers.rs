@@ -111,6 +111,11 @@ fn detector_manifests() {
 }
 
 #[test]
+fn darknet_networks() {
+    survives("darknet", entry::darknet);
+}
+
+#[test]
 fn board_definitions() {
     survives("board", entry::board);
 }

@@ -117,8 +117,8 @@ fn the_skyline_photos_of_one_variant_give_the_tags_and_locate_the_other_variant(
             left_out.len()
         );
         assert!(surveyed >= 13 && mm < 0.5 && deg < 0.3 && ratio < 4.0);
-        // Its distance rests on one size in one image, which its σ says.
-        assert!(!lone.tags.is_empty() && lone_mm < 2.0 && lone_deg < 0.5 && lone_ratio < 4.0);
+        // Its distance rests on one size in one image, which its σ says; those seen straight on are among them.
+        assert!(lone.tags.len() >= 3 && lone_mm < 3.0 && lone_deg < 0.6 && lone_ratio < 2.0);
         let located = program()
             .arg("locate")
             .args(photos(other))
@@ -190,7 +190,7 @@ fn photos_turned_by_exif_or_made_smaller_are_surveyed() {
     let surveyed = found.tags.iter().filter(|t| t.sigma.is_some()).count();
     let (mm, deg, ratio) = worst(&found, &truth().0);
     println!("{surveyed} tags, worst {mm:.2} mm, {deg:.2}°, {ratio:.1} σ");
-    assert!(surveyed >= 13 && mm < 2.0 && deg < 0.5 && ratio < 4.0);
+    assert!(surveyed >= 15 && mm < 3.0 && deg < 0.6 && ratio < 2.0);
 }
 
 /// Tags are measured on the luma that the JPEG stores, as `locate` measures them.
@@ -227,12 +227,13 @@ fn one_origin_tag_ties_less_well_and_sigma_says_so() {
     );
     assert!(output.status.success(), "{}", stderr(&output));
     let text = stdout(&output);
-    assert!(text.contains("fixed") && text.contains("left out: tag 8 only normal_000.jpg"));
-    assert!(text.contains("caution: only one photo each shows tags"), "{text}");
+    assert!(text.contains("fixed") && !text.contains("left out"), "{text}");
+    assert!(text.contains("caution: only one photo each shows tags 8"), "{text}");
     let found = Scene::open(&out).unwrap();
     let (mm, deg, ratio) = worst(&found, &truth().0);
     println!("origin tag 0: worst {mm:.2} mm, {deg:.2}°, {ratio:.1} σ");
-    assert!(mm < 5.0 && deg < 0.3 && ratio < 4.0);
+    // The tags of one photo are among them.
+    assert!(mm < 7.0 && deg < 0.6 && ratio < 2.0);
     let sigma = |id: u32| found.tag(FAMILY, id).unwrap().sigma.unwrap().mm;
     assert!(sigma(4) > 1.5 * sigma(1), "further from the origin tag is less sure");
 }

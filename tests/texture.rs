@@ -283,7 +283,6 @@ fn images_lie_inside_a_glb_beside_it_or_in_its_text_and_each_material_has_its_ow
     assert_eq!(mesh.materials(), ["body", "body", "text", "glass", "dim"]);
     assert_eq!(mesh.materials_named(&["body".to_owned()]).unwrap(), [0, 1]);
     let mapped = own_images(&mesh);
-    assert_eq!(mapped.files, [folder.path().join("maps/the roof.png")]);
     let texture = Texture::Images(mapped.images);
     let middle = |triangle| {
         let weights = [1.0 / 3.0; 3];
@@ -460,7 +459,6 @@ fn the_atlas_of_a_published_camouflage_is_read_where_its_lines_say() {
     let obj = shared("meshes/rauca_etron/model_save.obj");
     let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let mapped = own_images(&mesh);
-    assert_eq!(mapped.files, [obj.with_file_name("model_save.png")]);
     let texture = Texture::Images(mapped.images);
     let text = std::fs::read_to_string(&obj).unwrap();
     let numbers = |line: &str| -> Vec<f64> { line.split(' ').skip(1).map(|w| w.parse().unwrap()).collect() };

@@ -4,6 +4,8 @@ use std::error::Error;
 use std::ffi::OsStr;
 use std::path::Path;
 
+use scaleproof_core::files;
+use scaleproof_core::spelling::quoted;
 use scaleproof_detect::{
     ManifestError, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError, RegisterError,
     WeightsError,
@@ -103,8 +105,14 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 fn to_import(path: &Path) -> String {
-    let path = path.display();
-    format!(", or make one of the image: scaleproof pattern import {path} --cells 24 -o pattern.png")
+    format!(", or make one of the image: {}", import_command(path))
+}
+
+/// The command that makes a pattern of an image, over nothing that is there.
+pub(super) fn import_command(image: &Path) -> String {
+    let [from, to] =
+        [image, &files::free_place("pattern.png".as_ref())].map(|path| quoted(&path.display().to_string()));
+    format!("scaleproof pattern import {from} --cells 24 -o {to}")
 }
 
 fn is_jpeg(ending: &OsStr) -> bool {

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Result;
 use super::detectors;
 use super::results::Results;
-use super::sessions::quoted;
+use scaleproof_core::spelling::quoted;
 use scaleproof_detect::{Manifest, Recording, WeightFolders};
 use scaleproof_score::score::{EvaluatedDetector, evaluated_detectors};
 use scaleproof_session::session::Session;

@@ -1,18 +1,18 @@
 //! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::choice::one_of;
-use super::{CommandResult, Outcome, Result};
+use super::{CommandResult, Outcome};
 use crate::cli::answer::told;
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
-use scaleproof_pose::camera::{Camera, CameraFormat};
+use scaleproof_pose::camera::{Camera, CameraFormat, DistortionModel};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -26,8 +26,12 @@ pub(crate) enum Command {
 
 #[derive(clap::Args)]
 pub(crate) struct ConvertArgs {
-    /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal
+    /// Camera file of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt), Metashape (XML) or a NeRF program (transforms.json); with a pinhole or
+    /// fisheye lens
     input: PathBuf,
+    /// Which camera of a file of several: its name, id or label there
+    #[arg(long)]
+    name: Option<String>,
     /// The camera file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -77,23 +81,10 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> CommandResult {
         .format
         .or(mrcal)
         .ok_or_else(|| format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal"))?;
-    let text = Camera::open(&args.input)?.write(format)?;
-    save(&args.output, &text, &args.input)?;
+    let text = Camera::open_named(&args.input, args.name.as_deref())?.write(format)?;
+    files::write_atomically(&args.output, text.as_bytes())?;
     writeln!(out, "{name}: {} format", format.name())?;
     Ok(Outcome::Done)
-}
-
-/// Writes a file that is not the one it was made from.
-fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
-    if files::is_same(path, made_from) {
-        return Err(format!("{} is the input: give the output another name", path.display()).into());
-    }
-    Ok(files::write_atomically(path, text.as_bytes())?)
-}
-
-/// The field of view of a side in px, degrees, without distortion.
-fn field_deg(side: u32, focal_px: f64) -> f64 {
-    2.0 * (f64::from(side) / 2.0 / focal_px).atan().to_degrees()
 }
 
 /// `camera show --json`.
@@ -107,10 +98,12 @@ pub(super) struct Answer {
     centre_px: [f64; 2],
     /// Standard deviations of fx, fy, cx, cy.
     sigma_px: Option<[f64; 4]>,
-    /// Across and down, without distortion.
+    /// Across and down, without distortion: of a pinhole, or of an ideal fisheye.
     field_of_view_deg: [f64; 2],
-    /// k1, k2, p1, p2, k3, k4, k5, k6.
-    distortion: [f64; 8],
+    /// k1, k2, p1, p2, k3, k4, k5, k6; `null` for a fisheye.
+    distortion: Option<Vec<f64>>,
+    /// k1, k2, k3, k4 of a fisheye; `null` for other lenses.
+    fisheye: Option<Vec<f64>>,
     /// How far a guessed focal length may be off.
     guessed_focal_percent: Option<f64>,
 }
@@ -121,14 +114,15 @@ fn json(camera: &Camera) -> Answer {
         focal_px: [camera.fx, camera.fy],
         centre_px: [camera.cx, camera.cy],
         sigma_px: camera.sigma_px,
-        field_of_view_deg: [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)],
-        distortion: *camera.distortion(),
+        field_of_view_deg: camera.field_of_view_deg(),
+        distortion: (!camera.is_fisheye()).then(|| camera.distortion().to_vec()),
+        fisheye: camera.is_fisheye().then(|| camera.distortion().to_vec()),
         guessed_focal_percent: camera.guess.map(|guess| guess.focal_percent),
     }
 }
 
 fn in_words(camera: &Camera) -> String {
-    let [across, down] = [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)];
+    let [across, down] = camera.field_of_view_deg();
     let sigma =
         |[fx, fy, cx, cy]: [f64; 4]| format!("± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px\n");
     let mut words = format!(
@@ -156,16 +150,14 @@ fn in_words(camera: &Camera) -> String {
 
 /// The coefficients that are not zero, by name.
 fn lens_model(camera: &Camera) -> String {
-    let names = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
-    let named = names
-        .iter()
-        .zip(camera.distortion())
-        .filter(|(_, value)| **value != 0.0);
+    let names = camera.distortion_model().names().iter();
+    let named = names.zip(camera.distortion()).filter(|(_, value)| **value != 0.0);
     let terms: Vec<String> = named.map(|(name, value)| format!("{name} {value}")).collect();
-    if terms.is_empty() {
-        "pinhole without distortion".into()
-    } else {
-        format!("Brown–Conrady with {}", terms.join(", "))
+    match (camera.distortion_model(), terms.is_empty()) {
+        (DistortionModel::BrownConrady, true) => "pinhole without distortion".into(),
+        (DistortionModel::BrownConrady, false) => format!("Brown–Conrady with {}", terms.join(", ")),
+        (DistortionModel::Fisheye, true) => "fisheye, equidistant".into(),
+        (DistortionModel::Fisheye, false) => format!("fisheye (Kannala–Brandt) with {}", terms.join(", ")),
     }
 }
 
@@ -174,7 +166,7 @@ fn guess(args: &GuessArgs, out: &mut dyn Write) -> CommandResult {
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
     if let Some(path) = &args.output {
-        save(path, &camera.write(CameraFormat::OpenCv)?, &args.photo)?;
+        files::write_atomically(path, camera.write(CameraFormat::OpenCv)?.as_bytes())?;
     }
     writeln!(out, "{}", in_words(&camera))?;
     Ok(Outcome::Done)

@@ -1,14 +1,14 @@
 //! `scaleproof colour`: what the printer makes of colours, read in a photo of the chart.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::print::write_files;
 use super::{CommandResult, Outcome, Result, progress};
+use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::tags::AprilTagC;
 use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
@@ -61,6 +61,7 @@ pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     let Command::Read(args) = command;
     // What is there must be a printer file, or it would be lost.
     let there = args.output.as_deref().filter(|path| path.exists());
+    there.iter().for_each(|path| files::inputs::own(path));
     let old = there.map(PrinterFile::load).transpose()?;
     let mut tags = AprilTagC::new(&FAMILIES)?;
     let readings = progress::photos("reading", args.photos.len()).during(|bar| {
@@ -77,8 +78,7 @@ pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
             printer: old.as_ref().map_or(Printer::EXACT, |file| file.printer),
             colours: Some(colours.clone()),
         };
-        let inputs: Vec<Option<&Path>> = args.photos.iter().map(|photo| Some(photo.as_path())).collect();
-        write_files(&[(path.clone(), file.to_toml()?.into_bytes())], &inputs)?;
+        files::write_atomically(path, file.to_toml()?.as_bytes())?;
     }
     if args.json {
         let photos = args.photos.iter().zip(&readings).zip(&disagreements);

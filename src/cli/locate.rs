@@ -14,7 +14,8 @@ use scaleproof_photo::copies;
 use scaleproof_photo::photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{
-    Abstention, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Sigma, Warning, locate_photo,
+    Abstention, BinProbability, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Rival, Sigma, Warning,
+    locate_photo,
 };
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
@@ -34,7 +35,7 @@ pub(super) struct Args {
     /// What stands on the table: scene.toml.
     #[arg(long)]
     scene: PathBuf,
-    /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal; see `scaleproof camera`.
+    /// Camera file: YAML or XML of OpenCV, YAML of ROS camera_info or Kalibr, or a .cameramodel of mrcal; see `scaleproof camera`.
     #[arg(long)]
     camera: PathBuf,
     /// What finds the tags: cascade, coarse-to-fine, apriltag, aruco, aruco-subpix, aruco-contour, aruco-apriltag or locus.
@@ -64,12 +65,16 @@ pub(in crate::cli) struct OutputLine {
     azimuth_deg: Option<f64>,
     pitch_deg: Option<f64>,
     distance_mm: Option<f64>,
-    /// Standard deviations of the three, from corner noise alone.
+    /// Standard deviations of the three, by corner noise, bent paper and tags that stand off.
     sigma: Option<Sigma>,
     /// The bin of the scene.
     bin: Option<Bin>,
     /// That the bin is the right one, 0 to 1.
     bin_probability: Option<f64>,
+    /// Of a lone tag, also of one that gives no pose: its other pose.
+    rival: Option<Rival>,
+    /// Of a lone tag, also of one that gives no pose: the bins it may have been seen from, the most probable first.
+    bins: Vec<BinProbability>,
     warnings: Vec<Warning>,
     /// Ids of the tags that the pose rests on.
     tags: Vec<u32>,
@@ -157,10 +162,13 @@ fn locate_all<'a>(
     let families = scene.families();
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
         let photo = Photo::open(path);
-        Ok(photo.and_then(|photo| locate_photo(&photo, scene, camera, tags)))
+        let note = photo.as_ref().ok().and_then(Photo::note);
+        Ok((note, photo.and_then(|photo| locate_photo(&photo, scene, camera, tags))))
     };
-    let answers = progress::photos("locating", photos.len())
+    let looked = progress::photos("locating", photos.len())
         .during(|bar| workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1)))?;
+    let (notes, answers): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
+    notes.iter().flatten().for_each(|note| say!("note: {note}"));
     Ok(photos.iter().map(PathBuf::as_path).zip(answers).collect())
 }
 
@@ -286,6 +294,10 @@ fn draw(answers: &Answered, places: &[PathBuf], files: &LocateFiles) -> Result<(
 
 fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
     let found = located(answer);
+    let lone = answer.as_ref().ok().and_then(|examined| match &examined.result {
+        Ok(found) => found.lone.as_ref(),
+        Err(abstention) => abstention.lone(),
+    });
     let fitted = answer.as_ref().ok().and_then(|examined| examined.fitted.as_ref().ok());
     let reason = match answer {
         Ok(examined) => examined.result.as_ref().err().map(Abstention::to_string),
@@ -302,6 +314,8 @@ fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
         sigma: found.map(|l| l.sigma),
         bin: found.map(|l| l.bin),
         bin_probability: found.map(|l| l.bin_probability),
+        rival: lone.and_then(|lone| lone.rival),
+        bins: lone.map(|lone| lone.bins.clone()).unwrap_or_default(),
         warnings: found.map(|l| l.warnings.clone()).unwrap_or_default(),
         tags: found.map(|l| l.tags.clone()).unwrap_or_default(),
         ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),

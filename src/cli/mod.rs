@@ -112,6 +112,7 @@ pub(crate) fn main() -> ExitCode {
     keep_to_ourselves();
     full::keep_refusals_quiet();
     scaleproof_core::workers::memory::keep();
+    scaleproof_core::files::inputs::guard();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     // Results name files in JSON, which is UTF-8.
     if let Some(argument) = arguments.iter().skip(1).find(|argument| argument.to_str().is_none()) {

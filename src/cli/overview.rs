@@ -1,9 +1,11 @@
 //! The help of the whole program: its commands in the order of the work; and examples below the help of each.
 
+use std::any::TypeId;
 use std::fmt::Write;
 
-use clap::Command;
 use clap::builder::Styles;
+use clap::{Arg, Command};
+use scaleproof_core::geometry::length::parse_mm;
 
 /// The commands in the order of the work, and what each is for.
 const GROUPS: &str = include_str!("overview.txt");
@@ -61,9 +63,20 @@ fn with_examples(command: Command, path: &str) -> Command {
         command.mut_subcommand(name, |sub| with_examples(sub, path.trim_start()))
     });
     let whole = format!("scaleproof {path}");
+    let command = command.mut_args(in_any_unit);
     match paragraphs(EXAMPLES).find(|(of, _)| *of == whole.trim_end()) {
         Some((_, lines)) => command.after_help(format!("{}\n{lines}", heading("Examples"))),
         None => command,
+    }
+}
+
+/// An option for a length in mm takes other units, too.
+fn in_any_unit(argument: Arg) -> Arg {
+    let is_length = argument.get_long().is_some_and(|name| name.ends_with("-mm"));
+    if is_length && argument.get_value_parser().type_id() == TypeId::of::<f64>() {
+        argument.value_parser(parse_mm)
+    } else {
+        argument
     }
 }
 

@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use super::answer::{told, written};
 use super::enlarged::{note_enlarged, picture};
-use super::print::write_files;
 use super::{CommandResult, Outcome};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
@@ -51,7 +50,7 @@ pub(crate) struct RandomArgs {
 
 #[derive(clap::Args)]
 pub(crate) struct ImportArgs {
-    /// The image: PNG or JPEG
+    /// The image: PNG or JPEG, or an array of 3 × height × width or height × width × 3 colours that NumPy saved (.npy)
     image: PathBuf,
     /// Cells across, as in 24 (the rows follow from the image's shape), or across and down, as in 24x16; without it, the image must be an
     /// enlarged grid
@@ -151,6 +150,10 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     let image = args.image.display();
     let pattern = match (&args.cells, enlarged) {
         (None, Some(pattern)) => pattern,
+        // What programs keep as an array are its cells.
+        (None, None) if args.image.extension().is_some_and(|ending| ending == "npy") => {
+            in_cells(&picture, picture.pixels.dimensions().into())?
+        }
         (None, None) => {
             return Err(format!(
                 "{image} is no enlarged grid of cells, so it needs their number: give --cells, as in --cells 24"
@@ -160,7 +163,7 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
         (Some(text), _) => in_cells(&picture, cells(text, &picture)?)?,
     };
     let new = [(args.output.clone(), pattern.to_png()?)];
-    write_files(&new, &[Some(&args.image)])?;
+    files::write_all_atomically(&new)?;
     let [columns, rows] = [pattern.columns(), pattern.rows()];
     let (width, height) = picture.pixels.dimensions();
     let pixels = [
@@ -173,9 +176,11 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
         );
     }
     let [wide, high] = pixels.map(number);
-    let words = match &args.cells {
-        None => format!("{image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each"),
-        Some(_) => format!("{columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"),
+    let words = match (&args.cells, grid) {
+        (None, Some(_)) => {
+            format!("{image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each")
+        }
+        _ => format!("{columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"),
     };
     let facts = Imported {
         columns,
@@ -217,8 +222,7 @@ fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         let gamut = colours.gamut();
         let printed = pattern.recoloured(|rgb| gamut.printed(rgb).rgb())?;
         if let Some(output) = &args.output {
-            let inputs = [Some(args.pattern.as_path()), args.printer.as_deref()];
-            write_files(&[(output.clone(), printed.to_png()?)], &inputs)?;
+            files::write_atomically(output, &printed.to_png()?)?;
         }
         printed_contrast = Some(contrast::median_delta_e(&printed));
         print = Some(fate(&pattern, &colours));

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::answer::{told, written};
 use super::{CommandResult, units};
+use scaleproof_core::geometry::length::parse_sides_mm;
 use scaleproof_core::{files, spelling};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 
@@ -32,7 +33,7 @@ pub(crate) struct NewArgs {
     /// Outer edge of a tag's black border in mm
     #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true)]
     tag_mm: f64,
-    /// tag36h11, tag16h5, tag25h9, tagstandard41h12 or tagstandard52h13
+    /// tag36h11, tag16h5, tag25h9, tagstandard41h12, tagstandard52h13, tagcircle21h7, tagcircle49h12 or tagcustom48h12
     #[arg(long, default_value = "tag36h11", value_parser = family)]
     family: TagFamily,
     /// Between the faces of the tent cards and the ground
@@ -94,11 +95,8 @@ pub(super) fn family(text: &str) -> Result<TagFamily, String> {
 }
 
 fn model_size(text: &str) -> Result<[f64; 3], String> {
-    let numbers = text.split(['x', 'X', '×']).map(|part| part.trim().parse().ok());
-    let numbers: Option<Vec<f64>> = numbers.collect();
-    numbers
-        .and_then(|sizes| sizes.try_into().ok())
-        .ok_or_else(|| "write length, width and height, as in 455x186x128".to_owned())
+    let sizes = parse_sides_mm(text);
+    sizes.ok_or_else(|| "write length, width and height, as in 455x186x128".to_owned())
 }
 
 /// Runs `scaleproof scene …`.

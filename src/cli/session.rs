@@ -12,9 +12,8 @@ use std::path::Path;
 use clap::Subcommand;
 
 use super::CommandResult;
-use super::sessions::quoted;
 use crate::cli::answer::{Named, named};
-use scaleproof_core::spelling;
+use scaleproof_core::spelling::{self, quoted};
 
 #[derive(Subcommand)]
 pub(super) enum Command {

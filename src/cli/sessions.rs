@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Result;
+use scaleproof_core::spelling::quoted;
 use scaleproof_core::{files, spelling};
 use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
 use scaleproof_session::session::{Session, SessionError};
@@ -246,14 +247,4 @@ fn no_session(folder: &Path) -> Result<String> {
 /// `VARIANT=FOLDER` as a shell takes it.
 fn pair_of(variant: &str, folder: &Path) -> String {
     quoted(&format!("{variant}={}", folder.display()))
-}
-
-/// A word as a shell takes it.
-pub(super) fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "._-/=+:,@%".contains(c);
-    if word.chars().all(is_plain) && !word.is_empty() {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
 }

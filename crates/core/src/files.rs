@@ -1,6 +1,7 @@
 //! Files: content hashes, and writing so that nothing half-written stays behind.
 
 pub mod environment;
+pub mod inputs;
 mod journal;
 mod place;
 mod staged;
@@ -30,6 +31,10 @@ pub enum FileError {
     },
     #[error("{path}: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
+    #[error("{path} is an input, which would be overwritten; give another output file", path = path.display())]
+    IsInput { path: PathBuf },
+    #[error("two files would be written as {path}; give them different names", path = path.display())]
+    Twice { path: PathBuf },
 }
 
 impl FileError {
@@ -83,6 +88,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
     let failed = |e| FileError::read(path, &e);
     let about = std::fs::metadata(path).map_err(failed)?;
+    inputs::note(path);
     // Reading a named pipe would wait for ever.
     if !about.is_file() {
         return Err(FileError::cannot_read(path, "it is not a file"));
@@ -133,7 +139,7 @@ pub fn is_stream(path: &Path) -> Result<bool, FileError> {
 /// folders are made.
 ///
 /// A symbolic link stays, and its target is written. Standard output (`-`), pipes and character devices are written to. What is neither is
-/// refused before anything is written.
+/// refused before anything is written, and so is the place of an input ([`inputs`]).
 pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
     let (mut regular, mut streams) = (Vec::new(), Vec::new());
     for (path, content) in files {
@@ -142,6 +148,7 @@ pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> R
             OutputPlace::Stream(stream) => streams.push((stream, content)),
         }
     }
+    inputs::refuse_twice(regular.iter().map(|(path, _)| path.as_path()))?;
     replace_all_atomically(&regular)?;
     let mut streams = streams.into_iter();
     streams.try_for_each(|(stream, content)| place::write_to(&stream, content.as_ref()))
@@ -150,6 +157,7 @@ pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> R
 /// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
 /// the place of one is replaced, never followed: the folder may come from somebody else.
 pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
+    files.iter().try_for_each(|(path, _)| inputs::refuse(path.as_ref()))?;
     let mut staged = Vec::new();
     for (path, content) in files {
         journal::tidy(folder_of(path.as_ref()));
@@ -160,6 +168,7 @@ pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) ->
 
 /// Writes one file as [`replace_all_atomically`] does, without a look at what killed runs left in the folder.
 pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    inputs::refuse(path)?;
     Staged::write(path, content)?.persist().map(drop)
 }
 
@@ -179,13 +188,17 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
 /// Finds out, before long work, that a file that a user named can be written: its folder takes files, or it is a stream. Makes nothing.
 pub fn check_file_writable(path: &Path) -> Result<(), FileError> {
     match OutputPlace::at(path)? {
-        OutputPlace::File(path) => check_writable(folder_of(&path)),
+        OutputPlace::File(path) => {
+            inputs::refuse(&path)?;
+            check_writable(folder_of(&path))
+        }
         OutputPlace::Stream(_) => Ok(()),
     }
 }
 
-/// Removes a file, if it exists.
+/// Removes a file, if it exists and is no input.
 pub fn remove(path: &Path) -> Result<(), FileError> {
+    inputs::refuse(path)?;
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
         _ => Ok(()),
@@ -200,6 +213,19 @@ pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
 /// Whether two paths lead to one file or folder that is there.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The path where nothing is there, else one numbered beside it: what an advice names as an output.
+pub fn free_place(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().display();
+    let ending = path
+        .extension()
+        .map_or(String::new(), |ending| format!(".{}", ending.display()));
+    let numbered = (2..).map(|number| path.with_file_name(format!("{stem}_{number}{ending}")));
+    let mut places = std::iter::once(path.to_owned()).chain(numbered);
+    places
+        .find(|place| place.symlink_metadata().is_err())
+        .unwrap_or_default()
 }
 
 /// The folder that a path lies in; `.` for a mere name.
@@ -245,6 +271,7 @@ pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError
 pub fn copy(from: &Path, to: &Path) -> Result<(), FileError> {
     let failed = |e| FileError::cannot_write(to, format!("copying {} failed: {}", from.display(), plain(&e)));
     std::fs::create_dir_all(folder_of(to)).map_err(failed)?;
+    inputs::note(from);
     std::fs::copy(from, to).map(drop).map_err(failed)
 }
 

@@ -155,10 +155,11 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
     }
     let path = path(&name).ok_or(RegisterError::NoFolder)?;
     let text = kept.to_toml()?;
-    if path.exists() && files::read_text(&path).ok().as_ref() != Some(&text) {
+    if !path.exists() {
+        files::replace_atomically(&path, text.as_bytes())?;
+    } else if files::read_text(&path).ok() != Some(text) {
         return Err(RegisterError::Taken { name });
     }
-    files::replace_atomically(&path, text.as_bytes())?;
     Ok(path)
 }
 

@@ -11,14 +11,17 @@
 mod choose;
 mod coco_results;
 mod counting;
+mod darknet;
 #[cfg(feature = "full")]
 pub mod download;
 mod foreign;
+mod head;
 mod heads;
 mod input;
 mod labels;
 mod manifest;
 mod nms;
+mod onnx;
 mod outside;
 mod program;
 mod propose;
@@ -33,13 +36,15 @@ use scaleproof_core::geometry::BoxPx;
 pub use choose::{RegisterError, choose, chosen_as, register, registered, registered_names, unregister};
 pub use coco_results::{CocoResult, Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;
+pub use darknet::{DarknetError, darknet_to_onnx, from_contents as darknet_contents_to_onnx};
 pub use foreign::{ForeignCard, ForeignKind};
 pub use heads::{Anchor, Anchors, Data, HeadError, Tensor, anchors, candidates, wants_photo_size};
 pub use input::{InputPlacement, tensor};
 pub use labels::{Labels, LabelsError};
 pub use manifest::{
-    Channels, EfficientdetHead, FirstLabel, Head, Input, Kernel, Layout, Manifest, ManifestError, Resize, Scores,
-    Values, Weights,
+    AnchorHead, AnchorLabels, Channels, EfficientdetHead, FirstLabel, GridAnchors, GridsHead, Head, Input, Kernel,
+    Layout, ListHead, Manifest, ManifestError, Resize, Scores, SsdBoxes, SsdHead, StridesHead, TableHead, Unit, Values,
+    Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};

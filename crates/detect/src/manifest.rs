@@ -6,6 +6,11 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::Labels;
+use super::head::is_default;
+pub use super::head::{
+    AnchorHead, AnchorLabels, EfficientdetHead, FirstLabel, GridAnchors, GridsHead, Head, ListHead, Scores, SsdBoxes,
+    SsdHead, StridesHead, TableHead, Unit,
+};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::spelling;
 
@@ -92,11 +97,6 @@ impl Input {
     }
 }
 
-/// A manifest leaves out what is as usual.
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Resize {
@@ -151,86 +151,6 @@ pub enum Kernel {
 pub enum Channels {
     Rgb,
     Bgr,
-}
-
-/// From output tensors to boxes. One file per kind in `heads/`.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Head {
-    Yolox {
-        nms_iou: f64,
-    },
-    Nanodet {
-        strides: Vec<u32>,
-        nms_iou: f64,
-    },
-    Fastestdet {
-        nms_iou: f64,
-    },
-    Deim {},
-    Yolov3 {
-        nms_iou: f64,
-    },
-    Yolov4 {
-        nms_iou: f64,
-    },
-    Yolov5 {
-        nms_iou: f64,
-    },
-    Yolov8 {
-        nms_iou: f64,
-    },
-    Yolov10 {},
-    Rtdetr {},
-    Rfdetr {},
-    TfOd(FirstLabel),
-    SsdResnet34(FirstLabel),
-    Rcnn(FirstLabel),
-    NanodetPlus {
-        strides: Vec<u32>,
-        nms_iou: f64,
-    },
-    Efficientdet(EfficientdetHead),
-    /// No outputs are read here: another program gives boxes in pixels of the photo. No manifest names it.
-    #[serde(skip)]
-    Foreign {},
-}
-
-/// EfficientDet before its postprocessing.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct EfficientdetHead {
-    pub scores: Scores,
-    /// Side of an anchor in strides.
-    #[serde(default = "usual_anchor_scale", skip_serializing_if = "is_usual_anchor_scale")]
-    pub anchor_scale: f64,
-    pub nms_iou: f64,
-}
-
-/// Of EfficientDet D0 to D6.
-fn usual_anchor_scale() -> f64 {
-    4.0
-}
-
-fn is_usual_anchor_scale(scale: &f64) -> bool {
-    *scale == usual_anchor_scale()
-}
-
-/// What a head without its last sigmoid, or with it, answers with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Scores {
-    Logits,
-    Probabilities,
-}
-
-/// How a head with numbered labels counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct FirstLabel {
-    /// The number the network gives the first entry of `labels`: 1 where 0 is the background, 0 with `coco91`, whose
-    /// numbers are category ids already. Never assumed: off by one is another label, and nothing would show it.
-    pub first_label: i64,
 }
 
 /// Why a manifest was refused.
@@ -379,25 +299,7 @@ impl Manifest {
         if !mean.iter().chain(std).all(|value| value.is_finite()) {
             return Err(format!("input.mean is {mean:?} and input.std {std:?}: give numbers"));
         }
-        if let Some(nms_iou) = self.head.nms_iou().filter(|iou| !(0.0..=1.0).contains(iou)) {
-            return Err(format!(
-                "head.nms_iou is {nms_iou}: give the overlap above which a box is dropped, from 0 to 1"
-            ));
-        }
-        match &self.head {
-            Head::Efficientdet(head) if !(head.anchor_scale > 0.0 && head.anchor_scale < 100.0) => Err(format!(
-                "head.anchor_scale is {}: give the side of an anchor in strides, 4 for most",
-                head.anchor_scale
-            )),
-            Head::Nanodet { strides, .. } | Head::NanodetPlus { strides, .. }
-                if strides.is_empty() || strides.contains(&0) =>
-            {
-                Err(format!(
-                    "head.strides is {strides:?}: give the strides of the network, such as [8, 16, 32]"
-                ))
-            }
-            _ => Ok(()),
-        }
+        self.head.check()
     }
 }
 
@@ -442,21 +344,14 @@ pub(super) fn is_network(name: &str) -> bool {
     lower.ends_with(".onnx") || lower.ends_with(".ort")
 }
 
-impl Head {
-    /// The overlap above which a box is dropped, of heads that need it.
-    pub fn nms_iou(&self) -> Option<f64> {
-        match self {
-            Head::Yolox { nms_iou }
-            | Head::Nanodet { nms_iou, .. }
-            | Head::Fastestdet { nms_iou }
-            | Head::Yolov3 { nms_iou }
-            | Head::Yolov4 { nms_iou }
-            | Head::Yolov5 { nms_iou }
-            | Head::Yolov8 { nms_iou }
-            | Head::NanodetPlus { nms_iou, .. } => Some(*nms_iou),
-            Head::Efficientdet(head) => Some(head.nms_iou),
-            _ => None,
+impl Manifest {
+    /// The manifest as the family's own program validates with it: Ultralytics and YOLOv5 keep every label of a box there (`val.py` sets
+    /// `multi_label=True`), unless this one says otherwise.
+    pub fn when_validated(mut self) -> Manifest {
+        if let Head::Yolov5(head) | Head::Yolov8(head) = &mut self.head {
+            head.labels.get_or_insert(AnchorLabels::All);
         }
+        self
     }
 }
 

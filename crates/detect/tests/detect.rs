@@ -4,6 +4,8 @@ use scaleproof_testing as common;
 
 #[path = "detect/counting.rs"]
 mod counting;
+#[path = "detect/darknet.rs"]
+mod darknet;
 #[path = "detect/detection.rs"]
 mod detection;
 #[path = "detect/detector_heads.rs"]
@@ -25,6 +27,8 @@ mod manifest;
 mod metadata;
 #[path = "detect/nms.rs"]
 mod nms;
+#[path = "detect/others.rs"]
+mod others;
 #[path = "detect/photo_names.rs"]
 mod photo_names;
 #[path = "detect/protocol.rs"]

@@ -15,19 +15,21 @@ use std::sync::OnceLock;
 
 use image::{GrayImage, RgbImage, imageops};
 
-use decode::{Header, heif_kind, orientation_of, turned_deg};
+use decode::{Header, heif_kind, turned_deg};
 use scaleproof_core::files;
+use scaleproof_core::spelling::quoted;
 
 pub use budget::{Budget, DecodeCost};
 pub use decode::open_png;
 pub use encode::{as_jpeg, preview_jpeg};
 pub use exif_tags::{Lens, Shot};
 pub use heif::reads_heif;
+pub use jpeg::standard_huffman_tables;
 use jpeg::{Coefficients, Colours};
 use luma::JpegLuma;
 pub use luma::Luma;
 pub use problem::DecodeProblem;
-pub use resize::{boxed, fitting, opencv_linear, shrunk};
+pub use resize::{boxed, doubled, fitting, opencv_linear, shrunk};
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -51,14 +53,14 @@ pub enum PhotoError {
 
 /// What to do with an image of another kind that phones make.
 fn convert_sentence(path: &Path, kind: &str) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let [from, to] =
+        [path, &files::free_place(&path.with_extension("jpg"))].map(|path| quoted(&path.to_string_lossy()));
     let how = match kind {
         "HEIC" => "set the iPhone to Settings › Camera › Formats › Most Compatible, or convert it",
         _ => "convert it to JPEG",
     };
     format!(
-        "{} is {} {kind} image, which this program does not read: {how} with `heif-dec '{name}' '{stem}.jpg'` (Debian: apt install \
+        "{} is {} {kind} image, which this program does not read: {how} with `heif-dec {from} {to}` (Debian: apt install \
          libheif-examples, where it may be called heif-convert), and see that it stands upright",
         path.display(),
         if kind == "AVIF" { "an" } else { "a" },
@@ -91,7 +93,7 @@ pub struct Photo {
 
 impl Photo {
     /// Reads a JPEG or PNG file, whatever its name says; an HEIC file as a PNG, where the system has a decoder. A cut JPEG is refused here
-    /// already.
+    /// already; of one whose data is complete, [`Photo::note`] tells.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
         let is_heif = heif_kind(&bytes).is_some();
@@ -101,7 +103,7 @@ impl Photo {
         // Its pixels are upright; how the sensor lay is for the camera.
         let exif = heif::exif(&bytes);
         Ok(Photo {
-            turned_deg: turned_deg(orientation_of(exif.as_deref())),
+            turned_deg: turned_deg(exif_tags::orientation(exif.as_deref())),
             exif,
             ..Photo::from_bytes(path, png, Budget::FILE)?
         })
@@ -111,6 +113,18 @@ impl Photo {
     pub fn from_bytes(path: &Path, bytes: Vec<u8>, budget: Budget) -> Result<Photo, PhotoError> {
         let mut header = Header::read(&bytes, &budget).map_err(|problem| problem.at(path))?;
         let [width, height] = header.upright_size();
+        let coefficients = OnceLock::new();
+        if header.lacks_end() {
+            // Only its data tells whether it is whole.
+            let read = header.coefficients(&bytes, &budget);
+            let read = read.map_err(|problem| match problem {
+                DecodeProblem::Damaged(_) => DecodeProblem::Truncated.at(path),
+                other => other.at(path),
+            })?;
+            if let Some(read) = read {
+                coefficients.get_or_init(|| read);
+            }
+        }
         Ok(Photo {
             path: path.to_owned(),
             sha256: files::sha256_hex(&bytes),
@@ -121,7 +135,7 @@ impl Photo {
             exif: header.exif.take(),
             header,
             budget,
-            coefficients: OnceLock::new(),
+            coefficients,
         })
     }
 
@@ -137,17 +151,28 @@ impl Photo {
 
     /// What EXIF says about the lens.
     pub fn lens(&self) -> Lens {
-        exif_tags::read(&self.exif).map(Lens::from_exif).unwrap_or_default()
+        exif_tags::read(self.exif.as_deref())
+            .map(Lens::from_exif)
+            .unwrap_or_default()
     }
 
     /// When and how it was taken, as EXIF says.
     pub fn shot(&self) -> Shot {
-        exif_tags::read(&self.exif).map(Shot::from_exif).unwrap_or_default()
+        exif_tags::read(self.exif.as_deref())
+            .map(Shot::from_exif)
+            .unwrap_or_default()
     }
 
     /// How many bytes decoding at 1/`reduction` of the size holds.
     pub fn memory(&self, reduction: u32) -> u64 {
         self.header.cost.memory(reduction)
+    }
+
+    /// What is unusual about its file and does no harm, as a sentence.
+    pub fn note(&self) -> Option<String> {
+        let path = self.path.display();
+        let sentence = || format!("{path} has no end-of-image marker, as a copy that was cut; its data is complete");
+        self.header.lacks_end().then(sentence)
     }
 
     /// `jpg` or `png`, by the content.

@@ -8,6 +8,8 @@ mod budget;
 mod decode;
 #[path = "photo/draw.rs"]
 mod draw;
+#[path = "photo/exif_types.rs"]
+mod exif_types;
 #[path = "photo/jpeg.rs"]
 mod jpeg;
 #[path = "photo/luma.rs"]

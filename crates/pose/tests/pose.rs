@@ -4,6 +4,12 @@
 mod board_corners;
 #[path = "pose/camera.rs"]
 mod camera;
+#[path = "pose/camera_files.rs"]
+mod camera_files;
+#[path = "pose/camera_fisheye.rs"]
+mod camera_fisheye;
+#[path = "pose/camera_guess.rs"]
+mod camera_guess;
 #[path = "pose/camera_projection.rs"]
 mod camera_projection;
 #[path = "pose/camera_ray.rs"]

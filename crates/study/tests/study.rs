@@ -6,3 +6,5 @@ use scaleproof_testing as common;
 mod advise_regret;
 #[path = "study/pose_doubt.rs"]
 mod pose_doubt;
+#[path = "study/sigma.rs"]
+mod sigma;

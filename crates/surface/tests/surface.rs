@@ -10,6 +10,8 @@ mod gamut;
 mod light;
 #[path = "surface/mesh.rs"]
 mod mesh;
+#[path = "surface/outside.rs"]
+mod outside;
 #[path = "surface/pattern.rs"]
 mod pattern;
 #[path = "surface/world_aligned.rs"]

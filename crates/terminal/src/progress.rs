@@ -1,11 +1,12 @@
 //! Progress on standard error: a bar in a terminal; elsewhere, as in a log, a plain line every few seconds. Nothing with `--quiet`.
 
+use std::fmt::Write;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::{is_quiet, say};
 
@@ -122,7 +123,7 @@ pub fn steps(what: &str, count: usize) -> Progress {
 }
 
 fn counting(what: &str, count: usize, unit: &'static str) -> Progress {
-    let template = format!("{{msg:<18}} {{bar:30}} {{pos}}/{{len}} {unit}, {{eta}} left");
+    let template = format!("{{msg:<18}} {{bar:30}} {{pos}}/{{len}} {unit}{{left}}");
     shown(ProgressBar::new(count as u64), what, Unit::Counted(unit), &template)
 }
 
@@ -135,7 +136,7 @@ pub fn training(is_time: bool, length: u64) -> Progress {
 
 /// A bar that counts the bytes of a download, whose length may become known later.
 pub fn bytes(what: &str) -> Progress {
-    let template = "{msg:<18} {bar:30} {bytes} of {total_bytes}, {eta} left";
+    let template = "{msg:<18} {bar:30} {bytes} of {total_bytes}{left}";
     shown(ProgressBar::no_length(), what, Unit::Bytes, template)
 }
 
@@ -159,6 +160,9 @@ pub fn announce(sentence: &str) {
 fn shown(bar: ProgressBar, what: &str, unit: Unit, template: &str) -> Progress {
     // A template that does not parse would only cost the looks.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style = style.with_key("left", |state: &ProgressState, out: &mut dyn Write| {
+        let _ = out.write_str(&left(state.pos(), state.len(), state.elapsed()));
+    });
     let bar = bar.with_style(style).with_message(what.to_owned());
     if is_quiet() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
@@ -187,11 +191,9 @@ struct Work {
 impl Work {
     /// As in `scoring 120/300 photos, 40 s left`.
     fn line(&self, bar: &ProgressBar) -> String {
-        let left = bar.eta();
         match self.unit {
             Unit::None => format!("{}, {} so far", self.what, duration(bar.elapsed())),
-            _ if left.is_zero() => self.far(bar),
-            _ => format!("{}, {} left", self.far(bar), duration(left)),
+            _ => self.far(bar) + &left(bar.position(), bar.length(), bar.elapsed()),
         }
     }
 
@@ -213,6 +215,19 @@ impl Work {
         } else {
             format!("{far}, {message}")
         }
+    }
+}
+
+/// As in `, 40 s left`, by the mean speed until now; nothing during the first twentieth, which says little of the rest, and when all is done.
+///
+/// A speed of the last seconds, as indicatif takes it, promises days where one step takes longer than those before.
+fn left(done: u64, all: Option<u64>, elapsed: Duration) -> String {
+    match all {
+        Some(all) if done > 0 && done < all && 20 * done >= all => {
+            let left = elapsed.mul_f64((all - done) as f64 / done as f64);
+            format!(", {} left", duration(left))
+        }
+        _ => String::new(),
     }
 }
 

@@ -36,13 +36,14 @@ const TAG_PX: [u32; 2] = [644, 372];
 type Parser = fn(&[u8]);
 
 /// The corpora by their folders.
-const PARSERS: [(&str, Parser); 19] = [
+const PARSERS: [(&str, Parser); 20] = [
     ("board", entry::board),
     ("camera", entry::camera),
     ("coco", entry::coco),
     ("frames", entry::frames),
     ("glb", entry::glb),
     ("manifest", entry::manifest),
+    ("darknet", entry::darknet),
     ("obj", entry::obj),
     ("palette", entry::palette),
     ("pattern", entry::pattern),

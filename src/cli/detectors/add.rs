@@ -11,14 +11,16 @@ use crate::cli::answer::told;
 use crate::cli::{CommandResult, Result, advice};
 use scaleproof_core::files;
 use scaleproof_detect::{
-    self as detect, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, own_name, propose,
-    weights_seen_from,
+    self as detect, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, darknet_to_onnx, own_name,
+    propose, weights_seen_from,
 };
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The network (ONNX).
+    /// The network (ONNX), or the .cfg of one of Darknet.
     model: PathBuf,
+    /// The .weights of a .cfg: both become an ONNX file beside the manifest.
+    weights: Option<PathBuf>,
     /// The manifest to write; beside the network and named as it is, when left out.
     #[arg(short, long, alias = "out", value_name = "FILE.toml")]
     output: Option<PathBuf>,
@@ -31,6 +33,9 @@ pub(crate) struct Args {
     /// The input's size in pixels, where the file leaves it open: 640 or 640x480 (width first).
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<[u32; 2]>,
+    /// The number that the network gives the first of the labels, where it counts otherwise than its family does; `detectors validate` finds it.
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    first_label: Option<i64>,
     /// What labels of the network count as, where the scene calls them otherwise, as in PKW=car,LKW=truck.
     #[arg(long, value_name = "OWN=COUNTED", value_delimiter = ',', value_parser = mapped)]
     map: Vec<(String, String)>,
@@ -59,20 +64,28 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         family: args.family,
         labels: args.labels.as_deref().map(labels).transpose()?,
         size_px: args.size,
+        first_label: args.first_label,
         ..Hints::default()
     };
+    let class_map = class_map(&args.map)?;
     // First, so that a file that cannot be read is named as such.
     files::read(&args.model)?;
     let runtime = Runtime::load()?;
-    let (weights, name) = (weights_seen_from(&path, &args.model), own_name(&args.model)?);
-    let proposal = propose(runtime, &args.model, &weights, &name, hints);
-    let proposal = proposal.map_err(|e| match e {
-        // These name the file themselves.
-        ProposeError::File(_) | ProposeError::Detect(_) => advice::sentence(&e),
-        e => format!("{}: {}", args.model.display(), advice::sentence(&e)),
+    let converted = converted(&args, &path)?;
+    let model = converted.as_deref().unwrap_or(&args.model);
+    let (weights, name) = (weights_seen_from(&path, model), own_name(model)?);
+    let proposal = propose(runtime, model, &weights, &name, hints);
+    let proposal = proposal.map_err(|e| {
+        // Without a manifest nobody wants it.
+        converted.as_ref().map(std::fs::remove_file);
+        match e {
+            // These name the file themselves.
+            ProposeError::File(_) | ProposeError::Detect(_) => advice::sentence(&e),
+            e => format!("{}: {}", args.model.display(), advice::sentence(&e)),
+        }
     })?;
     let manifest = Manifest {
-        class_map: class_map(&args.map)?,
+        class_map,
         ..proposal.manifest
     };
     files::write_atomically(&path, manifest.to_toml()?.as_bytes())?;
@@ -95,6 +108,34 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         notes: &notes,
     };
     told(args.json, added, words, out)
+}
+
+/// The ONNX file that a Darknet network becomes; `None` where the network is one already.
+fn converted(args: &Args, manifest: &Path) -> Result<Option<PathBuf>> {
+    let ends_in = |path: &Path, ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    let weights = match (&args.weights, ends_in(&args.model, "cfg")) {
+        (None, false) if ends_in(&args.model, "weights") => {
+            return Err(
+                "the .cfg of Darknet's .weights is needed: scaleproof detectors add NAME.cfg NAME.weights".into(),
+            );
+        }
+        (None, false) => return Ok(None),
+        (Some(weights), true) => weights,
+        (None, true) => {
+            return Err("the .weights of a .cfg are needed: scaleproof detectors add NAME.cfg NAME.weights".into());
+        }
+        (Some(weights), false) => {
+            let second = weights.display();
+            return Err(format!("{second}: a second file is needed only with Darknet's .cfg as the first").into());
+        }
+    };
+    let onnx = manifest.with_extension("onnx");
+    if onnx.exists() {
+        let there = onnx.display();
+        return Err(format!("{there} is already there: remove it, or name another manifest by --output").into());
+    }
+    files::write_atomically(&onnx, &darknet_to_onnx(&args.model, weights)?)?;
+    Ok(Some(onnx))
 }
 
 /// The manifest as it lies there now, weights beside it.

@@ -67,8 +67,15 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
             if !args.json {
                 writeln!(out, "{} on {}: {} found", manifest.title, path.display(), found.len())?;
             }
+            let label_of = |d: &Detection| manifest.labels.name(d.label).unwrap_or("?");
+            let width = found
+                .iter()
+                .map(|d| label_of(d).chars().count())
+                .max()
+                .unwrap_or(0)
+                .max(14);
             for d in &found {
-                let label = manifest.labels.name(d.label).unwrap_or("?");
+                let label = label_of(d);
                 let line = DetectionLine {
                     detector: &manifest.name,
                     file: path.display().to_string(),
@@ -80,7 +87,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
                 let words = if args.json {
                     serde_json::to_string(&line)?
                 } else {
-                    row(&line)
+                    row(&line, width)
                 };
                 writeln!(out, "{words}")?;
             }
@@ -141,13 +148,13 @@ fn text(manifest: &Manifest, d: &Detection) -> String {
     format!("{}: {label} {:.2}", manifest.name, d.score)
 }
 
-fn row(line: &DetectionLine) -> String {
+fn row(line: &DetectionLine, width: usize) -> String {
     let b = line.box_px;
     let counted = line
         .counts_as
         .map_or(String::new(), |name| format!("  counts as {name}"));
     format!(
-        "  {:<14} {:.3}  [{:.0}, {:.0}, {:.0}, {:.0}]{counted}",
+        "  {:<width$} {:.3}  [{:.0}, {:.0}, {:.0}, {:.0}]{counted}",
         line.label, line.score, b.x1, b.y1, b.x2, b.y2
     )
 }

@@ -143,13 +143,7 @@ pub(super) struct Listed {
 
 fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
-    if !args.json {
-        writeln!(
-            out,
-            "{:<14} {:<17} {:<13} {:<12} weights",
-            "name", "detector", "licence", "sha256"
-        )?;
-    }
+    let mut rows = vec![["name", "detector", "licence", "sha256", "weights"].map(str::to_owned)];
     for m in all()? {
         let checked = folders.checked(&m);
         if args.json {
@@ -171,14 +165,14 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
                 Err(e) if m.weights.url.is_empty() => advice::sentence(&e),
                 Err(_) => "not here: scaleproof detectors fetch".into(),
             };
-            writeln!(
-                out,
-                "{:<14} {:<17} {:<13} {:<12} {place}",
-                m.name,
-                m.title,
-                m.licence,
-                &m.weights.sha256[..12]
-            )?;
+            rows.push([m.name, m.title, m.licence, m.weights.sha256[..12].to_owned(), place]);
+        }
+    }
+    if !args.json {
+        let longest = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+        let [a, b, c, d] = [(0, 14), (1, 17), (2, 13), (3, 12)].map(|(i, least)| longest(i).unwrap_or(0).max(least));
+        for [name, title, licence, sha256, place] in &rows {
+            writeln!(out, "{name:<a$} {title:<b$} {licence:<c$} {sha256:<d$} {place}")?;
         }
     }
     Ok(Outcome::Done)

@@ -30,12 +30,18 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let (detectors, photos) = args.looking.open()?;
     let photos = photos.iter().map(|photo| photo.rgb(1));
     let photos = photos.collect::<Result<Vec<_>, _>>()?;
+    let width = detectors
+        .iter()
+        .map(|(m, _)| m.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(14);
     let tell = |speed: &Speed| -> Result<()> {
         let (name, median, [fastest, slowest]) = (&speed.detector, speed.ms_per_photo, speed.ms_range);
         if !args.json {
             writeln!(
                 out,
-                "{name:<14} {median:>8.2} ms a photo ({fastest:.2} to {slowest:.2})"
+                "{name:<width$} {median:>8.2} ms a photo ({fastest:.2} to {slowest:.2})"
             )?;
         }
         Ok(())

@@ -68,7 +68,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let manifest = present(std::slice::from_ref(&args.name), &folders)?;
     let manifest = manifest.into_iter().next().ok_or("there is no such detector")?;
     let weights = folders.checked(&manifest)?;
-    let set = labelled_photos(&args.coco, &args.photos, manifest.labels)?;
+    let set = labelled_photos(&args.coco, &args.photos, &manifest)?;
+    let manifest = manifest.when_validated();
     if !set.unknown.is_empty() {
         let names = set.unknown.join(", ");
         say!(

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::cli::answer::{told, written};
-use crate::cli::print::{CutSheetArgs, value_names, write_files};
+use crate::cli::print::{CutSheetArgs, value_names};
 use crate::cli::{CommandResult, units};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let line = made.definition.line();
     let mut files = args.sheets.file(&line, &made.sheet)?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
-    write_files(&files, &[args.sheets.printer.as_deref()])?;
+    files::write_all_atomically(&files)?;
     units::note(doubt(args.squares, args.square_mm));
     let (pdf, definition) = (files[0].0.display(), definition_path.display().to_string());
     let words = format!("{pdf}: {line}; print at 100 %; described by {definition}");

@@ -1,18 +1,18 @@
 //! `scaleproof calibrate`: photos of a board become a camera file.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::cli::answer::answer;
-use crate::cli::print::write_files;
 use crate::cli::{CommandResult, Outcome, progress};
+use scaleproof_core::files;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::CameraFormat;
 use scaleproof_rig::calibrate;
 
 /// Find the camera's focal length, centre and distortion from photos of a calibration board.
 ///
-/// The smallest camera model that the photos bear out is taken; what was dropped is said. Photos that do not determine a
+/// The smallest camera model that the photos bear out is taken, a fisheye among them; what was dropped is said. Photos that do not determine a
 /// camera are refused with the reason.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Args {
@@ -49,9 +49,7 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     let page = |path: &PathBuf| (path.clone(), calibrate::page(&found).into_bytes());
     files.extend(args.report.iter().map(page));
-    let inputs = args.photos.iter().chain([&args.board]);
-    let inputs: Vec<Option<&Path>> = inputs.map(|path| Some(path.as_path())).collect();
-    write_files(&files, &inputs)?;
+    files::write_all_atomically(&files)?;
     if args.json {
         answer(&calibrate::answer(&found), out)?;
     } else {

@@ -12,9 +12,10 @@ use crate::cli::detectors::Folder;
 use crate::cli::results::Results;
 use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
+use scaleproof_core::spelling::count;
 use scaleproof_session::session::{PhotoEntry, Session};
 use scaleproof_study::chart::locate::PhotoSample;
-use scaleproof_study::chart::{ChartNumbers, capture, envelope, locate, score, stability};
+use scaleproof_study::chart::{ChartNumbers, capture, envelope, locate, score, sigma, stability};
 
 #[derive(Subcommand)]
 pub(in crate::cli) enum Command {
@@ -24,6 +25,8 @@ pub(in crate::cli) enum Command {
     Envelope(EnvelopeArgs),
     /// Drive every method from harmless to hopeless: error, share answered, share silently wrong
     Stability(StabilityArgs),
+    /// Whether the stated σ of poses is true, by how many tags they rest on: share of errors within so many σ
+    Sigma(SigmaArgs),
     /// Guided capture by every tag detector: milliseconds from frame to advice
     Capture(CaptureArgs),
     /// Scoring, stage by stage: where the milliseconds of a photo go, poses from tags and truth given
@@ -60,6 +63,23 @@ pub(in crate::cli) struct StabilityArgs {
     views: u32,
     #[arg(long, default_value_t = 1)]
     seed: u64,
+}
+
+#[derive(clap::Args)]
+pub(in crate::cli) struct SigmaArgs {
+    /// Session folders; those of one name are charted together
+    #[arg(long = "session", value_name = "DIR", required = true)]
+    sessions: Vec<PathBuf>,
+    /// The truth about each session: JSON with azimuth, pitch and distance per photo, and their own `sigma` where they are not exact
+    #[arg(long = "truth", value_name = "JSON", required = true)]
+    truths: Vec<PathBuf>,
+    /// Simulated views of the first session for each number of tags; 0: the photos alone
+    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    views: u32,
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    into: ChartFiles,
 }
 
 #[derive(clap::Args)]
@@ -119,6 +139,7 @@ pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResul
         Command::Locate(args) => chart_locate(&args, out),
         Command::Envelope(args) => chart_envelope(&args, out),
         Command::Stability(args) => chart_stability(&args, out),
+        Command::Sigma(args) => chart_sigma(&args, out),
         Command::Capture(args) => chart_capture(&args, out),
         Command::Score(args) => chart_score(&args, out),
     }
@@ -192,6 +213,34 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
     args.on.into.write("stability.json", &numbers, &drawn, &table, out)
 }
 
+fn chart_sigma(args: &SigmaArgs, out: &mut dyn Write) -> CommandResult {
+    if args.sessions.len() != args.truths.len() {
+        let (sessions, truths) = (args.sessions.len(), args.truths.len());
+        let reason = format!(
+            "there are {} and {}: give a --truth for each --session, in their order",
+            count(sessions, "session"),
+            count(truths, "truth file")
+        );
+        return Err(reason.into());
+    }
+    let open = |(session, truth): (&PathBuf, &PathBuf)| Ok((Session::open(session)?, truth.clone()));
+    let sessions = args
+        .sessions
+        .iter()
+        .zip(&args.truths)
+        .map(open)
+        .collect::<Result<Vec<_>>>()?;
+    let (views, seed) = (args.views as usize, args.seed);
+    let rows = progress::photos("measuring", sigma::photos(&sessions, views))
+        .during(|bar| sigma::measure(&sessions, views, seed, || bar.inc(1)))?;
+    let opened: Vec<&Session> = sessions.iter().map(|(session, _)| session).collect();
+    let read: Vec<&Path> = args.truths.iter().map(PathBuf::as_path).collect();
+    let numbers = ChartNumbers::over(&opened, &read, &rows)?;
+    let drawn = [("sigma.svg", sigma::draw(&rows))];
+    args.into
+        .write("sigma.json", &numbers, &drawn, &sigma::table(&rows), out)
+}
+
 fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
     let session = Session::open(&args.session)?;
     let read = |photo: &PhotoEntry| Ok((photo.file.clone(), files::read(&session.photo_path(photo))?));
@@ -256,6 +305,7 @@ pub(in crate::cli) fn schemas() -> Vec<Named> {
         named::<ChartNumbers<envelope::EnvelopeRow>>("chart-envelope"),
         named::<ChartNumbers<locate::LocateRow>>("chart-locate"),
         named::<ChartNumbers<score::ScoreRow>>("chart-score"),
+        named::<ChartNumbers<sigma::SigmaRow>>("chart-sigma"),
         named::<ChartNumbers<stability::SweepStep>>("chart-stability"),
     ]
 }

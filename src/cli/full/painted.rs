@@ -1,7 +1,6 @@
 //! The paint mode of `scaleproof print wrap`: stencils of every piece, and pieces to paint by number.
 
 use std::io::Write;
-use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,8 +10,8 @@ use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::Model;
 use crate::cli::print::paint::{Paints, PaintsAnswer, paint_facts, table};
-use crate::cli::print::write_files;
 use crate::cli::progress;
+use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_surface::texture::Texture;
@@ -23,7 +22,7 @@ use scaleproof_wrap::pieces::painted::{PaintedPieces, PaintedRequest, flattened,
 pub(super) fn run(
     (model, texture, paints): (&Model, &Texture, &Paints),
     request: PiecesRequest,
-    (output, inputs): (&SheetOutput, &[Option<&Path>]),
+    output: &SheetOutput,
     (as_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
     let Texture::Tile(tile) = texture else {
@@ -46,7 +45,7 @@ pub(super) fn run(
     })?;
     let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
-    write_files(&files, inputs)?;
+    files::write_all_atomically(&files)?;
     busy.finish_and_clear();
     let paints = count(made.painted.paints.len(), "paint");
     let words = [

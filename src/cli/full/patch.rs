@@ -1,7 +1,7 @@
 //! `scaleproof print patch`: finished patch textures on the panels of a model.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,8 +10,10 @@ use super::wrap::SheetArgs;
 use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::ModelArgs;
-use crate::cli::print::{value_names, write_files};
+use crate::cli::print::value_names;
 use crate::cli::{Result, enlarged, units};
+use scaleproof_core::files;
+use scaleproof_core::geometry::length::parse_mm;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchError, patches};
 use scaleproof_print::print::{paper, wrap};
@@ -61,13 +63,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let made = patches(&panels, &wanted, &request)?;
     let title = format!("Patches of {}", wanted[0].name);
     let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
-    let mut inputs: Vec<Option<&Path>> = args.places.patch.iter().map(|path| Some(path.as_path())).collect();
-    inputs.extend([
-        args.model.mesh.as_deref(),
-        args.model.scene.as_deref(),
-        sheets.paper.printer.as_deref(),
-    ]);
-    write_files(&files, &inputs)?;
+    files::write_all_atomically(&files)?;
     if args.model.mesh.is_some() {
         units::note(super::model::turned(model.mesh.size_mm()));
     }
@@ -123,7 +119,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
     let one = |i: usize| -> Result<PanelPatch> {
         let image = enlarged::picture(&args.patch[i]).map_err(PatchError::from)?;
         let size = args.size_mm[i].trim();
-        let size_mm = match size.parse::<f64>() {
+        let size_mm = match parse_mm(size) {
             Ok(width) => (width, image.height_for(width)),
             Err(_) => paper::size_mm(size)?,
         };
@@ -153,6 +149,6 @@ pub(crate) fn placed(patches: &[PanelPatch]) -> Vec<PlacedPatch> {
 fn place(text: &str) -> Result<[f64; 2]> {
     let numbers = text
         .split_once(',')
-        .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+        .and_then(|(x, y)| Some([parse_mm(x).ok()?, parse_mm(y).ok()?]));
     numbers.ok_or_else(|| format!("place '{text}' is not understood; write X,Y in mm, as in -40,65").into())
 }

@@ -1,7 +1,6 @@
 //! `scaleproof print wrap` without `--panels`: the model in pieces.
 
 use std::io::Write;
-use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,8 +9,8 @@ use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::Model;
 use crate::cli::full::texture::NamedTexture;
-use crate::cli::print::write_files;
 use crate::cli::progress;
+use scaleproof_core::files;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_print::print::wrap::WrapRequest;
@@ -69,7 +68,7 @@ impl PiecesArgs {
 pub(super) fn run(
     (model, painted): (&Model, &NamedTexture),
     request: &PiecesRequest,
-    (output, inputs): (&SheetOutput, &[Option<&Path>]),
+    output: &SheetOutput,
     (as_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
     let busy = progress::steps("unwrapping", 100);
@@ -78,7 +77,7 @@ pub(super) fn run(
     let flat = flattened(surface, request, &mut |share| busy.set_position((95.0 * share) as u64))?;
     let made = pieces(&model.mesh, &flat, &painted.texture, request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    write_files(&files, inputs)?;
+    files::write_all_atomically(&files)?;
     busy.finish_and_clear();
     if made.unlettered_mm > 0.0 {
         let length_mm = made.unlettered_mm;

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::cli::{CommandResult, Outcome, advice, print, progress, scene};
+use crate::cli::{CommandResult, Outcome, advice, progress, scene};
+use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_print::print::tags::arrange;
@@ -63,9 +64,7 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
     Scene::parse(&text, &args.output)?;
-    let mut inputs: Vec<_> = args.photos.iter().map(|p| Some(p.as_path())).collect();
-    inputs.extend([Some(args.scene.as_path()), Some(args.camera.as_path())]);
-    print::write_files(&[(args.output.clone(), text.into_bytes())], &inputs)?;
+    files::write_atomically(&args.output, text.as_bytes())?;
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&json(&found))?)?;
     } else {
@@ -120,6 +119,8 @@ pub(in crate::cli) struct SurveyJson<'a> {
     noise_px: f64,
     /// How far all tag edges were found too far in; taken out of the result.
     edge_shift_px: f64,
+    /// How far the lens that the photos fit, and that was taken, moves a tag's corner at most from where the camera file has it; `null` where the file's fits.
+    lens_px: Option<f64>,
     tags: &'a [TagReport],
     left_out: Vec<LeftOutJson>,
     /// In the order given.
@@ -147,6 +148,7 @@ fn json(found: &Survey) -> SurveyJson<'_> {
     SurveyJson {
         noise_px: found.noise_px,
         edge_shift_px: found.edge_shift_px,
+        lens_px: found.lens_px,
         tags: &found.tags,
         left_out: left_out.collect(),
         photos: &found.photos,
@@ -191,5 +193,13 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
         out,
         "{used} photos, corners within ±{:.2} px (σ), all tag edges {:.2} px too far in",
         found.noise_px, found.edge_shift_px
-    )
+    )?;
+    if let Some(px) = found.lens_px {
+        writeln!(
+            out,
+            "caution: the photos fit another lens than the camera file's, which is up to {px:.1} px off at a tag's corner. The survey took the lens that fits: \
+             calibrate again with the board in the image's corners, too"
+        )?;
+    }
+    Ok(())
 }

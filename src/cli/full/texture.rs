@@ -32,8 +32,6 @@ pub(crate) struct NamedTexture {
     pub texture: Texture,
     /// Of what it was read from: of the file, or of its hash and those of its images.
     pub sha256: String,
-    /// What it was read from besides the file itself.
-    pub images: Vec<PathBuf>,
 }
 
 impl TextureArgs {
@@ -53,12 +51,7 @@ impl TextureArgs {
                 let pattern = Pattern::load(path)?;
                 let tile_mm = crate::cli::print::tile_mm(self.tile_mm, path, &pattern)?;
                 let sha256 = pattern.sha256().to_owned();
-                Ok(named(
-                    path,
-                    Texture::Tile(Tile::new(pattern, tile_mm)),
-                    sha256,
-                    Vec::new(),
-                ))
+                Ok(named(path, Texture::Tile(Tile::new(pattern, tile_mm)), sha256))
             }
             (None, Some(path)) => load_texture(path, model),
             (None, None) => Err("give --pattern or --texture".into()),
@@ -70,7 +63,7 @@ impl TextureArgs {
 pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture> {
     if extension(path) == "npy" {
         let (texels, sha256) = FaceTexels::load(path, &model.mesh)?;
-        return Ok(named(path, Texture::Faces(texels), sha256, Vec::new()));
+        return Ok(named(path, Texture::Faces(texels), sha256));
     }
     if let Some(sides) = of_sides(path, model)? {
         return Ok(sides);
@@ -89,7 +82,7 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture> {
     for note in &mapped.notes {
         say!("note: {note}");
     }
-    Ok(named(path, Texture::Images(mapped.images), sha256, mapped.files))
+    Ok(named(path, Texture::Images(mapped.images), sha256))
 }
 
 /// A pattern for each side of the model, where the card beside it says so.
@@ -105,7 +98,7 @@ fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>> {
         return Err(format!("{path} has {rows} rows, which are not those of six sides").into());
     };
     let (texture, sha256) = (Texture::Sides(patterns), pattern.sha256().to_owned());
-    Ok(Some(named(path, texture, sha256, vec![Card::path(path)])))
+    Ok(Some(named(path, texture, sha256)))
 }
 
 /// A pattern with a card is no image for texture coordinates, which would stretch it.
@@ -154,14 +147,9 @@ fn extension(path: &Path) -> String {
         .to_ascii_lowercase()
 }
 
-fn named(path: &Path, texture: Texture, sha256: String, images: Vec<PathBuf>) -> NamedTexture {
+fn named(path: &Path, texture: Texture, sha256: String) -> NamedTexture {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    NamedTexture {
-        name,
-        texture,
-        sha256,
-        images,
-    }
+    NamedTexture { name, texture, sha256 }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `scaleproof texture`: textures as images for simulators, and as previews.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
 use schemars::JsonSchema;
@@ -12,7 +12,6 @@ use crate::cli::answer::{told, written};
 use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::full::texture::TextureArgs;
-use crate::cli::print::write_files;
 use crate::cli::{CommandResult, Result, progress, units};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
@@ -108,16 +107,6 @@ impl PaintedArgs {
         let patches = placed(&asked(&self.places)?);
         Ok((model, Texture::Patches(Box::new(below), patches)))
     }
-
-    fn inputs(&self) -> Vec<Option<&Path>> {
-        let mut inputs = vec![
-            self.model.mesh.as_deref(),
-            self.model.scene.as_deref(),
-            self.texture.file(),
-        ];
-        inputs.extend(self.places.patch.iter().map(|path| Some(path.as_path())));
-        inputs
-    }
 }
 
 fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
@@ -140,7 +129,7 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
     let mut files = vec![(args.output.clone(), png)];
     files.extend(write_obj(&model.mesh, &textured, &args.output));
     files.push((args.output.with_extension("glb"), glb));
-    write_files(&files, &args.painted.inputs())?;
+    files::write_all_atomically(&files)?;
     if model.file.is_some() {
         units::note(super::model::turned(model.mesh.size_mm()));
     }
@@ -187,7 +176,7 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
         let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
         named.map(file).collect::<Result<Vec<_>>>()?
     };
-    write_files(&files, &args.painted.inputs())?;
+    files::write_all_atomically(&files)?;
     let words = format!("{}: {} views", args.output.display(), views.len());
     let facts = Shown {
         azimuth_deg: azimuths,

@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -13,9 +12,10 @@ use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::full::texture::{NamedTexture, TextureArgs};
+use crate::cli::print::PaperArgs;
 use crate::cli::print::paint::PaintArgs;
-use crate::cli::print::{PaperArgs, write_files};
 use crate::cli::{Result, advice, progress, units};
+use scaleproof_core::files;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
 use scaleproof_wrap::pieces::painted::PaintedError;
@@ -69,14 +69,6 @@ impl SheetArgs {
 pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let model = args.model.load_or(args.texture.mesh())?;
     let painted = args.texture.load(&model)?;
-    let mut inputs = vec![
-        args.texture.file(),
-        args.model.mesh.as_deref(),
-        args.model.scene.as_deref(),
-        args.sheets.paper.printer.as_deref(),
-        args.paint.palette.as_deref(),
-    ];
-    inputs.extend(painted.images.iter().map(|path| Some(path.as_path())));
     let request = || -> Result<WrapRequest> {
         Ok(WrapRequest {
             name: painted.name.clone(),
@@ -86,7 +78,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         })
     };
     let outcome = if args.pieces.panels {
-        panels(args, (&model, &painted), request()?, &inputs, out)
+        panels(args, (&model, &painted), request()?, out)
     } else if args.sheets.overlap_mm.is_some() {
         return Err(
             "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
@@ -94,16 +86,11 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     } else if let Some(paints) = args.paint.paints()? {
         let request = args.pieces.request(request()?);
         let output = args.sheets.paper.output()?;
-        painted::run(
-            (&model, &painted.texture, &paints),
-            request,
-            (&output, &inputs),
-            (args.json, out),
-        )
+        painted::run((&model, &painted.texture, &paints), request, &output, (args.json, out))
     } else {
         let output = args.sheets.paper.output()?;
         let request = args.pieces.request(request()?);
-        pieces::run((&model, &painted), &request, (&output, &inputs), (args.json, out))
+        pieces::run((&model, &painted), &request, &output, (args.json, out))
     }?;
     if model.file.is_some() {
         units::note(super::model::turned(model.mesh.size_mm()));
@@ -116,14 +103,13 @@ fn panels(
     args: &WrapArgs,
     (model, painted): (&Model, &NamedTexture),
     request: WrapRequest,
-    inputs: &[Option<&Path>],
     out: &mut dyn Write,
 ) -> CommandResult {
     let output = args.sheets.paper.output()?;
     let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &painted.texture, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    write_files(&files, inputs)?;
+    files::write_all_atomically(&files)?;
     busy.finish_and_clear();
     if made.unlettered_mm > 0.0 {
         let length_mm = made.unlettered_mm;

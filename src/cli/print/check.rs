@@ -5,7 +5,8 @@ use std::io::Write;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{CommandResult, PaperArgs, told, write_files, written};
+use super::{CommandResult, PaperArgs, told, written};
+use scaleproof_core::files;
 use scaleproof_print::print::check::check;
 
 #[derive(clap::Args)]
@@ -24,7 +25,7 @@ pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         .paper
         .output()?
         .files("Printer check", &["check".to_owned()], &sheets)?;
-    write_files(&files, &[args.paper.printer.as_deref()])?;
+    files::write_all_atomically(&files)?;
     let next = media.printer.verify_command();
     // One page is one file.
     let words = format!("{}: print at 100 %, measure, then {next}", files[0].0.display());

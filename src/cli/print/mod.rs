@@ -15,7 +15,6 @@ use clap::Subcommand;
 use super::answer::{Named, Written, named, told, written};
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Result, full};
-use scaleproof_core::files;
 use scaleproof_print::print::media::Media;
 use scaleproof_print::print::output::{OutputError, SheetFormat, SheetOutput};
 use scaleproof_print::print::paper::Stock;
@@ -77,33 +76,10 @@ value_names!(sheet_format -> SheetFormat: Pdf "pdf" "One file with all pages", S
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
 
-/// Writes all files, or none, and none over an input.
-pub(super) fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<()> {
-    for (i, (path, _)) in files.iter().enumerate() {
-        let (name, is_same) = (path.display(), |other: &Path| same_place(other, path));
-        if inputs.iter().flatten().any(|input| is_same(input)) {
-            return Err(format!("{name} is an input, which would be overwritten; give another output file").into());
-        }
-        if files[..i].iter().any(|(other, _)| is_same(other)) {
-            return Err(format!("two files would be written as {name}; give them different names").into());
-        }
-    }
-    Ok(files::write_all_atomically(files)?)
-}
-
-/// Whether two paths, of files that may not be there yet, name one place.
-fn same_place(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        let in_folder = || Some(files::folder_of(path).canonicalize().ok()?.join(path.file_name()?));
-        path.canonicalize().ok().or_else(in_folder)
-    };
-    a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
-}
-
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
 pub(super) struct CutSheetArgs {
-    /// a4, a3, letter, tabloid, or WxH in mm; tags also on a roll by its width in mm, as in roll610
+    /// a0 to a5, letter, legal, tabloid, ledger, or WxH in mm, or in inches as in 13x19in; tags also on a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
     /// Correct the sizes by this file of `print verify`
@@ -161,7 +137,7 @@ pub(in crate::cli) fn card_fault(error: &CardError) -> String {
 /// What tiled sheets and the check page are printed on, and where they are written.
 #[derive(clap::Args)]
 pub(crate) struct PaperArgs {
-    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
+    /// a0 to a5, letter, legal, tabloid, ledger, WxH in mm, or in inches as in 13x19in, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
     /// The file to write

@@ -1,13 +1,14 @@
 //! The paint mode of `scaleproof print template`, and what `print wrap` shares with it: sheets to paint by number, and stencils.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{CommandResult, told, write_files, written};
+use super::{CommandResult, told, written};
 use crate::cli::{Result, progress};
+use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_print::print::paint::{PaintArea, PaintRequest, paint_sheets};
@@ -79,7 +80,6 @@ pub(crate) fn run(
     template: TemplateRequest,
     paints: &Paints,
     output: &SheetOutput,
-    inputs: &[Option<&Path>],
     (as_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
     let busy = progress::busy("cutting stencils");
@@ -91,7 +91,7 @@ pub(crate) fn run(
     };
     let made = paint_sheets(pattern, &painted, &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
-    write_files(&files, inputs)?;
+    files::write_all_atomically(&files)?;
     busy.finish_and_clear();
     let sheets = made.layout.sheets.len();
     let words = format!(

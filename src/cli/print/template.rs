@@ -7,8 +7,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, NewFile, PaperArgs, told, value_names, write_files, written};
+use super::{CommandResult, NewFile, PaperArgs, told, value_names, written};
+use crate::cli::advice::import_command;
 use crate::cli::{Result, enlarged, progress, units};
+use scaleproof_core::files;
 use scaleproof_core::spelling;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::output::{SheetFormat, SheetOutput};
@@ -84,13 +86,12 @@ pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
 
 /// Prints what is drawn, and says so.
 fn print(
-    (args, path, request): (&TemplateArgs, &Path, &TemplateRequest),
+    (args, request): (&TemplateArgs, &TemplateRequest),
     draw: &dyn Fn() -> Result<Template, TemplateError>,
     grain: fn(f64) -> Grain,
     out: &mut dyn Write,
 ) -> CommandResult {
-    let inputs = [Some(path), args.paper.printer.as_deref()];
-    let (made, files) = write(draw, request, &args.paper.output()?, &inputs)?;
+    let (made, files) = write(draw, request, &args.paper.output()?)?;
     let words = said(&files[0].0, &made, &grain(made.cell_mm));
     let outcome = told(args.json, written(&files, facts(&made, grain)), words, out)?;
     units::note(doubt(request));
@@ -107,18 +108,17 @@ fn run_pattern(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
     let output = args.paper.output()?;
     let Some(paints) = args.paint.paints()? else {
         let draw = || template(&pattern, &request);
-        return print((args, path, &request), &draw, Grain::CellMm, out);
+        return print((args, &request), &draw, Grain::CellMm, out);
     };
     let doubt = doubt(&request);
-    let inputs = [Some(path), args.paper.printer.as_deref(), args.paint.palette.as_deref()];
-    let outcome = paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
+    let outcome = paint::run(&pattern, request, &paints, &output, (args.json, out))?;
     units::note(doubt);
     Ok(outcome)
 }
 
 fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
     if args.paint.is_asked() {
-        let command = format!("scaleproof pattern import {} --cells 24 -o pattern.png", path.display());
+        let command = import_command(path);
         let sheets = "stencils and sheets to paint by number are made of cells, and a texture has none";
         return Err(format!("{sheets}; make a pattern of it: {command}").into());
     }
@@ -126,13 +126,13 @@ fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
     let missing = "a texture needs the width of one repeat: give --tile-mm";
     let request = request(args, path, args.tile_mm.ok_or(missing)?)?;
     let draw = || texture_template(&texture, args.dpi, &request);
-    print((args, path, &request), &draw, Grain::PixelMm, out)
+    print((args, &request), &draw, Grain::PixelMm, out)
 }
 
 /// Draws a template and writes it to a PDF.
 pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template> {
     let output = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
-    Ok(write(&|| template(pattern, request), request, &output, &[])?.0)
+    Ok(write(&|| template(pattern, request), request, &output)?.0)
 }
 
 /// Gives the files as well.
@@ -140,12 +140,11 @@ fn write(
     draw: &dyn Fn() -> Result<Template, TemplateError>,
     request: &TemplateRequest,
     output: &SheetOutput,
-    inputs: &[Option<&Path>],
 ) -> Result<(Template, Vec<NewFile>)> {
     progress::busy("drawing").during(|_| {
         let made = draw()?;
         let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-        write_files(&files, inputs)?;
+        files::write_all_atomically(&files)?;
         Ok((made, files))
     })
 }

@@ -31,6 +31,7 @@ pub(crate) struct VerifyArgs {
 
 pub(crate) fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
     // A page printed with a correction measures true; without naming it here, the correction would be taken for none.
+    files::inputs::own(&args.output);
     let there = args.output.exists().then(|| PrinterFile::load(&args.output));
     let only_colours = matches!(&there, Some(Ok(file)) if file.printer == Printer::EXACT);
     if args.printer.is_none() && there.is_some() && !only_colours {

@@ -12,8 +12,8 @@ use crate::cli::CommandResult;
 use crate::cli::answer::told;
 use crate::cli::choice::one_of;
 use crate::cli::score::{Effort, say_not_scored, score_with_progress};
-use crate::cli::sessions::{quoted, session};
-use scaleproof_core::spelling;
+use crate::cli::sessions::session;
+use scaleproof_core::spelling::{self, quoted};
 use scaleproof_score::report::{self, ExportFormat};
 
 /// Write what another program should run on: the photos of a session, with their truth boxes, as COCO or YOLO

@@ -9,8 +9,9 @@ use serde::Serialize;
 
 use super::{by_variant, in_words};
 use crate::cli::answer::told;
-use crate::cli::sessions::{FolderFiles, pair, quoted};
+use crate::cli::sessions::{FolderFiles, pair};
 use crate::cli::{CommandResult, Result};
+use scaleproof_core::spelling::quoted;
 use scaleproof_session::session::NewSession;
 use scaleproof_session::session::folders::PhotoFolder;
 

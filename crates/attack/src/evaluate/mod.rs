@@ -211,6 +211,7 @@ fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
 
 /// True when the note is not there, or says something else.
 fn is_other((note, text): &(PathBuf, Vec<u8>)) -> Result<bool, FileError> {
+    files::inputs::own(note);
     Ok(!note.is_file() || files::read(note)? != *text)
 }
 

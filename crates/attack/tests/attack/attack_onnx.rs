@@ -15,7 +15,7 @@ use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof_attack::run::weights::Against;
 use scaleproof_attack::run::{Attack, AttackConfig};
-use scaleproof_detect::{Detector, Manifest, Runtime};
+use scaleproof_detect::{Detector, Hints, Manifest, Runtime, propose};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_gradients::device::DeviceKind;
@@ -67,6 +67,63 @@ fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
     let path = shared(&format!("detectors/{file}"));
     let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, DeviceKind::Cpu).unwrap();
     (detector, path)
+}
+
+/// Networks of other lineages, with the manifests that `detectors add` proposes.
+fn others() -> Vec<(Manifest, PathBuf)> {
+    let names = [
+        "yolov4_tiny",
+        "ssdlite_mobilenet_v2_coco",
+        "yolo_fastest_xl",
+        "picodet_s_320",
+    ];
+    let proposed = |name: &str| {
+        let path = shared(&format!("detectors_more/{name}.onnx"));
+        let found = propose(Runtime::load().unwrap(), &path, "network.onnx", name, Hints::default()).unwrap();
+        (found.manifest, path)
+    };
+    names.map(proposed).into()
+}
+
+#[test]
+#[ignore = "needs the shared material: ./run test --shared"]
+fn outputs_of_other_lineages_are_those_of_onnx_runtime() {
+    for (manifest, path) in others() {
+        let bytes = std::fs::read(path).unwrap();
+        let [width, height] = manifest.input.size_px.map(|side| side as usize);
+        let shape = [1, 3, height, width];
+        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None, &Device::flex()).unwrap();
+        let mut as_written = as_written(&bytes);
+        let mut worst = 0.0_f32;
+        for path in photos().iter().step_by(4) {
+            let numbers = numbers(&photo(path), &manifest);
+            let (ours, theirs) = (
+                by_network(&network, &numbers),
+                by_onnx_runtime(&mut as_written, &shape, &numbers),
+            );
+            worst = worst.max(worst_difference(&ours, &theirs));
+        }
+        println!(
+            "{}: outputs of 5 photos within {worst:.1e} of ONNX Runtime's",
+            manifest.name
+        );
+        assert!(worst < 1e-4, "{}: {worst}", manifest.name);
+    }
+}
+
+#[test]
+#[ignore = "needs the shared material: ./run test --shared"]
+fn gradients_of_other_lineages_are_those_of_finite_differences() {
+    let mut rng = Pcg32::seed_from_u64(5);
+    for (manifest, path) in others() {
+        let car = manifest.labels.find("car").unwrap();
+        let detector = OnnxDetector::open(&manifest, &path, &[car], DeviceKind::Cpu).unwrap();
+        for path in photos().iter().step_by(7) {
+            let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
+            let (worst, jumps) = worst_derivative(&detector, &picture, size, &mut rng);
+            assert!(jumps == 0 && worst < 0.01, "{}: {worst}, {jumps} jumps", manifest.name);
+        }
+    }
 }
 
 fn picture(photo: &RgbImage) -> (Vec<[f64; 3]>, [u32; 2]) {
@@ -602,6 +659,27 @@ fn resizes() -> Vec<Small> {
             vec![scales, step("Resize", &["x", "", "scales"], &["y"], &attributes)],
         ));
     }
+    // As Paddle writes it: a region that only another mode looks at.
+    let (region, scales) = (
+        constant("region", &[8], &[0.0; 8]),
+        constant("scales", &[4], &[1.0, 1.0, 2.0, 2.0]),
+    );
+    let attributes = [
+        text("mode", "nearest"),
+        text("coordinate_transformation_mode", "half_pixel"),
+    ];
+    found.push(Small {
+        opset: 11,
+        ..small(
+            "Resize with a region of interest",
+            &[1, 2, 4, 5],
+            vec![
+                region,
+                scales,
+                step("Resize", &["x", "region", "scales"], &["y"], &attributes),
+            ],
+        )
+    });
     let sizes = whole_constant("sizes", &[4], &[1, 2, 8, 10]);
     let attributes = [
         text("mode", "nearest"),

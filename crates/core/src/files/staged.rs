@@ -39,6 +39,7 @@ impl Staged {
     /// Gives the file its name; returns its lock, for who needs it longer.
     pub(super) fn persist(mut self) -> Result<Option<File>, FileError> {
         std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
+        super::inputs::own(&self.path);
         Ok(self.lock.take())
     }
 }

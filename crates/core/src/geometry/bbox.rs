@@ -67,6 +67,24 @@ impl BoxPx {
         )
     }
 
+    /// Refuses boxes that count shares of a photo's width and height, as YOLO's do, where pixels belong: all that have an area lie in its first
+    /// pixels.
+    ///
+    /// # Errors
+    /// The reason, as a clause.
+    pub fn check_counts_pixels(boxes: impl IntoIterator<Item = BoxPx>) -> Result<(), &'static str> {
+        // Shares go up to 1, and are rounded.
+        const LARGEST_SHARE: f64 = 1.5;
+        let is_share = |b: BoxPx| <[f64; 4]>::from(b).iter().all(|v| v.abs() <= LARGEST_SHARE);
+        let mut boxes = boxes.into_iter().filter(BoxPx::is_solid).peekable();
+        if boxes.peek().is_some() && boxes.all(is_share) {
+            return Err(
+                "every box lies in the first pixels: boxes count pixels here, and these look like shares of the photo's width and height",
+            );
+        }
+        Ok(())
+    }
+
     /// The smallest box around some points (x, y); `None` without points.
     pub fn around(points: impl IntoIterator<Item = [f64; 2]>) -> Option<BoxPx> {
         points.into_iter().fold(None, |found, [x, y]| match found {

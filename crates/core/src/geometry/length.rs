@@ -1,6 +1,7 @@
 //! Bounds of the lengths that users give. Each length passes here before anything is computed with it, so that nothing behind
 //! meets NaN or infinity, leaves the range of its integers, or divides by almost nothing.
 
+use std::num::ParseFloatError;
 use std::ops::RangeInclusive;
 
 /// The longest length, and the farthest place: a hall. A full-size lorry takes a fifth of it.
@@ -41,6 +42,47 @@ pub fn tab_mm(value: f64) -> Result<f64, BadLength> {
 /// A coordinate, which may be negative.
 pub fn place_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, -LONGEST_MM..=LONGEST_MM)
+}
+
+/// Units that a length may be followed by, and each in mm. An inch is 25.4 mm exactly.
+const UNITS: [(&str, f64); 8] = [
+    ("mm", 1.0),
+    ("cm", 10.0),
+    ("inches", 25.4),
+    ("inch", 25.4),
+    ("in", 25.4),
+    ("\"", 25.4),
+    ("ft", 304.8),
+    ("m", 1000.0),
+];
+
+/// A length in mm: a number of mm, or of the unit behind it, as in `17.9in`.
+///
+/// # Errors
+/// What is no number, with or without its unit.
+pub fn parse_mm(text: &str) -> Result<f64, ParseFloatError> {
+    let (number, mm) = in_unit(text).unwrap_or((text, 1.0));
+    Ok(mm * number.trim().parse::<f64>()?)
+}
+
+/// A text before its unit, and the unit in mm.
+fn in_unit(text: &str) -> Option<(&str, f64)> {
+    let text = text.trim_end();
+    UNITS
+        .iter()
+        .find_map(|(unit, mm)| Some((text.strip_suffix(unit)?, *mm)))
+}
+
+/// Lengths in mm with an `x` between them, as in `210x297` or `8.5x14in`: a unit behind the last is that of the others, too.
+pub fn parse_sides_mm<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let parts: Vec<&str> = text.split(['x', 'X', '×']).collect();
+    let of_last = in_unit(parts.last()?).map_or(1.0, |(_, mm)| mm);
+    let side = |part: &&str| match in_unit(part) {
+        None => Some(of_last * part.trim().parse::<f64>().ok()?),
+        Some(_) => parse_mm(part).ok(),
+    };
+    let sides: Option<Vec<f64>> = parts.iter().map(side).collect();
+    sides?.try_into().ok()
 }
 
 /// Whether [`size_mm`] takes it, for those who refuse it in words of their own.

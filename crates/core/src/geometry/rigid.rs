@@ -42,3 +42,10 @@ pub fn stepped(pose: &Rigid, step: &Vector6<f64>) -> Rigid {
     step.rotation.renormalize();
     step
 }
+
+/// The step by which [`stepped`] takes one pose to another.
+pub fn step_between(from: &Rigid, to: &Rigid) -> Vector6<f64> {
+    let step = to * from.inverse();
+    let (turn, shift) = (step.rotation.scaled_axis(), step.translation.vector);
+    Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
+}

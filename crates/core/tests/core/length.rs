@@ -1,6 +1,8 @@
 //! Lengths that users give.
 
-use scaleproof_core::geometry::length::{is_size, number, place_mm, shown, size_mm, strip_mm};
+use scaleproof_core::geometry::length::{
+    is_size, number, parse_mm, parse_sides_mm, place_mm, shown, size_mm, strip_mm,
+};
 
 #[test]
 fn what_is_no_length_is_refused_in_one_short_sentence() {
@@ -43,4 +45,30 @@ fn numbers_are_plain_where_that_is_short() {
     assert_eq!(plain, ["0", "-118", "0.01", "1000000", "NaN"]);
     assert_eq!([1e200, -1e-300].map(shown), ["1e200", "-1e-300"]);
     assert_eq!([118.0, 7.375, 0.1 + 0.2].map(number), ["118", "7.375", "0.3"]);
+}
+
+#[test]
+fn a_length_may_have_a_unit() {
+    for (text, mm) in [
+        ("455", 455.0),
+        (" 455 mm ", 455.0),
+        ("45.5cm", 455.0),
+        ("0.455m", 455.0),
+        ("10in", 254.0),
+        ("1e1 inches", 254.0),
+        ("10\"", 254.0),
+        ("2ft", 609.6),
+        ("-1in", -25.4),
+    ] {
+        assert!((parse_mm(text).unwrap() - mm).abs() < 1e-9, "{text}");
+    }
+    for text in ["", "in", "5 furlong", "5in5", "five"] {
+        assert!(parse_mm(text).is_err(), "{text}");
+    }
+    assert_eq!(parse_sides_mm("200x1e2"), Some([200.0, 100.0]));
+    assert_eq!(parse_sides_mm("1cmX2 \u{d7} 3"), Some([10.0, 2.0, 3.0]));
+    assert_eq!(parse_sides_mm("1x2x3in"), Some([25.4, 50.8, 3.0 * 25.4]));
+    for text in ["1x2", "1x2x3x4", "", "1xx3"] {
+        assert_eq!(parse_sides_mm::<3>(text), None, "{text}");
+    }
 }

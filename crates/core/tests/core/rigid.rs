@@ -1,8 +1,7 @@
 //! Rigid transforms.
 
-use nalgebra::Vector6;
 use proptest::prelude::*;
-use scaleproof_core::geometry::rigid::{from_rotation_vector, stepped, to_rotation_vector};
+use scaleproof_core::geometry::rigid::{from_rotation_vector, step_between, stepped, to_rotation_vector};
 
 proptest! {
     #[test]
@@ -12,9 +11,7 @@ proptest! {
     ) {
         let start = from_rotation_vector([0.3, -0.2, 1.1], [10.0, 20.0, 800.0]);
         let to = from_rotation_vector(turn, shift);
-        let step = to * start.inverse();
-        let (turn, shift) = (step.rotation.scaled_axis(), step.translation.vector);
-        let arrived = stepped(&start, &Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z));
+        let arrived = stepped(&start, &step_between(&start, &to));
         prop_assert!(arrived.rotation.angle_to(&to.rotation) < 1e-9);
         prop_assert!((arrived.translation.vector - to.translation.vector).norm() < 1e-9);
     }

@@ -7,18 +7,40 @@ use scaleproof_core::geometry::BoxPx;
 /// Logits for each side of a box.
 pub(crate) const BINS: usize = 8;
 
-/// NanoDet: per stride n×labels sigmoid scores and n×(4·bins) box logits, picked by shape, with a batch axis or without; cells are centred
-/// at i·s + (s − 1)/2.
+/// NanoDet: cells are centred at i·s + (s − 1)/2.
 pub(super) fn nanodet(
     outputs: &[Tensor],
     size: [u32; 2],
     strides: &[u32],
     labels: usize,
 ) -> Result<Anchors, HeadError> {
+    by_stride("nanodet", outputs, size, strides, labels, -0.5)
+}
+
+/// PicoDet: cells are centred at (i + ½)·s. Source: `PicoHead` of PaddleDetection, whose `cell_offset` is 0.5 (Yu et al. 2021).
+pub(super) fn picodet(
+    outputs: &[Tensor],
+    size: [u32; 2],
+    strides: &[u32],
+    labels: usize,
+) -> Result<Anchors, HeadError> {
+    by_stride("picodet", outputs, size, strides, labels, 0.0)
+}
+
+/// Per stride n×labels sigmoid scores and n×(4·bins) box logits, picked by shape, with a batch axis or without; cells are centred at
+/// (i + ½)·s + `shift`, in input pixels.
+fn by_stride(
+    kind: &'static str,
+    outputs: &[Tensor],
+    size: [u32; 2],
+    strides: &[u32],
+    labels: usize,
+    shift: f64,
+) -> Result<Anchors, HeadError> {
     if labels == 4 * BINS {
         // Scores and sides have the same shape then.
         let expected = format!("tables of other than {labels} columns for the labels");
-        return Err(misfit("nanodet", expected, outputs));
+        return Err(misfit(kind, expected, outputs));
     }
     let mut found = Vec::new();
     for &stride in strides {
@@ -28,12 +50,12 @@ pub(super) fn nanodet(
             |row: usize| Tensor::shaped(outputs, |s| matches!(s, [1, n, r] | [n, r] if [*n, *r] == [cells, row]));
         let (Some((output, _)), Some((_, sides))) = (with(labels), with(4 * BINS)) else {
             let expected = format!("1×{cells}×{labels} and 1×{cells}×{} for stride {stride}", 4 * BINS);
-            return Err(misfit("nanodet", expected, outputs));
+            return Err(misfit(kind, expected, outputs));
         };
         let cells = sides.chunks_exact(4 * BINS).enumerate();
         found.extend(cells.map(|(i, sides)| {
             let s = f64::from(stride);
-            let centre = [i as u32 % columns, i as u32 / columns].map(|i| f64::from(i) * s + (s - 1.0) / 2.0);
+            let centre = [i as u32 % columns, i as u32 / columns].map(|i| f64::from(i) * s + s / 2.0 + shift);
             Anchor::new(around(centre, sides, s), output, None, i * labels, 1)
         }));
     }

@@ -1,38 +1,93 @@
 //! Heads that answer with grids of cells, not decoded.
 
-use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, sigmoid};
+use std::sync::LazyLock;
 
-/// One of the three grids of YOLOv3 or YOLOv4: its stride, by how much a centre may leave its cell (1: not at all), and width and height of
-/// its three anchors in pixels.
-type Grid = (u32, f32, [[f32; 2]; 3]);
+use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, sigmoid};
+use crate::manifest::GridAnchors;
+
+fn grid(stride: u32, scale_xy: f32, anchors: &[[f32; 2]]) -> GridAnchors {
+    let anchors = anchors.to_vec();
+    GridAnchors {
+        stride,
+        scale_xy,
+        anchors,
+    }
+}
 
 /// Source: `yolov3.cfg` of the Darknet repository.
-const YOLOV3: [Grid; 3] = [
-    (8, 1.0, [[10.0, 13.0], [16.0, 30.0], [33.0, 23.0]]),
-    (16, 1.0, [[30.0, 61.0], [62.0, 45.0], [59.0, 119.0]]),
-    (32, 1.0, [[116.0, 90.0], [156.0, 198.0], [373.0, 326.0]]),
-];
+static YOLOV3: LazyLock<[GridAnchors; 3]> = LazyLock::new(|| {
+    [
+        grid(8, 1.0, &[[10.0, 13.0], [16.0, 30.0], [33.0, 23.0]]),
+        grid(16, 1.0, &[[30.0, 61.0], [62.0, 45.0], [59.0, 119.0]]),
+        grid(32, 1.0, &[[116.0, 90.0], [156.0, 198.0], [373.0, 326.0]]),
+    ]
+});
 
 /// Source: the ONNX zoo's page on the model.
-const YOLOV4: [Grid; 3] = [
-    (8, 1.2, [[12.0, 16.0], [19.0, 36.0], [40.0, 28.0]]),
-    (16, 1.1, [[36.0, 75.0], [76.0, 55.0], [72.0, 146.0]]),
-    (32, 1.05, [[142.0, 110.0], [192.0, 243.0], [459.0, 401.0]]),
-];
+static YOLOV4: LazyLock<[GridAnchors; 3]> = LazyLock::new(|| {
+    [
+        grid(8, 1.2, &[[12.0, 16.0], [19.0, 36.0], [40.0, 28.0]]),
+        grid(16, 1.1, &[[36.0, 75.0], [76.0, 55.0], [72.0, 146.0]]),
+        grid(32, 1.05, &[[142.0, 110.0], [192.0, 243.0], [459.0, 401.0]]),
+    ]
+});
 
-/// YOLOv3 as Darknet computes it: three tensors 1×(3·(5 + labels))×rows×columns at strides 8, 16, 32, all logits; score = σ(objectness) ·
-/// σ(label). Source: Redmon and Farhadi 2018.
-pub(super) fn yolov3(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+/// Grids as Darknet computes them, all logits; score = σ(objectness) · σ(label). YOLOv3's three where none are named. Source: Redmon and
+/// Farhadi 2018.
+pub(super) fn yolov3(
+    outputs: &[Tensor],
+    size: [u32; 2],
+    labels: usize,
+    grids: &[GridAnchors],
+) -> Result<Anchors, HeadError> {
+    let grids = if grids.is_empty() { &*YOLOV3 } else { grids };
     Ok(Anchors {
         are_logits: true,
-        ..Anchors::new(decoded(outputs, size, labels, "yolov3", &YOLOV3)?)
+        ..Anchors::new(decoded(outputs, size, labels, "yolov3", grids)?)
     })
 }
 
-/// YOLOv4 of the ONNX zoo: three tensors 1×rows×columns×3×(5 + labels) at strides 8, 16, 32; objectness and labels already sigmoid; score =
-/// objectness · label. Source: Bochkovskiy et al. 2020.
-pub(super) fn yolov4(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
-    Ok(Anchors::new(decoded(outputs, size, labels, "yolov4", &YOLOV4)?))
+/// Grids of the ONNX zoo's YOLOv4, with objectness and labels already sigmoid; score = objectness · label. YOLOv4's three where none are named.
+/// Source: Bochkovskiy et al. 2020.
+pub(super) fn yolov4(
+    outputs: &[Tensor],
+    size: [u32; 2],
+    labels: usize,
+    grids: &[GridAnchors],
+) -> Result<Anchors, HeadError> {
+    let grids = if grids.is_empty() { &*YOLOV4 } else { grids };
+    Ok(Anchors::new(decoded(outputs, size, labels, "yolov4", grids)?))
+}
+
+/// Where the numbers of a grid's boxes lie: for n anchors and r numbers a box, 1×(n·r)×rows×columns as Darknet has them, 1×n×rows×columns×r,
+/// 1×rows×columns×n×r, or 1×rows×columns×(n·r).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Order {
+    Planes,
+    AnchorsFirst,
+    AnchorsLast,
+}
+
+impl Order {
+    fn of_shape(shape: &[usize], [columns, rows]: [usize; 2], anchors: usize, row: usize) -> Option<Order> {
+        let (all, s) = (anchors * row, shape);
+        match s.len() {
+            4 if s == [1, all, rows, columns] => Some(Order::Planes),
+            4 if s == [1, rows, columns, all] => Some(Order::AnchorsLast),
+            5 if s == [1, anchors, rows, columns, row] => Some(Order::AnchorsFirst),
+            5 if s == [1, rows, columns, anchors, row] => Some(Order::AnchorsLast),
+            _ => None,
+        }
+    }
+
+    /// Where the numbers of the nth anchor of a cell begin, and how far apart they are.
+    fn place(self, nth: usize, cell: usize, plane: usize, anchors: usize, row: usize) -> (usize, usize) {
+        match self {
+            Order::Planes => (nth * row * plane + cell, plane),
+            Order::AnchorsFirst => ((nth * plane + cell) * row, 1),
+            Order::AnchorsLast => ((cell * anchors + nth) * row, 1),
+        }
+    }
 }
 
 /// centre = (σ(output) · s − (s − 1)/2 + cell) · stride, size = exp(output) · anchor.
@@ -41,29 +96,27 @@ fn decoded(
     size: [u32; 2],
     labels: usize,
     kind: &'static str,
-    grids: &[Grid; 3],
+    grids: &[GridAnchors],
 ) -> Result<Vec<Anchor>, HeadError> {
-    let (row, is_planar) = (5 + labels, kind == "yolov3");
+    let row = 5 + labels;
     let mut found = Vec::new();
-    for (stride, s, anchors) in grids {
-        let [columns, rows] = size.map(|side| (side / stride) as usize);
-        let plane = rows * columns;
-        let shape = if is_planar {
-            vec![1, 3 * row, rows, columns]
-        } else {
-            vec![1, rows, columns, 3, row]
-        };
-        let (output, data) = Tensor::shaped(outputs, |found| found == shape).ok_or_else(|| {
-            let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
-            misfit(kind, format!("{} for stride {stride}", shape.join("×")), outputs)
+    for GridAnchors {
+        stride,
+        scale_xy: s,
+        anchors,
+    } in grids
+    {
+        let sides @ [columns, rows] = size.map(|side| (side / stride) as usize);
+        let (plane, count) = (rows * columns, anchors.len());
+        let order_of = |shape: &[usize]| Order::of_shape(shape, sides, count, row);
+        let (output, data) = Tensor::shaped(outputs, |shape| order_of(shape).is_some()).ok_or_else(|| {
+            let expected = format!("1×{}×{rows}×{columns} for stride {stride}", count * row);
+            misfit(kind, expected, outputs)
         })?;
-        found.extend((0..3 * plane).map(|i| {
-            // Which of the three anchors, where its numbers begin, and how far apart they are.
-            let (nth, cell, first, step) = if is_planar {
-                (i / plane, i % plane, i / plane * row * plane + i % plane, plane)
-            } else {
-                (i % 3, i / 3, i * row, 1)
-            };
+        let order = order_of(&outputs[output].shape).unwrap_or(Order::Planes);
+        found.extend((0..count * plane).map(|i| {
+            let (nth, cell) = (i / plane, i % plane);
+            let (first, step) = order.place(nth, cell, plane, count, row);
             let at = |number: usize| data[first + number * step];
             let centre =
                 |number: usize, cell: usize| (sigmoid(at(number)) * s - (s - 1.0) / 2.0 + cell as f32) * *stride as f32;

@@ -14,6 +14,14 @@ pub(super) struct Rows<'a> {
     output: usize,
 }
 
+/// How TensorFlow's Object Detection API calls boxes, labels, scores and their number.
+pub(crate) const TENSORFLOW: [&str; 4] = [
+    "detection_boxes",
+    "detection_classes",
+    "detection_scores",
+    "num_detections",
+];
+
 impl<'a> Rows<'a> {
     /// Picks the lists by type and size, in whatever order they come: whole-number labels n, boxes n×4, scores n. Other
     /// outputs (masks) are passed over.
@@ -41,18 +49,26 @@ impl<'a> Rows<'a> {
     }
 
     /// Picks the lists of the TensorFlow Object Detection API by name, as classes and scores are alike in type and size; converters append
-    /// `:0`.
-    pub(super) fn of_tensorflow(outputs: &'a [Tensor]) -> Result<Rows<'a>, HeadError> {
-        let position = |name: &str| outputs.iter().position(|t| t.name.split(':').next() == Some(name));
+    /// `:0`. `named`: other names of the same four.
+    pub(super) fn of_tensorflow(outputs: &'a [Tensor], named: Option<&[String; 4]>) -> Result<Rows<'a>, HeadError> {
+        let names = named.map_or(TENSORFLOW, |named| named.each_ref().map(String::as_str));
+        let position = |which: usize| {
+            let called = outputs.iter().position(|t| t.name == names[which]);
+            called.or_else(|| {
+                outputs
+                    .iter()
+                    .position(|t| t.name.split(':').next() == Some(names[which]))
+            })
+        };
         let find = || {
-            let mut labels = whole(&outputs[position("detection_classes")?]);
-            let output = position("detection_scores")?;
-            let boxes = outputs[position("detection_boxes")?].floats()?;
+            let mut labels = whole(&outputs[position(1)?]);
+            let output = position(2)?;
+            let boxes = outputs[position(0)?].floats()?;
             let scores = outputs[output].floats()?;
             if scores.len() != labels.len() || boxes.len() != 4 * labels.len() {
                 return None;
             }
-            let count = position("num_detections").and_then(|i| whole(&outputs[i]).first().copied());
+            let count = position(3).and_then(|i| whole(&outputs[i]).first().copied());
             labels.truncate(count.and_then(|n| usize::try_from(n).ok()).unwrap_or(usize::MAX));
             Some(Rows {
                 labels,
@@ -61,8 +77,8 @@ impl<'a> Rows<'a> {
                 output,
             })
         };
-        let expected = "detection_boxes 1×n×4, detection_classes 1×n, detection_scores 1×n";
-        find().ok_or_else(|| misfit("tf_od", expected.into(), outputs))
+        let expected = format!("{} 1×n×4, {} 1×n, {} 1×n", names[0], names[1], names[2]);
+        find().ok_or_else(|| misfit("tf_od", expected, outputs))
     }
 
     /// Every row whose label is known; those of padding have any label.

@@ -5,13 +5,16 @@ pub(super) mod efficientdet;
 mod grids;
 mod listed;
 mod queries;
+pub(super) mod ssd;
 mod tables;
 
 pub(super) use distances::BINS;
 use listed::Rows;
+pub(super) use listed::TENSORFLOW;
+pub(super) use ssd::{Pair, has_room};
 
 use super::SCORE_FLOOR;
-use super::manifest::{Head, Manifest};
+use super::manifest::{AnchorLabels, Head, Manifest};
 use super::nms::CandidateBox;
 use scaleproof_core::geometry::BoxPx;
 
@@ -71,6 +74,8 @@ pub struct Anchors {
     pub are_logits: bool,
     /// Which of the labels the first score is of: 1 where the list begins with the background and the outputs do not.
     pub first_scored: usize,
+    /// Whether each label of an anchor that reaches the score floor is a detection, or the best alone.
+    pub keeps: AnchorLabels,
 }
 
 impl Anchor {
@@ -94,6 +99,7 @@ impl Anchors {
             exponents: [1.0, 1.0],
             are_logits: false,
             first_scored: 0,
+            keeps: AnchorLabels::Best,
         }
     }
 
@@ -107,21 +113,36 @@ impl Anchors {
         (nth + self.first_scored, best)
     }
 
-    /// Each anchor's best label, where it reaches the score floor.
+    /// The labels of each anchor that are kept and reach the score floor.
     fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<CandidateBox> {
         let score = |number: f32| if self.are_logits { sigmoid(number) } else { number };
         let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
-        let candidate = |anchor: &Anchor| {
-            let data = outputs.get(anchor.output)?.floats()?;
-            let (label, best) = self.best_label(anchor, data, labels);
-            let of_label = power(score(best), self.exponents[1]);
-            let both = match anchor.objectness {
-                Some(i) => power(score(data[i]), self.exponents[0]) * of_label,
-                None => of_label,
+        let mut found = Vec::new();
+        for anchor in &self.anchors {
+            let Some(data) = outputs.get(anchor.output).and_then(Tensor::floats) else {
+                continue;
             };
-            from_corners(label, both, anchor.b)
-        };
-        self.anchors.iter().filter_map(candidate).collect()
+            let objectness = anchor
+                .objectness
+                .map_or(1.0, |i| power(score(data[i]), self.exponents[0]));
+            let candidate = |label: usize, number: f32| {
+                from_corners(label, objectness * power(score(number), self.exponents[1]), anchor.b)
+            };
+            match self.keeps {
+                AnchorLabels::Best => {
+                    let (label, number) = self.best_label(anchor, data, labels);
+                    found.extend(candidate(label, number));
+                }
+                // Most anchors see nothing, and no label of theirs can reach the floor.
+                AnchorLabels::All if f64::from(objectness) < SCORE_FLOOR => {}
+                AnchorLabels::All => {
+                    let numbers = data[anchor.first_label..].iter().step_by(anchor.label_step);
+                    let labelled = (self.first_scored..labels).zip(numbers);
+                    found.extend(labelled.filter_map(|(label, number)| candidate(label, *number)));
+                }
+            }
+        }
+        found
     }
 }
 
@@ -129,20 +150,25 @@ impl Anchors {
 /// themselves.
 pub fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Option<Anchors>, HeadError> {
     let labels = manifest.labels.count();
-    Ok(Some(match &manifest.head {
-        Head::Yolox { .. } => tables::yolox(outputs, size, labels)?,
-        Head::Nanodet { strides, .. } => distances::nanodet(outputs, size, strides, labels)?,
-        Head::NanodetPlus { strides, .. } => tables::nanodet_plus(outputs, size, strides, labels)?,
-        Head::Fastestdet { .. } => grids::fastestdet(outputs, size, labels)?,
-        Head::Yolov3 { .. } => grids::yolov3(outputs, size, labels)?,
+    let found = match &manifest.head {
+        Head::Yolox(_) => tables::yolox(outputs, size, labels)?,
+        Head::Nanodet(head) => distances::nanodet(outputs, size, &head.strides, labels)?,
+        Head::Picodet(head) => distances::picodet(outputs, size, &head.strides, labels)?,
+        Head::NanodetPlus(head) => tables::nanodet_plus(outputs, size, &head.strides, labels)?,
+        Head::Fastestdet(_) => grids::fastestdet(outputs, size, labels)?,
+        Head::Yolov3(head) => grids::yolov3(outputs, size, labels, &head.grids)?,
         Head::Efficientdet(head) => efficientdet::anchors(outputs, size, *head, labels)?,
         Head::Rfdetr {} => queries::rfdetr_anchors(outputs, size, labels)?,
-        Head::Yolov4 { .. } => grids::yolov4(outputs, size, labels)?,
-        Head::Yolov5 { .. } => tables::yolov5(outputs, labels)?,
-        Head::Yolov8 { .. } => tables::yolov8(outputs, labels)?,
+        Head::Yolov4(head) => grids::yolov4(outputs, size, labels, &head.grids)?,
+        Head::Yolov5(head) => tables::yolov5(outputs, size, labels, head.boxes)?,
+        Head::Yolov8(head) => tables::yolov8(outputs, size, labels, head.boxes)?,
+        Head::Ssd(head) => ssd::anchors(outputs, size, *head, labels)?,
+        Head::Rtdetr { .. } => tables::rtdetr(outputs, size, labels)?,
         Head::Deim {} => Anchors::new(deim(outputs)?.anchors(labels)),
         _ => return Ok(None),
-    }))
+    };
+    let keeps = manifest.head.anchor_labels();
+    Ok(Some(Anchors { keeps, ..found }))
 }
 
 /// DEIM, D-FINE, RT-DETR exports with `orig_target_sizes`: boxes x1 y1 x2 y2 in photo pixels.
@@ -177,12 +203,11 @@ pub fn candidates(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Re
     let mut candidates = match &manifest.head {
         Head::Yolov10 {} => queries::yolov10(outputs, labels)?,
         Head::Rfdetr {} => queries::rfdetr(outputs, size, labels)?,
-        Head::Rtdetr {} => tables::rtdetr(outputs, size, labels)?.candidates(outputs, labels),
         Head::Deim {} => deim(outputs)?.candidates(0, labels, BoxPx::from)?,
         // Boxes y1 x1 y2 x2 as shares of the photo; classes are floats, counted from 1. Source: the API's `exporter`.
-        Head::TfOd(first) => {
-            let rows = Rows::of_tensorflow(outputs)?;
-            rows.candidates(first.first_label, labels, |[y1, x1, y2, x2]| {
+        Head::TfOd(head) => {
+            let rows = Rows::of_tensorflow(outputs, head.outputs.as_ref())?;
+            rows.candidates(head.first_label, labels, |[y1, x1, y2, x2]| {
                 scaled(BoxPx::new(x1, y1, x2, y2), size)
             })?
         }

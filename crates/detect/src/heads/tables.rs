@@ -2,6 +2,7 @@
 
 use super::distances::{self, BINS};
 use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
+use crate::manifest::Unit;
 use scaleproof_core::geometry::BoxPx;
 
 /// A table 1×n×`row`.
@@ -59,12 +60,22 @@ pub(super) fn yolox(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result
     }))
 }
 
-/// YOLOv5, v6, v7, and YOLOX exported with its decoding: 1×n×(5 + labels), centre and size in input pixels, score = objectness · label.
+/// YOLOv5, v6, v7, and YOLOX exported with its decoding, and Darknet's once decoded: 1×n×(5 + labels), centre and size, score = objectness · label.
 ///
 /// Older exports also give the three grids the table was made from. Source: the YOLOv5 repository's `non_max_suppression`.
-pub(super) fn yolov5(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
+pub(super) fn yolov5(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Unit) -> Result<Anchors, HeadError> {
     let table = Table::find(outputs, "yolov5", None, 5 + labels)?;
-    Ok(table.anchors(5, true, |_, o| centred([o[0], o[1], o[2], o[3]])))
+    let in_pixels = pixels(unit, size);
+    Ok(table.anchors(5, true, |_, o| centred(in_pixels([o[0], o[1], o[2], o[3]]))))
+}
+
+/// Centre and size in pixels of an input.
+fn pixels(unit: Unit, size: [u32; 2]) -> impl Fn([f32; 4]) -> [f32; 4] {
+    let [w, h] = match unit {
+        Unit::Pixels => [1.0; 2],
+        Unit::Shares => size.map(|side| side as f32),
+    };
+    move |[cx, cy, width, height]| [cx * w, cy * h, width * w, height * h]
 }
 
 /// NanoDet-Plus: 1×cells×(labels + 4·bins), sigmoid scores, then box logits as NanoDet's; cells are centred at i·s. Source: the NanoDet
@@ -86,21 +97,26 @@ pub(super) fn nanodet_plus(
 /// RT-DETR as Ultralytics exports it: 1×n×(4 + labels): centre and size as shares of the input, then the labels' scores; no suppression
 /// needed. Source: Zhao et al. 2024 and the Ultralytics documentation.
 pub(super) fn rtdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
-    let [w, h] = size.map(|side| side as f32);
+    let in_pixels = pixels(Unit::Shares, size);
     let table = Table::find(outputs, "rtdetr", None, 4 + labels)?;
-    Ok(table.anchors(4, false, |_, o| centred([o[0] * w, o[1] * h, o[2] * w, o[3] * h])))
+    Ok(table.anchors(4, false, |_, o| centred(in_pixels([o[0], o[1], o[2], o[3]]))))
 }
 
-/// YOLOv8, v9, 11, 12: 1×(4 + labels)×n, a column for each box: centre and size in input pixels, then the labels' scores; no objectness.
-/// Source: the Ultralytics documentation of its exports.
-pub(super) fn yolov8(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
-    let rows = 4 + labels;
-    let (output, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, r, _] if *r == rows))
-        .ok_or_else(|| misfit("yolov8", format!("1×{rows}×n"), outputs))?;
-    let columns = data.len() / rows;
+/// YOLOv8, v9, 11, 12: 1×(4 + labels)×n, a column for each box: centre and size, then the labels' scores; no objectness. Source: the
+/// Ultralytics documentation of its exports, whose TFLite ones give shares of the input instead of pixels. COCO's 90 category ids from 1 on, as SSDs
+/// have them, may be one fewer than the labels.
+pub(super) fn yolov8(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Unit) -> Result<Anchors, HeadError> {
+    let fits = |rows: usize| rows == 4 + labels || (rows, labels) == (94, 91);
+    let (output, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, rows, _] if fits(*rows)))
+        .ok_or_else(|| misfit("yolov8", format!("1×{}×n", 4 + labels), outputs))?;
+    let rows = outputs[output].shape[1];
+    let (columns, in_pixels) = (data.len() / rows, pixels(unit, size));
     let anchors = (0..columns).map(|i| {
-        let b = centred([0, 1, 2, 3].map(|row| data[row * columns + i]));
+        let b = centred(in_pixels([0, 1, 2, 3].map(|row| data[row * columns + i])));
         Anchor::new(b, output, None, 4 * columns + i, columns)
     });
-    Ok(Anchors::new(anchors.collect()))
+    Ok(Anchors {
+        first_scored: 4 + labels - rows,
+        ..Anchors::new(anchors.collect())
+    })
 }

@@ -9,13 +9,15 @@ use serde::Deserialize;
 use super::categories::Categories;
 use super::photo_names::PhotoNames;
 use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest, hashed_text, syntax};
-use scaleproof_core::coco::Category;
+use scaleproof_core::coco::{Category, whole, whole_if_any};
 use scaleproof_core::files::FileError;
+use scaleproof_core::geometry::BoxPx;
 
 /// A detection; other keys are passed over.
 #[derive(Deserialize)]
 struct Line {
     image_id: ImageId,
+    #[serde(deserialize_with = "whole")]
     category_id: u64,
     /// x, y, width, height in pixels.
     bbox: [f64; 4],
@@ -24,9 +26,9 @@ struct Line {
 
 /// What names an image: COCO's number, or some programs' file name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(untagged, expecting = "an image's id is a whole number or a name")]
+#[serde(untagged, expecting = "an image's id is a whole number from 0 up, or a name")]
 enum ImageId {
-    Number(u64),
+    Number(#[serde(deserialize_with = "whole")] u64),
     Name(String),
 }
 
@@ -50,7 +52,9 @@ struct ImagesFile {
 struct Image {
     id: ImageId,
     file_name: String,
+    #[serde(default, deserialize_with = "whole_if_any")]
     width: Option<u32>,
+    #[serde(default, deserialize_with = "whole_if_any")]
     height: Option<u32>,
 }
 
@@ -84,12 +88,9 @@ pub(super) fn read(
             None => drop(photos.unknown.insert(line.image_id.to_string())),
         }
     }
-    let is_share = |b: &RawBox| b.xywh.iter().all(|v| v.abs() <= 1.5);
-    let mut boxes = photos.by_photo.iter().flat_map(|p| &p.boxes).peekable();
-    if boxes.peek().is_some() && boxes.all(is_share) {
-        let message = "every box lies in the first pixels: COCO counts pixels, and these look like shares of the photo";
-        return Err(FileError::content(path, message).into());
-    }
+    let boxes = photos.by_photo.iter().flat_map(|p| &p.boxes);
+    let boxes = boxes.map(|RawBox { xywh: [x, y, w, h], .. }| BoxPx::new(*x, *y, x + w, y + h));
+    BoxPx::check_counts_pixels(boxes).map_err(|why| FileError::content(path, why))?;
     Ok(ReadResults {
         by_photo: photos.by_photo,
         unknown: photos.unknown.into_iter().collect(),

@@ -125,10 +125,13 @@ impl OutsideResults {
         };
         read.files.extend(request.categories.map(files::hashed).transpose()?);
         let path = request.path;
-        if read.by_photo.iter().all(|p| p.boxes.is_empty()) {
+        // Nothing found in photos that the files list is an answer.
+        let is_silent = |p: &PhotoBoxes| p.boxes.is_empty();
+        if read.by_photo.iter().all(is_silent) && read.by_photo.iter().any(|p| !p.is_listed) {
             let has = read.unknown.first().map(|name| format!(" (it has {name})"));
             let message = format!(
-                "it has no detection in any photo of this run{}",
+                "it has no detection in any photo of this run{}, and does not list them all: a program that found nothing in any photo says so by a \
+                 COCO file of the images it looked at, or by an empty text file for each",
                 has.unwrap_or_default()
             );
             return Err(FileError::content(path, message).into());
@@ -241,6 +244,12 @@ fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
             silent().count(),
             first.file,
         ));
+    }
+    if read.by_photo.iter().all(|boxes| boxes.boxes.is_empty()) {
+        notes.push(format!(
+            "the results of {name} have no detection in any of {all}: AP is 0 if its program looked at them"
+        ));
+        return notes;
     }
     let bare = || photos().filter(|(_, boxes)| boxes.is_listed && boxes.boxes.is_empty());
     if let (false, Some((first, _))) = (request.path.is_dir(), bare().next()) {

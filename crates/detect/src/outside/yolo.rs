@@ -101,9 +101,12 @@ fn raw_box(line: &str, categories: &Categories) -> Result<RawBox, String> {
         }
         _ => return Err("give class, centre x, centre y, width, height and confidence, and nothing else".into()),
     };
-    let index: usize = class
+    // NumPy's savetxt writes 5 as 5.000000000000000000e+00.
+    let index = class
         .parse()
-        .map_err(|_| format!("the class {class:?} is no whole number"))?;
+        .ok()
+        .filter(|class: &f64| class.fract() == 0.0 && *class >= 0.0);
+    let index = index.ok_or_else(|| format!("the class {class:?} is no whole number"))? as usize;
     let count = categories.labels.count();
     if index >= count {
         return Err(format!(

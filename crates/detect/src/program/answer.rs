@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::super::foreign::{placed, turned_hint};
 use super::super::{Detection, Labels, MAX_DETECTIONS, SCORE_FLOOR};
+use scaleproof_core::coco::whole;
 use scaleproof_core::geometry::BoxPx;
 
 /// More boxes than any detector has use for; the best hundred count.
@@ -51,7 +52,7 @@ struct Found {
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "a label is a name or a number from 0")]
 enum Label {
-    Number(usize),
+    Number(#[serde(deserialize_with = "whole")] usize),
     Name(String),
 }
 
@@ -93,6 +94,7 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
     if found.len() > MOST_BOXES {
         return Err(format!("it has {} boxes, more than the {MOST_BOXES} that are read", found.len()).into());
     }
+    BoxPx::check_counts_pixels(found.iter().map(|one| one.b.into()))?;
     let mut detections = Vec::with_capacity(found.len());
     for one in found {
         let label = one.label.number(labels)?;

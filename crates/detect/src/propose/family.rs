@@ -6,8 +6,8 @@ use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::Error as NoVariant;
 
-use crate::manifest::{Head, Input, Resize, Scores};
-use crate::{Labels, ManifestError};
+use crate::ManifestError;
+use crate::manifest::{Head, Input, Resize};
 
 /// A family of detectors that are fed and read alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -15,7 +15,16 @@ use crate::{Labels, ManifestError};
 pub enum Family {
     /// Its three grids, not decoded.
     Yolov3,
+    /// Two grids, not decoded, as the next two.
+    Yolov3Tiny,
+    Yolov4Tiny,
+    YoloFastest,
+    /// Of the ONNX zoo: three grids, with scores.
     Yolov4,
+    /// Any YOLO of Darknet with its decoding.
+    Darknet,
+    /// As pytorch-YOLOv4 exports it: boxes beside scores.
+    Yolov4Pytorch,
     /// Also v6 and v7.
     Yolov5,
     /// Also v9, 11 and 12.
@@ -27,6 +36,7 @@ pub enum Family {
     YoloxDecoded,
     Nanodet,
     NanodetPlus,
+    Picodet,
     Fastestdet,
     /// Also D-FINE and RT-DETR, with the photo's size as a second input.
     Deim,
@@ -38,6 +48,12 @@ pub enum Family {
     /// Before its postprocessing.
     Efficientdet,
     TfOd,
+    /// An SSD after TFLite's operator.
+    TfliteSsd,
+    /// Boxes beside scores, before the suppression.
+    Ssd,
+    /// One table, a column for each box.
+    SsdTable,
     SsdResnet34,
     /// Faster and Mask R-CNN of the ONNX zoo.
     ZooRcnn,
@@ -115,18 +131,8 @@ impl Family {
         matches!(self, Family::TfOd | Family::Torchvision | Family::ZooRcnn)
     }
 
-    /// How its outputs are read, where the network has these labels, strides and scores.
-    pub(super) fn head(self, labels: Labels, strides: &[u32], scores: Scores) -> Result<Head, ManifestError> {
-        let mut head = self.entry()?.head.clone();
-        match &mut head {
-            Head::Nanodet { strides: own, .. } | Head::NanodetPlus { strides: own, .. } => *own = strides.to_vec(),
-            Head::Efficientdet(own) => own.scores = scores,
-            // 0 is the background, except with COCO's category ids, which need no shift.
-            Head::TfOd(first) | Head::SsdResnet34(first) | Head::Rcnn(first) => {
-                first.first_label = i64::from(labels != Labels::Coco91);
-            }
-            _ => {}
-        }
-        Ok(head)
+    /// How its outputs are usually read.
+    pub(super) fn usual_head(self) -> Result<Head, ManifestError> {
+        Ok(self.entry()?.head.clone())
     }
 }

@@ -11,6 +11,7 @@ use super::metadata::Metadata;
 use crate::heads::Tensor;
 use crate::input::InputPlacement;
 use crate::manifest::{Input, Layout, Resize, SIDES_PX, Values};
+use crate::onnx::{Affine, OnnxFile};
 use crate::runtime::{self, NoAnswer, first_line};
 use crate::{DetectError, Runtime};
 
@@ -24,6 +25,8 @@ pub(super) struct Inspected {
     pub answers: [Vec<Tensor>; 2],
     /// The inputs as a person writes them.
     pub inputs: String,
+    /// What the file says besides.
+    pub file: OnnxFile,
 }
 
 /// The side of the images where neither the file nor the user says one.
@@ -33,6 +36,7 @@ const OPEN_SIDE_PX: u32 = 640;
 pub(super) fn inspect(
     runtime: &Runtime,
     path: &Path,
+    bytes: &[u8],
     size_px: Option<[u32; 2]>,
     time_limit: Duration,
 ) -> Result<Inspected, ProposeError> {
@@ -47,10 +51,14 @@ pub(super) fn inspect(
     if !size_px.iter().all(|side| SIDES_PX.contains(side)) {
         return Err(ProposeError::Size { size_px });
     }
+    let file = OnnxFile::read(bytes, &takes.image);
     let (layout, values) = (takes.layout, takes.values);
     let input = Input {
         size_px,
-        std: [if values == Values::F32 { 255.0 } else { 1.0 }; 3],
+        std: match values {
+            Values::F32 => [file.prepares.map_or(255.0, Affine::std); 3],
+            Values::U8 => [1.0; 3],
+        },
         resize: Resize::Stretch,
         ..Input::unchanged(layout, values)
     };
@@ -76,6 +84,7 @@ pub(super) fn inspect(
         size_px,
         metadata,
         inputs,
+        file,
     })
 }
 
@@ -120,6 +129,8 @@ fn listed(inputs: &[Outlet]) -> String {
 
 /// What a network requires.
 pub(super) struct Required {
+    /// The input that photos go into.
+    pub image: String,
     pub layout: Layout,
     pub values: Values,
     /// True with a second input of two whole numbers: the photo's width and height.
@@ -156,6 +167,7 @@ impl Required {
         }
         let fixed = sides.map(|side| u32::try_from(side).ok().filter(|side| *side > 0));
         Ok(Required {
+            image: image_input.name().to_owned(),
             layout,
             values,
             takes_photo_size,

@@ -13,6 +13,8 @@ pub(super) struct Metadata {
     /// `detect`, `segment`, `pose`, …
     pub task: Option<String>,
     pub licence: Option<String>,
+    /// Width and height of the anchors of each grid, in the order of the strides, as `[[[10, 14], [23, 27]], [[81, 82], [135, 169]]]`.
+    pub anchors: Option<Vec<Vec<[f32; 2]>>>,
 }
 
 impl Metadata {
@@ -26,6 +28,7 @@ impl Metadata {
             size_px: entry("imgsz").and_then(|text| height_and_width(&text)),
             task: entry("task"),
             licence: entry("license"),
+            anchors: entry("anchors").and_then(|text| serde_json::from_str(&text).ok()),
         }
     }
 }

@@ -1,8 +1,10 @@
 //! From an ONNX file alone to a manifest: which family its outputs are of, and what no file says.
 
+mod details;
 mod family;
 mod inspect;
 mod metadata;
+mod numbers;
 mod recognise;
 
 use std::collections::BTreeSet;
@@ -13,7 +15,7 @@ pub use family::Family;
 pub use metadata::{height_and_width, python_names};
 
 use super::heads::{self, HeadError, Tensor};
-use super::manifest::{Input, SIDES_PX, Values};
+use super::manifest::{Head, Input, Resize, SIDES_PX, Values};
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use inspect::Inspected;
 use recognise::FamilyCandidate;
@@ -26,6 +28,8 @@ pub struct Hints {
     pub labels: Option<Labels>,
     /// Width, height of the input, for files that leave it open.
     pub size_px: Option<[u32; 2]>,
+    /// The number that the network gives the first of the labels, where its family numbers them otherwise.
+    pub first_label: Option<i64>,
     /// Time limit for each of two runs of the network, if not 30 s.
     pub time_limit: Option<Duration>,
 }
@@ -59,10 +63,16 @@ pub enum ProposalNote {
     #[error("the input is bytes, so the network is taken to normalise them itself")]
     Bytes,
     #[error(
-        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
-         them: compare [input] with the program that the weights come from"
+        "the network's first nodes bring its values into range themselves, so that it is given values 0 to {highest}"
     )]
-    UsualInput,
+    OwnRange { highest: u8 },
+    #[error(
+        "{settings} are the family's usual, as no file says them: compare them with the program that the weights come from"
+    )]
+    UsualInput {
+        /// Keys of the manifest.
+        settings: String,
+    },
 }
 
 /// Why no manifest can be proposed, as a sentence.
@@ -97,13 +107,21 @@ pub enum ProposeError {
     OtherTask { task: String },
     #[error("it answers a plain grey image or noise with {what}: no box of it could be trusted")]
     NotANumber { what: String },
-    #[error("its outputs {outputs} are of no known family: see the table in docs/guide/reference/detector-manifest.md")]
-    Unknown { outputs: String },
-    #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
+    #[error(
+        "its outputs {outputs} are of no known family: for an input of {}×{}, {needs}; see the table in \
+         docs/guide/reference/detector-manifest.md", size_px[0], size_px[1]
+    )]
+    Unknown {
+        outputs: String,
+        size_px: [u32; 2],
+        /// What each family would have, which these outputs are not.
+        needs: String,
+    },
+    #[error("its outputs {outputs} have the shapes of {reasons}")]
     WrongNumbers {
         outputs: String,
-        title: &'static str,
-        reason: String,
+        /// Each family, and why its numbers are others.
+        reasons: String,
     },
     #[error("its outputs {outputs} are not those of {named}: {instead}")]
     NotThisFamily {
@@ -120,8 +138,15 @@ pub enum ProposeError {
     Ambiguous { outputs: String, families: String },
     #[error("{what}")]
     NoLabels { what: String },
-    #[error("the outputs have room for {room} labels, and {given} are named: the labels are another network's")]
-    LabelCount { room: String, given: usize },
+    #[error(
+        "its outputs {outputs} could be of {families}, with room for {room} labels, and {given} are named: the labels are another network's"
+    )]
+    LabelCount {
+        outputs: String,
+        families: String,
+        room: String,
+        given: usize,
+    },
     #[error("the network's outputs cannot be read as {title}: {reason}")]
     Misread { title: &'static str, reason: String },
 }
@@ -164,8 +189,10 @@ pub fn propose(
     name: &str,
     hints: Hints,
 ) -> Result<Proposal, ProposeError> {
-    let sha256 = files::sha256_hex(&files::read(path)?);
-    let network = inspect::inspect(runtime, path, hints.size_px, hints.time_limit.unwrap_or(TRIAL_LIMIT))?;
+    let bytes = files::read(path)?;
+    let sha256 = files::sha256_hex(&bytes);
+    let time_limit = hints.time_limit.unwrap_or(TRIAL_LIMIT);
+    let network = inspect::inspect(runtime, path, &bytes, hints.size_px, time_limit)?;
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
     }
@@ -183,7 +210,7 @@ pub fn propose(
     let (labels, guessed) = labels(&candidate, known)?;
     let family = candidate.family;
     let mut manifest = Manifest::unstated(name, labels, input(&network, family)?);
-    manifest.head = family.head(labels, &candidate.strides, recognise::scores(&network))?;
+    manifest.head = head(&candidate, labels, &network, hints.first_label)?;
     manifest.weights.file = weights.to_owned();
     manifest.weights.sha256 = sha256;
     if let Some(licence) = &network.metadata.licence {
@@ -201,7 +228,7 @@ pub fn propose(
     }
     Ok(Proposal {
         family,
-        notes: notes(&network, family, &manifest, guessed),
+        notes: notes(&network, &candidate, &manifest, guessed),
         manifest,
         text,
     })
@@ -214,8 +241,55 @@ fn input(network: &Inspected, family: Family) -> Result<Input, ManifestError> {
     (input.layout, input.values) = (network.takes.layout, network.takes.values);
     if input.values == Values::U8 {
         (input.mean, input.std) = ([0.0; 3], [1.0; 3]);
+    } else if let Some(own) = network.file.prepares {
+        (input.mean, input.std) = ([0.0; 3], [own.std(); 3]);
     }
     Ok(input)
+}
+
+/// The family's usual head, with what this network's numbers say.
+fn head(
+    candidate: &FamilyCandidate,
+    labels: Labels,
+    network: &Inspected,
+    first_label: Option<i64>,
+) -> Result<Head, ProposeError> {
+    let mut head = candidate.family.usual_head()?;
+    let outputs = &network.answers[1];
+    match &mut head {
+        Head::Nanodet(own) | Head::Picodet(own) | Head::NanodetPlus(own) => own.strides.clone_from(&candidate.strides),
+        Head::Efficientdet(own) => own.scores = numbers::scores(network),
+        Head::Yolov5(own) => own.boxes = details::unit(numbers::boxes(candidate, network)),
+        Head::Yolov8(own) => own.boxes = details::unit(numbers::boxes(candidate, network)),
+        Head::Ssd(own) => {
+            let pair = heads::Pair::find(outputs, |columns| Some(columns) == candidate.labels);
+            own.boxes = pair
+                .and_then(|pair| details::ssd_boxes(outputs, pair, network.size_px))
+                .unwrap_or(own.boxes);
+            own.scores = numbers::pair_scores(network, candidate.labels);
+        }
+        Head::Yolov3(own) => {
+            if let Some(anchors) = &network.metadata.anchors
+                && anchors.len() == own.grids.len()
+            {
+                let grids = own.grids.iter_mut().zip(anchors);
+                grids.for_each(|(grid, anchors)| grid.anchors.clone_from(anchors));
+            }
+        }
+        // 0 is the background, except with COCO's category ids, which need no shift.
+        Head::TfOd(own) => {
+            let is_ids = i64::from(labels == Labels::Coco91);
+            own.outputs = recognise::tflite(network).filter(|_| candidate.family == Family::TfliteSsd);
+            // TFLite's operator leaves the background out.
+            own.first_label = if own.outputs.is_some() { -is_ids } else { 1 - is_ids };
+            own.first_label = first_label.unwrap_or(own.first_label);
+        }
+        Head::SsdResnet34(own) | Head::Rcnn(own) => {
+            own.first_label = first_label.unwrap_or(i64::from(labels != Labels::Coco91));
+        }
+        _ => {}
+    }
+    Ok(head)
 }
 
 /// The one family that fits, or why there is not one.
@@ -239,44 +313,70 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
         fitting.retain(|c| c.family == named);
     }
     if fitting.is_empty() {
-        return Err(ProposeError::Unknown { outputs });
+        return Err(ProposeError::Unknown {
+            outputs,
+            size_px: network.size_px,
+            needs: recognise::needs(network.size_px),
+        });
     }
     if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
         return Err(ProposeError::NotDecoded { outputs });
     }
     // Labels that fit none of them are another mistake than numbers that do not.
-    let rooms: BTreeSet<usize> = fitting.iter().filter_map(|c| c.labels).collect();
     if let Some(labels) = labels {
+        let (families, given) = (titles(&fitting), labels.count());
+        let rooms: BTreeSet<usize> = fitting.iter().filter_map(|c| c.labels).collect();
         fitting.retain(|c| c.labels.is_none_or(|room| fits(c.family, room, labels)));
         if fitting.is_empty() {
-            let given = labels.count();
             let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
-            return Err(ProposeError::LabelCount { room, given });
+            return Err(ProposeError::LabelCount {
+                outputs,
+                families,
+                room,
+                given,
+            });
         }
     }
-    let mut refuted = None;
+    let mut refuted = Vec::new();
     fitting.retain(|c| {
-        let reason = recognise::against(c, network);
-        let is_left = reason.is_none();
-        refuted = refuted.take().or(reason.map(|reason| (c.family.title(), reason)));
-        is_left
-    });
-    match (fitting.len(), refuted) {
-        (1, _) => Ok(fitting.swap_remove(0)),
-        (0, Some((title, reason))) => Err(ProposeError::WrongNumbers { outputs, title, reason }),
-        _ => {
-            let names = fitting
+        let reason = numbers::against(c, network);
+        refuted.extend(
+            reason
                 .iter()
-                .map(|c| format!("{} ({})", c.family.name(), c.family.title()));
-            let families = names.collect::<Vec<_>>().join(" or ");
-            Err(ProposeError::Ambiguous { outputs, families })
-        }
+                .map(|reason| format!("{}, but {reason}", c.family.title())),
+        );
+        reason.is_none()
+    });
+    match fitting.len() {
+        1 => Ok(fitting.swap_remove(0)),
+        0 => Err(ProposeError::WrongNumbers {
+            outputs,
+            reasons: refuted.join("; of "),
+        }),
+        _ => Err(ProposeError::Ambiguous {
+            outputs,
+            families: titles(&fitting),
+        }),
     }
 }
 
-/// RF-DETR may have a column more, for "no object".
+/// "yolox (YOLOX) or yolov5 (YOLOv5, v6 or v7)".
+fn titles(candidates: &[FamilyCandidate]) -> String {
+    let titles = candidates
+        .iter()
+        .map(|c| format!("{} ({})", c.family.name(), c.family.title()));
+    titles.collect::<Vec<_>>().join(" or ")
+}
+
+/// RF-DETR may have a column more, for "no object", and an SSD for the background; COCO's category ids leave 0 out.
 fn fits(family: Family, room: usize, labels: Labels) -> bool {
-    room == labels.count() || (family == Family::Rfdetr && room == labels.count() + 1)
+    let count = labels.count();
+    match family {
+        Family::Rfdetr => room == count || room == count + 1,
+        Family::Ssd => heads::has_room(room, count),
+        Family::SsdTable | Family::Yolov8 => room == count || (room, count) == (90, 91),
+        _ => room == count,
+    }
 }
 
 /// The labels of a network, and which list they are taken for by their number alone.
@@ -285,7 +385,12 @@ fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels,
         return Ok((labels, None));
     }
     let what = match candidate.labels {
+        Some(81) if candidate.family == Family::Ssd => return Ok((Labels::Coco80, Some("coco80"))),
+        Some(21) if candidate.family == Family::Ssd => return Ok((Labels::Voc20, Some("voc20"))),
         Some(80) => return Ok((Labels::Coco80, Some("coco80"))),
+        Some(90) if matches!(candidate.family, Family::Ssd | Family::SsdTable) => {
+            return Ok((Labels::Coco91, Some("coco91")));
+        }
         Some(91) => return Ok((Labels::Coco91, Some("coco91"))),
         Some(20) => return Ok((Labels::Voc20, Some("voc20"))),
         Some(room) => format!("the outputs have room for {room} labels, which the file does not name"),
@@ -302,7 +407,13 @@ fn shapes(outputs: &[Tensor]) -> String {
     outputs.iter().map(of).collect::<Vec<_>>().join(", ")
 }
 
-fn notes(network: &Inspected, family: Family, manifest: &Manifest, guessed: Option<&str>) -> Vec<ProposalNote> {
+fn notes(
+    network: &Inspected,
+    candidate: &FamilyCandidate,
+    manifest: &Manifest,
+    guessed: Option<&str>,
+) -> Vec<ProposalNote> {
+    let family = candidate.family;
     let mut notes = vec![ProposalNote::Recognised {
         title: family.title(),
         inputs: network.inputs.clone(),
@@ -310,7 +421,7 @@ fn notes(network: &Inspected, family: Family, manifest: &Manifest, guessed: Opti
     }];
     notes.extend(guessed.map(|list| ProposalNote::LabelsByCount {
         list: list.to_owned(),
-        count: manifest.labels.count(),
+        count: candidate.labels.unwrap_or(manifest.labels.count()),
     }));
     if network.takes.size_px.is_none() && !family.takes_any_size() {
         let [width, height] = manifest.input.size_px;
@@ -319,6 +430,37 @@ fn notes(network: &Inspected, family: Family, manifest: &Manifest, guessed: Opti
     if network.takes.values == Values::U8 && family != Family::TfOd {
         notes.push(ProposalNote::Bytes);
     }
-    notes.push(ProposalNote::UsualInput);
+    if network.takes.values == Values::F32
+        && let Some(own) = network.file.prepares
+    {
+        let highest = if own.std() == 1.0 { 255 } else { 1 };
+        notes.push(ProposalNote::OwnRange { highest });
+    }
+    let settings = usual_settings(manifest);
+    notes.push(ProposalNote::UsualInput { settings });
     notes
+}
+
+/// What of a manifest no file says, as far as this one has it.
+fn usual_settings(manifest: &Manifest) -> String {
+    let (input, head) = (&manifest.input, &manifest.head);
+    let is_resized = input.resize != Resize::Original;
+    let has_border = is_resized && !matches!(input.resize, Resize::Stretch | Resize::ShortSide);
+    let has_labels = manifest.head.with_other_labels().is_some();
+    let all = [
+        ("input.resize", true),
+        ("input.kernel", is_resized),
+        ("input.pad", has_border),
+        ("input.channels", true),
+        ("input.mean", true),
+        ("input.std", true),
+        ("head.nms_iou", head.nms_iou().is_some()),
+        ("head.labels", has_labels),
+        (
+            "head.first_label",
+            matches!(head, Head::TfOd(_) | Head::SsdResnet34(_) | Head::Rcnn(_)),
+        ),
+    ];
+    let kept = all.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| *name);
+    kept.collect::<Vec<_>>().join(", ")
 }

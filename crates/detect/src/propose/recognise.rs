@@ -1,9 +1,10 @@
-//! Which families a network's outputs could be of: by their shapes and names, then by the range of their numbers.
+//! Which families a network's outputs could be of, by their shapes and names.
 
+use super::details::{floats, listed_boxes};
 use super::family::Family;
 use super::inspect::Inspected;
-use crate::heads::{BINS, Data, Tensor, efficientdet};
-use crate::manifest::{Layout, Scores};
+use crate::heads::{BINS, Pair, TENSORFLOW, Tensor, efficientdet, ssd};
+use crate::manifest::Layout;
 
 /// A family whose outputs have these shapes.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,9 @@ pub(super) struct FamilyCandidate {
 
 /// The grids that the one-stage families with one table use.
 const STRIDES: [&[u32]; 3] = [&[8, 16, 32], &[8, 16, 32, 64], &[16, 32, 64]];
+
+/// Grids of small networks, which have no finer one.
+const COARSE: [&[u32]; 2] = [&[16, 32], &[32, 64]];
 
 impl FamilyCandidate {
     fn new(family: Family, labels: Option<usize>, strides: &[u32]) -> FamilyCandidate {
@@ -34,44 +38,122 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     let (outputs, size) = (&network.answers[0], network.size_px);
     let is_named = |name: &str| outputs.iter().any(|t| t.name.split(':').next() == Some(name));
     let bare = |family, labels: Option<usize>| labels.map(|labels| FamilyCandidate::new(family, Some(labels), &[]));
-    if ["detection_boxes", "detection_classes", "detection_scores"]
-        .into_iter()
-        .all(is_named)
-    {
+    if TENSORFLOW[..3].iter().all(|name| is_named(name)) {
         return vec![FamilyCandidate::new(Family::TfOd, None, &[])];
     }
     if let Some(boxes) = listed_boxes(outputs) {
         let families = listing(network, boxes).into_iter();
         return families.map(|family| FamilyCandidate::new(family, None, &[])).collect();
     }
-    let yolov4 = labels_of_grids(outputs, size, &[8, 16, 32], |shape, grid| match shape {
-        [1, rows, columns, 3, row] if [*columns, *rows] == grid => row.checked_sub(5),
-        _ => None,
-    });
+    if tflite(network).is_some() {
+        return vec![FamilyCandidate::new(Family::TfliteSsd, None, &[])];
+    }
     let of_planes = |shape: &[usize], grid: [usize; 2], boxes: usize| match shape {
         [1, row, rows, columns] if [*columns, *rows] == grid && row % boxes == 0 => (row / boxes).checked_sub(5),
         _ => None,
     };
+    let in_grids = |strides: &[u32]| {
+        let labels = labels_of_grids(outputs, size, strides, |shape, grid| match shape {
+            [1, 3, rows, columns, row] | [1, rows, columns, 3, row] if [*columns, *rows] == grid => row.checked_sub(5),
+            [1, rows, columns, row] if [*columns, *rows] == grid && row % 3 == 0 => (row / 3).checked_sub(5),
+            _ => of_planes(shape, grid, 3),
+        });
+        labels.filter(|_| outputs.len() == strides.len())
+    };
     let fastestdet = labels_of_grids(outputs, size, &[16], |shape, grid| of_planes(shape, grid, 1));
-    let yolov3 = labels_of_grids(outputs, size, &[8, 16, 32], |shape, grid| of_planes(shape, grid, 3));
-    let of_grids = [
-        bare(Family::Yolov4, yolov4),
+    let (three, two) = (in_grids(&[8, 16, 32]), in_grids(&[16, 32]));
+    let is_zoo = outputs.iter().all(|t| matches!(t.shape[..], [1, _, _, 3, _]));
+    let mut of_grids = vec![
+        bare(Family::Yolov4, three.filter(|_| is_zoo)),
         bare(Family::Fastestdet, fastestdet.filter(|_| outputs.len() == 1)),
-        nanodet(outputs, size),
-        bare(Family::Yolov3, yolov3.filter(|_| outputs.len() == 3)),
+        bare(Family::Yolov3, three.filter(|_| !is_zoo)),
         bare(Family::Efficientdet, efficientdet(outputs, size)),
     ];
-    let found: Vec<FamilyCandidate> = of_grids.into_iter().flatten().collect();
+    of_grids.extend([Family::Yolov3Tiny, Family::Yolov4Tiny, Family::YoloFastest].map(|family| bare(family, two)));
+    let mut found: Vec<FamilyCandidate> = of_grids.into_iter().flatten().collect();
+    found.extend(by_distances(network));
     if !found.is_empty() {
         return found;
     }
     let is_of_transformers = is_named("logits") && is_named("pred_boxes");
-    match rfdetr(outputs) {
+    let pair = Pair::find(outputs, |columns| columns > 0);
+    match pair {
         // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
-        Some(92) if is_of_transformers => Vec::new(),
-        Some(columns) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(columns), &[])],
-        Some(columns) => vec![FamilyCandidate::new(Family::Rfdetr, Some(columns), &[])],
-        None => outputs.iter().flat_map(|t| one_table(t, size)).collect(),
+        Some(pair) if is_of_transformers && pair.columns == 92 => Vec::new(),
+        Some(pair) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])],
+        // Queries are a few hundred, prior boxes and cells more.
+        Some(pair) if pair.rows <= MOST_QUERIES && outputs[pair.boxes].shape.len() == 3 => {
+            vec![FamilyCandidate::new(Family::Rfdetr, Some(pair.columns), &[])]
+        }
+        Some(pair) => {
+            let is_grid = |grids: &[&[u32]], times: usize| grids.iter().any(|s| times * cells(size, s) == pair.rows);
+            let is_of_anchors = outputs[pair.boxes].shape.len() == 4 || is_grid(&STRIDES, 3) || is_grid(&COARSE, 3);
+            let is_of_priors = ssd::priors(outputs, size, pair.rows).is_some();
+            let families: &[Family] = match (is_of_anchors && !is_of_priors, is_grid(&STRIDES, 1)) {
+                (true, _) => &[Family::Yolov4Pytorch],
+                (false, true) => &[Family::Yolov4Pytorch, Family::Ssd],
+                (false, false) => &[Family::Ssd],
+            };
+            let of = |family: &Family| FamilyCandidate::new(*family, Some(pair.columns), &[]);
+            families.iter().map(of).collect()
+        }
+        None => outputs.iter().flat_map(|t| one_table(t, network)).collect(),
+    }
+}
+
+/// No DETR has more rows.
+const MOST_QUERIES: usize = 1000;
+
+/// The outputs that hold boxes, labels, scores and their number, of a network that ends with TFLite's operator, whatever they are called: four tables of
+/// floats, of which the labels are whole numbers in both answers and the scores are not.
+pub(super) fn tflite(network: &Inspected) -> Option<[String; 4]> {
+    let outputs = &network.answers[0];
+    let sides = |t: &Tensor| t.shape.iter().copied().filter(|side| *side != 1).collect::<Vec<_>>();
+    let boxes = outputs
+        .iter()
+        .position(|t| t.shape.len() == 3 && t.shape[2] == 4 && t.floats().is_some())?;
+    let rows = outputs[boxes].shape[1];
+    let count = outputs.iter().position(|t| sides(t).is_empty() && t.shape.len() < 2)?;
+    let lists: Vec<usize> = (0..outputs.len()).filter(|i| ![boxes, count].contains(i)).collect();
+    let [a, b] = lists[..] else { return None };
+    let is_list = |i: usize| outputs[i].shape == [1, rows] && outputs[i].floats().is_some();
+    let is_whole = |i: usize| {
+        network
+            .answers
+            .iter()
+            .all(|answer| floats(&answer[i]).all(|v| v.fract() == 0.0))
+    };
+    if outputs.len() != 4 || !is_list(a) || !is_list(b) {
+        return None;
+    }
+    let (labels, scores) = match [is_whole(a), is_whole(b)] {
+        [true, false] => (a, b),
+        [false, true] => (b, a),
+        // Where nothing was found all are 0, and the operator's own order is left.
+        [true, true] if outputs[a].name.ends_with(":1") && outputs[b].name.ends_with("PostProcess:2") => (a, b),
+        _ => return None,
+    };
+    Some([boxes, labels, scores, count].map(|i| outputs[i].name.clone()))
+}
+
+/// NanoDet or PicoDet, which have the same tables. PicoDet comes from PaddlePaddle and has a batch axis and a fourth grid; where its file does not say where
+/// it comes from any more, both could be meant.
+fn by_distances(network: &Inspected) -> Vec<FamilyCandidate> {
+    let Some(found) = nanodet(&network.answers[0], network.size_px) else {
+        return Vec::new();
+    };
+    let outputs = &network.answers[0];
+    let is_of_paddle = |name: &str| name.starts_with("save_infer_model") || name.contains(".tmp_");
+    let picodet = FamilyCandidate {
+        family: Family::Picodet,
+        ..found.clone()
+    };
+    if network.file.made_by.contains("paddle") || outputs.iter().any(|t| is_of_paddle(&t.name)) {
+        vec![picodet]
+    } else if found.strides.len() > 3 && outputs.iter().all(|t| t.shape.len() == 3) {
+        vec![found, picodet]
+    } else {
+        vec![found]
     }
 }
 
@@ -97,14 +179,6 @@ fn labels_of_grids(
 fn cells([width, height]: [u32; 2], strides: &[u32]) -> usize {
     let of = |s: &u32| width.div_ceil(*s) * height.div_ceil(*s);
     strides.iter().map(of).sum::<u32>() as usize
-}
-
-/// The boxes among outputs that list labels, boxes and scores.
-fn listed_boxes(outputs: &[Tensor]) -> Option<&Tensor> {
-    let whole = outputs.iter().find(|t| matches!(t.data, Data::I64(_)))?;
-    let count: usize = whole.shape.iter().product();
-    let is_boxes = |t: &&Tensor| t.shape.last() == Some(&4) && t.shape.iter().product::<usize>() == 4 * count;
-    outputs.iter().find(is_boxes)
 }
 
 /// Families that list their boxes. R-CNNs take an image without a batch axis or list their boxes without one.
@@ -135,18 +209,6 @@ fn efficientdet(outputs: &[Tensor], size: [u32; 2]) -> Option<usize> {
     has_boxes.then_some(if scores == 90 { 91 } else { scores })
 }
 
-/// Whether the scores of an EfficientDet are logits; exports may give its features beside them.
-pub(super) fn scores(network: &Inspected) -> Scores {
-    let rows = efficientdet::count(network.size_px);
-    let is_scores = |t: &&Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && columns != 4);
-    let tables = network.answers.iter().flatten().filter(is_scores);
-    if no_score(tables.flat_map(floats)).is_some() {
-        Scores::Logits
-    } else {
-        Scores::Probabilities
-    }
-}
-
 /// A pair of tables per stride.
 fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
     let labels_at = |stride: u32| {
@@ -166,27 +228,19 @@ fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
     is_found.then(|| FamilyCandidate::new(Family::Nanodet, labels.first().copied(), &strides))
 }
 
-/// Boxes 1×n×4 beside logits 1×n×columns.
-fn rfdetr(outputs: &[Tensor]) -> Option<usize> {
-    let of = |t: &Tensor| match t.shape[..] {
-        [1, n, columns] => Some((n, columns)),
-        _ => None,
-    };
-    let [a, b] = [of(outputs.first()?)?, of(outputs.get(1)?)?];
-    match (outputs.len(), a, b) {
-        (2, (n, 4), (m, columns)) | (2, (n, columns), (m, 4)) if n == m => Some(columns),
-        _ => None,
-    }
-}
-
 /// The families that answer with one table; older exports add the grids it was made from.
-fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
+fn one_table(table: &Tensor, network: &Inspected) -> Vec<FamilyCandidate> {
     let [1, first, last] = table.shape[..] else {
         return Vec::new();
     };
+    let size = network.size_px;
     let mut found = Vec::new();
     let mut push = |family, labels, strides: &[u32]| found.push(FamilyCandidate::new(family, labels, strides));
     let is_grid = |n: usize, times: usize| STRIDES.iter().any(|s| times * cells(size, s) == n);
+    let is_coarse = COARSE.iter().any(|s| 3 * cells(size, s) == first);
+    if last > 5 && (network.file.made_by.contains("darknet") || is_coarse) {
+        return vec![FamilyCandidate::new(Family::Darknet, Some(last - 5), &[])];
+    }
     for strides in STRIDES.iter().filter(|s| cells(size, s) == first && last > 4 * BINS) {
         push(Family::NanodetPlus, Some(last - 4 * BINS), strides);
     }
@@ -199,118 +253,49 @@ fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
         push(Family::YoloxDecoded, Some(last - 5), &[]);
         push(Family::Yolov5, Some(last - 5), &[]);
     }
+    let is_ssd = ssd::priors(&[], size, last).is_some();
     if is_grid(last, 1) && first > 4 {
         push(Family::Yolov8, Some(first - 4), &[]);
+    } else if is_ssd && first > 4 {
+        push(Family::SsdTable, Some(first - 4), &[]);
     }
-    if !one_a_cell && !three_a_cell && !is_grid(last, 1) {
+    if !one_a_cell && !three_a_cell && !is_grid(last, 1) && !is_ssd {
         match last {
             6 => push(Family::Yolov10, None, &[]),
-            _ if last > 4 => push(Family::Rtdetr, Some(last - 4), &[]),
+            _ if last > 4 && first <= MOST_QUERIES => push(Family::Rtdetr, Some(last - 4), &[]),
             _ => {}
         }
     }
     found
 }
 
-/// Why the numbers cannot be this family's, as what was found; `None` where nothing speaks against it.
-pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Option<String> {
-    let (family, labels) = (candidate.family, candidate.labels);
-    network.answers.iter().find_map(|outputs| match family {
-        Family::Yolov4 => outputs.iter().find_map(|t| no_score(columns(t, 4..))),
-        Family::Yolov5 | Family::YoloxDecoded | Family::Yolox => {
-            let t = table(outputs, labels? + 5)?;
-            no_score(columns(t, 4..)).or_else(|| match family {
-                Family::Yolox => decoded(t),
-                _ => not_decoded(t, network.size_px),
-            })
-        }
-        Family::Yolov8 => {
-            let rows = labels? + 4;
-            let t = outputs.iter().find(|t| t.shape.get(1) == Some(&rows))?;
-            no_score(floats(t).skip(4 * t.shape.last()?))
-        }
-        Family::Yolov10 => {
-            let t = table(outputs, 6)?;
-            let labels = columns(t, 5..).find(|l| l.fract() != 0.0);
-            let label = labels.map(|l| format!("its last column has {l}, which is no label"));
-            label.or_else(|| no_score(columns(t, 4..5)))
-        }
-        Family::Nanodet => {
-            let mut scores = outputs.iter().filter(|t| t.shape.last() == labels.as_ref());
-            scores.find_map(|t| no_score(floats(t)))
-        }
-        Family::NanodetPlus => no_score(columns(table(outputs, labels? + 4 * BINS)?, 0..labels?)),
-        Family::Fastestdet => {
-            let t = outputs.first()?;
-            let plane: usize = t.shape.get(2..)?.iter().product();
-            let scores = floats(t).enumerate().filter(|(i, _)| i / plane == 0 || i / plane > 4);
-            no_score(scores.map(|(_, v)| v))
-        }
-        Family::Rtdetr => {
-            let t = table(outputs, labels? + 4)?;
-            no_score(columns(t, 4..)).or_else(|| no_share(columns(t, 0..4)))
-        }
-        Family::Rfdetr | Family::HfDetr => {
-            let logits = outputs.iter().find(|t| t.shape.last() != Some(&4))?;
-            if no_score(floats(logits)).is_some() {
-                return no_share(floats(table(outputs, 4)?));
-            }
-            let gives = format!("{} gives logits", family.title());
-            Some(format!("its scores are probabilities already, and {gives}"))
-        }
-        Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?)),
-        Family::Yolov3 => {
-            let probabilities = no_score(outputs.iter().flat_map(floats)).is_none();
-            probabilities.then(|| "its numbers are probabilities already, and YOLOv3's grids are logits".to_owned())
-        }
-        Family::Efficientdet | Family::Deim | Family::TfOd | Family::ZooRcnn | Family::Torchvision => None,
-    })
-}
-
-/// Its values, where they are fractions.
-fn floats(t: &Tensor) -> impl Iterator<Item = f32> {
-    t.floats().unwrap_or_default().iter().copied()
-}
-
-fn table(outputs: &[Tensor], row: usize) -> Option<&Tensor> {
-    let is_table = |t: &&Tensor| t.shape.len() == 3 && t.shape.last() == Some(&row);
-    outputs.iter().find(is_table)
-}
-
-/// The numbers in some columns of a table.
-fn columns(t: &Tensor, of: impl std::ops::RangeBounds<usize>) -> impl Iterator<Item = f32> {
-    let row = t.shape.last().copied().unwrap_or(1).max(1);
-    let all = floats(t).enumerate();
-    all.filter(move |(i, _)| of.contains(&(i % row))).map(|(_, v)| v)
-}
-
-/// A number that is no probability; rounding may leave one a hair outside.
-fn no_score(mut values: impl Iterator<Item = f32>) -> Option<String> {
-    let outside = values.find(|v| !(-1e-3..=1.001).contains(v))?;
-    Some(format!("a score is {outside}: was it exported without its sigmoid?"))
-}
-
-/// A coordinate that is no share of the image's side; boxes may reach beyond the image.
-fn no_share(mut values: impl Iterator<Item = f32>) -> Option<String> {
-    let outside = values.find(|v| !(-2.0..=3.0).contains(v))?;
-    Some(format!("a coordinate is {outside}, which is no share of the image"))
-}
-
-/// Raw YOLOX: sizes are logarithms, of which the largest an image allows is ln(8192 / 8).
-fn decoded(t: &Tensor) -> Option<String> {
-    let outside = columns(t, 2..4).find(|v| *v > 7.0)?;
-    Some(format!(
-        "a box's size is {outside}, which is no logarithm: it is decoded already"
-    ))
-}
-
-/// Decoded boxes have sizes of pixels, nearly all above 0, and centres all over the image.
-fn not_decoded(t: &Tensor, [width, _]: [u32; 2]) -> Option<String> {
-    let widest = columns(t, 0..1).fold(0.0, f32::max);
-    let what = match columns(t, 2..4).find(|v| *v < 0.0) {
-        Some(v) => format!("a box's size is {v}"),
-        None if widest < width as f32 / 4.0 => format!("no box's centre lies beyond {widest} pixels"),
-        None => return None,
+/// What outputs the families would have for an input of this size, as a clause.
+pub(super) fn needs(size: [u32; 2]) -> String {
+    let rows = |strides: &[&[u32]], times: usize| {
+        let all = strides.iter().map(|s| (times * cells(size, s)).to_string());
+        all.collect::<Vec<_>>().join(" or ")
     };
-    Some(format!("{what}: its boxes are not decoded"))
+    let grid = |stride: u32| format!("{}×{}", size[1] / stride, size[0] / stride);
+    let (one, three, coarse) = (rows(&STRIDES, 1), rows(&STRIDES, 3), rows(&COARSE, 3));
+    let (cells, anchors) = (rows(&STRIDES[..2], 1), efficientdet::count(size));
+    [
+        format!("YOLOv5 to v7 would have a table 1×n×(5 + labels) of n = {three} rows"),
+        format!("Darknet's small YOLOs one of {coarse}"),
+        format!("YOLOX one of {one}"),
+        format!("NanoDet-Plus 1×n×(labels + {}) of {one}", 4 * BINS),
+        format!("YOLOv8 to 12 a table 1×(4 + labels)×n of n = {one} columns"),
+        "YOLOv10 and 26 1×n×6".to_owned(),
+        format!("RT-DETR of Ultralytics 1×n×(4 + labels) of up to {MOST_QUERIES} rows"),
+        format!("YOLOv3 and v4 three grids {}, {} and {}", grid(8), grid(16), grid(32)),
+        format!("FastestDet one of {}", grid(16)),
+        format!(
+            "NanoDet and PicoDet n×labels and n×{} for each stride ({cells} cells in all)",
+            4 * BINS
+        ),
+        format!("EfficientDet 1×{anchors}×4 and 1×{anchors}×labels"),
+        format!("SSDs boxes 1×n×4 and scores 1×n×labels of more than {MOST_QUERIES} rows, and DETRs of fewer"),
+        format!("TensorFlow's API {}", TENSORFLOW[..3].join(", ")),
+        "and R-CNNs, DEIM and torchvision boxes n×4, scores n and labels n as whole numbers".to_owned(),
+    ]
+    .join(", ")
 }

@@ -1,7 +1,7 @@
 //! Boxes encoded as networks encode them come back.
 
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_detect::{CandidateBox, Data, Head, HeadError, Manifest, Tensor, candidates};
+use scaleproof_detect::{AnchorHead, CandidateBox, Data, Head, HeadError, Manifest, StridesHead, Tensor, candidates};
 
 fn floats(shape: &[usize], data: Vec<f32>) -> Tensor {
     Tensor {
@@ -9,6 +9,11 @@ fn floats(shape: &[usize], data: Vec<f32>) -> Tensor {
         shape: shape.to_vec(),
         data: Data::F32(data),
     }
+}
+
+const fn head(nms_iou: f64) -> AnchorHead {
+    let labels = None;
+    AnchorHead { nms_iou, labels }
 }
 
 fn decode(head: Head, outputs: &[Tensor], size: [u32; 2]) -> Result<Vec<CandidateBox>, HeadError> {
@@ -37,7 +42,7 @@ fn a_box_of_fastestdet_comes_back() {
         data[channel * plane + cell] = value;
     }
     let tensor = floats(&[1, 85, rows, columns], data);
-    let found = decode(Head::Fastestdet { nms_iou: 0.45 }, &[tensor], [352, 320]).unwrap();
+    let found = decode(Head::Fastestdet(head(0.45)), &[tensor], [352, 320]).unwrap();
     assert_eq!((found.len(), found[0].label), (1, 2));
     assert!((found[0].score - 0.8_f64.powf(0.6) * 0.5_f64.powf(0.4)).abs() < 1e-6);
     let b = found[0].b;
@@ -50,10 +55,11 @@ fn a_box_of_fastestdet_comes_back() {
 const BINS: usize = 8;
 
 fn nanodet() -> Head {
-    Head::Nanodet {
+    Head::Nanodet(StridesHead {
         strides: vec![8, 16, 32],
         nms_iou: 0.6,
-    }
+        labels: None,
+    })
 }
 
 /// Logits whose softmax mean is `distance`: all weight on the two bins around it.
@@ -99,7 +105,7 @@ fn a_box_of_nanodet_comes_back() {
     );
 }
 
-const YOLOX: Head = Head::Yolox { nms_iou: 0.45 };
+const YOLOX: Head = Head::Yolox(head(0.45));
 
 /// Encodes a box as the network would answer it, at the cell its centre falls into.
 fn encoded(cx: f32, cy: f32, w: f32, h: f32, stride_index: usize) -> Tensor {

@@ -75,6 +75,12 @@ fn lies_are_named() {
             "which is no answer",
         ),
         (one(&many), "10001 boxes"),
+        (
+            one(
+                r#"{"label": 2.0, "score": 0.5, "box": [0.2, 0.3, 0.7, 0.9]}, {"label": 2, "score": 0, "box": [0, 0, 0, 0]}"#,
+            ),
+            "look like shares of the photo's width and height",
+        ),
     ] {
         let error = answered(&line).unwrap_err();
         assert!(error.contains(words) && !error.contains('\n'), "{error}");

@@ -9,7 +9,9 @@ use crate::{Boxes, ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
-use scaleproof_detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size};
+use scaleproof_detect::{
+    Anchor, AnchorLabels, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size,
+};
 
 /// A network with its manifest and the labels that count as the model.
 pub struct OnnxDetector {
@@ -105,7 +107,7 @@ impl OnnxDetector {
     /// Whether the label that scoring takes is one that counts.
     fn is_reported(&self, anchor: &Anchor, anchors: &Anchors, output: &Output) -> bool {
         let best = || anchors.best_label(anchor, &output.raw, self.manifest.labels.count()).0;
-        anchor.label.is_some() || self.labels.contains(&best())
+        anchor.label.is_some() || anchors.keeps == AnchorLabels::All || self.labels.contains(&best())
     }
 
     /// What an anchor's confidence is made of: its objectness and the best of the labels that count.

@@ -7,6 +7,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
 use super::budget::{Budget, DecodeCost};
+use super::exif_tags;
 use super::jpeg::{Coefficients, Colours, Frame, JpegError};
 use super::problem::DecodeProblem;
 
@@ -29,12 +30,6 @@ pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
 
 /// Files name a handful of brands, 4 bytes each.
 const LONGEST_FTYP: usize = 1024;
-
-/// What EXIF data says; data that cannot be read is no reason to refuse the image.
-pub(super) fn orientation_of(exif: Option<&[u8]>) -> Orientation {
-    exif.and_then(Orientation::from_exif_chunk)
-        .unwrap_or(Orientation::NoTransforms)
-}
 
 /// True when an orientation swaps width and height.
 fn lies_across(orientation: Orientation) -> bool {
@@ -84,10 +79,15 @@ impl Header {
         Ok(Header {
             size,
             cost,
-            orientation: orientation_of(exif.as_deref()),
+            orientation: exif_tags::orientation(exif.as_deref()),
             exif,
             jpeg,
         })
+    }
+
+    /// A JPEG whose end-of-image marker is not there.
+    pub(super) fn lacks_end(&self) -> bool {
+        self.jpeg.as_ref().is_some_and(|frame| frame.lacks_end)
     }
 
     /// The colours of a JPEG; `None` for a PNG.
@@ -153,7 +153,7 @@ fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, Dec
     limits.max_alloc = Some(PNG_CHUNKS);
     let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
     let exif = decoder.exif_metadata().ok().flatten();
-    let is_turned = lies_across(orientation_of(exif.as_deref()));
+    let is_turned = lies_across(exif_tags::orientation(exif.as_deref()));
     let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
     let cost = DecodeCost::of_png(decoder.dimensions().into(), bytes_per_pixel, is_turned);
     budget.check(&cost)?;

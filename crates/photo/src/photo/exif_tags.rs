@@ -1,10 +1,24 @@
 //! What a photo's EXIF data says about the lens it was taken with, and about when and how it was taken.
 
 use exif::{Exif, In, Reader, Tag, Value};
+use image::metadata::Orientation;
 
-/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` when there is none or it is damaged.
-pub(super) fn read(block: &Option<Vec<u8>>) -> Option<Exif> {
-    Reader::new().read_raw(block.clone()?).ok()
+/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` when there is none or nothing of it can be read.
+///
+/// A fault ends only what it is in: piexif, for one, leaves out the end of each inner directory, which makes no value before it wrong.
+pub(super) fn read(block: Option<&[u8]>) -> Option<Exif> {
+    match Reader::new().continue_on_error(true).read_raw(block?.to_vec()) {
+        Err(exif::Error::PartialResult(partial)) => Some(partial.into_inner().0),
+        read => read.ok(),
+    }
+}
+
+/// How the image is to be turned, as an EXIF block says (Exif 2.32, 4.6.4: Orientation, 1 to 8); not at all where it does not say it, or
+/// cannot be read, which is no reason to refuse the image.
+pub(super) fn orientation(block: Option<&[u8]>) -> Orientation {
+    let stated = read(block).and_then(|exif| whole(&exif, Tag::Orientation));
+    let known = stated.and_then(|number| Orientation::from_exif(u8::try_from(number).ok()?));
+    known.unwrap_or(Orientation::NoTransforms)
 }
 
 /// The tags a focal length in pixels can be made from; all absent when there is no EXIF data. Nothing is checked: cameras
@@ -26,9 +40,8 @@ pub struct Lens {
 impl Lens {
     /// The tags of an EXIF block.
     pub(super) fn from_exif(exif: Exif) -> Lens {
-        let value = |tag| exif.get_field(tag, In::PRIMARY).map(|field| &field.value);
-        let number = |tag| value(tag).and_then(first).filter(|v: &f64| v.is_finite());
-        let integer = |tag| value(tag).and_then(|v| v.get_uint(0));
+        let number = |tag| number(&exif, tag);
+        let integer = |tag| whole(&exif, tag);
         // FocalPlaneResolutionUnit: 2 inch (the default), 3 centimetre; some write 4 and 5 for mm and µm.
         let unit_mm = match integer(Tag::FocalPlaneResolutionUnit) {
             None | Some(2) => Some(25.4),
@@ -48,12 +61,29 @@ impl Lens {
     }
 }
 
-/// The first number of a value; `None` for text and for no number at all.
-fn first(value: &Value) -> Option<f64> {
-    match value {
-        Value::Rational(all) => all.first().map(|r| r.to_f64()),
-        other => other.get_uint(0).map(f64::from),
-    }
+/// The first number of a tag, in whatever type it is stored: the standard names one or two for each tag, and cameras and editors write others.
+/// `None` for text and for no number at all.
+fn number(exif: &Exif, tag: Tag) -> Option<f64> {
+    let number = match &exif.get_field(tag, In::PRIMARY)?.value {
+        Value::Byte(all) => f64::from(*all.first()?),
+        Value::Short(all) => f64::from(*all.first()?),
+        Value::Long(all) => f64::from(*all.first()?),
+        Value::SByte(all) => f64::from(*all.first()?),
+        Value::SShort(all) => f64::from(*all.first()?),
+        Value::SLong(all) => f64::from(*all.first()?),
+        Value::Rational(all) => all.first()?.to_f64(),
+        Value::SRational(all) => all.first()?.to_f64(),
+        Value::Float(all) => f64::from(*all.first()?),
+        Value::Double(all) => *all.first()?,
+        Value::Ascii(_) | Value::Undefined(..) | Value::Unknown(..) => return None,
+    };
+    number.is_finite().then_some(number)
+}
+
+/// A tag's [`number`] where it is whole and not negative.
+fn whole(exif: &Exif, tag: Tag) -> Option<u32> {
+    let number = number(exif, tag)?;
+    (number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number)).then_some(number as u32)
 }
 
 /// What a reader of a report wants to know of a photo's taking; nothing where EXIF is silent.

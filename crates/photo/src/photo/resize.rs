@@ -2,8 +2,8 @@
 
 use fast_image_resize as fir;
 use fir::images::{TypedImage, TypedImageRef};
-use fir::pixels::U8x3;
-use image::RgbImage;
+use fir::pixels::{U8, U8x3};
+use image::{GrayImage, RgbImage};
 
 /// The size of a picture of this size when its longer side is made at most so many px; never larger than it is.
 pub fn fitting(size: [u32; 2], longest_px: u32) -> [u32; 2] {
@@ -22,21 +22,42 @@ pub fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     resized(picture, size, fir::FilterType::Box)
 }
 
-fn resized(picture: &RgbImage, [width, height]: [u32; 2], filter: fir::FilterType) -> RgbImage {
-    let resized = || {
-        let from = TypedImageRef::<U8x3>::from_buffer(picture.width(), picture.height(), picture.as_raw()).ok()?;
-        let mut pixels = vec![0; 3 * width as usize * height as usize];
-        let mut to = TypedImage::<U8x3>::from_buffer(width, height, &mut pixels).ok()?;
-        let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(filter));
-        // By the type of its pixels: `resize` would compile the loops for every type there is.
-        fir::Resizer::new().resize_typed(&from, &mut to, &options).ok()?;
-        RgbImage::from_raw(width, height, pixels)
-    };
-    if picture.dimensions() == (width, height) {
-        picture.clone()
-    } else {
-        resized().unwrap_or_else(|| picture.clone())
+/// The image twice as large, by Catmull–Rom splines.
+pub fn doubled(grey: &GrayImage) -> GrayImage {
+    let (width, height) = grey.dimensions();
+    let pixels = convolved::<U8>(
+        grey,
+        [width, height],
+        [2 * width, 2 * height],
+        fir::FilterType::CatmullRom,
+    );
+    let doubled = pixels.and_then(|pixels| GrayImage::from_raw(2 * width, 2 * height, pixels));
+    doubled.unwrap_or_default()
+}
+
+fn resized(picture: &RgbImage, size: [u32; 2], filter: fir::FilterType) -> RgbImage {
+    let (width, height) = picture.dimensions();
+    if [width, height] == size {
+        return picture.clone();
     }
+    let pixels = convolved::<U8x3>(picture, [width, height], size, filter);
+    let resized = pixels.and_then(|pixels| RgbImage::from_raw(size[0], size[1], pixels));
+    resized.unwrap_or_else(|| picture.clone())
+}
+
+/// The bytes of a picture at another size, by the type of its pixels: `resize` would compile the loops for every type there is.
+fn convolved<P: fir::PixelTrait>(
+    bytes: &[u8],
+    from: [u32; 2],
+    to: [u32; 2],
+    filter: fir::FilterType,
+) -> Option<Vec<u8>> {
+    let source = TypedImageRef::<P>::from_buffer(from[0], from[1], bytes).ok()?;
+    let mut pixels = vec![0; size_of::<P>() * to[0] as usize * to[1] as usize];
+    let mut target = TypedImage::<P>::from_buffer(to[0], to[1], &mut pixels).ok()?;
+    let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(filter));
+    fir::Resizer::new().resize_typed(&source, &mut target, &options).ok()?;
+    Some(pixels)
 }
 
 /// The picture at another size by bilinear resizing as OpenCV's `INTER_LINEAR` has it for bytes, number for number: without antialiasing, in

@@ -167,6 +167,69 @@ fn data_that_ends_early_or_goes_on_is_refused() {
     }
 }
 
+/// A file without the segments of a marker.
+fn without(bytes: &[u8], marker: u8) -> Vec<u8> {
+    let (mut left, mut at) = (bytes[..2].to_vec(), 2);
+    while bytes[at + 1] != 0xDA {
+        let end = at + 2 + usize::from(u16::from_be_bytes([bytes[at + 2], bytes[at + 3]]));
+        if bytes[at + 1] != marker {
+            left.extend_from_slice(&bytes[at..end]);
+        }
+        at = end;
+    }
+    [&left, &bytes[at..]].concat()
+}
+
+/// Images of motion JPEG: OpenCV writes the standard's tables (T.81, K.3), and reads files without any by them.
+#[test]
+fn files_without_huffman_tables_are_read_by_the_standards() {
+    for name in ["420_odd", "444_odd", "grey", "restarts"] {
+        let bare = without(&bytes(name), 0xC4);
+        assert!(bare.len() + 100 < bytes(name).len());
+        assert_eq!(
+            photo(bare).rgb(1).unwrap(),
+            photo(bytes(name)).rgb(1).unwrap(),
+            "{name}"
+        );
+    }
+    // Progressive ones have tables of their own.
+    let said = refusal(without(&bytes("444_progressive"), 0xC4)).unwrap();
+    assert!(said.contains("a table for its data is missing"), "{said}");
+}
+
+/// Whole data without its end is a note; libjpeg reads it without loss. A cut anywhere before is refused at once.
+#[test]
+fn a_missing_end_marker_is_a_note_and_missing_data_is_not() {
+    for name in names() {
+        let whole = bytes(&name);
+        assert_eq!(photo(whole.clone()).note(), None);
+        for behind in [0, 1] {
+            let read = photo(whole[..whole.len() - 2 + behind].to_vec());
+            assert!(
+                read.note().unwrap().contains("photo.jpg has no end-of-image marker"),
+                "{name}"
+            );
+            assert_eq!(read.luma().unwrap(), photo(whole.clone()).luma().unwrap(), "{name}");
+        }
+        let scans: Vec<usize> = (2..whole.len() - 2)
+            .filter(|at| whole[*at..at + 2] == [0xFF, 0xDA])
+            .collect();
+        // Before each scan, within the first, and near the end.
+        let cuts = scans
+            .iter()
+            .copied()
+            .chain([scans[0] + 16, whole.len() - 2 - whole.len() / 10]);
+        for cut in cuts {
+            let said = Photo::from_bytes(Path::new("photo.jpg"), whole[..cut].to_vec(), Budget::FILE);
+            let said = said.map(|_| ()).expect_err(&format!("{name} cut at {cut}")).to_string();
+            assert!(
+                said.contains("ends in the middle of the image") || said.contains("no data"),
+                "{name}: {said}"
+            );
+        }
+    }
+}
+
 #[test]
 fn restart_markers_out_of_order_are_refused() {
     let whole = bytes("restarts");

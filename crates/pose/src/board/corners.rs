@@ -36,9 +36,13 @@ impl Definition {
                 squares: [columns, rows],
                 square_mm,
                 marker_mm,
+                legacy_layout,
                 ..
             } => {
-                let white = row_by_row(0..*columns, 0..*rows).filter(|[column, row]| (column + row) % 2 == 1);
+                // OpenCV 4.13, `CharucoBoardImpl::createCharucoBoard`.
+                let first_is_white = *legacy_layout && rows.is_multiple_of(2);
+                let is_white = |[column, row]: &[u32; 2]| (column + row + u32::from(first_is_white)) % 2 == 1;
+                let white = row_by_row(0..*columns, 0..*rows).filter(is_white);
                 (white.collect(), *marker_mm, (square_mm - marker_mm) / 2.0, *square_mm)
             }
             Self::Aprilgrid {

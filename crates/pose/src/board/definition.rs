@@ -25,8 +25,6 @@ pub enum BoardFault {
     Syntax(String),
     #[error(transparent)]
     Length(#[from] BadLength),
-    #[error("legacy_layout = true, the layout before OpenCV 4.6, is not supported")]
-    LegacyLayout,
     #[error("marker_mm must be below square_mm")]
     LargeMarker,
     #[error("inner_corners must be one below squares each way")]
@@ -50,7 +48,7 @@ pub enum Definition {
         /// Outer edge of a marker's black border.
         marker_mm: f64,
         dictionary: String,
-        /// Always false: OpenCV's layout before 4.6, `setLegacyPattern(true)`.
+        /// OpenCV's layout before 4.6, `setLegacyPattern(true)`: with an even number of rows, the top left square is white.
         legacy_layout: bool,
     },
     /// The top left square is black.
@@ -104,9 +102,6 @@ impl Definition {
 
     fn checked(self) -> Result<Self, BoardFault> {
         let (lengths, counts, least) = match &self {
-            Self::Charuco {
-                legacy_layout: true, ..
-            } => return Err(BoardFault::LegacyLayout),
             Self::Charuco {
                 square_mm, marker_mm, ..
             } if marker_mm >= square_mm => return Err(BoardFault::LargeMarker),
@@ -184,11 +179,12 @@ impl Definition {
                 square_mm,
                 marker_mm,
                 dictionary,
-                ..
+                legacy_layout,
             } => format!(
-                "ChArUco · {x}×{y} squares of {} mm · markers of {} mm · {dictionary} · OpenCV 4.6 layout",
+                "ChArUco · {x}×{y} squares of {} mm · markers of {} mm · {dictionary} · {} layout",
                 number(*square_mm),
-                number(*marker_mm)
+                number(*marker_mm),
+                if *legacy_layout { "legacy OpenCV" } else { "OpenCV 4.6" }
             ),
             Self::Chessboard {
                 squares: [x, y],

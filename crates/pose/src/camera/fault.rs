@@ -5,36 +5,44 @@
 pub enum CameraFault {
     #[error("the file is empty")]
     Empty,
-    #[error("not a camera file: give YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal")]
+    #[error(
+        "not a camera file: give one of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt), Metashape (XML) or a NeRF program (transforms.json)"
+    )]
     UnknownFormat,
     #[error("not {what}: {reason}")]
     Syntax { what: &'static str, reason: String },
     #[error("{name} says {rows} × {cols} but has {found} numbers")]
     Matrix {
-        name: &'static str,
-        rows: usize,
-        cols: usize,
+        name: String,
+        rows: f64,
+        cols: f64,
         found: usize,
     },
     #[error("camera_matrix must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3")]
     NoCameraMatrix,
-    #[error("a fisheye model is not supported: calibrate with the pinhole model")]
+    #[error("its models cannot hold a fisheye lens: write opencv, ros or kalibr")]
     Fisheye,
+    #[error("a fisheye has 4 coefficients, k1 to k4, but distortion_coefficients has {0}")]
+    FisheyeCoefficients(usize),
     #[error("distortion_coefficients has {0} numbers: OpenCV knows 4, 5 or 8")]
     CoefficientCount(usize),
     #[error("thin-prism and tilt coefficients are not supported: calibrate with at most 8")]
     ThinPrismOrTilt,
-    #[error("distortion_model {0} is not supported: use plumb_bob or rational_polynomial")]
+    #[error("distortion_model {0} is not supported: use plumb_bob, rational_polynomial or equidistant")]
     RosModel(String),
     #[error(
         "distortion_model {model} has {limit} coefficients but distortion_coefficients has {found}: is it rational_polynomial?"
     )]
     RosCoefficients { model: String, limit: usize, found: usize },
-    #[error("the camchain has no camera")]
+    #[error("it has no calibrated camera")]
     NoCamera,
-    #[error("the camchain has several cameras ({names}): copy the one that took the photos into a file of its own")]
+    #[error(
+        "it has several cameras ({names}): write the one that took the photos into a file of its own (camera convert, with its name)"
+    )]
     SeveralCameras { names: String },
-    #[error("{key} {model} of {camera} is not supported: calibrate with pinhole and radtan")]
+    #[error("it has no camera {name}; it has {names}")]
+    NoSuchCamera { name: String, names: String },
+    #[error("{key} {model} of {camera} is not supported: calibrate with pinhole and radtan or equidistant")]
     KalibrModel {
         key: &'static str,
         model: String,

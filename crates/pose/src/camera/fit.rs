@@ -1,6 +1,6 @@
 //! A camera made to fit a photo: scaled when the photo was made smaller, turned when the camera was.
 
-use super::{Camera, Distortion};
+use super::{Camera, Distortion, DistortionModel};
 
 /// A camera that fits one photo, and what was done to the camera file's for that.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,7 +101,7 @@ impl Camera {
 
     /// The camera of the image turned clockwise by 90°: x' = −y, y' = x on the sensor.
     fn turned_clockwise(self) -> Camera {
-        let [k1, k2, p1, p2, k3, k4, k5, k6] = *self.distortion();
+        let [k1, k2, p1, p2, k3, k4, k5, k6] = self.distortion.coefficients;
         Camera {
             width: self.height,
             height: self.width,
@@ -110,7 +110,12 @@ impl Camera {
             cx: f64::from(self.height) - 1.0 - self.cy,
             cy: self.cx,
             // With x' and y' put into the tangential terms, p1 and p2 change places, one of them with its sign.
-            distortion: Distortion::new([k1, k2, p2, -p1, k3, k4, k5, k6]),
+            distortion: match self.distortion.model {
+                DistortionModel::BrownConrady => {
+                    Distortion::new(self.distortion.model, [k1, k2, p2, -p1, k3, k4, k5, k6])
+                }
+                DistortionModel::Fisheye => self.distortion,
+            },
             sigma_px: self.sigma_px.map(|[fx, fy, cx, cy]| [fy, fx, cy, cx]),
             ..self
         }

@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use super::{Camera, CameraError, CameraFault, kalibr, matrix_yaml, mrcal, yaml};
+use super::fields::Fields;
+use super::{Camera, CameraError, CameraFault, colmap, kalibr, matrix_yaml, mrcal, nerf, xml, yaml};
 use scaleproof_core::files::{self, FileError};
 
-/// A camera file format.
+/// A camera file format that is read and written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CameraFormat {
-    /// OpenCV FileStorage YAML: 5 coefficients, or 8.
+    /// OpenCV FileStorage YAML (XML is read too): 5 coefficients, or 8; `fisheye_model` with 4.
     OpenCv,
-    /// ROS `camera_info` YAML: `plumb_bob` (5 coefficients) or `rational_polynomial` (8).
+    /// ROS `camera_info` YAML: `plumb_bob` (5 coefficients), `rational_polynomial` (8) or `equidistant` (a fisheye's 4).
     Ros,
-    /// Kalibr camchain YAML with one camera: `pinhole` with `radtan` (4 coefficients).
+    /// Kalibr camchain YAML: `pinhole` with `radtan` or `equidistant` (4 coefficients each).
     Kalibr,
     /// mrcal `.cameramodel`: LENSMODEL_PINHOLE, LENSMODEL_OPENCV4, 5 or 8.
     Mrcal,
@@ -31,35 +32,23 @@ impl CameraFormat {
     pub fn name(self) -> &'static str {
         CameraFormat::ALL[self as usize].1
     }
-
-    /// The format of a camera file's text, by what it says; a file's name may say anything.
-    fn detect(text: &str) -> Option<CameraFormat> {
-        let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
-        let says = |word: &str| lines.clone().any(|line| line.contains(word));
-        let mut starts = lines.clone().map(str::trim_start).filter(|line| !line.is_empty());
-        if says("lensmodel") && starts.next().is_some_and(|line| line.starts_with('{')) {
-            Some(CameraFormat::Mrcal)
-        } else if says("camera_matrix") && (says("distortion_model") || says("projection_matrix")) {
-            Some(CameraFormat::Ros)
-        } else if says("camera_matrix") {
-            Some(CameraFormat::OpenCv)
-        } else if says("camera_model") || says("distortion_coeffs") {
-            Some(CameraFormat::Kalibr)
-        } else {
-            None
-        }
-    }
 }
 
 impl Camera {
-    /// Reads a camera file of any [`CameraFormat`].
+    /// Reads a camera file: of any [`CameraFormat`], or of COLMAP, Metashape, NeRF programs, EuRoC, or a script around OpenCV.
     pub fn open(path: &Path) -> Result<Camera, CameraError> {
         Camera::parse(&files::read_text(path)?, path)
     }
 
+    /// Reads the camera with a name (an id, a label) from a file of several; without one as [`Camera::open`].
+    pub fn open_named(path: &Path, name: Option<&str>) -> Result<Camera, CameraError> {
+        let read = parse(&files::read_text(path)?, name);
+        read.map_err(|fault| FileError::content(path, fault).into())
+    }
+
     /// Parses the text of a camera file; `path` is only named in errors.
     pub fn parse(text: &str, path: &Path) -> Result<Camera, CameraError> {
-        parse(text).map_err(|fault| FileError::content(path, fault).into())
+        parse(text, None).map_err(|fault| FileError::content(path, fault).into())
     }
 
     /// The camera as the text of a file; every number reads back as it is. Refuses what the format's models cannot say.
@@ -68,25 +57,42 @@ impl Camera {
             CameraFormat::OpenCv => Ok(matrix_yaml::write_opencv(self)),
             CameraFormat::Ros => Ok(matrix_yaml::write_ros(self)),
             CameraFormat::Kalibr => kalibr::write(self),
-            CameraFormat::Mrcal => Ok(mrcal::write(self)),
+            CameraFormat::Mrcal => mrcal::write(self),
         });
         let format = format.name();
         written.map_err(|fault| CameraError::NotInFormat { format, fault })
     }
 }
 
-fn parse(text: &str) -> Result<Camera, CameraFault> {
+/// The only camera of a file's text, or the one with a name. Which format it is, is found by what it says; a file's name may say anything.
+fn parse(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
         return Err(CameraFault::Empty);
     }
-    let camera = match CameraFormat::detect(text).ok_or(CameraFault::UnknownFormat)? {
-        CameraFormat::OpenCv => matrix_yaml::read_opencv(text)?,
-        CameraFormat::Ros => matrix_yaml::read_ros(text)?,
-        CameraFormat::Kalibr => kalibr::read(text)?,
-        CameraFormat::Mrcal => mrcal::read(text)?,
+    let camera = if text.trim_start().starts_with('<') {
+        xml::read(text, name)?
+    } else if mrcal::is(text) {
+        mrcal::read(text)?
+    } else if colmap::is(text) {
+        colmap::read(text, name)?
+    } else {
+        keyed(Fields::of_yaml(text)?, name)?
     };
     let camera = yaml::read_marks(text, camera)?;
     camera.check()?;
     Ok(camera)
+}
+
+/// A camera of a file whose values have names.
+fn keyed(fields: Fields, name: Option<&str>) -> Result<Camera, CameraFault> {
+    if nerf::is(&fields) {
+        nerf::read(fields)
+    } else if matrix_yaml::MATRIX.iter().any(|name| fields.has(name)) {
+        matrix_yaml::read(fields)
+    } else if kalibr::is_one(&fields) {
+        kalibr::read_one(fields, "the camera")
+    } else {
+        kalibr::read_chain(fields, name)
+    }
 }

@@ -1,5 +1,7 @@
 //! A camera without calibration: a pinhole from what a photo's EXIF data says about its lens.
 
+use std::ops::RangeInclusive;
+
 use super::Camera;
 use scaleproof_photo::photo::Lens;
 
@@ -34,7 +36,36 @@ pub enum GuessError {
         recorded_width: u32,
         recorded_height: u32,
     },
+    #[error(
+        "it is {width}×{height}, a shape that no camera takes, so it was cropped or stitched: use the original photo"
+    )]
+    Shape { width: u32, height: u32 },
+    #[error(
+        "its EXIF data implies a sensor {mm:.2} mm wide, and such cameras have {least_mm} to {MOST_SENSOR_MM} mm: an editor made the photo smaller or cut it without saying so; use the original photo, or calibrate with a printed board"
+    )]
+    Sensor { mm: f64, least_mm: f64 },
+    #[error(
+        "its EXIF data implies a field of view of {deg:.1}°, and lenses have {least}° to {most}°: use the original photo, or calibrate with a printed board",
+        least = VIEW_DEG.start(),
+        most = VIEW_DEG.end()
+    )]
+    FieldOfView { deg: f64 },
 }
+
+/// The longer side of a sensor: medium format has 53.9 mm, the front cameras of phones 1.4 mm (1/10 inch).
+const MOST_SENSOR_MM: f64 = 60.0;
+const LEAST_SENSOR_MM: f64 = 1.4;
+/// Cameras that state how dense their pixels are have 1/4 inch (3.2 mm) or more, and only that statement goes wrong when an editor makes a photo smaller.
+const LEAST_PITCHED_MM: f64 = 3.0;
+/// Fields of view over the diagonal, from a telescope's (2400 mm on 36 × 24 mm) to a fisheye's, which no pinhole has.
+const VIEW_DEG: RangeInclusive<f64> = 1.0..=160.0;
+/// Longer by shorter side of what cameras take: 1:1, 8:7, 5:4, 4:3, 3:2, 16:10, 16:9; and the range of phones' whole screens.
+const SHAPES: [f64; 7] = [1.0, 8.0 / 7.0, 5.0 / 4.0, 4.0 / 3.0, 3.0 / 2.0, 16.0 / 10.0, 16.0 / 9.0];
+const SCREENS: RangeInclusive<f64> = 1.85..=2.4;
+/// The shapes of whole sensors, from the least; others are mostly cut from the first.
+const SENSOR_SHAPES: [f64; 2] = [4.0 / 3.0, 3.0 / 2.0];
+/// Makers state a lens by a nominal focal length. An iPhone 4S says 35 mm for 33.8 (36 mm by its longer side): 2 % beyond the rounding.
+const NOMINAL_PERCENT: f64 = 2.0;
 
 /// Measured on synthetic views: a focal length 5 % off moves the azimuth by 0.23° in the
 /// median, and distances by 4.2 %.
@@ -75,7 +106,9 @@ impl Camera {
             return Err(GuessError::DigitalZoom { ratio: zoom });
         }
         let resized = resized(width, height, lens)?;
+        check_shape(width, height)?;
         let (a, b) = (from_35_mm(width, height, lens), from_sensor(resized, lens));
+        check_sensor(width.max(height), lens, a, b)?;
         let (px, percent) = match (a, b) {
             (Some((a_px, a)), Some((b_px, b))) if (a_px / b_px - 1.0).abs() * 100.0 > a + b => {
                 return Err(GuessError::Contradiction { a_px, b_px });
@@ -83,6 +116,13 @@ impl Camera {
             (Some(a), Some(b)) => [a, b][usize::from(b.1 < a.1)],
             (a, b) => a.or(b).ok_or(GuessError::NoFocalLength)?,
         };
+        let deg = 2.0
+            * (f64::from(width).hypot(f64::from(height)) / 2.0 / px)
+                .atan()
+                .to_degrees();
+        if !VIEW_DEG.contains(&deg) {
+            return Err(GuessError::FieldOfView { deg });
+        }
         let percent = percent + (zoom - 1.0).abs() * 100.0;
         let centre = |side: u32| (f64::from(side) - 1.0) / 2.0;
         let camera = Camera {
@@ -115,25 +155,64 @@ fn resized(width: u32, height: u32, lens: &Lens) -> Result<f64, GuessError> {
     Ok(f64::from(larger) / f64::from(long))
 }
 
+/// Refuses a photo of a shape that is cut or stitched.
+fn check_shape(width: u32, height: u32) -> Result<(), GuessError> {
+    let by_shorter = f64::from(width.max(height)) / f64::from(width.min(height)).max(1.0);
+    let is_likely = SCREENS.contains(&by_shorter) || is_shaped(width, height, &SHAPES);
+    is_likely.then_some(()).ok_or(GuessError::Shape { width, height })
+}
+
+/// Refuses a focal length that in mm and in px makes a sensor as no camera has: by the pixels' pitch where EXIF has it, else by the 35 mm equivalent.
+fn check_sensor(
+    longer_px: u32,
+    lens: &Lens,
+    by_35_mm: Option<Focal>,
+    by_pitch: Option<Focal>,
+) -> Result<(), GuessError> {
+    let least_mm = by_pitch.map_or(LEAST_SENSOR_MM, |_| LEAST_PITCHED_MM);
+    let focal_mm = lens.focal_mm.filter(|mm| *mm > 0.0);
+    let Some(((px, _), focal_mm)) = by_pitch.or(by_35_mm).zip(focal_mm) else {
+        return Ok(());
+    };
+    let mm = f64::from(longer_px) * focal_mm / px;
+    let is_likely = (least_mm..=MOST_SENSOR_MM).contains(&mm);
+    is_likely.then_some(()).ok_or(GuessError::Sensor { mm, least_mm })
+}
+
+/// Whether the sides are in one of these proportions, within 1 % and the rounding to whole pixels.
+fn is_shaped(width: u32, height: u32, shapes: &[f64]) -> bool {
+    let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
+    let fits = |shape: &f64| (long / (short * shape) - 1.0).abs() <= 0.01 + 1.0 / short;
+    shapes.iter().any(fits)
+}
+
 /// From the 35 mm equivalent: the focal length that would see as much on a frame of 36 × 24 mm.
 ///
-/// CIPA DCG-001 compares diagonals; some makers compare long sides instead. The difference counts as uncertainty, beside the
-/// rounding to whole millimetres.
+/// CIPA DCG-001 compares diagonals; some makers compare long sides instead. Photos of another shape than a sensor's, as phones' 16:9, are mostly cut
+/// from one of 4:3, whose diagonal the equivalent then goes by. The estimate is that by the sensor's diagonal; how far the other readings lie from
+/// it counts as uncertainty, beside the rounding to whole millimetres and what makers call nominal.
 fn from_35_mm(width: u32, height: u32, lens: &Lens) -> Option<Focal> {
     // Cameras are known that write tens of thousands here.
     let equivalent_mm = lens.equivalent_35_mm.filter(|f| (5.0..=1500.0).contains(f))?;
-    let diagonal_px = f64::from(width).hypot(f64::from(height));
-    let px = equivalent_mm * diagonal_px / 36f64.hypot(24.0);
-    let by_long_side_px = equivalent_mm * f64::from(width.max(height)) / 36.0;
+    let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
+    let sensor = if is_shaped(width, height, &SENSOR_SHAPES) {
+        [long, short]
+    } else {
+        [long.max(short * SENSOR_SHAPES[0]), short.max(long / SENSOR_SHAPES[0])]
+    };
+    let by_diagonal_px = |[long, short]: [f64; 2]| equivalent_mm * long.hypot(short) / 36f64.hypot(24.0);
+    let px = by_diagonal_px(sensor);
+    let readings = [by_diagonal_px([long, short]), equivalent_mm * sensor[0] / 36.0];
+    let furthest = readings
+        .iter()
+        .map(|reading| (reading / px - 1.0).abs())
+        .fold(0.0, f64::max);
     let rounding = 50.0 / equivalent_mm;
-    let percent = rounding + (by_long_side_px / px - 1.0).abs() * 100.0 + focus_percent(lens);
-    Some((px, percent))
+    Some((px, rounding + furthest * 100.0 + NOMINAL_PERCENT + focus_percent(lens)))
 }
 
 /// From the focal length in mm and the pixels per mm of the sensor.
 fn from_sensor(resized: f64, lens: &Lens) -> Option<Focal> {
-    /// A lens is named by a rounded focal length.
-    const NOMINAL_PERCENT: f64 = 2.0;
     let (focal_mm, px_per_mm) = (lens.focal_mm?, lens.sensor_px_per_mm?);
     // Sensors have pixels of 0.5 to 20 µm.
     if !(50.0..=2000.0).contains(&px_per_mm) || !(0.5..=2000.0).contains(&focal_mm) {

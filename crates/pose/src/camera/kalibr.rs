@@ -1,72 +1,84 @@
-//! Kalibr's camchain YAML: `pinhole` cameras with `radtan` distortion.
+//! Kalibr's camchain YAML and EuRoC's `sensor.yaml`: `pinhole` cameras with `radtan` (there `radial-tangential`) or `equidistant` distortion.
 //!
-//! Source: Kalibr wiki, "Yaml formats" and "Supported models".
+//! Sources: Kalibr wiki, "Yaml formats" and "Supported models"; the EuRoC MAV data set (Burri et al. 2016), `cam0/sensor.yaml`.
 
-use std::collections::BTreeMap;
-
-use serde::Deserialize;
-
+use super::chosen::chosen;
+use super::fields::Fields;
 use super::{Camera, CameraFault, yaml};
 
-/// One camera of the chain; where it stands in the chain does not matter here.
-#[derive(Deserialize)]
-struct ChainedCamera {
-    camera_model: String,
-    /// fu, fv, pu, pv for a pinhole; other models have other numbers.
-    intrinsics: Vec<f64>,
-    distortion_model: String,
-    distortion_coeffs: Vec<f64>,
-    /// Width, height.
-    resolution: [u32; 2],
+/// Either of them is in every camera of such a file.
+const OWN: [&str; 2] = ["intrinsics", "distortion_coeffs"];
+
+/// Whether a file is one: of one camera, or of several by name.
+pub(super) fn is_one(fields: &Fields) -> bool {
+    OWN.iter().any(|name| fields.has(name))
 }
 
-pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
-    let chain: BTreeMap<String, ChainedCamera> = yaml::parse(text, "a Kalibr camchain")?;
-    let mut cameras = chain.iter();
-    let (Some((name, camera)), more) = (cameras.next(), cameras.next()) else {
-        return Err(CameraFault::NoCamera);
-    };
-    if more.is_some() {
-        let names = chain.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-        return Err(CameraFault::SeveralCameras { names });
+/// The only camera of a file, or the one with a name.
+pub(super) fn read_chain(fields: Fields, name: Option<&str>) -> Result<Camera, CameraFault> {
+    let cameras = fields.called("a Kalibr camchain").tables_with(&OWN);
+    if cameras.is_empty() {
+        return Err(CameraFault::UnknownFormat);
     }
+    let (name, camera) = chosen(cameras, name)?;
+    read_one(camera, &name)
+}
+
+/// A camera of a chain, or a file of one, as EuRoC's `sensor.yaml`; where it stands does not matter here.
+pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, CameraFault> {
+    let fields = fields.called("a Kalibr or EuRoC camera");
     let unsupported = |key, model: &str| CameraFault::KalibrModel {
         key,
         model: model.to_owned(),
-        camera: name.clone(),
+        camera: name.to_owned(),
     };
-    if camera.camera_model != "pinhole" {
-        return Err(unsupported("camera_model", &camera.camera_model));
+    let text = |key: &'static str| {
+        let missing = || fields.refuse(format!("{name} has no {key}"));
+        fields.text(key).map(str::to_owned).ok_or_else(missing)
+    };
+    let (camera_model, distortion_model) = (text("camera_model")?, text("distortion_model")?);
+    if camera_model != "pinhole" {
+        return Err(unsupported("camera_model", &camera_model));
     }
-    let count = match camera.distortion_model.as_str() {
-        "radtan" => 4,
+    let count = match distortion_model.as_str() {
+        // Kalibr's word, and EuRoC's.
+        "radtan" | "radial-tangential" | "equidistant" => 4,
         "none" => 0,
         other => return Err(unsupported("distortion_model", other)),
     };
-    let ([fx, fy, cx, cy], true) = (&camera.intrinsics[..], camera.distortion_coeffs.len() == count) else {
+    let intrinsics = fields.numbers(&["intrinsics"])?.unwrap_or_default();
+    let coefficients = fields
+        .numbers(&["distortion_coeffs", "distortion_coefficients"])?
+        .unwrap_or_default();
+    let ([fx, fy, cx, cy], true) = (&intrinsics[..], coefficients.len() == count) else {
         return Err(CameraFault::KalibrNumbers {
-            camera: name.clone(),
+            camera: name.to_owned(),
             count,
-            intrinsics: camera.intrinsics.len(),
-            coefficients: camera.distortion_coeffs.len(),
+            intrinsics: intrinsics.len(),
+            coefficients: coefficients.len(),
         });
     };
-    let [width, height] = camera.resolution;
-    Ok(Camera::pinhole(width, height, *fx, *fy, *cx, *cy).with_distortion(&camera.distortion_coeffs))
+    let [width, height] = fields.size()?;
+    let mut pinhole = Camera::pinhole(width, height, *fx, *fy, *cx, *cy);
+    if distortion_model == "equidistant" {
+        pinhole = pinhole.with_fisheye([0.0; 4]);
+    }
+    Ok(pinhole.with_distortion(&coefficients))
 }
 
 pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
-    let &[k1, k2, p1, p2, ref further @ ..] = camera.distortion();
-    if further.iter().any(|v| *v != 0.0) {
+    let coefficients = camera.needed_coefficients(&[4]);
+    if coefficients.len() > 4 {
         return Err(CameraFault::BeyondRadtan);
     }
+    let model = if camera.is_fisheye() { "equidistant" } else { "radtan" };
     let Camera { fx, fy, cx, cy, .. } = *camera;
     Ok(format!(
-        "{}cam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: radtan\n  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n  \
+        "{}cam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: {model}\n  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n  \
          rostopic: /cam0/image_raw\n",
         yaml::write_marks(camera),
         yaml::list(&[fx, fy, cx, cy]),
-        yaml::list(&[k1, k2, p1, p2]),
+        yaml::list(coefficients),
         camera.width,
         camera.height
     ))

@@ -1,92 +1,78 @@
-//! The two YAML formats that hold a camera as matrices: OpenCV's FileStorage, with the keys of OpenCV's calibration program, and ROS's
-//! `camera_info`.
+//! Files that hold a camera as matrices: OpenCV's FileStorage, with the keys of OpenCV's calibration program; ROS's `camera_info`, as a file or as
+//! its messages are printed; and what Python scripts dump after calibrating with OpenCV.
 //!
 //! Sources: OpenCV documentation, "Camera calibration with OpenCV" and "File Input and Output using XML and YAML files"; ROS documentation of
 //! `camera_calibration_parsers` (keys) and `sensor_msgs/CameraInfo` (models, matrices).
 
-use serde::Deserialize;
-
+use super::fields::Fields;
 use super::{Camera, CameraFault, yaml};
 
-/// The keys we need. The others are passed over: date, flags and errors belong to the writers, and the rectification and projection of a single
-/// camera follow from the rest.
-#[derive(Deserialize)]
-struct MatrixFile {
-    image_width: u32,
-    image_height: u32,
-    camera_matrix: Matrix,
-    distortion_coefficients: Matrix,
-    /// Of ROS, whose own reader takes `plumb_bob` when the key is not there.
-    distortion_model: Option<String>,
-    /// Of OpenCV.
-    #[serde(default)]
-    fisheye_model: f64,
-}
+/// What writers call the camera matrix: OpenCV, ROS's messages, and scripts around OpenCV.
+pub(super) const MATRIX: [&str; 5] = ["camera_matrix", "K", "mtx", "intrinsic_matrix", "camera_intrinsics"];
+/// What the same writers call the distortion coefficients.
+const COEFFICIENTS: [&str; 6] = [
+    "distortion_coefficients",
+    "dist_coeffs",
+    "dist_coeff",
+    "dist",
+    "D",
+    "distortion",
+];
 
-/// A matrix, row by row.
-#[derive(Deserialize)]
-struct Matrix {
-    rows: usize,
-    cols: usize,
-    data: Vec<f64>,
-}
-
-pub(super) fn read_opencv(text: &str) -> Result<Camera, CameraFault> {
-    let file: MatrixFile = yaml::parse(text, "an OpenCV camera file")?;
-    if file.fisheye_model != 0.0 {
-        return Err(CameraFault::Fisheye);
-    }
-    Ok(file.camera()?.0)
-}
-
-pub(super) fn read_ros(text: &str) -> Result<Camera, CameraFault> {
-    let mut file: MatrixFile = yaml::parse(text, "a ROS camera_info file")?;
-    let model = file.distortion_model.take().unwrap_or_else(|| "plumb_bob".to_owned());
+/// A camera file with a matrix. Keys that are not needed are passed over: date, flags and errors belong to the writers, and the rectification and
+/// projection of a single camera follow from the rest.
+pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
+    let model = fields.text("distortion_model").unwrap_or_default().to_owned();
+    let is_of_ros = !model.is_empty();
+    let fields = fields.called(if is_of_ros {
+        "a ROS camera_info file"
+    } else {
+        "an OpenCV camera file"
+    });
     let limit = match model.as_str() {
+        "" | "rational_polynomial" => 8,
         "plumb_bob" => 5,
-        "rational_polynomial" => 8,
+        // The name of ROS's own calibration program, and that of others.
+        "equidistant" | "fisheye" => return fisheye(&fields),
         _ => return Err(CameraFault::RosModel(model)),
     };
-    let (camera, found) = file.camera()?;
-    if camera.distortion().iter().skip(limit).any(|v| *v != 0.0) {
+    if fields.number(&["fisheye_model"])?.unwrap_or(0.0) != 0.0 {
+        return fisheye(&fields);
+    }
+    let (pinhole, coefficients) = parts(&fields)?;
+    // k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))); none at all where there is no distortion.
+    if ![0, 4, 5, 8, 12, 14].contains(&coefficients.len()) {
+        return Err(CameraFault::CoefficientCount(coefficients.len()));
+    }
+    let (known, further) = coefficients.split_at(coefficients.len().min(8));
+    if further.iter().any(|v| *v != 0.0) {
+        return Err(CameraFault::ThinPrismOrTilt);
+    }
+    if is_of_ros && known.iter().skip(limit).any(|v| *v != 0.0) {
+        let found = known.len();
         return Err(CameraFault::RosCoefficients { model, limit, found });
     }
-    Ok(camera)
+    Ok(pinhole.with_distortion(known))
 }
 
-impl MatrixFile {
-    /// The camera, and how many coefficients were given of the eight at most.
-    fn camera(self) -> Result<(Camera, usize), CameraFault> {
-        let [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] = self.camera_matrix.numbers("camera_matrix")?[..] else {
-            return Err(CameraFault::NoCameraMatrix);
-        };
-        let coefficients = self.distortion_coefficients.numbers("distortion_coefficients")?;
-        // k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))).
-        if ![4, 5, 8, 12, 14].contains(&coefficients.len()) {
-            return Err(CameraFault::CoefficientCount(coefficients.len()));
-        }
-        let (known, further) = coefficients.split_at(coefficients.len().min(8));
-        if further.iter().any(|v| *v != 0.0) {
-            return Err(CameraFault::ThinPrismOrTilt);
-        }
-        let pinhole = Camera::pinhole(self.image_width, self.image_height, fx, fy, cx, cy);
-        Ok((pinhole.with_distortion(known), known.len()))
-    }
+/// The camera without its coefficients, and these.
+fn parts(fields: &Fields) -> Result<(Camera, Vec<f64>), CameraFault> {
+    let [width, height] = fields.size()?;
+    let matrix = fields.numbers(&MATRIX)?.unwrap_or_default();
+    let [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] = matrix[..] else {
+        return Err(CameraFault::NoCameraMatrix);
+    };
+    let missing = || fields.refuse("it has no distortion_coefficients: add them, or an empty list for none".into());
+    let coefficients = fields.numbers(&COEFFICIENTS)?.ok_or_else(missing)?;
+    Ok((Camera::pinhole(width, height, fx, fy, cx, cy), coefficients))
 }
 
-impl Matrix {
-    /// The numbers, as many as rows and columns say.
-    fn numbers(self, name: &'static str) -> Result<Vec<f64>, CameraFault> {
-        let Matrix { rows, cols, data } = self;
-        let found = data.len();
-        let is_whole = rows.checked_mul(cols) == Some(found);
-        is_whole.then_some(data).ok_or(CameraFault::Matrix {
-            name,
-            rows,
-            cols,
-            found,
-        })
-    }
+fn fisheye(fields: &Fields) -> Result<Camera, CameraFault> {
+    let (pinhole, coefficients) = parts(fields)?;
+    let four = coefficients
+        .try_into()
+        .map_err(|all: Vec<f64>| CameraFault::FisheyeCoefficients(all.len()));
+    Ok(pinhole.with_fisheye(four?))
 }
 
 /// The numbers of the camera matrix, row by row.
@@ -100,8 +86,10 @@ pub(super) fn write_opencv(camera: &Camera) -> String {
         format!("{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n")
     };
     let coefficients = camera.needed_coefficients(&[5, 8]);
+    // OpenCV's calibration program writes this key; 0 is what readers take without it.
+    let fisheye = if camera.is_fisheye() { "fisheye_model: 1\n" } else { "" };
     format!(
-        "%YAML:1.0\n---\n{}image_width: {}\nimage_height: {}\n{}{}",
+        "%YAML:1.0\n---\n{}image_width: {}\nimage_height: {}\n{fisheye}{}{}",
         yaml::write_marks(camera),
         camera.width,
         camera.height,
@@ -117,11 +105,10 @@ pub(super) fn write_ros(camera: &Camera) -> String {
     };
     let Camera { fx, fy, cx, cy, .. } = *camera;
     let coefficients = camera.needed_coefficients(&[5, 8]);
-    let is_rational = coefficients.len() == 8;
-    let model = if is_rational {
-        "rational_polynomial"
-    } else {
-        "plumb_bob"
+    let model = match coefficients.len() {
+        4 => "equidistant",
+        8 => "rational_polynomial",
+        _ => "plumb_bob",
     };
     let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let projection = [fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0];

@@ -1,13 +1,20 @@
-//! The camera: pinhole and Brown–Conrady distortion, in OpenCV's conventions.
+//! The camera: pinhole and Brown–Conrady distortion, or a fisheye, in OpenCV's conventions.
 
+mod chosen;
+mod colmap;
 mod fault;
+mod fields;
+mod fisheye;
 mod fit;
 mod format;
 mod guess;
 mod kalibr;
 mod matrix_yaml;
+mod metashape;
 mod mrcal;
+mod nerf;
 pub mod projection;
+mod xml;
 pub mod yaml;
 
 use scaleproof_core::files;
@@ -15,7 +22,7 @@ use scaleproof_core::files;
 pub use fault::CameraFault;
 pub use fit::{FittedCamera, SizeError};
 pub use format::CameraFormat;
-pub use guess::Guess;
+pub use guess::{Guess, GuessError};
 
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
@@ -49,11 +56,29 @@ pub struct Camera {
     pub sigma_px: Option<[f64; 4]>,
 }
 
-/// Brown–Conrady coefficients in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6; those not given are 0.
-///
-/// Source of the formula: OpenCV documentation, "Camera Calibration and 3D Reconstruction".
+/// How a lens departs from a pinhole, and so what its coefficients mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DistortionModel {
+    /// OpenCV's rational model (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
+    BrownConrady,
+    /// Kannala and Brandt's model as OpenCV's `cv::fisheye` and Kalibr's `equidistant` write it, for rays up to 85° off the optical axis.
+    Fisheye,
+}
+
+impl DistortionModel {
+    /// The coefficients' names, in OpenCV's order.
+    pub fn names(self) -> &'static [&'static str] {
+        match self {
+            DistortionModel::BrownConrady => &["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"],
+            DistortionModel::Fisheye => &["k1", "k2", "k3", "k4"],
+        }
+    }
+}
+
+/// A model and its coefficients in the order of [`DistortionModel::names`]; those that the model does not have are 0.
 #[derive(Debug, Clone, PartialEq)]
 struct Distortion {
+    model: DistortionModel,
     coefficients: [f64; 8],
     /// Distance from the optical axis, at depth 1, up to which a longer radius still lands further out.
     valid_radius: f64,
@@ -69,32 +94,54 @@ impl Camera {
             fy,
             cx,
             cy,
-            distortion: Distortion::new([0.0; 8]),
+            distortion: Distortion::new(DistortionModel::BrownConrady, [0.0; 8]),
             guess: None,
             sigma_px: None,
         }
     }
 
-    /// The camera with these distortion coefficients, in OpenCV's order; at most eight, missing ones are 0.
+    /// The camera with other coefficients of its distortion model, in OpenCV's order; missing ones are 0, and those that the model does not have
+    /// are left out. A fisheye stays one: without coefficients it is the ideal equidistant lens.
     pub fn with_distortion(self, coefficients: &[f64]) -> Camera {
+        let model = self.distortion.model;
+        self.with_model(model, coefficients)
+    }
+
+    /// The camera as a fisheye with these coefficients k1, k2, k3, k4 ([`DistortionModel::Fisheye`]).
+    pub fn with_fisheye(self, coefficients: [f64; 4]) -> Camera {
+        self.with_model(DistortionModel::Fisheye, &coefficients)
+    }
+
+    fn with_model(self, model: DistortionModel, coefficients: &[f64]) -> Camera {
         let mut all = [0.0; 8];
-        all.iter_mut().zip(coefficients).for_each(|(to, from)| *to = *from);
+        let to = all.iter_mut().take(model.names().len());
+        to.zip(coefficients).for_each(|(to, from)| *to = *from);
         Camera {
-            distortion: Distortion::new(all),
+            distortion: Distortion::new(model, all),
             ..self
         }
     }
 
-    /// k1, k2, p1, p2, k3, k4, k5, k6.
-    pub fn distortion(&self) -> &[f64; 8] {
-        &self.distortion.coefficients
+    /// What [`Camera::distortion`] are coefficients of.
+    pub fn distortion_model(&self) -> DistortionModel {
+        self.distortion.model
     }
 
-    /// The first coefficients, in the smallest of some numbers (ascending, the last one 8) that leaves out none but zeros.
+    /// The coefficients in the order of [`DistortionModel::names`]: eight, or four of a fisheye.
+    pub fn distortion(&self) -> &[f64] {
+        &self.distortion.coefficients[..self.distortion.model.names().len()]
+    }
+
+    /// True for [`DistortionModel::Fisheye`].
+    pub fn is_fisheye(&self) -> bool {
+        self.distortion.model == DistortionModel::Fisheye
+    }
+
+    /// The first coefficients, in the smallest of some numbers (ascending) that leaves out none but zeros.
     fn needed_coefficients(&self, counts: &[usize]) -> &[f64] {
-        let all = self.distortion().as_slice();
-        let enough = counts.iter().find(|n| all[**n..].iter().all(|v| *v == 0.0));
-        &all[..enough.copied().unwrap_or(all.len())]
+        let all = self.distortion();
+        let enough = counts.iter().find(|n| all.iter().skip(**n).all(|v| *v == 0.0));
+        &all[..enough.map_or(all.len(), |n| all.len().min(*n))]
     }
 
     /// Refuses numbers that no camera has: a file of something else, or one whose decimal commas became list commas.
@@ -121,6 +168,15 @@ impl Camera {
         odd.map_or(Ok(()), |k| Err(CameraFault::Coefficient(*k)))
     }
 
+    /// How wide the image looks, across and down, in degrees, without distortion: as a pinhole, or as the ideal equidistant fisheye.
+    pub fn field_of_view_deg(&self) -> [f64; 2] {
+        [(self.width, self.fx), (self.height, self.fy)].map(|(side, focal_px)| {
+            let half = f64::from(side) / 2.0 / focal_px;
+            let angle = if self.is_fisheye() { half } else { half.atan() };
+            2.0 * angle.to_degrees()
+        })
+    }
+
     /// The angle in degrees that one pixel covers at the centre of the image.
     pub fn deg_per_px(&self) -> f64 {
         (2.0 / (self.fx + self.fy)).atan().to_degrees()
@@ -128,10 +184,15 @@ impl Camera {
 }
 
 impl Distortion {
-    fn new(coefficients: [f64; 8]) -> Distortion {
+    fn new(model: DistortionModel, coefficients: [f64; 8]) -> Distortion {
+        let valid_radius = match model {
+            DistortionModel::BrownConrady => projection::valid_radius(&coefficients),
+            DistortionModel::Fisheye => fisheye::valid_radius(&coefficients),
+        };
         Distortion {
+            model,
             coefficients,
-            valid_radius: projection::valid_radius(&coefficients),
+            valid_radius,
         }
     }
 }

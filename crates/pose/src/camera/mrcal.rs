@@ -25,6 +25,13 @@ const MODELS: [(&str, usize); 4] = [
     ("LENSMODEL_OPENCV8", 8),
 ];
 
+/// Whether a text is one: a dictionary with a `lensmodel`.
+pub(super) fn is(text: &str) -> bool {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
+    let mut starts = lines.clone().map(str::trim_start).filter(|line| !line.is_empty());
+    starts.next().is_some_and(|line| line.starts_with('{')) && lines.clone().any(|line| line.contains("lensmodel"))
+}
+
 pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     let file: MrcalFile = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
     let Some((model, count)) = MODELS.iter().find(|(name, _)| *name == file.lensmodel) else {
@@ -61,12 +68,15 @@ fn without_bytes(text: &str) -> String {
     plain + rest
 }
 
-pub(super) fn write(camera: &Camera) -> String {
+pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
+    if camera.is_fisheye() {
+        return Err(CameraFault::Fisheye);
+    }
     let coefficients = camera.needed_coefficients(&[0, 4, 5, 8]);
     let model = MODELS.iter().find(|(_, count)| *count == coefficients.len());
     let mut intrinsics = vec![camera.fx, camera.fy, camera.cx, camera.cy];
     intrinsics.extend(coefficients);
-    format!(
+    Ok(format!(
         "{}{{\n    'lensmodel': '{}',\n\n    # fx, fy, cx, cy, then the coefficients in OpenCV's order\n    'intrinsics': [ {} ],\n\n    \
          # the camera's own frame\n    'extrinsics': [ 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 ],\n\n    'imagersize': [ {}, {} ],\n}}\n",
         yaml::write_marks(camera),
@@ -74,5 +84,5 @@ pub(super) fn write(camera: &Camera) -> String {
         yaml::list(&intrinsics),
         camera.width,
         camera.height
-    )
+    ))
 }

@@ -1,15 +1,24 @@
 //! The projection of a point into the image, its derivatives by the point, the pose and the camera, and the way back from
 //! a pixel to the direction that it looks in.
 //!
-//! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
+//! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction"), or a fisheye
+//! (`fisheye.rs`).
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Point3, SMatrix, Vector2};
 
-use super::Camera;
+use super::{Camera, Distortion, DistortionModel, fisheye};
 use scaleproof_core::geometry::Rigid;
 
-/// Every number of a camera: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
+/// How many numbers a camera has at most.
 pub const PARAMETERS: usize = 12;
+
+/// The numbers of a camera, without the size of its image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    pub model: DistortionModel,
+    /// fx, fy, cx, cy (px), then the model's coefficients ([`DistortionModel::names`]); 0 where it has fewer than eight.
+    pub values: [f64; PARAMETERS],
+}
 
 /// Newton steps; five are enough for lenses that are no fisheyes.
 const NEWTON_STEPS: usize = 50;
@@ -27,11 +36,14 @@ pub struct ProjectedPoint {
 
 /// Projects a point of the camera frame by the formula alone: behind the camera, and where the distortion folds back on itself, it
 /// answers too. A fit passes through such cameras; everything else uses [`Camera::project`].
-pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> ProjectedPoint {
-    let [fx, fy, cx, cy, k @ ..] = *parameters;
-    let (x, y) = (p.x / p.z, p.y / p.z);
-    let (distorted, by_xy) = distort(&k, x, y);
-    let by_k = distortion_by_coefficients(&k, x, y);
+pub fn project_unchecked(parameters: &Parameters, p: &Point3<f64>) -> ProjectedPoint {
+    let [fx, fy, cx, cy, k @ ..] = parameters.values;
+    let [x, y] = [p.x / p.z, p.y / p.z];
+    let (distorted, by_point) = project_at_focal(parameters.model, &k, [fx, fy], (p, [x, y]));
+    let by_k = match parameters.model {
+        DistortionModel::BrownConrady => distortion_by_coefficients(&k, x, y),
+        DistortionModel::Fisheye => fisheye::by_coefficients(p),
+    };
     let mut by_camera = SMatrix::zeros();
     (by_camera[(0, 0)], by_camera[(1, 1)]) = (distorted[0], distorted[1]);
     (by_camera[(0, 2)], by_camera[(1, 3)]) = (1.0, 1.0);
@@ -40,7 +52,7 @@ pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> Pro
     }
     ProjectedPoint {
         pixel: [fx * distorted[0] + cx, fy * distorted[1] + cy],
-        by_point: by_point([fx, fy], [x, y], p.z, &by_xy),
+        by_point,
         by_camera,
     }
 }
@@ -50,15 +62,20 @@ impl Camera {
     /// distortion model folds back on itself, since a pixel there would be a lie.
     pub fn project(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
         let [x, y] = self.at_depth_one(p)?;
-        Some(self.pixel_of(distort(self.distortion(), x, y).0))
+        Some(self.pixel_of(match self.distortion.model {
+            DistortionModel::BrownConrady => distort(&self.distortion.coefficients, x, y).0,
+            DistortionModel::Fisheye => fisheye::project(&self.distortion.coefficients, p).0,
+        }))
     }
 
     /// The pixel of a point in the camera frame (mm), and its derivative by that point, px per mm. `None` where
     /// [`Camera::project`] has no pixel.
     pub fn project_by_point(&self, p: &Point3<f64>) -> Option<([f64; 2], Matrix2x3<f64>)> {
-        let [x, y] = self.at_depth_one(p)?;
-        let (distorted, by_xy) = distort(self.distortion(), x, y);
-        let by_point = by_point([self.fx, self.fy], [x, y], p.z, &by_xy);
+        let xy = self.at_depth_one(p)?;
+        let Distortion {
+            model, coefficients, ..
+        } = &self.distortion;
+        let (distorted, by_point) = project_at_focal(*model, coefficients, [self.fx, self.fy], (p, xy));
         Some((self.pixel_of(distorted), by_point))
     }
 
@@ -70,10 +87,22 @@ impl Camera {
         Some((pixel, by_step(&by_point, &p)))
     }
 
-    /// The camera's numbers in the order of `PARAMETERS`.
-    pub fn parameters(&self) -> [f64; PARAMETERS] {
-        let [k1, k2, p1, p2, k3, k4, k5, k6] = *self.distortion();
-        [self.fx, self.fy, self.cx, self.cy, k1, k2, p1, p2, k3, k4, k5, k6]
+    /// The camera's numbers.
+    pub fn parameters(&self) -> Parameters {
+        let [k1, k2, p1, p2, k3, k4, k5, k6] = self.distortion.coefficients;
+        Parameters {
+            model: self.distortion.model,
+            values: [self.fx, self.fy, self.cx, self.cy, k1, k2, p1, p2, k3, k4, k5, k6],
+        }
+    }
+
+    /// The camera of these numbers for images of a width and a height, px.
+    pub fn from_parameters((width, height): (u32, u32), parameters: &Parameters) -> Camera {
+        let [fx, fy, cx, cy, k @ ..] = parameters.values;
+        Camera {
+            distortion: Distortion::new(parameters.model, k),
+            ..Camera::pinhole(width, height, fx, fy, cx, cy)
+        }
     }
 
     /// The widest distance from the optical axis, at depth 1, at which [`Camera::project`] answers.
@@ -84,6 +113,10 @@ impl Camera {
     /// The point at depth 1 that a pixel shows, by Newton's method from the pinhole's answer; `None` where the lens model ends.
     pub fn point_at(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         let target = Vector2::new((pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy);
+        let coefficients = &self.distortion.coefficients;
+        if self.distortion.model == DistortionModel::Fisheye {
+            return fisheye::point_at(coefficients, target.into(), self.widest_radius());
+        }
         let mut found = target;
         for _ in 0..NEWTON_STEPS {
             // What lies beyond the lens model is brought back to its edge.
@@ -91,7 +124,7 @@ impl Camera {
             if radius > self.widest_radius() {
                 found *= 0.999 * self.widest_radius() / radius;
             }
-            let (at, by_xy) = distort(self.distortion(), found.x, found.y);
+            let (at, by_xy) = distort(coefficients, found.x, found.y);
             let off = target - Vector2::from(at);
             if (self.fx * off.x).hypot(self.fy * off.y) < EXACT_PX {
                 return Some(found.into());
@@ -119,6 +152,26 @@ pub fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
     by_pose.fixed_columns_mut::<3>(0).copy_from(&by_turn);
     by_pose.fixed_columns_mut::<3>(3).copy_from(by_point);
     by_pose
+}
+
+/// Where a point, of which x and y are the coordinates at depth 1, lands in focal lengths from the principal point, and the derivative of its
+/// pixel by the point.
+fn project_at_focal(
+    model: DistortionModel,
+    k: &[f64; 8],
+    [fx, fy]: [f64; 2],
+    (p, [x, y]): (&Point3<f64>, [f64; 2]),
+) -> ([f64; 2], Matrix2x3<f64>) {
+    match model {
+        DistortionModel::BrownConrady => {
+            let (distorted, by_xy) = distort(k, x, y);
+            (distorted, by_point([fx, fy], [x, y], p.z, &by_xy))
+        }
+        DistortionModel::Fisheye => {
+            let (distorted, by_point) = fisheye::project(k, p);
+            (distorted, Matrix2::new(fx, 0.0, 0.0, fy) * by_point)
+        }
+    }
 }
 
 fn by_point([fx, fy]: [f64; 2], [x, y]: [f64; 2], z: f64, by_xy: &Matrix2<f64>) -> Matrix2x3<f64> {
@@ -178,7 +231,7 @@ fn radial_terms([k1, k2, _, _, k3, k4, k5, k6]: &[f64; 8], r2: f64) -> (f64, f64
     )
 }
 
-/// The first radius at which the distorted radius stops growing, searched up to 80° off the axis.
+/// The first radius at which the distorted radius of Brown–Conrady stops growing, searched up to 80° off the axis.
 pub(super) fn valid_radius(coefficients: &[f64; 8]) -> f64 {
     const STEP: f64 = 0.01;
     let furthest = 80f64.to_radians().tan();

@@ -2,20 +2,29 @@
 //! and what no format has a place for, in comments that every format allows: that a camera is a guess, and standard deviations.
 
 use serde::de::DeserializeOwned;
+use serde_saphyr::NonFiniteFloatPolicy;
 
 use super::{Camera, CameraFault, Guess};
 
 const GUESS: &str = "# scaleproof: focal length guessed from EXIF, within percent: ";
 const SIGMA: &str = "# scaleproof: standard deviations of fx, fy, cx, cy in px: ";
 
-/// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is no YAML directive, and its tag
-/// for matrices, which only OpenCV knows, are passed over.
+/// Tags of OpenCV's matrices and Python's tuples, which only these know.
+const TAGS: [&str; 3] = ["!!opencv-nd-matrix", "!!opencv-matrix", "!!python/tuple"];
+
+/// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is no YAML directive, and [`TAGS`] are passed over. Of several
+/// documents, as ROS prints its messages, the first is read.
 pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, CameraFault> {
     let body = match text.split_once('\n') {
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
     };
-    serde_saphyr::from_str(&body.replace("!!opencv-matrix", "")).map_err(|e| {
+    let body = TAGS
+        .iter()
+        .fold(first_document(body).to_owned(), |body, tag| body.replace(tag, ""));
+    // A figure that nobody reads may be `.nan`.
+    let options = serde_saphyr::options! { non_finite_float_policy: NonFiniteFloatPolicy::PassThrough };
+    serde_saphyr::from_str_with_options(&body, options).map_err(|e| {
         // The first line of what the parser says, without its own "error: line …" frame.
         let reason = e.to_string();
         let line = reason.lines().next().unwrap_or_default();
@@ -26,6 +35,21 @@ pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Resu
             reason: reason.to_owned(),
         }
     })
+}
+
+/// What stands before the line of dashes that ends a document; one may also begin it.
+fn first_document(text: &str) -> &str {
+    let mut has_content = false;
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        let is_end = line.trim_end() == "---";
+        if is_end && has_content {
+            return &text[..at];
+        }
+        has_content |= !is_end && !line.trim().is_empty() && !line.starts_with('#');
+        at += line.len();
+    }
+    text
 }
 
 /// Numbers between commas. Each reads back as the same value, and has a point and a signed exponent: without them YAML 1.1

@@ -1,5 +1,6 @@
 //! Why a photo gets no pose.
 
+use super::lone_tag::LoneTag;
 use crate::camera::SizeError;
 use scaleproof_core::spelling::list;
 
@@ -33,9 +34,23 @@ pub enum Abstention {
     #[error(
         "only tag {id} is visible and two poses explain it almost equally well (residuals {best_px:.2} and {rival_px:.2} px): let a second tag be seen"
     )]
-    OneTagAmbiguous { id: u32, best_px: f64, rival_px: f64 },
+    OneTagAmbiguous {
+        id: u32,
+        best_px: f64,
+        rival_px: f64,
+        lone: Box<LoneTag>,
+    },
     #[error("only tag {id} is visible, seen straight on ({tilt_deg:.0}° of tilt): let a second tag be seen")]
-    OneTagFrontal { id: u32, tilt_deg: f64 },
+    OneTagFrontal { id: u32, tilt_deg: f64, lone: Box<LoneTag> },
+    #[error(
+        "only tag {id} is visible, which leaves the azimuth uncertain by ±{sigma_deg:.1}°, and the next bin begins {edge_deg:.1}° away: let a second tag, or a nearer one, be seen"
+    )]
+    OneTagDegenerate {
+        id: u32,
+        sigma_deg: f64,
+        edge_deg: f64,
+        lone: Box<LoneTag>,
+    },
     #[error(
         "only tag {id} is visible, and part of its border is covered or out of the photo, so that its corners cannot be trusted: let a second tag be seen"
     )]
@@ -67,6 +82,15 @@ impl Abstention {
         self.code() == "high_residual"
     }
 
+    /// What a lone tag leaves open, where that is the reason.
+    pub fn lone(&self) -> Option<&LoneTag> {
+        use Abstention::{OneTagAmbiguous, OneTagDegenerate, OneTagFrontal};
+        match self {
+            OneTagAmbiguous { lone, .. } | OneTagFrontal { lone, .. } | OneTagDegenerate { lone, .. } => Some(lone),
+            _ => None,
+        }
+    }
+
     /// A stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
@@ -76,7 +100,7 @@ impl Abstention {
             Abstention::HighResidual { .. } | Abstention::NoMajority { .. } | Abstention::OneTagBent { .. } => {
                 "high_residual"
             }
-            Abstention::Degenerate { .. } => "degenerate",
+            Abstention::Degenerate { .. } | Abstention::OneTagDegenerate { .. } => "degenerate",
             Abstention::OneTagAmbiguous { .. } => "one_tag_ambiguous",
             Abstention::OneTagFrontal { .. } => "one_tag_frontal",
             Abstention::OneTagCovered { .. } => "one_tag_covered",

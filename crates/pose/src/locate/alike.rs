@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{LocatedPhoto, diagnosis, locate_photo, spread};
+use image::{GrayImage, imageops};
+
+use super::diagnosis::{self, OtherLooks};
+use super::{LocatedPhoto, locate_photo, spread};
 use crate::camera::Camera;
 use crate::scene::{Scene, TagFamily};
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
@@ -14,8 +17,8 @@ pub const MOST_LISTED: usize = 3;
 /// So many photos, spread evenly, are looked at again to find the cause, where nobody kept what was seen in them.
 const LOOKED_AT: usize = 12;
 
-/// So many photos are searched for tags of all families.
-const SEARCHED_FOR_ALL: usize = 4;
+/// So many photos are searched for tags of all families, or mirrored.
+const SEARCHED_AGAIN: usize = 4;
 
 /// What photos are located with, and the files it comes from.
 pub struct LocateFiles {
@@ -29,11 +32,18 @@ impl LocateFiles {
     /// The one cause for photos that were examined, as a sentence, if there is one.
     pub fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
         let (paths, examined): (Vec<&Path>, Vec<&LocatedPhoto>) = photos.iter().copied().unzip();
-        let others = if diagnosis::is_without_tags(&examined) {
-            self.with_every_family(&paths)
-        } else {
-            Vec::new()
-        };
+        let mut others = OtherLooks::default();
+        if diagnosis::is_without_tags(&examined) {
+            let own = self.scene.families();
+            let all = TagFamily::ALL.map(|(family, _)| family).into_iter();
+            // The tables of their codes take more than a hundred megabytes each.
+            let rare = [TagFamily::TagCircle49h12, TagFamily::TagCustom48h12];
+            let all = all.filter(|family| !own.contains(family) && !rare.contains(family));
+            others.families = look_again(&paths, all.collect(), |luma| luma);
+        }
+        if diagnosis::are_bad(&examined) {
+            others.mirrored = look_again(&paths, self.scene.families(), |luma| imageops::flip_horizontal(&luma));
+        }
         let found = diagnosis::diagnose(&examined, &others, &self.scene)?;
         Some(found.sentence(&self.scene, &self.scene_file, &self.camera, &self.camera_file))
     }
@@ -54,17 +64,18 @@ impl LocateFiles {
                 .collect::<Vec<_>>(),
         )
     }
+}
 
-    /// What some photos show of the families that the scene does not have.
-    fn with_every_family(&self, photos: &[&Path]) -> Vec<Vec<SeenTag>> {
-        let own = self.scene.families();
-        let others = TagFamily::ALL.map(|(family, _)| family).into_iter();
-        let others: Vec<TagFamily> = others.filter(|family| !own.contains(family)).collect();
-        let Ok(mut tags) = TagDetectorChoice::default().open(&others) else {
-            return Vec::new();
-        };
-        let luma = |path: &&Path| Photo::open(path).ok()?.luma().ok();
-        let some = spread(photos, SEARCHED_FOR_ALL);
-        some.iter().filter_map(luma).map(|luma| tags.find(&luma)).collect()
-    }
+/// What some photos show of some families when they are changed.
+fn look_again(
+    photos: &[&Path],
+    families: Vec<TagFamily>,
+    changed: impl Fn(GrayImage) -> GrayImage,
+) -> Vec<Vec<SeenTag>> {
+    let Ok(mut tags) = TagDetectorChoice::default().open(&families) else {
+        return Vec::new();
+    };
+    let luma = |path: &&Path| Some(changed(Photo::open(path).ok()?.luma().ok()?));
+    let some = spread(photos, SEARCHED_AGAIN);
+    some.iter().filter_map(luma).map(|luma| tags.find(&luma)).collect()
 }

@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::factor::{self, Factor, FactorKind};
+use super::relabelled::{self, Relabelled};
 use super::{Abstention, LocatedPhoto, Warning};
 use crate::camera::{Camera, SizeError};
 use crate::scene::{Scene, TagFamily};
@@ -23,6 +24,10 @@ pub enum Diagnosis {
     OtherIds { family: TagFamily, ids: Vec<u32> },
     /// No tag of the scene's families, but of others.
     OtherFamilies { found: Vec<(TagFamily, Vec<u32>)> },
+    /// All cards are turned alike, or all have ids that are shifted by one number.
+    Cards(Relabelled),
+    /// The tags are found where a photo is mirrored: the prints are, or the photos.
+    Mirrored { photos: usize, of: usize },
     /// The camera file is for another aspect ratio.
     CameraSize { errors: Vec<SizeError> },
     /// No tag at all. `searched_others`: so many photos were searched for every family.
@@ -62,9 +67,23 @@ pub fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
     is_most(photos, |p| matches!(p.result, Err(Abstention::NoTags)))
 }
 
-/// The one cause, if there is one. `others`: some photos searched for families that the scene lacks, if they were.
-pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
-    if !is_most(photos, is_bad) {
+/// Tags that some photos show to who searches otherwise; nothing where nobody did.
+#[derive(Debug, Default)]
+pub struct OtherLooks {
+    /// Of the families that the scene lacks, by photo.
+    pub families: Vec<Vec<SeenTag>>,
+    /// Of the scene's families in the mirrored photo, by photo.
+    pub mirrored: Vec<Vec<SeenTag>>,
+}
+
+/// Whether nearly all photos are bad, so that they may have one cause.
+pub fn are_bad(photos: &[&LocatedPhoto]) -> bool {
+    is_most(photos, is_bad)
+}
+
+/// The one cause, if there is one.
+pub fn diagnose(photos: &[&LocatedPhoto], others: &OtherLooks, scene: &Scene) -> Option<Diagnosis> {
+    if !are_bad(photos) {
         return None;
     }
     if is_most(photos, |p| matches!(p.result, Err(Abstention::WrongCameraSize(_)))) {
@@ -78,6 +97,10 @@ pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene
         }
         return Some(Diagnosis::CameraSize { errors });
     }
+    if let Some(found) = mirrored(&others.mirrored, scene) {
+        return Some(found);
+    }
+    let others = &others.families;
     if is_without_tags(photos) {
         let no_tags = || Diagnosis::NoTags {
             photos: photos.iter().filter(|p| p.seen.is_empty()).count(),
@@ -87,12 +110,22 @@ pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene
         return Some(other_families(others).unwrap_or_else(no_tags));
     }
     let bad: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p)).collect();
-    other_ids(photos, scene).or_else(|| wrong_number(&bad, photos.len(), scene))
+    let relabelled = relabelled::find(photos, scene).map(Diagnosis::Cards);
+    let cause = relabelled.or_else(|| other_ids(photos, scene));
+    cause.or_else(|| wrong_number(&bad, photos.len(), scene))
 }
 
 fn is_most(photos: &[&LocatedPhoto], is: impl Fn(&LocatedPhoto) -> bool) -> bool {
     let count = photos.iter().filter(|p| is(p)).count();
     count >= FEWEST && count as f64 >= MOST * photos.len() as f64
+}
+
+/// Two whole tags of the scene in most of the photos that were mirrored.
+fn mirrored(looks: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
+    let is_scenes = |tag: &&SeenTag| tag.is_whole && scene.tag(tag.family, tag.id).is_some();
+    let with_two = looks.iter().filter(|seen| seen.iter().filter(is_scenes).count() >= 2);
+    let (photos, of) = (with_two.count(), looks.len());
+    (photos >= 2.min(of) && 2 * photos > of).then_some(Diagnosis::Mirrored { photos, of })
 }
 
 /// Families with two whole tags in most of the photos that were searched: single ones are found in grass and print alike.
@@ -216,6 +249,17 @@ impl Diagnosis {
                     families(scene)
                 )
             }
+            Diagnosis::Cards(Relabelled { cards, telling, healed }) => format!(
+                "{}, compared with {scene_file}: so {healed} of the {telling} photos with two tags or more fit. Say so there, in lines of their own \
+                 before the first [[tag]]: `[cards]` and `{}`",
+                cards.clause(),
+                cards.line()
+            ),
+            Diagnosis::Mirrored { photos, of } => format!(
+                "the tags are mirrored: {photos} of {of} photos that were searched show tags of {scene_file} when they are mirrored, which no tag \
+                 detector reads. Print the cards again, without “mirror” or “flip” in the print dialogue, or, if writing in the photos is \
+                 mirrored too, switch that off in the camera"
+            ),
             Diagnosis::CameraSize { errors } => camera_sizes(errors, &camera_file),
             Diagnosis::NoTags {
                 photos,

@@ -5,6 +5,7 @@ use super::solver::Solver;
 use super::{Located, LocatedPhoto, Warning, locate};
 use crate::camera::Camera;
 use crate::scene::Scene;
+use crate::tags::SeenTag;
 
 /// What a factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,14 +124,17 @@ fn cost(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> f64
     rms_deg().map_or(worst, |rms| (rms * rms).min(worst))
 }
 
-/// Located by at least two tags that agree, as in a good photo by a right camera, hardly one left out.
 fn is_healed(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> bool {
-    let agrees = |l: Located| {
+    camera(of, factor, photo).is_some_and(|camera| agree(&photo.seen, scene, &camera))
+}
+
+/// Whether two tags or more locate the camera and agree, as in a good photo, where hardly one is left out.
+pub(super) fn agree(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> bool {
+    let agree = |l: Located| {
         let outliers = l.ignored_tags.iter().filter(|tag| tag.why.is_outlier()).count();
         l.tags.len() >= 2 && 4 * outliers <= l.tags.len() && !l.warnings.contains(&Warning::PoorFit)
     };
-    let located = camera(of, factor, photo).and_then(|camera| locate(&photo.seen, scene, &camera).ok());
-    located.is_some_and(agrees)
+    locate(seen, scene, camera).is_ok_and(agree)
 }
 
 /// The factor between two with the least cost (golden section search, Kiefer 1953).

@@ -6,11 +6,14 @@ mod consensus;
 pub mod diagnosis;
 mod doubt;
 mod factor;
+mod lone_tag;
 mod matches;
 mod photo;
 mod plain_view;
 mod planar;
 mod refine;
+mod relabelled;
+mod resampled;
 mod solver;
 mod sqpnp;
 mod uncertainty;
@@ -24,6 +27,7 @@ use crate::tags::SeenTag;
 use consensus::Consensus;
 use matches::Corners;
 use refine::NO_HUBER;
+use resampled::Resampled;
 use scaleproof_core::geometry::Rigid;
 use solver::PoseCandidate;
 
@@ -31,19 +35,21 @@ pub use abstention::Abstention;
 pub use alike::{LocateFiles, MOST_LISTED};
 pub use diagnosis::Diagnosis;
 pub use factor::spread;
+pub use lone_tag::{BinProbability, LoneTag, Rival};
 pub use matches::{Ignored, IgnoredTag, area_px};
 pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
 pub use planar::planar_branches;
+pub use relabelled::{CardFault, Relabelled};
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
-pub use uncertainty::{Sigma, Uncertainty, bin_probability};
+pub use uncertainty::{Sigma, Uncertainty, bin_probability, expected_px2};
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located {
     /// `T_camera_model`: model frame to camera frame, mm.
     pub pose: Rigid,
-    /// How far the pose may be off by corner noise.
+    /// How far the pose may be off.
     pub uncertainty: Uncertainty,
     /// Where the camera stands, seen from the model.
     pub viewpoint: Viewpoint,
@@ -53,6 +59,8 @@ pub struct Located {
     pub bin: Bin,
     /// The probability that the bin is the right one.
     pub bin_probability: f64,
+    /// What remains open where the pose rests on one tag.
+    pub lone: Option<LoneTag>,
     /// What weakens the answer.
     pub warnings: Vec<Warning>,
     /// Ids of the tags the pose rests on, ascending.
@@ -71,6 +79,8 @@ pub enum Warning {
     NearBinEdge,
     /// The tags agree with each other worse than tags do in a good photo by a right camera: a crop, another camera, a bent card.
     PoorFit,
+    /// A lone tag leaves its pose open, and only the bin is sure: the other pose (`rival`) is in the same one.
+    OpenPose,
 }
 
 /// A bin less probable than this is given with a warning.
@@ -97,34 +107,57 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         Consensus::unchecked(solver, solver.used(matches), camera)
     };
     let (best, rival) = doubt::without_rival(candidates, &matches, camera)?;
-    if let [only] = &matches[..] {
-        plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
-    }
     let has_outliers = !left_out.is_empty();
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
     let corners = Corners::new(&matches);
-    let (best, uncertainty) = finished(solver, &best, &corners, camera).ok_or(Abstention::Degenerate {
+    let (best, mut uncertainty) = finished(solver, &best, &corners, camera).ok_or(Abstention::Degenerate {
         sigma_deg: 180.0,
         edge_deg: 0.0,
     })?;
     let viewpoint = viewpoint(&best.pose, scene);
     let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
-    let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
-    if has_outliers && is_poor_fit {
-        sigma = doubt::misfit_sigma(sigma);
-    }
-    doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
     let bin = scene.bins.bin_of(&viewpoint);
-    let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
-    // An excluded rival keeps the weight of its likelihood.
-    let bin_probability = rival.map_or(of_best, |rival| {
-        let weight = uncertainty.likelihood(&rival, &best, corners.image_px.len());
-        let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
-        (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
-    });
+    let likelihood = |rival: &PoseCandidate| uncertainty.likelihood(rival, &best, corners.image_px.len());
+    let mut lone = None;
+    let (sigma, bin_probability) = if let [only] = &matches[..] {
+        let resampled = Resampled::new(only, uncertainty.noise_px, scene, camera);
+        let left_open = LoneTag {
+            rival: rival
+                .as_ref()
+                .map(|rival| Rival::new(rival.pose, &self::viewpoint(&rival.pose, scene), likelihood(rival))),
+            bins: resampled.bins(&scene.bins),
+        };
+        doubt::settled_alone(
+            only,
+            (&best, rival.as_ref()),
+            &resampled,
+            &viewpoint,
+            &scene.bins,
+            &left_open,
+        )?;
+        plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
+        lone = Some(left_open);
+        uncertainty.covariance = resampled.covariance(&best.pose).unwrap_or(uncertainty.covariance);
+        (resampled.sigma(&viewpoint), resampled.share_in(&bin, &scene.bins))
+    } else {
+        let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
+        if has_outliers && is_poor_fit {
+            sigma = doubt::misfit_sigma(sigma);
+        }
+        doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
+        let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
+        // An excluded rival keeps the weight of its likelihood.
+        let with_rival = rival.as_ref().map_or(of_best, |rival| {
+            let weight = likelihood(rival);
+            let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
+            (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
+        });
+        (sigma, with_rival)
+    };
     let near_edge = (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge);
     let poor_fit = is_poor_fit.then_some(Warning::PoorFit);
+    let open_pose = doubt::is_open(&sigma).then_some(Warning::OpenPose);
     let mut tags: Vec<u32> = matches.iter().map(|m| m.tag.id).collect();
     tags.sort_unstable();
     Ok(Located {
@@ -134,7 +167,8 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         sigma,
         bin,
         bin_probability,
-        warnings: near_edge.into_iter().chain(poor_fit).collect(),
+        lone,
+        warnings: near_edge.into_iter().chain(poor_fit).chain(open_pose).collect(),
         tags,
         ignored_tags,
         rms_px: best.rms_px,

@@ -18,6 +18,12 @@ const LIMITS: Limits = Limits {
     absolute_gain: 1e-14,
 };
 
+/// Whatever a step below a thousandth of the cost would change is far within the noise.
+const ROUGH: Limits = Limits {
+    relative_gain: 1e-3,
+    ..LIMITS
+};
+
 /// The normal equations of all corners at one pose.
 pub(super) struct CornerEquations<'a> {
     pose: Rigid,
@@ -37,6 +43,12 @@ pub(super) struct CornerEquations<'a> {
 pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Rigid> {
     let start = CornerEquations::at(*start, corners, camera, huber_px)?;
     Some(minimise(start, &LIMITS).pose)
+}
+
+/// The pose near the minimum near `start`, for poses of which only the scatter counts. `None` when a corner has no pixel at the start.
+pub(super) fn refine_roughly(start: &Rigid, corners: &Corners, camera: &Camera) -> Option<Rigid> {
+    let start = CornerEquations::at(*start, corners, camera, NO_HUBER)?;
+    Some(minimise(start, &ROUGH).pose)
 }
 
 impl<'a> CornerEquations<'a> {

@@ -1,13 +1,13 @@
 //! How far a pose may be off: its covariance, and what that means for the viewpoint and the bin.
 //!
-//! Only random corner errors are in it. What is wrong in the same way in every photo (a wrong camera file, a wrong tag size, a
-//! scene measured wrongly) leaves the residuals small and is not.
+//! In it are errors of single corners, paper that bends, and tags that stand a little off; the residuals say how much of each, beside what is
+//! expected. What is wrong in the same way in every photo (a wrong camera file, a wrong tag size) leaves the residuals small and is not.
 
-use nalgebra::{Matrix3, Matrix6, Point3};
+use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::matches::Corners;
-use super::refine::{self, CornerEquations, NO_HUBER};
+use super::matches::{Corners, area_px};
+use super::refine;
 use super::solver::PoseCandidate;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Viewpoint};
@@ -23,7 +23,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 /// noise is normal, and better where it has tails.
 const HUBER_SIGMAS: f64 = 2.0;
 
-/// Standard deviations of a viewpoint, from corner noise alone.
+/// Standard deviations of a viewpoint, by corner noise, bent paper and tags that stand off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Sigma {
     /// Of the azimuth, degrees.
@@ -39,7 +39,7 @@ pub struct Sigma {
 pub struct Uncertainty {
     /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`scaleproof_core::geometry::rigid::stepped`].
     pub covariance: Matrix6<f64>,
-    /// Corner noise, px per axis.
+    /// Noise of a corner, px per axis, the mean over the tags.
     pub noise_px: f64,
 }
 
@@ -98,15 +98,139 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
     Some((pose, at(&pose, corners, camera, HUBER_SIGMAS * noise_px)?))
 }
 
-/// How far a pose may be off that minimises residuals with this Huber threshold, px ([`NO_HUBER`]: least squares).
+/// Noise of a corner, px per axis: what any photo has, and the share of a tag's side that real paper adds by bending. Measured on 112 tags alone
+/// in photos of iPhones 4S and 13, tags of 26 to 390 px: with these, 71 to 82 % of azimuths and pitches are within 1 σ, 90 to 92 % within 2.
+const NOISE_PX: f64 = 0.3;
+const BENT_PAPER: f64 = 0.009;
+
+/// Variance of the logarithm of a photo's noise variance: renders have a tenth of what is expected, bent cards three times as much.
+const SPREAD: f64 = 1.2;
+
+/// The variance that is expected of a tag's corners, px² per axis: of any corner, and of paper that bends.
+pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
+    NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
+}
+
+/// One tag's part in the normal equations.
+struct TagTerms {
+    /// JᵀJ of its corners.
+    information: Matrix6<f64>,
+    /// JᵀT, with the derivatives T of its corners by a displacement of the tag, mm.
+    displaced: Matrix6x3<f64>,
+    /// Σ T², px² per mm².
+    displacement: f64,
+    /// See [`expected_px2`].
+    expected_px2: f64,
+    /// Of what no displacement of the tag explains: JᵀJ and Jᵀr by the turn of the pose, and r².
+    shape: (Matrix3<f64>, Vector3<f64>, f64),
+}
+
+/// A sum of squares, and what is expected of it, px².
+struct Squares {
+    seen: f64,
+    expected: f64,
+}
+
+/// How far a pose may be off that minimises residuals with this Huber threshold, px ([`refine::NO_HUBER`]: least squares).
+///
+/// Two variance components by their moments (Searle, Casella & McCulloch 1992, section 5.3). Corner noise shows in each tag's shape, whatever
+/// displaces the tag. Residuals beyond it are of tags that stand off: much of that hides in the pose, the more the fewer tags there are, and all of it
+/// where there is one.
 pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
     let clipped = Clipped::new(pose, corners, camera, huber_px)?;
-    let variance = pooled(clipped.squares, clipped.freedom) / (clipped.derivative * clipped.derivative);
-    let information = CornerEquations::at(*pose, corners, camera, NO_HUBER)?.information;
-    Some(Uncertainty {
-        covariance: information.cholesky()?.inverse() * variance,
-        noise_px: variance.sqrt(),
+    // What was clipped is made up for.
+    let enlarged = clipped.derivative.recip();
+    let residuals_px: Vec<_> = clipped.residuals_px.iter().map(|r| r.map(|v| v * enlarged)).collect();
+    let squares = clipped.squares * enlarged * enlarged;
+    let tags = tag_terms(pose, corners, camera, &residuals_px)?;
+    let shape = shape_squares(&tags)?;
+    let scale = noise_scale(shape.seen / shape.expected, 5.0 * tags.len() as f64 - 3.0);
+    let (inverse, expected) = expectation(&tags)?;
+    let displaced_mm2 = if tags.len() > 1 {
+        let seen = |tag: &TagTerms| tag.displacement - (inverse * tag.displaced * tag.displaced.transpose()).trace();
+        ((squares - scale * expected) / tags.iter().map(seen).sum::<f64>()).max(0.0)
+    } else {
+        0.0
+    };
+    let middle = tags.iter().map(|tag| {
+        let own = scale * tag.expected_px2 * tag.information;
+        own + displaced_mm2 * tag.displaced * tag.displaced.transpose()
+    });
+    let covariance = inverse * middle.sum::<Matrix6<f64>>() * inverse;
+    let mean = tags.iter().map(|tag| tag.expected_px2).sum::<f64>() / tags.len() as f64;
+    let is_finite = covariance.iter().all(|v| v.is_finite());
+    is_finite.then_some(Uncertainty {
+        covariance,
+        noise_px: (scale * mean).sqrt(),
     })
+}
+
+/// (JᵀJ)⁻¹ of all tags, and the sum of squared residuals that is expected of them, px². `None` when the corners leave the pose open.
+fn expectation(tags: &[TagTerms]) -> Option<(Matrix6<f64>, f64)> {
+    let information: Matrix6<f64> = tags.iter().map(|tag| tag.information).sum();
+    let inverse = information.cholesky()?.inverse();
+    let kept = |tag: &TagTerms| 8.0 - (inverse * tag.information).trace();
+    Some((inverse, tags.iter().map(|tag| tag.expected_px2 * kept(tag)).sum()))
+}
+
+/// The squared residuals that neither displacements of the tags nor a turn of the pose explain: five for each tag less three.
+fn shape_squares(tags: &[TagTerms]) -> Option<Squares> {
+    let by_turn: Matrix3<f64> = tags.iter().map(|tag| tag.shape.0).sum();
+    let pull: Vector3<f64> = tags.iter().map(|tag| tag.shape.1).sum();
+    let inverse = by_turn.cholesky()?.inverse();
+    let kept = |tag: &TagTerms| 5.0 - (inverse * tag.shape.0).trace();
+    Some(Squares {
+        seen: tags.iter().map(|tag| tag.shape.2).sum::<f64>() - pull.dot(&(inverse * pull)),
+        expected: tags.iter().map(|tag| tag.expected_px2 * kept(tag)).sum(),
+    })
+}
+
+/// The root mean square residual of a pose that is expected of its tags, px.
+pub(super) fn expected_rms_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<f64> {
+    let residuals = refine::residuals_px(pose, corners, camera)?;
+    let (_, expected) = expectation(&tag_terms(pose, corners, camera, &residuals)?)?;
+    Some((expected / residuals.len() as f64).sqrt())
+}
+
+/// The variance of corner noise relative to what is expected, from squared residuals relative to theirs: the posterior mean, where the logarithm of the
+/// variance is normal with variance [`SPREAD`], and the squares are χ² of `freedom`. By sums over five standard deviations to both sides.
+fn noise_scale(ratio: f64, freedom: f64) -> f64 {
+    let logs = || (-40..=40).map(|step| f64::from(step) / 8.0 * SPREAD.sqrt());
+    let density = |log: f64| -log * log / (2.0 * SPREAD) - freedom / 2.0 * (log + ratio * (-log).exp());
+    let peak = logs().map(density).fold(f64::NEG_INFINITY, f64::max);
+    let weight = |log: f64| (density(log) - peak).exp();
+    logs().map(|log| weight(log) * log.exp()).sum::<f64>() / logs().map(weight).sum::<f64>()
+}
+
+fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera, residuals_px: &[[f64; 2]]) -> Option<Vec<TagTerms>> {
+    let points = corners.model_mm.as_chunks::<4>().0;
+    let [pixels, residuals] = [&corners.image_px, residuals_px].map(|all| all.as_chunks::<4>().0);
+    let terms = |tag: usize| {
+        let mut jacobian = SMatrix::<f64, 8, 6>::zeros();
+        for (i, point) in points[tag].iter().enumerate() {
+            let by_pose = camera.project_by_pose(pose, point)?.1;
+            jacobian.fixed_rows_mut::<2>(2 * i).copy_from(&by_pose);
+        }
+        // A step's translation displaces the tag before the camera.
+        let by_place = jacobian.fixed_columns::<3>(3).into_owned();
+        let places = (by_place.transpose() * by_place).cholesky()?;
+        let residual = SVector::<f64, 8>::from_column_slice(residuals[tag].as_flattened());
+        let by_turn = jacobian.fixed_columns::<3>(0).into_owned();
+        let by_turn = by_turn - by_place * places.solve(&(by_place.transpose() * by_turn));
+        let residual = residual - by_place * places.solve(&(by_place.transpose() * residual));
+        Some(TagTerms {
+            information: jacobian.transpose() * jacobian,
+            displaced: jacobian.transpose() * by_place,
+            displacement: by_place.norm_squared(),
+            expected_px2: expected_px2(&pixels[tag]),
+            shape: (
+                by_turn.transpose() * by_turn,
+                by_turn.transpose() * residual,
+                residual.norm_squared(),
+            ),
+        })
+    };
+    (0..points.len()).map(terms).collect()
 }
 
 /// The variance of corner noise, px² per axis, from a sum of squared residuals and its degrees of freedom, and from what is
@@ -117,6 +241,7 @@ pub(super) fn pooled(squares: f64, freedom: f64) -> f64 {
 
 /// Residuals after Huber's function ψ.
 struct Clipped {
+    residuals_px: Vec<[f64; 2]>,
     /// Σ ψ², px².
     squares: f64,
     /// Mean derivative of ψ per axis.
@@ -127,18 +252,22 @@ struct Clipped {
 
 impl Clipped {
     fn new(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Clipped> {
-        let residuals = refine::residuals_px(pose, corners, camera)?;
-        let count = residuals.len() as f64;
-        let lengths = residuals.iter().map(|[x, y]| x.hypot(*y));
-        let (mut squares, mut derivative) = (0.0, 0.0);
-        for length in lengths {
-            squares += length.min(huber_px).powi(2);
+        let mut residuals_px = refine::residuals_px(pose, corners, camera)?;
+        let count = residuals_px.len() as f64;
+        let mut derivative = 0.0;
+        for residual in &mut residuals_px {
+            let length = residual[0].hypot(residual[1]);
             // Beyond the threshold, ψ has the threshold's length: it changes across its direction only.
-            let is_beyond = length > huber_px;
-            derivative += if is_beyond { huber_px / length / 2.0 } else { 1.0 };
+            if length > huber_px {
+                *residual = residual.map(|v| v * huber_px / length);
+                derivative += huber_px / length / 2.0;
+            } else {
+                derivative += 1.0;
+            }
         }
         Some(Clipped {
-            squares,
+            squares: residuals_px.iter().flatten().map(|v| v * v).sum(),
+            residuals_px,
             derivative: derivative / count,
             freedom: 2.0 * count - 6.0,
         })

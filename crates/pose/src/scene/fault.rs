@@ -20,6 +20,10 @@ pub enum SceneFault {
     TagTwice(u32),
     #[error("tag id {id} does not exist in its family: ids end at {last}")]
     NoSuchTag { id: u32, last: u32 },
+    #[error("cards.turned_deg is {0}: give 0, 90, 180 or 270")]
+    CardsTurned(u32),
+    #[error("cards.ids_higher_by is {by}, and tag {id} has no such id in its family: ids go from 0 to {last}")]
+    CardsIds { id: u32, by: i64, last: u32 },
     #[error("right and up of tag {0} are not at a right angle: check the two vectors")]
     NoRightAngle(u32),
     #[error("{what} of tag {id} has length {length:.4}: give a unit vector")]

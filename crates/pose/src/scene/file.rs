@@ -17,6 +17,8 @@ use scaleproof_core::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 struct SceneFile {
     model: ModelTable,
     bins: Bins,
+    #[serde(default)]
+    cards: CardsTable,
     #[serde(default, rename = "tag")]
     tags: Vec<TagTable>,
 }
@@ -40,6 +42,15 @@ enum EnvelopeWord {
     Box,
     Hull,
     Mesh,
+}
+
+/// How all printed cards differ from the tags of the file.
+#[derive(Deserialize, Default, Clone, Copy)]
+#[serde(deny_unknown_fields, default)]
+struct CardsTable {
+    /// They are turned clockwise, as one looks at them.
+    turned_deg: u32,
+    ids_higher_by: i64,
 }
 
 #[derive(Deserialize)]
@@ -80,7 +91,11 @@ fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
         length::size_mm("a side of model.size_mm", size)?;
     }
     check_tag_count(file.tags.len() as u64)?;
-    let tags = file.tags.into_iter().map(checked_tag).collect::<Result<Vec<_>, _>>()?;
+    let tags = file
+        .tags
+        .into_iter()
+        .map(|tag| as_printed(checked_tag(tag)?, file.cards));
+    let tags = tags.collect::<Result<Vec<_>, _>>()?;
     for (i, tag) in tags.iter().enumerate() {
         if tags[..i].iter().any(|t| (t.family, t.id) == (tag.family, tag.id)) {
             return Err(SceneFault::TagTwice(tag.id));
@@ -186,6 +201,27 @@ fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
             _ => return Err(SceneFault::Sigma(id)),
         },
     })
+}
+
+/// The tag as its card was printed.
+fn as_printed(tag: Tag, cards: CardsTable) -> Result<Tag, SceneFault> {
+    let (right, up) = match cards.turned_deg {
+        0 => (tag.right, tag.up),
+        90 => (-tag.up, tag.right),
+        180 => (-tag.right, -tag.up),
+        270 => (tag.up, -tag.right),
+        other => return Err(SceneFault::CardsTurned(other)),
+    };
+    let higher = i64::from(tag.id).checked_add(cards.ids_higher_by);
+    let id = higher
+        .and_then(|id| u32::try_from(id).ok())
+        .filter(|id| *id < tag.family.count());
+    let id = id.ok_or(SceneFault::CardsIds {
+        id: tag.id,
+        by: cards.ids_higher_by,
+        last: tag.family.count() - 1,
+    })?;
+    Ok(Tag { id, right, up, ..tag })
 }
 
 /// A direction of a tag, which must have length 1 to within 0.001, at length 1 exactly.

@@ -23,16 +23,25 @@ pub enum TagFamily {
     TagStandard41h12,
     /// 48714 tags with bits around their border, too.
     TagStandard52h13,
+    /// 38 tags within a circle, with bits around their border, too.
+    TagCircle21h7,
+    /// 65535 tags within a circle, with bits around their border, too.
+    TagCircle49h12,
+    /// 42211 tags with room for a tag of their own inside, and bits around their border, too.
+    TagCustom48h12,
 }
 
 impl TagFamily {
     /// Every family, with the name `scene.toml` uses.
-    pub const ALL: [(TagFamily, &str); 5] = [
+    pub const ALL: [(TagFamily, &str); 8] = [
         (TagFamily::Tag16h5, "tag16h5"),
         (TagFamily::Tag25h9, "tag25h9"),
         (TagFamily::Tag36h11, "tag36h11"),
         (TagFamily::TagStandard41h12, "tagstandard41h12"),
         (TagFamily::TagStandard52h13, "tagstandard52h13"),
+        (TagFamily::TagCircle21h7, "tagcircle21h7"),
+        (TagFamily::TagCircle49h12, "tagcircle49h12"),
+        (TagFamily::TagCustom48h12, "tagcustom48h12"),
     ];
 
     /// The name that `scene.toml` uses.
@@ -63,6 +72,9 @@ impl TagFamily {
             TagFamily::Tag36h11 => (587, 8.0, 10.0),
             TagFamily::TagStandard41h12 => (2115, 5.0, 11.0),
             TagFamily::TagStandard52h13 => (48714, 6.0, 12.0),
+            TagFamily::TagCircle21h7 => (38, 5.0, 11.0),
+            TagFamily::TagCircle49h12 => (65535, 5.0, 13.0),
+            TagFamily::TagCustom48h12 => (42211, 6.0, 12.0),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! What goes wrong on a table, in an image or in a file.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rand::RngExt;
 
 use super::{SimulatedView, Simulator};
-use crate::scene::Tag;
+use crate::scene::{Tag, corners_in_tag_mm};
 
 /// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +33,9 @@ pub enum SimulatedFault {
     WrongPrincipalPoint { px: f64 },
     /// The camera file has no distortion.
     IgnoredDistortion,
+    /// Every card is bent to a cylinder about an axis of any direction: so much deeper in the middle than at the middle of a side, for each 100 mm of
+    /// the tag's side.
+    BentPaper { mm: f64 },
 }
 
 impl Simulator<'_> {
@@ -51,6 +54,7 @@ impl Simulator<'_> {
             }
             SimulatedFault::WrongPrincipalPoint { px } => view.camera.cx += px,
             SimulatedFault::IgnoredDistortion => view.camera = view.camera.clone().with_distortion(&[]),
+            SimulatedFault::BentPaper { mm } => self.bend(view, mm),
             _ if view.seen.is_empty() => {}
             of_one_tag => {
                 let at = self.rng.random_range(0..view.seen.len());
@@ -100,6 +104,21 @@ impl Simulator<'_> {
         true
     }
 
+    /// Bends the cards of all seen tags.
+    fn bend(&mut self, view: &mut SimulatedView, mm: f64) {
+        let scene = self.scene;
+        for seen in &mut view.seen {
+            let Some(tag) = scene.tag(seen.family, seen.id) else {
+                continue;
+            };
+            let corners = bent(tag, mm, self.rng.random_range(0.0..std::f64::consts::TAU));
+            let [a, b, c, d] = corners.map(|corner| self.camera.project(&(view.pose * corner)));
+            if let (Some(a), Some(b), Some(c), Some(d)) = (a, b, c, d) {
+                seen.corners_px = self.noisy([a, b, c, d]);
+            }
+        }
+    }
+
     /// Shifts or turns the card of a seen tag; not one that would then be out of sight.
     fn displace(&mut self, view: &mut SimulatedView, at: usize, by: impl FnOnce(&mut Tag)) -> bool {
         let seen = &mut view.seen[at];
@@ -111,4 +130,13 @@ impl Simulator<'_> {
         seen.corners_px = corners_px.unwrap_or(seen.corners_px);
         corners_px.is_some()
     }
+}
+
+/// The corners of a bent card, model frame, mm, on average where the flat ones are.
+fn bent(tag: &Tag, mm: f64, axis_rad: f64) -> [Point3<f64>; 4] {
+    let corners = corners_in_tag_mm(tag.size_mm);
+    let across = |corner: &Point3<f64>| (corner.x * axis_rad.cos() + corner.y * axis_rad.sin()) / (tag.size_mm / 2.0);
+    let depth = |corner: &Point3<f64>| mm * tag.size_mm / 100.0 * (1.0 - across(corner).powi(2));
+    let mean = corners.iter().map(depth).sum::<f64>() / 4.0;
+    corners.map(|corner| tag.pose() * Point3::new(corner.x, corner.y, depth(&corner) - mean))
 }

@@ -68,6 +68,9 @@ fn c_family(family: TagFamily) -> Family {
         TagFamily::Tag36h11 => Family::tag_36h11(),
         TagFamily::TagStandard41h12 => Family::tag_standard_41h12(),
         TagFamily::TagStandard52h13 => Family::tag_standard_52h13(),
+        TagFamily::TagCircle21h7 => Family::tag_circle_21h7(),
+        TagFamily::TagCircle49h12 => Family::tag_circle_49h12(),
+        TagFamily::TagCustom48h12 => Family::tag_custom_48h12(),
     }
 }
 

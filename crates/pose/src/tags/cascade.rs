@@ -128,7 +128,9 @@ impl TagDetector for Cascade {
         let mut tags = MergedTags::default();
         let (mut seen, mut left) = looked(&mut tags, luma, missing);
         for stage in &mut self.stages {
-            if left.has_pose && !left.expected.iter().any(|tag| tag.is_in_plain_view) {
+            // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
+            let is_lone = seen.iter().filter(|tag| tag.is_whole).count() < 2;
+            if left.has_pose && !is_lone && !left.expected.iter().any(|tag| tag.is_in_plain_view) {
                 break;
             }
             if stage.need == Need::NoPose && left.has_pose {
@@ -162,12 +164,14 @@ fn looked(
     (seen, left)
 }
 
-/// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave.
+/// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave. One of them alone would be chosen
+/// against the others, which may be right.
 fn asked(tags: &MergedTags, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> (Vec<SeenTag>, StillMissing) {
     let seen = tags.seen();
     let left = missing(&seen);
     let fitted = tags.fitted();
-    if !left.has_pose && (1..seen.len()).contains(&fitted.len()) {
+    let whole = fitted.iter().filter(|tag| tag.is_whole).count();
+    if !left.has_pose && whole > 1 && fitted.len() < seen.len() {
         let left_by_fitted = missing(&fitted);
         if left_by_fitted.has_pose {
             return (fitted, left_by_fitted);

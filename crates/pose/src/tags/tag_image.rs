@@ -19,7 +19,7 @@ impl TagImage {
     pub fn new(family: TagFamily, id: u32) -> Option<TagImage> {
         let c = CFamily::new(family)?;
         let drawn = c.modules(id)?;
-        // The Standard families have bits outside their border, up to the image's edge; the white ring is ours to add.
+        // All but the classic families have bits outside their border, up to the image's edge; the white ring is ours to add.
         let ring = usize::from(c.raw().reversed_border);
         Some(TagImage {
             modules: drawn.framed(ring, false),
@@ -60,6 +60,9 @@ impl CFamily {
             TagFamily::Tag36h11 => (sys::tag36h11_create, sys::tag36h11_destroy),
             TagFamily::TagStandard41h12 => (sys::tagStandard41h12_create, sys::tagStandard41h12_destroy),
             TagFamily::TagStandard52h13 => (sys::tagStandard52h13_create, sys::tagStandard52h13_destroy),
+            TagFamily::TagCircle21h7 => (sys::tagCircle21h7_create, sys::tagCircle21h7_destroy),
+            TagFamily::TagCircle49h12 => (sys::tagCircle49h12_create, sys::tagCircle49h12_destroy),
+            TagFamily::TagCustom48h12 => (sys::tagCustom48h12_create, sys::tagCustom48h12_destroy),
         };
         // SAFETY: the `create` functions take nothing and return a family that their own `destroy` frees, or null.
         let family = unsafe { create() };

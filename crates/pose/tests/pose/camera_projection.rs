@@ -46,7 +46,7 @@ proptest! {
             let half = if axis < 4 { 1e-3 } else { 1e-6 };
             let pixel = |sign: f64| {
                 let mut moved = parameters;
-                moved[axis] += sign * half;
+                moved.values[axis] += sign * half;
                 project_unchecked(&moved, &point).pixel
             };
             let (after, before) = (pixel(1.0), pixel(-1.0));

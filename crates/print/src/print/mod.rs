@@ -38,11 +38,11 @@ use scaleproof_plot::pdf::PdfError;
 #[non_exhaustive]
 pub enum SheetError {
     #[error(
-        "paper '{text}' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610{}",
-        spelling::hint(text, ["a4", "a3", "letter", "tabloid"])
+        "paper '{text}' is not known; use a0 to a5, letter, legal, tabloid, ledger, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610{}",
+        spelling::hint(text, paper::Paper::NAMED.map(|(name, _)| name))
     )]
     UnknownPaper { text: String },
-    #[error("boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm")]
+    #[error("boards and charts are printed on sheets: give a paper's name, as a4 or letter, or WIDTHxHEIGHT in mm")]
     Roll,
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
     UnknownSize { text: String },

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use super::SheetError;
+use scaleproof_core::geometry::length::{parse_mm, parse_sides_mm};
 
 /// The longest side a PDF page may have without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
 pub const MAX_SIDE_MM: f64 = 5000.0;
@@ -25,6 +26,20 @@ impl Paper {
     pub const LETTER: Self = Self::new(215.9, 279.4);
     /// 279.4 × 431.8 mm.
     pub const TABLOID: Self = Self::new(279.4, 431.8);
+
+    /// The sizes that are called by name: ISO 216, ANSI/ASME Y14.1 and US paper.
+    pub const NAMED: [(&str, Self); 10] = [
+        ("a0", Self::new(841.0, 1189.0)),
+        ("a1", Self::new(594.0, 841.0)),
+        ("a2", Self::new(420.0, 594.0)),
+        ("a3", Self::A3),
+        ("a4", Self::A4),
+        ("a5", Self::new(148.0, 210.0)),
+        ("letter", Self::LETTER),
+        ("legal", Self::new(215.9, 355.6)),
+        ("tabloid", Self::TABLOID),
+        ("ledger", Self::TABLOID),
+    ];
 
     /// A sheet of this width and height.
     pub const fn new(width_mm: f64, height_mm: f64) -> Self {
@@ -55,20 +70,16 @@ pub fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
 impl FromStr for Paper {
     type Err = SheetError;
 
-    /// A name (`a4`, `a3`, `letter`, `tabloid`) or `WIDTHxHEIGHT` in millimetres.
+    /// A name of [`Paper::NAMED`], or `WIDTHxHEIGHT` in millimetres or with a unit.
     fn from_str(text: &str) -> Result<Self, SheetError> {
-        match text.to_ascii_lowercase().as_str() {
-            "a4" => Ok(Self::A4),
-            "a3" => Ok(Self::A3),
-            "letter" => Ok(Self::LETTER),
-            "tabloid" => Ok(Self::TABLOID),
-            size => {
-                let is_side = |mm: &f64| *mm > 0.0 && *mm <= MAX_SIDE_MM;
-                let sides = two_lengths(size).filter(|(width, height)| is_side(width) && is_side(height));
-                let (width_mm, height_mm) = sides.ok_or_else(|| SheetError::UnknownPaper { text: text.to_owned() })?;
-                Ok(Self { width_mm, height_mm })
-            }
+        let text = text.to_ascii_lowercase();
+        if let Some((_, paper)) = Self::NAMED.iter().find(|(name, _)| *name == text) {
+            return Ok(*paper);
         }
+        let is_side = |mm: &f64| *mm > 0.0 && *mm <= MAX_SIDE_MM;
+        let sides = parse_sides_mm(&text).filter(|sides| sides.iter().all(is_side));
+        let [width_mm, height_mm] = sides.ok_or(SheetError::UnknownPaper { text })?;
+        Ok(Self { width_mm, height_mm })
     }
 }
 
@@ -101,12 +112,12 @@ impl From<Paper> for Stock {
 impl FromStr for Stock {
     type Err = SheetError;
 
-    /// A [`Paper`], or `roll` and a width in millimetres, as in `roll610`.
+    /// A [`Paper`], or `roll` and a width in millimetres or with a unit, as in `roll610`.
     fn from_str(text: &str) -> Result<Self, SheetError> {
         let Some(width) = text.to_ascii_lowercase().strip_prefix("roll").map(str::to_owned) else {
             return Ok(Self::Cut(text.parse()?));
         };
-        match width.trim().parse() {
+        match parse_mm(&width) {
             Ok(width_mm) if width_mm > 0.0 && width_mm <= MAX_SIDE_MM => Ok(Self::Roll { width_mm }),
             _ => Err(SheetError::UnknownPaper { text: text.to_owned() }),
         }
@@ -125,15 +136,11 @@ pub enum Orientation {
     Landscape,
 }
 
-/// Reads `WIDTHxHEIGHT` in millimetres.
+/// Reads `WIDTHxHEIGHT` in millimetres or with a unit.
 ///
 /// # Errors
 /// Anything but two numbers with an `x` between them. Whether the numbers make sense is for the caller to say.
 pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
-    two_lengths(&text.to_ascii_lowercase()).ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })
-}
-
-fn two_lengths(text: &str) -> Option<(f64, f64)> {
-    let (width, height) = text.split_once(['x', '×'])?;
-    Some((width.trim().parse().ok()?, height.trim().parse().ok()?))
+    let sides = parse_sides_mm(&text.to_ascii_lowercase()).map(<(f64, f64)>::from);
+    sides.ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })
 }

@@ -1,5 +1,7 @@
 //! The corners of a calibration board in one photo.
 
+use std::f64::consts::SQRT_2;
+
 use image::GrayImage;
 use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point2f, Size, TermCriteria, Vector};
@@ -8,6 +10,7 @@ use opencv::prelude::*;
 use super::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use scaleproof_core::geometry::{distance, extent};
+use scaleproof_core::statistics::upper_median;
 use scaleproof_photo::photo::Luma;
 use scaleproof_pose::board::{Definition, Marker};
 use scaleproof_pose::tags::{
@@ -26,6 +29,10 @@ pub enum NoBoard {
     )]
     Blurred { width_px: f64 },
     #[error(
+        "the board is too small in the photo: its squares are {square_px:.0} px wide, {least_px:.0} px are needed; bring it nearer"
+    )]
+    SmallSquares { square_px: f64, least_px: f64 },
+    #[error(
         "only {found} of the board's {all} corners were found, {least} are needed: bring it nearer, or light it better"
     )]
     FewCorners { found: usize, all: usize, least: usize },
@@ -40,6 +47,20 @@ pub enum NoBoard {
 /// Larger photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
 const MOST_SEARCHED_PX: u64 = 27_000_000;
 
+/// How a chessboard is looked for, the quick and likely ways first: in a copy of at most so many pixels, with these flags. OpenCV's search takes minutes
+/// and gigabytes at 12 megapixels and misses boards there that it finds in smaller copies, whose squares are as wide as its filters; each flag finds
+/// boards that the other misses.
+const CHESSBOARD_SEARCHES: [(u64, i32); 7] = [
+    (1_500_000, calib3d::CALIB_CB_NORMALIZE_IMAGE),
+    (1_500_000, calib3d::CALIB_CB_EXHAUSTIVE),
+    (400_000, calib3d::CALIB_CB_NORMALIZE_IMAGE),
+    (400_000, calib3d::CALIB_CB_EXHAUSTIVE),
+    (4_000_000, calib3d::CALIB_CB_NORMALIZE_IMAGE),
+    (1_500_000, CHESSBOARD_THOROUGH),
+    (4_000_000, calib3d::CALIB_CB_EXHAUSTIVE),
+];
+const CHESSBOARD_THOROUGH: i32 = calib3d::CALIB_CB_NORMALIZE_IMAGE | calib3d::CALIB_CB_EXHAUSTIVE;
+
 /// No board fits a smaller image.
 const LEAST_SIDE_PX: u32 = 32;
 
@@ -48,8 +69,10 @@ pub(super) const LEAST_CORNERS: usize = 12;
 
 /// `cornerSubPix` looks at a square of this half side at most; more averages the lens's bending in.
 const WIDEST_WINDOW_PX: f64 = 10.0;
-/// With less room than this around it, a corner cannot be refined without its neighbours pulling at it.
+/// The least half side: with 1 px, noise alone moves a corner by half a pixel.
 const NARROWEST_WINDOW_PX: f64 = 2.0;
+/// From a corner to the next; nearer ones pull at it. Down to here, corners of ChArUco boards lie within 0.1 px (root mean square) of a plane's homography.
+const LEAST_ROOM_PX: f64 = 2.4;
 
 /// Refuses a board whose markers OpenCV does not know.
 ///
@@ -66,7 +89,8 @@ pub fn check(board: &Definition) -> Result<(), DictionaryError> {
 ///
 /// ChArUco: markers, then each inner corner by the homography of the two markers beside it (OpenCV's `interpolateCornersCharuco`
 /// without a camera), refined as a saddle point. AprilGrid: Kalibr's tag corners touch black squares, so they are saddle points too.
-/// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board.
+/// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board, in reduced copies of large photos; the corners
+/// are then refined as saddle points at full size.
 ///
 /// # Errors
 /// The reason why the photo cannot be used.
@@ -86,33 +110,77 @@ pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorne
 }
 
 fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
-    let flat = Mat::from_slice(grey.as_raw().as_slice()).map_err(failed)?;
-    let image = flat.reshape(1, grey.height() as i32).map_err(failed)?;
-    let image = image.try_clone().map_err(failed)?;
-    let found = match board {
-        Definition::Chessboard { inner_corners, .. } => chessboard(&image, *inner_corners).map_err(failed)?,
+    let image = mat(grey).map_err(failed)?;
+    let (found, markers) = match board {
+        Definition::Chessboard { inner_corners, .. } => {
+            let found = chessboard(grey, &image, *inner_corners).map_err(failed)?;
+            (found, Vec::new())
+        }
         Definition::Charuco { dictionary, .. } => {
             let seen = known(markers(&image, dictionary, 1)?, board, 0)?;
-            charuco(&image, board, &seen).map_err(failed)?
+            (charuco(&image, board, &seen).map_err(failed)?, seen)
         }
         Definition::Aprilgrid { border_modules, .. } => {
             // OpenCV's image of this family is turned by 180°: its first corner is the upright tag's lower right.
             let seen = known(markers(&image, "DICT_APRILTAG_36h11", *border_modules)?, board, 2)?;
-            aprilgrid(&image, board, &seen).map_err(failed)?
+            (aprilgrid(&image, board, &seen).map_err(failed)?, seen)
         }
     };
-    match found.len() {
-        0 => Err(NoBoard::NotFound),
-        n if n < LEAST_CORNERS => Err(match edge_width_px(grey, &found) {
-            Some(width_px) if width_px > BLURRED_PX => NoBoard::Blurred { width_px },
-            _ => NoBoard::FewCorners {
-                found: n,
-                all: board.corners_mm().len(),
-                least: LEAST_CORNERS,
-            },
-        }),
-        _ => flat_enough(found, board),
+    if found.len() >= LEAST_CORNERS {
+        return flat_enough(found, board);
     }
+    if let Some(small) = small_squares(board, &markers) {
+        return Err(small);
+    }
+    Err(match (found.len(), edge_width_px(grey, &found)) {
+        (0, _) => NoBoard::NotFound,
+        (_, Some(width_px)) if width_px > BLURRED_PX => NoBoard::Blurred { width_px },
+        (found, _) => NoBoard::FewCorners {
+            found,
+            all: board.corners_mm().len(),
+            least: LEAST_CORNERS,
+        },
+    })
+}
+
+/// From a corner of the board to what else its window must not hold, mm.
+fn room_mm(board: &Definition) -> f64 {
+    match board {
+        Definition::Chessboard { square_mm, .. } => *square_mm,
+        // The corner of the next marker.
+        Definition::Charuco {
+            square_mm, marker_mm, ..
+        } => (square_mm - marker_mm) / SQRT_2,
+        // The far corners of the black square at the crossing, and the inner one of the border.
+        Definition::Aprilgrid {
+            tag_mm,
+            tag_spacing,
+            border_modules,
+            ..
+        } => {
+            let border_mm = tag_mm * f64::from(*border_modules) / f64::from(Definition::GRID_TAG_MODULES);
+            (tag_mm * tag_spacing).min(border_mm * SQRT_2)
+        }
+    }
+}
+
+/// That the markers are seen, but in squares (or tags) too small for their corners.
+fn small_squares(board: &Definition, markers: &[PlacedMarker]) -> Option<NoBoard> {
+    let side_mm = match board {
+        Definition::Aprilgrid { tag_mm: side_mm, .. }
+        | Definition::Charuco { square_mm: side_mm, .. }
+        | Definition::Chessboard { square_mm: side_mm, .. } => side_mm,
+    };
+    let scales: Vec<f64> = markers.iter().map(PlacedMarker::px_per_mm).collect();
+    let square_px = side_mm * upper_median(&scales)?;
+    let least_px = (side_mm * LEAST_ROOM_PX / room_mm(board)).ceil();
+    (square_px < least_px).then_some(NoBoard::SmallSquares { square_px, least_px })
+}
+
+fn mat(grey: &GrayImage) -> opencv::Result<Mat> {
+    Mat::from_slice(grey.as_raw().as_slice())?
+        .reshape(1, grey.height() as i32)?
+        .try_clone()
 }
 
 fn failed(e: opencv::Error) -> NoBoard {
@@ -178,31 +246,18 @@ fn charuco(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Re
         let Some(guess) = through(&homography, corner) else {
             continue;
         };
-        let nearest_mm = from.iter().map(|p| distance(*p, corner)).fold(f64::INFINITY, f64::min);
-        let free_px = nearest_mm * a.px_per_mm().min(b.px_per_mm());
+        let free_px = room_mm(board) * a.px_per_mm().min(b.px_per_mm());
         found.extend(refined(image, guess, free_px)?.map(|px| SeenCorner { id, px }));
     }
     Ok(found)
 }
 
 fn aprilgrid(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
-    let Definition::Aprilgrid {
-        tag_mm,
-        tag_spacing,
-        border_modules,
-        ..
-    } = board
-    else {
-        return Ok(Vec::new());
-    };
-    // The next corners: the far ones of the black square at the crossing, and the inner one of the border.
-    let border_mm = tag_mm * f64::from(*border_modules) / f64::from(Definition::GRID_TAG_MODULES);
-    let nearest_mm = (tag_mm * tag_spacing).min(border_mm * std::f64::consts::SQRT_2);
     let mut found = Vec::new();
     for placed in seen {
         for (i, guess) in placed.corners_px.into_iter().enumerate() {
             let id = placed.marker.id as usize * 4 + i;
-            let free_px = nearest_mm * placed.px_per_mm();
+            let free_px = room_mm(board) * placed.px_per_mm();
             found.extend(refined(image, guess, free_px)?.map(|px| SeenCorner { id, px }));
         }
     }
@@ -210,26 +265,63 @@ fn aprilgrid(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::
     Ok(found)
 }
 
-fn chessboard(image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
+fn chessboard(grey: &GrayImage, image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
+    let mut tried = Vec::new();
+    for (most_px, flags) in CHESSBOARD_SEARCHES {
+        let factor = least_reduction(grey, most_px);
+        if tried.contains(&(factor, flags)) {
+            continue;
+        }
+        tried.push((factor, flags));
+        let found = match factor {
+            1 => sectors(image, inner_corners, flags | calib3d::CALIB_CB_ACCURACY)?,
+            _ => sectors(&mat(&grey.reduced(factor))?, inner_corners, flags)?,
+        };
+        if !found.is_empty() {
+            return match factor {
+                1 => Ok(numbered(found)),
+                _ => saddles(image, &found, factor),
+            };
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// All inner corners, row by row, or none.
+fn sectors(image: &Mat, inner_corners: [u32; 2], flags: i32) -> opencv::Result<Vec<[f64; 2]>> {
     let size = Size::new(inner_corners[0] as i32, inner_corners[1] as i32);
-    let flags = calib3d::CALIB_CB_NORMALIZE_IMAGE | calib3d::CALIB_CB_EXHAUSTIVE | calib3d::CALIB_CB_ACCURACY;
     let mut corners = Vector::<Point2f>::new();
     if !calib3d::find_chessboard_corners_sb(image, size, &mut corners, flags)? {
         return Ok(Vec::new());
     }
-    let corner = |(id, p): (usize, Point2f)| SeenCorner {
-        id,
-        px: [p.x, p.y].map(f64::from),
-    };
-    Ok(corners.iter().enumerate().map(corner).collect())
+    Ok(corners.iter().map(|p| [p.x, p.y].map(f64::from)).collect())
+}
+
+fn numbered(corners: Vec<[f64; 2]>) -> Vec<SeenCorner> {
+    let corner = |(id, px)| SeenCorner { id, px };
+    corners.into_iter().enumerate().map(corner).collect()
+}
+
+/// The saddle points near places in a copy reduced by a factor; those without room are left out.
+fn saddles(image: &Mat, found: &[[f64; 2]], factor: u32) -> opencv::Result<Vec<SeenCorner>> {
+    let mut corners = Vec::new();
+    for (id, place) in found.iter().enumerate() {
+        let others = found.iter().enumerate().filter(|(other, _)| *other != id);
+        let free_px = others
+            .map(|(_, px)| distance(*px, *place))
+            .fold(f64::INFINITY, f64::min);
+        let guess = enlarged(*place, factor);
+        corners.extend(refined(image, guess, free_px * f64::from(factor))?.map(|px| SeenCorner { id, px }));
+    }
+    Ok(corners)
 }
 
 /// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.
 fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<[f64; 2]>> {
-    // The window's corner must not reach the next corner.
-    let half = (free_px / std::f64::consts::SQRT_2 - 1.0).min(WIDEST_WINDOW_PX).floor();
+    // The window's corner does not lie beyond the next corner, or hardly: there its weight is small.
+    let half = (free_px / SQRT_2).floor().clamp(NARROWEST_WINDOW_PX, WIDEST_WINDOW_PX);
     let inside = |at: f64, length: i32| at >= half + 1.0 && at <= f64::from(length) - half - 2.0;
-    if half < NARROWEST_WINDOW_PX || !inside(guess[0], image.cols()) || !inside(guess[1], image.rows()) {
+    if free_px < LEAST_ROOM_PX || !inside(guess[0], image.cols()) || !inside(guess[1], image.rows()) {
         return Ok(None);
     }
     let mut corner = Vector::<Point2f>::from_iter([Point2f::new(guess[0] as f32, guess[1] as f32)]);

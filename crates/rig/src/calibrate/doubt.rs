@@ -44,6 +44,8 @@ const LEAST_SPREAD_DEG: f64 = 12.0;
 const MOST_FOCAL_SIGMA: f64 = 0.01;
 /// Larger residuals than this share of the image's diagonal are another board or another camera: 2.4 px at 1280×960.
 const MOST_RMS_SHARE: f64 = 0.0015;
+/// The focal length's standard deviation is this many times what the corners explain: more than chance among five photos.
+const FOCAL_TIMES: f64 = 2.0;
 /// Photos below which the uncertainties are themselves uncertain.
 const FEW_PHOTOS: usize = 10;
 
@@ -119,7 +121,7 @@ pub(super) fn determined(models: &[CandidateModel], chosen: usize, views: &[View
         percent: percent.to_owned(),
     };
     let covariance = fit.covariance(model, views).ok_or_else(|| open("more than 100"))?;
-    let share = covariance[(0, 0)].max(0.0).sqrt() / fit.camera[0];
+    let share = covariance[(0, 0)].max(0.0).sqrt() / fit.camera.values[0];
     if share > MOST_FOCAL_SIGMA {
         return Err(open(&format!("{:.1}", 100.0 * share)));
     }
@@ -175,17 +177,21 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
             "only {tilted} photos show the board tilted by more than 20°, which is what the focal length comes from"
         ));
     }
+    if found.focal_raised > FOCAL_TIMES {
+        say(format!(
+            "the photos disagree about the focal length {:.0} times as much as their corners explain, which its σ contains: lock the focus, and \
+             keep the board flat",
+            found.focal_raised
+        ));
+    }
     if found.lost_corners > 0 {
         say(format!(
             "{} single corners disagreed with the rest and were left out",
             found.lost_corners
         ));
     }
-    if found.chosen + 1 == LensModel::LADDER.len() {
-        say(
-            "the largest model was chosen: a fisheye or very wide lens may need one that this program does not have"
-                .into(),
-        );
+    if found.chosen_model().model == LensModel::Rational {
+        say("the largest model was chosen: this lens may need one that this program does not have".into());
     }
     cautions
 }

@@ -10,7 +10,7 @@ use super::model::{self, ALL, LensModel};
 use scaleproof_core::geometry::{Rigid, rigid::stepped};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::camera::projection::{by_step, project_unchecked};
+use scaleproof_pose::camera::projection::{Parameters, by_step, project_unchecked};
 use scaleproof_pose::locate::planar_branches;
 
 /// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
@@ -44,8 +44,7 @@ impl View {
 #[derive(Debug, Clone)]
 pub struct CameraFit {
     pub model: LensModel,
-    /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6.
-    pub camera: [f64; ALL],
+    pub camera: Parameters,
     /// `T_camera_board`, one per view.
     pub poses: Vec<Rigid>,
     /// Sum of squared distances, px².
@@ -53,7 +52,7 @@ pub struct CameraFit {
 }
 
 /// Fits a model from a start. `None` when the start has no finite residuals.
-pub(super) fn fit(model: LensModel, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
+pub(super) fn fit(model: LensModel, views: &[View], camera: Parameters, poses: Vec<Rigid>) -> Option<CameraFit> {
     let start = CameraFit {
         model,
         camera,
@@ -66,38 +65,42 @@ pub(super) fn fit(model: LensModel, views: &[View], camera: [f64; ALL], poses: V
 /// The camera that explains the views best, in least squares, with the poses free: of a model, from a start, whose other numbers stay. What is
 /// seen is in the frame of the camera's image. `poses`: `T_camera_points` of each view, about. `None` where the fit finds none.
 pub fn refit(model: LensModel, start: &Camera, views: &[View], poses: Vec<Rigid>) -> Option<Camera> {
-    let [fx, fy, cx, cy, distortion @ ..] = fit(model, views, start.parameters(), poses)?.camera;
-    let mut found = start.clone().with_distortion(&distortion);
-    (found.fx, found.fy, found.cx, found.cy) = (fx, fy, cx, cy);
-    found.sigma_px = None;
-    Some(found)
+    let found = fit(model, views, start.parameters(), poses)?.camera;
+    let mut camera = Camera::from_parameters((start.width, start.height), &found);
+    camera.guess = start.guess;
+    Some(camera)
 }
 
 /// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
-pub(super) fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
+pub(super) fn pose(view: &View, camera: &Parameters, start: Rigid) -> Option<(Rigid, f64)> {
     let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
     Some((found.pose, found.block.cost))
 }
 
-/// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
-pub(super) fn first(size: (u32, u32), views: &[View]) -> Option<CameraFit> {
-    const BY_LONGER_SIDE: [f64; 7] = [0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
+/// The best fit of a model, the smallest or the fisheye, over starting focal lengths from wide angle to telephoto.
+pub(super) fn first(model: LensModel, size: (u32, u32), views: &[View]) -> Option<CameraFit> {
+    // The first, for a fisheye, has 180° across.
+    const BY_LONGER_SIDE: [f64; 8] = [0.32, 0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
     let longer = f64::from(size.0.max(size.1));
     let start = |share: &f64| {
-        let camera = model::start(size, share * longer);
+        let camera = model::start(model, size, share * longer);
         let poses: Vec<Rigid> = views.iter().map(|v| best_start(v, &camera)).collect::<Option<_>>()?;
         Some((cost(views, &camera, &poses)?, camera, poses))
     };
-    let mut starts: Vec<_> = BY_LONGER_SIDE.iter().filter_map(start).collect();
+    let shares = &BY_LONGER_SIDE[usize::from(model != LensModel::Fisheye)..];
+    let mut starts: Vec<_> = shares.iter().filter_map(start).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let followed = starts.into_iter().take(FOLLOWED);
-    let fits = followed.filter_map(|(_, camera, poses)| fit(LensModel::F, views, camera, poses));
+    let fits = followed.filter_map(|(_, camera, poses)| fit(model, views, camera, poses));
     fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The better branch of a planar view, refined.
-fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
-    let starts = planar_branches(&view.points_mm, &view.seen_px, &model::camera((1, 1), camera));
+/// The better branch of a planar view, refined. It starts from those points that the camera sees where the photo shows them.
+fn best_start(view: &View, camera: &Parameters) -> Option<Rigid> {
+    let lens = Camera::from_parameters((1, 1), camera);
+    let pairs = view.points_mm.iter().copied().zip(view.seen_px.iter().copied());
+    let (points_mm, seen_px): (Vec<_>, Vec<_>) = pairs.filter(|(_, px)| lens.point_at(*px).is_some()).unzip();
+    let starts = planar_branches(&points_mm, &seen_px, &lens);
     let refined = starts.into_iter().filter_map(|start| pose(view, camera, start));
     refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
 }
@@ -144,7 +147,7 @@ struct Block {
 
 impl Block {
     /// `None` when the residuals are not finite.
-    fn at(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
+    fn at(view: &View, camera: &Parameters, pose: &Rigid) -> Option<Block> {
         let mut block = Block::default();
         for (point, [u, v]) in view.points_mm.iter().zip(&view.seen_px) {
             let p = pose * point;
@@ -173,11 +176,11 @@ struct PoseEquations<'a> {
     pose: Rigid,
     block: Block,
     view: &'a View,
-    camera: &'a [f64; ALL],
+    camera: &'a Parameters,
 }
 
 impl<'a> PoseEquations<'a> {
-    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
+    fn at(pose: Rigid, view: &'a View, camera: &'a Parameters) -> Option<PoseEquations<'a>> {
         Some(PoseEquations {
             pose,
             block: Block::at(view, camera, &pose)?,
@@ -254,8 +257,10 @@ impl LeastSquares for CameraEquations<'_> {
     fn stepped(&self, damping: f64) -> Option<Self> {
         let (s, b) = self.reduced(damping)?;
         let change = &self.parameters * s.cholesky()?.solve(&b);
-        let camera: [f64; ALL] = std::array::from_fn(|i| self.fit.camera[i] + change[i]);
-        if camera[0] <= 0.0 || camera[1] <= 0.0 || camera.iter().any(|v| !v.is_finite()) {
+        let mut camera = self.fit.camera;
+        camera.values.iter_mut().zip(&change).for_each(|(v, step)| *v += step);
+        let [fx, fy, ..] = camera.values;
+        if fx <= 0.0 || fy <= 0.0 || camera.values.iter().any(|v| !v.is_finite()) {
             return None;
         }
         let moved = |(pose, block): (&Rigid, &Block)| {
@@ -275,7 +280,7 @@ impl LeastSquares for CameraEquations<'_> {
 }
 
 /// Seen minus projected, px, of each corner.
-fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
+fn residuals(view: &View, camera: &Parameters, pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
     let residual = move |(point, seen): (&Point3<f64>, &[f64; 2])| {
         let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
         [seen[0] - x, seen[1] - y]
@@ -284,11 +289,11 @@ fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<It
 }
 
 /// Sum of squared distances of one view, px².
-pub(super) fn squared(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
+pub(super) fn squared(view: &View, camera: &Parameters, pose: &Rigid) -> Option<f64> {
     let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
     sum.is_finite().then_some(sum)
 }
 
-fn cost(views: &[View], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
+fn cost(views: &[View], camera: &Parameters, poses: &[Rigid]) -> Option<f64> {
     views.iter().zip(poses).map(|(v, p)| squared(v, camera, p)).sum()
 }

@@ -3,8 +3,9 @@
 use nalgebra::{Point3, Vector3};
 
 use super::fit::{self, CameraFit, View};
-use super::model::{ALL, LensModel};
+use super::model::LensModel;
 use scaleproof_core::geometry::Rigid;
+use scaleproof_pose::camera::projection::Parameters;
 
 /// At most so many folds; each leaves whole photos out.
 const MOST_FOLDS: usize = 10;
@@ -34,24 +35,34 @@ pub struct ModelDifference {
     pub distance_percent: f64,
 }
 
-/// Fits every model of the ladder; a model that finds no fit, or that the photos are too few for, is left out.
+/// Fits every model of the ladder, each from the last but for the fisheye; a model that finds no fit, or that the photos are too few for, is left
+/// out.
 ///
 /// The held-out error of a model: it is fitted without the photos of a fold; in each of these the pose is found from every other corner
 /// with the camera held, and the remaining corners are predicted from it; then the halves change roles. So no corner that is
 /// judged had a part in the camera or in the pose it is judged by.
-pub(super) fn fit_ladder(first: CameraFit, views: &[View]) -> Vec<CandidateModel> {
+pub(super) fn fit_ladder(first: CameraFit, size: (u32, u32), views: &[View]) -> Vec<CandidateModel> {
     let mut models: Vec<CandidateModel> = Vec::new();
-    let mut start = first;
+    let mut start = Some(first);
     for model in LensModel::LADDER {
-        let Some(found) = fit::fit(model, views, start.camera, start.poses.clone()) else {
-            break;
+        let is_fisheye = model == LensModel::Fisheye;
+        let found = if is_fisheye {
+            fit::first(model, size, views)
+        } else {
+            start
+                .take()
+                .and_then(|start| fit::fit(model, views, start.camera, start.poses))
         };
-        let Some(errors) = held_out(&found, views) else { break };
+        let Some((errors, fit)) = found.and_then(|fit| Some((held_out(&fit, views)?, fit))) else {
+            continue;
+        };
         let (held_out_px, error_px) = summary(&errors);
-        start = found.clone();
+        if !is_fisheye {
+            start = Some(fit.clone());
+        }
         models.push(CandidateModel {
             model,
-            fit: found,
+            fit,
             held_out_px,
             error_px,
             moves: ModelDifference::default(),
@@ -85,7 +96,7 @@ fn held_out(whole: &CameraFit, views: &[View]) -> Option<Vec<f64>> {
     Some(errors)
 }
 
-fn cross_validated(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<f64> {
+fn cross_validated(view: &View, camera: &Parameters, start: Rigid) -> Option<f64> {
     let (even, odd) = (view.half(0), view.half(1));
     let mut sum = 0.0;
     for (known, judged) in [(&even, &odd), (&odd, &even)] {

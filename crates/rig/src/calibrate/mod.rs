@@ -3,6 +3,7 @@
 mod detect;
 mod doubt;
 mod fit;
+mod jackknife;
 mod ladder;
 mod model;
 mod outliers;
@@ -99,7 +100,8 @@ pub struct Calibration {
     pub models: Vec<CandidateModel>,
     /// Which of `models` the camera is.
     pub chosen: usize,
-    /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit.
+    /// Standard deviations of fx, fy, cx, cy (px), then the camera's coefficients; 0 for what the model does not fit. By the scatter of the corners, or by
+    /// leaving photos out where that is larger.
     pub sigmas: [f64; model::ALL],
     /// Over all corners, px.
     pub rms_px: f64,
@@ -110,6 +112,8 @@ pub struct Calibration {
     /// Corners seen in each cell of a 10 × 10 grid over the image, row by row.
     pub coverage: Vec<u32>,
     pub map: UncertaintyMap,
+    /// How many times larger the focal length's standard deviation is than the scatter of the corners alone would make it: from leaving photos out.
+    pub focal_raised: f64,
     pub cautions: Vec<CalibrationCaution>,
 }
 
@@ -177,12 +181,13 @@ pub fn calibrate(
     left_out.extend(cleaned.dropped);
     let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
     doubt::seen_from_several_sides(&cleaned.first)?;
-    let mut models = ladder::fit_ladder(cleaned.first, &views);
+    let mut models = ladder::fit_ladder(cleaned.first, size, &views);
     let chosen = ladder::choose(&models).ok_or(CalibrationError::NoFit)?;
     let fit = models[chosen].fit.clone();
     doubt::determined(&models, chosen, &views)?;
     doubt::fits(&fit, &views, size)?;
     let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
+    let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views);
     let (w, h) = board.size_mm();
     let middle_mm = [w / 2.0, h / 2.0];
     ladder::compare(&mut models, chosen, middle_mm);
@@ -190,7 +195,7 @@ pub fn calibrate(
     let coverage = coverage(&photos, size);
     let map = uncertainty::map(&fit, &covariance, size);
     let sigmas = sigmas(&fit, &covariance);
-    let mut camera = model::camera(size, &fit.camera);
+    let mut camera = Camera::from_parameters(size, &fit.camera);
     camera.sigma_px = Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]);
     let mut result = Calibration {
         board: board.clone(),
@@ -204,6 +209,7 @@ pub fn calibrate(
         lost_corners: cleaned.lost_corners,
         coverage,
         map,
+        focal_raised,
         cautions: Vec::new(),
     };
     result.cautions = doubt::cautions(&result);

@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use scaleproof_pose::camera::Camera;
-use scaleproof_pose::camera::projection::PARAMETERS;
+use scaleproof_pose::camera::DistortionModel;
+use scaleproof_pose::camera::projection::{PARAMETERS, Parameters};
 
-/// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
+/// How many numbers the largest model has: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
 pub(super) const ALL: usize = PARAMETERS;
 
 /// The camera parameters that are fitted; others are 0, and a principal point that is not fitted is the image's centre.
@@ -22,18 +22,22 @@ pub enum LensModel {
     K1K2,
     /// Two focal lengths, the principal point, and k1, k2, p1, p2, k3.
     PlumbBob,
+    /// Two focal lengths, the principal point, and k1, k2, k3, k4 of Kannala and Brandt's fisheye.
+    Fisheye,
     /// Two focal lengths, the principal point, and k1, k2, p1, p2, k3, k4, k5, k6.
     Rational,
 }
 
 impl LensModel {
-    /// From the smallest up; each contains those before it.
-    pub const LADDER: [LensModel; 6] = [
+    /// In the order in which they are preferred. Each contains those before it, but for the fisheye, which contains none and is contained in none: it
+    /// stands behind `plumb_bob`, which more programs read, and before `rational`, which has more numbers.
+    pub const LADDER: [LensModel; 7] = [
         LensModel::F,
         LensModel::FC,
         LensModel::K1,
         LensModel::K1K2,
         LensModel::PlumbBob,
+        LensModel::Fisheye,
         LensModel::Rational,
     ];
 
@@ -55,6 +59,7 @@ impl LensModel {
             LensModel::K1 => ("f, c, k1", 4),
             LensModel::K1K2 => ("f, c, k1, k2", 5),
             LensModel::PlumbBob => ("plumb_bob", 9),
+            LensModel::Fisheye => ("fisheye", 8),
             LensModel::Rational => ("rational", ALL),
         }
     }
@@ -68,15 +73,15 @@ impl LensModel {
     }
 }
 
-/// The numbers of [`ALL`] as a camera for images of a size.
-pub(super) fn camera((width, height): (u32, u32), all: &[f64; ALL]) -> Camera {
-    Camera::pinhole(width, height, all[0], all[1], all[2], all[3]).with_distortion(&all[4..])
-}
-
-/// Where the smallest model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
-pub(super) fn start((width, height): (u32, u32), focal_px: f64) -> [f64; ALL] {
+/// Where a model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
+pub(super) fn start(model: LensModel, (width, height): (u32, u32), focal_px: f64) -> Parameters {
     let [cx, cy] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0);
-    let mut all = [0.0; ALL];
-    all[..4].copy_from_slice(&[focal_px, focal_px, cx, cy]);
-    all
+    let mut values = [0.0; ALL];
+    values[..4].copy_from_slice(&[focal_px, focal_px, cx, cy]);
+    let model = if model == LensModel::Fisheye {
+        DistortionModel::Fisheye
+    } else {
+        DistortionModel::BrownConrady
+    };
+    Parameters { model, values }
 }

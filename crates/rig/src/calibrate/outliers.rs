@@ -7,6 +7,8 @@ use scaleproof_core::statistics::upper_median;
 
 /// Judged by a model rich enough that a lens is no outlier.
 const JUDGE: [LensModel; 3] = [LensModel::FC, LensModel::K1K2, LensModel::PlumbBob];
+/// Judged as a fisheye where that leaves less than this share of the squared residuals.
+const FISHEYE_SHARE: f64 = 0.5;
 /// A photo this many times worse than the median photo, and worse than this in px, is left out.
 const PHOTO_TIMES: f64 = 4.0;
 const PHOTO_PX: f64 = 1.0;
@@ -30,10 +32,10 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
     let (mut dropped, mut lost_corners) = (Vec::new(), 0);
     loop {
         let views: Vec<View> = board_photos.iter().map(|s| s.view(places)).collect();
-        let first = fit::first(size, &views)?;
+        let first = fit::first(LensModel::F, size, &views)?;
         let length = |residuals: &Vec<[f64; 2]>| residuals.iter().map(|[x, y]| x.hypot(*y)).collect();
         // Without a judge nothing disagrees.
-        let judged = judge(&first, &views).map_or_else(Vec::new, |judge| judge.residuals(&views));
+        let judged = judge(&first, size, &views).map_or_else(Vec::new, |judge| judge.residuals(&views));
         let lengths: Vec<Vec<f64>> = judged.iter().map(length).collect();
         if let Some((worst, reason)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
             let file = board_photos.remove(worst).file;
@@ -53,10 +55,17 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
     }
 }
 
-fn judge(first: &CameraFit, views: &[View]) -> Option<CameraFit> {
-    JUDGE.into_iter().try_fold(first.clone(), |start, model| {
+fn judge(first: &CameraFit, size: (u32, u32), views: &[View]) -> Option<CameraFit> {
+    let judge = JUDGE.into_iter().try_fold(first.clone(), |start, model| {
         fit::fit(model, views, start.camera, start.poses)
-    })
+    });
+    let is_enough = |judge: &CameraFit| super::rms_px(judge, views) < PHOTO_PX.min(CORNER_PX);
+    if judge.as_ref().is_some_and(is_enough) {
+        return judge;
+    }
+    let share = judge.as_ref().map_or(f64::INFINITY, |judge| FISHEYE_SHARE * judge.cost);
+    let fisheye = fit::first(LensModel::Fisheye, size, views).filter(|fisheye| fisheye.cost < share);
+    fisheye.or(judge)
 }
 
 /// The photo that does not fit the others, and the sentence that says so.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::ladder::ModelDifference;
 use super::{Calibration, CalibrationCaution, Definition, LensModel, UnusedPhoto};
 
-/// `calibrate --json`. Standard deviations are of one sigma.
+/// `calibrate --json`. Standard deviations are of one sigma: by the scatter of the corners, or by leaving photos out where that is larger.
 #[derive(Serialize, JsonSchema)]
 pub struct CalibrationAnswer<'a> {
     /// The board, with the keys of its file (board.toml).
@@ -25,9 +25,11 @@ pub struct CalibrationAnswer<'a> {
     fy_sigma_px: f64,
     cx_sigma_px: f64,
     cy_sigma_px: f64,
-    /// Distortion coefficients k1, k2, p1, p2, k3, k4, k5, k6.
-    distortion: [f64; 8],
-    /// Standard deviations of the distortion coefficients.
+    /// Distortion coefficients k1, k2, p1, p2, k3, k4, k5, k6; `null` for a fisheye.
+    distortion: Option<&'a [f64]>,
+    /// Coefficients k1, k2, k3, k4 of a fisheye; `null` for other lenses.
+    fisheye: Option<&'a [f64]>,
+    /// Standard deviations of `distortion` or `fisheye`.
     distortion_sigma: &'a [f64],
     /// Reprojection error of all corners, root mean square.
     rms_px: f64,
@@ -110,8 +112,9 @@ pub fn answer(found: &Calibration) -> CalibrationAnswer<'_> {
         fy_sigma_px: s[1],
         cx_sigma_px: s[2],
         cy_sigma_px: s[3],
-        distortion: *c.distortion(),
-        distortion_sigma: &s[4..],
+        distortion: (!c.is_fisheye()).then(|| c.distortion()),
+        fisheye: c.is_fisheye().then(|| c.distortion()),
+        distortion_sigma: &s[4..][..c.distortion().len()],
         rms_px: found.rms_px,
         held_out_px: found.chosen_model().held_out_px,
         ladder: ladder.collect(),
@@ -178,10 +181,11 @@ pub(super) type Number = (&'static str, f64, Option<f64>, &'static str);
 
 /// The camera's numbers; coefficients that the model does not have are left out.
 pub(super) fn numbers(found: &Calibration) -> Vec<Number> {
-    const NAMES: [&str; 12] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
-    let all = NAMES
+    let coefficients = found.camera.distortion_model().names();
+    let all = ["fx", "fy", "cx", "cy"]
         .into_iter()
-        .zip(found.camera.parameters())
+        .chain(coefficients.iter().copied())
+        .zip(found.camera.parameters().values)
         .zip(found.sigmas)
         .enumerate();
     let known = all.filter(|(i, (_, sigma))| *i < 4 || *sigma > 0.0);

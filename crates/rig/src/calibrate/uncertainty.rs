@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix2xX, Point3};
 
 use super::fit::CameraFit;
-use super::model;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::camera::projection::{by_step, project_unchecked};
 
@@ -42,7 +41,7 @@ pub(super) fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (
     let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let middle = |(column, row)| [at(column, columns, w), at(row, rows, h)];
     let middles: Vec<[f64; 2]> = places.map(middle).collect();
-    let camera = model::camera((width, height), &fit.camera);
+    let camera = Camera::from_parameters((width, height), &fit.camera);
     let derivatives: Vec<_> = middles.iter().map(|px| Derivatives::at(fit, &camera, *px)).collect();
     let turn = implied_turn(derivatives.iter().flatten(), covariance.nrows());
     let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| MapCell {

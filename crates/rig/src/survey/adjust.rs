@@ -3,15 +3,16 @@
 //! Levenberg–Marquardt with the photos eliminated (Triggs et al. 2000, "Bundle Adjustment – A Modern Synthesis", section 6.1), so that
 //! the system to solve has six unknowns a free tag, however many photos there are.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
+use nalgebra::{Cholesky, DMatrix, Matrix6, Point3, SMatrix, SVector, Vector6};
 
+use super::lens_numbers::{LENS, LensNumbers, derivatives};
 use super::network::{Node, Poses, Sighting, TagNetwork};
-use super::residual::{NO_PIXEL, linear};
+use super::residual::{LinearisedCorner, NO_PIXEL, linear};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_pose::scene::corners_in_tag_mm;
 
-/// What a corner's distance costs.
+/// What a corner's weighted squared distance costs.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Loss {
     Squared,
@@ -65,6 +66,12 @@ pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss
     found.cost
 }
 
+/// The cost after one step of the adjustment of all poses: nearly the least, where they are nearly the best.
+pub(super) fn cost_after_step(net: &TagNetwork, poses: &Poses, loss: Loss) -> f64 {
+    let stepped = NetworkEquations::at(net, Free::All, loss, poses.clone()).stepped(1e-6);
+    stepped.map_or(f64::INFINITY, |stepped| stepped.cost)
+}
+
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
 pub(super) fn covariances(net: &TagNetwork, poses: &Poses) -> Option<Vec<Option<Matrix6<f64>>>> {
@@ -72,6 +79,50 @@ pub(super) fn covariances(net: &TagNetwork, poses: &Poses) -> Option<Vec<Option<
     let inverse = Cholesky::new(normal.reduced(0.0)?.0)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.slots.tags.iter().map(block).collect())
+}
+
+/// The normal equations of the lens, the poses eliminated: what is left is least where `curvature · step = −gradient`.
+pub(super) struct LensEquations {
+    pub curvature: SMatrix<f64, LENS, LENS>,
+    pub gradient: LensNumbers,
+    /// How each free tag follows the lens: translation (mm) and rotation (rad) in its own frame by each number.
+    pub by_tag: Vec<Option<SMatrix<f64, 6, LENS>>>,
+}
+
+/// The lens's equations at adjusted poses; `None` when the photos leave something undetermined.
+pub(super) fn lens_equations(net: &TagNetwork, poses: &Poses, loss: Loss) -> Option<LensEquations> {
+    let normal = NetworkEquations::at(net, Free::All, loss, poses.clone());
+    let mut cross = Blocks {
+        tags: vec![SMatrix::zeros(); normal.tags.len()],
+        photos: vec![SMatrix::zeros(); normal.photos.len()],
+    };
+    let (mut curvature, mut gradient) = (SMatrix::zeros(), SVector::zeros());
+    for (s, corner, w, l) in normal.corners() {
+        let by_lens = derivatives(&net.camera, &(poses.camera_tag(s)? * corner));
+        curvature += w * by_lens.transpose() * by_lens;
+        gradient += w * by_lens.transpose() * l.residual;
+        if let Some(t) = normal.slots.tags[s.tag] {
+            cross.tags[t] += w * l.by_tag.transpose() * by_lens;
+        }
+        if let Some(p) = normal.slots.photos[s.photo] {
+            cross.photos[p] += w * l.by_photo.transpose() * by_lens;
+        }
+    }
+    let solved = normal.solved(0.0, &cross)?;
+    let pairs = cross
+        .tags
+        .iter()
+        .zip(&solved.tags)
+        .chain(cross.photos.iter().zip(&solved.photos));
+    curvature -= pairs
+        .map(|(cross, solved)| cross.transpose() * solved)
+        .sum::<SMatrix<f64, LENS, LENS>>();
+    let by_tag = |slot: &Option<usize>| slot.map(|s| -solved.tags[s]);
+    Some(LensEquations {
+        curvature,
+        gradient,
+        by_tag: normal.slots.tags.iter().map(by_tag).collect(),
+    })
 }
 
 /// How many numbers are adjusted when all is free.
@@ -108,9 +159,15 @@ impl Slots {
     }
 }
 
+/// `K` columns over the free poses: six rows a tag, six a photo.
+struct Blocks<const K: usize> {
+    tags: Vec<SMatrix<f64, 6, K>>,
+    photos: Vec<SMatrix<f64, 6, K>>,
+}
+
 /// The normal equations `H δ = −g`, in blocks.
 struct NetworkEquations<'a> {
-    net: &'a TagNetwork<'a>,
+    net: &'a TagNetwork,
     free: Free,
     loss: Loss,
     poses: Poses,
@@ -124,11 +181,11 @@ struct NetworkEquations<'a> {
     photo_gradient: Vec<Vector6<f64>>,
 }
 
-/// The tags' own system (matrix and right side), and the inverses of the photos' blocks that led to it.
-type Reduced = (DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>);
+/// The tags' own system, and the inverses of the photos' blocks that led to it.
+type Reduced = (DMatrix<f64>, Vec<Matrix6<f64>>);
 
 impl<'a> NetworkEquations<'a> {
-    fn at(net: &'a TagNetwork<'a>, free: Free, loss: Loss, poses: Poses) -> NetworkEquations<'a> {
+    fn at(net: &'a TagNetwork, free: Free, loss: Loss, poses: Poses) -> NetworkEquations<'a> {
         let slots = Slots::new(net, &poses, free);
         let [tags, photos] = [&slots.tags, &slots.photos].map(|slots| slots.iter().flatten().count());
         let mut normal = NetworkEquations {
@@ -148,6 +205,22 @@ impl<'a> NetworkEquations<'a> {
         normal
     }
 
+    /// Each corner that has a pixel: its sighting, itself in the tag's frame (mm), its weight and how it changes with the poses.
+    fn corners(&self) -> impl Iterator<Item = (&Sighting, Point3<f64>, f64, LinearisedCorner)> {
+        let seen = |s: &'a Sighting| Some((s, self.poses.camera_tag(s)?));
+        let corners = self.net.sightings.iter().filter_map(seen).flat_map(|(s, camera_tag)| {
+            let corners = corners_in_tag_mm(self.net.tags[s.tag].size_mm)
+                .into_iter()
+                .zip(s.corners_px);
+            corners.map(move |(corner, px)| (s, camera_tag, corner, px))
+        });
+        corners.filter_map(|(s, camera_tag, corner, px)| {
+            let l = linear(&camera_tag, &corner, &px, &self.net.camera)?;
+            let w = s.weight * self.loss.weight(s.weight * l.residual.norm_squared());
+            Some((s, corner, w, l))
+        })
+    }
+
     /// Adds a sighting whose two poses are known.
     fn add(&mut self, s: &Sighting) {
         let Some(camera_tag) = self.poses.camera_tag(s) else {
@@ -157,13 +230,13 @@ impl<'a> NetworkEquations<'a> {
         let (tag, photo) = (self.slots.tags[s.tag], self.slots.photos[s.photo]);
         let mut tie = Matrix6::zeros();
         for (corner, seen) in corners_in_tag_mm(net.tags[s.tag].size_mm).iter().zip(&s.corners_px) {
-            let Some(l) = linear(&camera_tag, corner, seen, net.camera) else {
-                self.cost += loss.cost(NO_PIXEL);
+            let Some(l) = linear(&camera_tag, corner, seen, &net.camera) else {
+                self.cost += loss.cost(s.weight * NO_PIXEL);
                 continue;
             };
-            let squared_px = l.residual.norm_squared();
+            let squared_px = s.weight * l.residual.norm_squared();
             self.cost += loss.cost(squared_px);
-            let w = loss.weight(squared_px);
+            let w = s.weight * loss.weight(squared_px);
             if let Some(t) = tag {
                 self.tags[t] += w * l.by_tag.transpose() * l.by_tag;
                 self.tag_gradient[t] += w * l.by_tag.transpose() * l.residual;
@@ -183,18 +256,15 @@ impl<'a> NetworkEquations<'a> {
     fn reduced(&self, damping: f64) -> Option<Reduced> {
         let damped = |m: &Matrix6<f64>| m + Matrix6::from_diagonal(&(m.diagonal() * damping));
         let n = 6 * self.tags.len();
-        let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        let mut matrix = DMatrix::zeros(n, n);
         for (t, block) in self.tags.iter().enumerate() {
             matrix.fixed_view_mut::<6, 6>(6 * t, 6 * t).copy_from(&damped(block));
-            right.fixed_rows_mut::<6>(6 * t).copy_from(&-self.tag_gradient[t]);
         }
         let mut inverses = Vec::with_capacity(self.photos.len());
         for (p, block) in self.photos.iter().enumerate() {
             let inverse = Cholesky::new(damped(block))?.inverse();
             for (a, tie_a) in &self.ties[p] {
                 let through = tie_a * inverse;
-                let mut rows = right.fixed_rows_mut::<6>(6 * a);
-                rows += through * self.photo_gradient[p];
                 for (b, tie_b) in &self.ties[p] {
                     let mut view = matrix.fixed_view_mut::<6, 6>(6 * a, 6 * b);
                     view -= through * tie_b.transpose();
@@ -202,32 +272,55 @@ impl<'a> NetworkEquations<'a> {
             }
             inverses.push(inverse);
         }
-        Some((matrix, right, inverses))
+        Some((matrix, inverses))
+    }
+
+    /// The solution of `H x = right`, in the same blocks.
+    fn solved<const K: usize>(&self, damping: f64, right: &Blocks<K>) -> Option<Blocks<K>> {
+        let (matrix, inverses) = self.reduced(damping)?;
+        let mut tags = DMatrix::zeros(6 * self.tags.len(), K);
+        for (t, block) in right.tags.iter().enumerate() {
+            tags.fixed_view_mut::<6, K>(6 * t, 0).copy_from(block);
+        }
+        for (p, inverse) in inverses.iter().enumerate() {
+            for (t, tie) in &self.ties[p] {
+                let mut rows = tags.fixed_view_mut::<6, K>(6 * t, 0);
+                rows -= tie * (inverse * right.photos[p]);
+            }
+        }
+        if !tags.is_empty() {
+            tags = Cholesky::new(matrix)?.solve(&tags);
+        }
+        let tags: Vec<SMatrix<f64, 6, K>> = (0..self.tags.len())
+            .map(|t| tags.fixed_view::<6, K>(6 * t, 0).into_owned())
+            .collect();
+        let photo = |(p, inverse): (usize, &Matrix6<f64>)| {
+            let tied: SMatrix<f64, 6, K> = self.ties[p].iter().map(|(t, tie)| tie.transpose() * tags[*t]).sum();
+            inverse * (right.photos[p] - tied)
+        };
+        let photos = inverses.iter().enumerate().map(photo).collect();
+        Some(Blocks { tags, photos })
     }
 
     /// The poses after the step that solves the equations.
     fn moved(&self, damping: f64) -> Option<Poses> {
-        let (matrix, right, inverses) = self.reduced(damping)?;
-        let tags = if right.is_empty() {
-            right
-        } else {
-            Cholesky::new(matrix)?.solve(&right)
-        };
-        let photo = |p: usize| {
-            let tied = self.ties[p].iter();
-            let tied: Vector6<f64> = tied.map(|(t, tie)| tie.transpose() * tags.fixed_rows::<6>(6 * t)).sum();
-            inverses[p] * -(self.photo_gradient[p] + tied)
-        };
-        let exp = |d: &[f64]| rigid::from_rotation_vector([d[3], d[4], d[5]], [d[0], d[1], d[2]]);
+        let step = self.solved(
+            damping,
+            &Blocks {
+                tags: self.tag_gradient.iter().map(|g| -g).collect(),
+                photos: self.photo_gradient.iter().map(|g| -g).collect(),
+            },
+        )?;
+        let exp = |d: &Vector6<f64>| rigid::from_rotation_vector([d[3], d[4], d[5]], [d[0], d[1], d[2]]);
         let mut moved = self.poses.clone();
         for (pose, slot) in moved.tags.iter_mut().zip(&self.slots.tags) {
             if let (Some(pose), Some(s)) = (pose, slot) {
-                *pose *= exp(&tags.as_slice()[6 * s..6 * s + 6]);
+                *pose *= exp(&step.tags[*s]);
             }
         }
         for (pose, slot) in moved.photos.iter_mut().zip(&self.slots.photos) {
             if let (Some(pose), Some(s)) = (pose, slot) {
-                *pose = exp(photo(*s).as_slice()) * *pose;
+                *pose = exp(&step.photos[*s]) * *pose;
             }
         }
         Some(moved)

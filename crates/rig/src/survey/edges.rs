@@ -71,7 +71,7 @@ fn rate(inner: &Rigid, outer: &Rigid) -> Vector6<f64> {
     Vector6::new(place[0], place[1], place[2], turn[0], turn[1], turn[2]) / (2.0 * STEP_PX)
 }
 
-fn shifted<'a>(net: &TagNetwork<'a>, px: f64) -> TagNetwork<'a> {
+fn shifted(net: &TagNetwork, px: f64) -> TagNetwork {
     let mut moved = net.clone();
     for s in &mut moved.sightings {
         s.corners_px = outwards(&s.corners_px, px);

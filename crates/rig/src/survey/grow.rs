@@ -2,7 +2,6 @@
 
 use super::adjust::{Free, Loss, adjust, cost};
 use super::network::{Node, Poses, Sighting, TagNetwork};
-use super::residual::squared_px;
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::locate::area_px;
 
@@ -102,7 +101,29 @@ fn grow(net: &TagNetwork, photo: usize, pose: Rigid) -> (f64, Poses) {
         }
         left = now;
     }
+    close(net, &mut poses);
     (cost(net, &poses, rough(net)), poses)
+}
+
+/// Closes loops. What grew photo by photo along a chain of tags has drifted where its ends meet, and a robust loss blames the last sighting for all of
+/// it. Least squares spreads it over the chain; the loss then narrows again (graduated non-convexity: Blake & Zisserman 1987), so that what is
+/// truly off stays off. Kept when it leaves less.
+pub(super) fn close(net: &TagNetwork, poses: &mut Poses) {
+    let Loss::Cauchy { scale_px } = rough(net) else { return };
+    let mut closed = poses.clone();
+    for widening in [f64::INFINITY, 16.0, 8.0, 4.0, 2.0] {
+        let scale_px = widening * scale_px;
+        let loss = if scale_px.is_finite() {
+            Loss::Cauchy { scale_px }
+        } else {
+            Loss::Squared
+        };
+        adjust(net, &mut closed, Free::All, loss, 30);
+    }
+    let left = settle(net, &mut closed, 50);
+    if left < adjust(net, poses, Free::All, rough(net), 50) {
+        *poses = closed;
+    }
 }
 
 /// Lets every tag and photo take a better candidate, then adjusts all.
@@ -178,8 +199,12 @@ fn node_cost(net: &TagNetwork, poses: &Poses, node: Node, pose: &Rigid) -> f64 {
             Node::Photo(_) => pose * poses.tags[s.tag]?,
             Node::Tag(_) => poses.photos[s.photo]? * pose,
         };
-        let squared = squared_px(&camera_tag, net.tags[s.tag].size_mm, &s.corners_px, net.camera);
-        Some(squared.iter().map(|e| loss.cost(*e)).sum::<f64>())
+        Some(
+            net.squared_px_under(&camera_tag, s)
+                .iter()
+                .map(|e| loss.cost(*e))
+                .sum::<f64>(),
+        )
     };
     net.sightings_of(node).filter_map(cost).sum()
 }

@@ -10,6 +10,9 @@ use scaleproof_pose::scene::TagFamily;
 /// A tag's name: ids are only unique within a family.
 pub(super) type TagKey = (TagFamily, u32);
 
+/// The corners of a tag too small to bend, for [`scaleproof_pose::locate::expected_px2`].
+pub(super) const TINY: [[f64; 2]; 4] = [[0.0; 2]; 4];
+
 /// A tag of known size.
 #[derive(Debug, Clone)]
 pub(super) struct SizedTag {
@@ -28,6 +31,9 @@ pub(super) struct Sighting {
     pub corners_px: [[f64; 2]; 4],
     /// The planar branches, `T_camera_tag`: at most two, the better first.
     pub branches: Vec<Rigid>,
+    /// Weight of its squared residuals: the variance that is expected of a tiny tag's corner, over that of its own corners
+    /// ([`scaleproof_pose::locate::expected_px2`]), which grows with the tag because paper bends.
+    pub weight: f64,
 }
 
 impl Sighting {
@@ -42,9 +48,9 @@ impl Sighting {
 
 /// All sightings by one camera.
 #[derive(Debug, Clone)]
-pub(super) struct TagNetwork<'a> {
+pub(super) struct TagNetwork {
     /// The survey's camera; it fits every photo.
-    pub camera: &'a Camera,
+    pub camera: Camera,
     pub tags: Vec<SizedTag>,
     pub photos: usize,
     pub sightings: Vec<Sighting>,
@@ -79,7 +85,7 @@ impl Poses {
     }
 }
 
-impl TagNetwork<'_> {
+impl TagNetwork {
     /// The sightings of a photo or a tag.
     pub(super) fn sightings_of(&self, node: Node) -> impl Iterator<Item = &Sighting> {
         self.sightings.iter().filter(move |s| s.is_of(node))
@@ -100,10 +106,15 @@ impl TagNetwork<'_> {
         tags.map(Node::Tag).chain((0..self.photos).map(Node::Photo))
     }
 
-    /// Squared distance in px² of each corner of a sighting from where the poses put it; `None` when a pose is unknown.
+    /// Weighted squared distance in px² of each corner of a sighting from where the poses put it; `None` when a pose is unknown.
     pub(super) fn squared_px(&self, s: &Sighting, poses: &Poses) -> Option<[f64; 4]> {
-        let pose = poses.camera_tag(s)?;
-        Some(squared_px(&pose, self.tags[s.tag].size_mm, &s.corners_px, self.camera))
+        Some(self.squared_px_under(&poses.camera_tag(s)?, s))
+    }
+
+    /// Weighted squared distance in px² of each corner of a sighting from where a pose `T_camera_tag` puts it.
+    pub(super) fn squared_px_under(&self, camera_tag: &Rigid, s: &Sighting) -> [f64; 4] {
+        let squared = squared_px(camera_tag, self.tags[s.tag].size_mm, &s.corners_px, &self.camera);
+        squared.map(|e| s.weight * e)
     }
 
     /// The network with only the sightings that `keep` accepts; all tags and photos stay.

@@ -50,9 +50,7 @@ pub enum LeftOutReason {
     #[error("no photo shows it whole and only once: uncover it, remove copies")]
     NeverWhole,
     /// One photo does not exclude its other planar pose.
-    #[error(
-        "only {photo} shows it, where two poses explain it or it is seen straight on: take another photo of it, from aside"
-    )]
+    #[error("only {photo} shows it, where two poses explain it: take another photo of it, from aside")]
     SeenOnce { photo: String },
     #[error(
         "was moved, or badly seen: it is about {mm:.0} mm elsewhere in {} than in {}",

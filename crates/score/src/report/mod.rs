@@ -130,7 +130,9 @@ struct Reported {
 
 impl Before {
     fn in_folder(folder: &Path) -> Before {
-        let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();
+        let summary = folder.join(SUMMARY);
+        files::inputs::own(&summary);
+        let text = files::read_text(&summary).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 }

@@ -38,18 +38,25 @@ pub fn summary_table(scores: &Scores) -> String {
     lines.join("\n")
 }
 
-/// Widths of the first column and of the others.
-const WIDTHS: (usize, usize) = (14, 34);
+/// Width of the columns but the first.
+const WIDTH: usize = 34;
+
+/// Width of the detectors' column: their longest name, 14 at least.
+fn names_width(scores: &Scores) -> usize {
+    let names = scores.summaries.iter().map(|s| s.detector.chars().count());
+    names.fold(14, usize::max)
+}
 
 /// A heading with the variants, then a line per detector.
 fn by_detector(scores: &Scores, what: &str, cell: fn(&Summary) -> String) -> Vec<String> {
     let detectors = scores.summaries.chunk_by(|a, b| a.detector == b.detector);
+    let widths = (names_width(scores), WIDTH);
     let mut lines = vec![what.to_owned()];
     for (i, own) in detectors.enumerate() {
         if i == 0 {
-            lines.push(line("detector", own.iter().map(|s| s.variant.clone()), WIDTHS));
+            lines.push(line("detector", own.iter().map(|s| s.variant.clone()), widths));
         }
-        lines.push(line(&own[0].detector, own.iter().map(cell), WIDTHS));
+        lines.push(line(&own[0].detector, own.iter().map(cell), widths));
     }
     lines
 }
@@ -100,13 +107,13 @@ fn drops(scores: &Scores) -> Vec<String> {
             scores.base
         ));
         for (s, drop) in own().filter_map(|s| Some((s, s.drop?))) {
-            lines.extend(drop_lines(s, &drop, paired(s)));
+            lines.extend(drop_lines(s, &drop, paired(s), names_width(scores)));
         }
     }
     lines
 }
 
-fn drop_lines(s: &Summary, drop: &Drop, compared: Option<&Compared>) -> [String; 2] {
+fn drop_lines(s: &Summary, drop: &Drop, compared: Option<&Compared>, width: usize) -> [String; 2] {
     let line = |head: &str, name: &str, overall: f64, of: fn(&Compared) -> &Difference| {
         let said = compared.map_or_else(
             || format!("{}, over all photos: not paired", digits(overall, 3)),
@@ -117,7 +124,7 @@ fn drop_lines(s: &Summary, drop: &Drop, compared: Option<&Compared>) -> [String;
                 format!("{drop} {interval}: {}; ASR {asr}", paired::briefly(d.finding))
             },
         );
-        format!("{head:<14}  {name:<8}  {said}")
+        format!("{head:<width$}  {name:<8}  {said}")
     };
     [
         line(&s.detector, "AP@0.5", drop.ap50, |r| &r.ap50),

@@ -15,7 +15,7 @@ use scaleproof_core::workers;
 use scaleproof_core::workers::stopwatch::{Stage, timed};
 use scaleproof_detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
 use scaleproof_photo::photo::{Photo, PhotoError};
-use scaleproof_pose::locate::{Located, locate_luma, locate_tags};
+use scaleproof_pose::locate::{Located, Warning, locate_luma, locate_tags};
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, Session};
@@ -142,12 +142,31 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
         return Ok(PlacedModel { located, truth });
     }
     let (located, fitted) = photo.pose_and_camera().map_err(NotScoredReason::new)?;
-    let truth = job.session.outline.box_in_photo(&located.pose, &fitted.camera);
+    let outline = &job.session.outline;
+    let truth = outline
+        .box_in_photo(&located.pose, &fitted.camera)
+        .map_err(NotScoredReason::new)?;
+    if located.warnings.contains(&Warning::OpenPose) {
+        // Only the bin is sure: the box must be the same by both poses.
+        let rival = located.lone.as_ref().and_then(|lone| lone.rival);
+        let other = rival.and_then(|rival| outline.box_in_photo(&rival.pose, &fitted.camera).ok());
+        let iou = other.map_or(0.0, |other| truth.iou(&other));
+        if iou < SAME_BOX_IOU {
+            return Err(NotScoredReason(format!(
+                "its one tag says from which bin the photo was taken, but not where the model's box is (two poses, whose boxes have an IoU of \
+                 {iou:.2}; {SAME_BOX_IOU} is needed): let a second tag be seen, or give box_xyxy_px"
+            )));
+        }
+    }
     Ok(PlacedModel {
-        truth: truth.map_err(NotScoredReason::new)?,
+        truth,
         located: Some(located),
     })
 }
+
+/// Boxes by the two poses of a lone tag are one box from this IoU on: the strictest threshold of COCO's average precision, at which the same detection
+/// is a hit by either.
+const SAME_BOX_IOU: f64 = 0.95;
 
 /// What each thread owns.
 pub(super) struct Observer<'a> {

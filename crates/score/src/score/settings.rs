@@ -100,7 +100,7 @@ impl Settings {
     pub fn applied(&self, mut session: Session) -> Session {
         if let Some(terms) = self.lens_terms {
             session.camera = session.camera.map(|camera| {
-                let kept = camera.distortion()[..terms.min(8)].to_vec();
+                let kept = camera.distortion().iter().take(terms).copied().collect::<Vec<_>>();
                 camera.with_distortion(&kept)
             });
         }

@@ -136,6 +136,9 @@ impl Session {
         for read in read.into_iter().flatten() {
             hashes.push(files::hashed(read)?);
         }
+        photos
+            .iter()
+            .for_each(|photo| files::inputs::note(&folder.join(&photo.file)));
         let real = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         Ok(Session {
             name: real.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -250,6 +253,7 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
             "box_xyxy_px of {file} is empty: give [x1, y1, x2, y2] in pixels"
         ));
     }
+    BoxPx::check_counts_pixels(photo.box_xyxy_px).map_err(|why| format!("the box of {file}: {why}"))?;
     match photo.viewpoint {
         Some(v) if !v.is_possible() => Err(format!(
             "the viewpoint of {file} is impossible: azimuth_deg is in [0, 360), pitch_deg in [-90, 90], distance_mm above 0"

@@ -65,7 +65,7 @@ pub(super) fn usual(question: Question) -> Way {
     }
 }
 
-/// OpenCV's k1, k2, p1, p2, k3 … k6.
+/// OpenCV's k1, k2, p1, p2, k3 … k6; a fisheye has fewer.
 const ALL_TERMS: usize = 8;
 
 /// More tags than these in one photo are all of them.
@@ -124,12 +124,15 @@ impl Way {
 
     /// The camera with the terms that are kept.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
-        camera.clone().with_distortion(&camera.distortion()[..self.lens_terms])
+        let all = camera.distortion();
+        camera.clone().with_distortion(&all[..self.lens_terms.min(all.len())])
     }
 
-    /// What it costs, least first: milliseconds where time is what differs, else its own size.
+    /// What it costs, least first: milliseconds where time is what differs, else its own size. What solvers take is little beside the search for
+    /// tags, so that the usual one stays where it is enough.
     pub(super) fn cost(&self, ms: f64) -> f64 {
         match self.question {
+            Question::Solver if self.is_usual() => 0.0,
             Question::TagDetector | Question::Solver => ms,
             Question::CameraModel => self.lens_terms as f64,
             Question::Tags => self.most_tags.unwrap_or(usize::MAX) as f64,

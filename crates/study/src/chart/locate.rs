@@ -37,7 +37,8 @@ impl LensTerms {
     /// The camera with only these coefficients left.
     fn applied_to(self, camera: &Camera) -> Camera {
         let kept = [0, 1, 8][self as usize];
-        camera.clone().with_distortion(&camera.distortion()[..kept])
+        let all = camera.distortion();
+        camera.clone().with_distortion(&all[..all.len().min(kept)])
     }
 }
 

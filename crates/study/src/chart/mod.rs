@@ -5,6 +5,7 @@ pub mod capture;
 pub mod envelope;
 pub mod locate;
 pub mod score;
+pub mod sigma;
 mod spoil;
 pub mod stability;
 mod truth;
@@ -18,7 +19,7 @@ use serde::Serialize;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::workers::fastest;
 use scaleproof_photo::photo::PhotoError;
-use scaleproof_plot::{PlotAxis, Scale};
+use scaleproof_plot::{PlotAxis, Scale, distinct};
 use scaleproof_pose::camera::{Camera, SizeError};
 use scaleproof_pose::locate::locate_luma;
 use scaleproof_pose::scene::Scene;
@@ -53,7 +54,8 @@ pub enum MeasureError {
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct ChartNumbers<'a, R> {
     scaleproof: &'static str,
-    session: &'a str,
+    /// Name of the session; of several, with commas between.
+    session: String,
     /// File name and SHA-256.
     inputs: Vec<(String, String)>,
     tag_detectors: Vec<String>,
@@ -65,7 +67,15 @@ impl<'a, R> ChartNumbers<'a, R> {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn new(session: &'a Session, read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
+    pub fn new(session: &Session, read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
+        Self::over(&[session], read, rows)
+    }
+
+    /// Rows that were measured on several sessions.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn over(sessions: &[&Session], read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
         let others = read
             .iter()
             .map(|path| files::hashed(path))
@@ -73,8 +83,12 @@ impl<'a, R> ChartNumbers<'a, R> {
         let detectors = TagDetectorChoice::ALL.iter();
         Ok(Self {
             scaleproof: env!("CARGO_PKG_VERSION"),
-            session: &session.name,
-            inputs: [session.hashes.clone(), others].concat(),
+            session: distinct(sessions.iter().map(|session| session.name.as_str())).join(", "),
+            inputs: sessions
+                .iter()
+                .flat_map(|session| session.hashes.clone())
+                .chain(others)
+                .collect(),
             tag_detectors: detectors.map(|choice| choice.provenance()).collect(),
             rows,
         })

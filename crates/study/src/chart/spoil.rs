@@ -23,6 +23,8 @@ pub enum Spoil {
     Noise,
     /// Too little light (below 0) or too much: stops.
     Exposure,
+    /// A lamp lights every tag unevenly: the light at its dark end, as a share of that at its bright end, in a random direction.
+    Lamp,
     /// Every tag is covered from a random side by an opaque strip: share of its side.
     Cover,
     /// The photo was cut to this share of its sides, anywhere, and passes as a smaller photo.
@@ -39,6 +41,7 @@ impl Spoil {
             "motion_blur" => Self::Motion,
             "noise" => Self::Noise,
             "exposure" => Self::Exposure,
+            "lamp" => Self::Lamp,
             "occlusion" => Self::Cover,
             "cropping" => Self::Crop,
             "jpeg_quality" => Self::Jpeg,
@@ -57,6 +60,7 @@ impl Spoil {
                 let gain = 2f64.powf(amount / 2.2);
                 each(photo, |value| value * gain)
             }
+            Self::Lamp => lit(photo, amount, tags, rng),
             Self::Cover => covered(photo, amount, tags, rng),
             Self::Crop => cropped(photo, amount, rng),
             Self::Jpeg => jpeg(photo, amount as u8),
@@ -90,6 +94,25 @@ fn each(photo: &GrayImage, mut level: impl FnMut(f64) -> f64) -> GrayImage {
     out
 }
 
+/// Each tag and its margin, darker from one side to the other; grey levels are taken as light to the power of 1/2.2.
+fn lit(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
+    let mut out = photo.clone();
+    for tag in tags {
+        let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let along = |[x, y]: [f64; 2]| x * around.cos() + y * around.sin();
+        let middle = [0, 1].map(|k| tag.iter().map(|p| p[k]).sum::<f64>() / 4.0);
+        let margin = tag.map(|p| [0, 1].map(|k| middle[k] + 1.4 * (p[k] - middle[k])));
+        let (from, to) = extent(margin.iter().map(|p| along(*p)));
+        inside(&margin, photo.dimensions(), |x, y| {
+            let part = (along([f64::from(x), f64::from(y)]) - from) / (to - from);
+            let gain = (1.0 - (1.0 - share) * part).powf(1.0 / 2.2);
+            let level = &mut out.get_pixel_mut(x, y).0[0];
+            *level = (f64::from(*level) * gain).round() as u8;
+        });
+    }
+    out
+}
+
 fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
     let mut out = photo.clone();
     if share <= 0.0 {
@@ -111,6 +134,11 @@ fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rn
 
 /// Paints a convex outline.
 fn fill(image: &mut GrayImage, outline: &TagCorners, grey: u8) {
+    inside(outline, image.dimensions(), |x, y| image.put_pixel(x, y, Luma([grey])));
+}
+
+/// The pixels of an image of this size inside a convex outline.
+fn inside(outline: &TagCorners, (width, height): (u32, u32), mut each: impl FnMut(u32, u32)) {
     let span = |k: usize, size: u32| {
         let (low, high) = extent(outline.iter().map(|p| p[k]));
         (low.floor().max(0.0) as u32)..(high.ceil().clamp(0.0, f64::from(size)) as u32)
@@ -119,11 +147,11 @@ fn fill(image: &mut GrayImage, outline: &TagCorners, grey: u8) {
         let (a, b) = (outline[i], outline[(i + 1) % 4]);
         (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
     };
-    for y in span(1, image.height()) {
-        for x in span(0, image.width()) {
+    for y in span(1, height) {
+        for x in span(0, width) {
             let signs: [f64; 4] = std::array::from_fn(|i| side(f64::from(x), f64::from(y), i));
             if signs.iter().all(|s| *s >= 0.0) || signs.iter().all(|s| *s <= 0.0) {
-                image.put_pixel(x, y, Luma([grey]));
+                each(x, y);
             }
         }
     }

@@ -73,7 +73,7 @@ impl Conditions {
             "tilt_of_a_single_tag" => all.tilt_deg = Some(amount),
             // The lens has this many times the stated camera's distortion, and the camera file none.
             "ignored_distortion" => {
-                let stronger = stated.distortion().map(|k| amount * k);
+                let stronger: Vec<f64> = stated.distortion().iter().map(|k| amount * k).collect();
                 all.camera = stated.clone().with_distortion(&stronger);
                 all.fault = Some(F::IgnoredDistortion);
             }
@@ -83,6 +83,7 @@ impl Conditions {
             "wrong_principal_point" => all.fault = Some(F::WrongPrincipalPoint { px: amount }),
             "wrong_tag_size" => all.fault = Some(F::WrongTagSize { factor: amount }),
             "moved_tag" => all.fault = Some(F::MovedTag { mm: amount }),
+            "bent_paper" => all.fault = Some(F::BentPaper { mm: amount }),
             "twisted_tag" => all.fault = Some(F::TwistedTag { deg: amount }),
             "wrong_corner" => all.fault = Some(F::WrongCorner { px: amount }),
             "duplicated_id" => all.fault = (amount > 0.0).then_some(F::DuplicatedId),

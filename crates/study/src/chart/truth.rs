@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::Viewpoint;
 
 /// Why there is no truth to measure against.
@@ -45,6 +46,18 @@ struct TrueBox {
     box_xyxy_px: BoxPx,
 }
 
+/// The σ of an exact truth.
+pub(super) const EXACT: Sigma = Sigma {
+    azimuth_deg: 0.0,
+    pitch_deg: 0.0,
+    distance_mm: 0.0,
+};
+
+#[derive(Deserialize)]
+struct TruthSigma {
+    sigma: Option<Sigma>,
+}
+
 /// The true viewpoints of some photos, in their order.
 ///
 /// # Errors
@@ -52,6 +65,15 @@ struct TrueBox {
 pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
     let keys = "\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …";
     about(path, files, keys, |view: &Viewpoint| *view)
+}
+
+/// The standard deviations of these viewpoints themselves, where the file states them as `sigma`; 0 otherwise.
+///
+/// # Errors
+/// As [`true_views`].
+pub(super) fn true_sigmas(path: &Path, files: &[&str]) -> Result<Vec<Sigma>, TruthError> {
+    let keys = "\"sigma\": {\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …}";
+    about(path, files, keys, |truth: &TruthSigma| truth.sigma.unwrap_or(EXACT))
 }
 
 /// The exact boxes around the model's outline in some photos, in their order, px.

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use image::GrayImage;
-use nalgebra::{Matrix3, Point3, Vector3, Vector6};
+use nalgebra::{Matrix3, Point3, Vector3};
 use opencv::core::{Mat, Point2d, Point3d, Vector};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -14,7 +14,7 @@ use scaleproof_core::workers;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, Located, Solver, Warning, locate, locate_by};
-use scaleproof_pose::scene::{Scene, Viewpoint};
+use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof_study::chart::Spoil;
@@ -66,6 +66,10 @@ struct Tally {
     named: usize,
     blamed: usize,
     azimuth_deg: Vec<f64>,
+    /// Errors of azimuth over their σ.
+    sigmas: Vec<f64>,
+    /// More than 10° wrong, although the pose is not said to be open.
+    far_off: usize,
     mahalanobis: Vec<f64>,
     refusals: BTreeMap<&'static str, usize>,
 }
@@ -88,8 +92,10 @@ impl Tally {
         self.warned += usize::from(!located.warnings.is_empty());
         self.named += usize::from(located.ignored_tags.iter().any(|i| Some(i.id) == view.struck));
         self.blamed += usize::from(located.ignored_tags.iter().any(|i| Some(i.id) != view.struck));
-        self.azimuth_deg
-            .push(turn(located.viewpoint.azimuth_deg, truth.azimuth_deg).abs());
+        let off_deg = turn(located.viewpoint.azimuth_deg, truth.azimuth_deg).abs();
+        self.azimuth_deg.push(off_deg);
+        self.sigmas.push(off_deg / located.sigma.azimuth_deg);
+        self.far_off += usize::from(off_deg > 10.0 && !located.warnings.contains(&Warning::OpenPose));
         self.mahalanobis.push(squared_mahalanobis(located, &view.pose));
     }
 
@@ -237,8 +243,7 @@ fn a_single_tag_is_answered_only_when_its_rival_is_out() {
         }
     }
     tally.print("single tags");
-    let off = tally.azimuth_deg.iter().filter(|off| **off > 10.0).count();
-    println!("more than 10° wrong: {off}");
+    println!("of sure poses, more than 10° wrong: {}", tally.far_off);
     let allowed = ["one_tag_ambiguous", "one_tag_frontal", "degenerate"];
     assert!(
         tally.refusals.keys().all(|code| allowed.contains(code)),
@@ -250,18 +255,45 @@ fn a_single_tag_is_answered_only_when_its_rival_is_out() {
         "the sweep must reach where the method fails"
     );
     assert!(tally.answered > 300, "a tilted, near tag is enough");
-    assert!(1000 * tally.wrong <= tally.answered && 1000 * off <= tally.answered);
+    assert!(1000 * tally.wrong <= tally.answered && 1000 * tally.far_off <= tally.answered);
+    let within = |sigmas: f64| tally.sigmas.iter().filter(|off| **off <= sigmas).count();
+    println!(
+        "of {} errors of azimuth, within 1, 2, 3 σ: {:?}",
+        tally.answered,
+        [1.0, 2.0, 3.0].map(within)
+    );
+    assert!(100 * within(2.0) >= 95 * tally.answered && 1000 * within(3.0) >= 997 * tally.answered);
 }
 
+/// A tag seen straight on leaves its tilt open. It tells the bin where it faces the middle of one, and not where it faces an edge.
 #[test]
-fn a_frontal_tag_is_never_answered() {
+fn a_frontal_tag_is_answered_where_its_bin_is_sure() {
+    let in_the_middle = frontal_views(0.0);
+    in_the_middle.print("a tag that faces a bin's middle");
+    assert_eq!(in_the_middle.wrong, 0);
+    assert!(5 * in_the_middle.answered > in_the_middle.views);
+    let at_an_edge = frontal_views(18.0);
+    at_an_edge.print("a tag that faces 4.5° from an edge");
+    assert!(at_an_edge.answered == 0);
+}
+
+/// 500 views straight on a tag that faces an azimuth, up to 2° off.
+fn frontal_views(azimuth_deg: f64) -> Tally {
     let (scene, camera) = skyline();
-    let tag = scene.tags[8].clone();
+    let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+    let tag = Tag {
+        // Clear of the model, which would hide it.
+        centre_mm: Point3::new(300.0 * cos, 300.0 * sin, 150.0),
+        right: Vector3::new(-sin, cos, 0.0),
+        up: Vector3::z(),
+        ..scene.tags[8].clone()
+    };
     let lone = Scene {
         tags: vec![tag.clone()],
         ..scene.clone()
     };
     let mut simulator = Simulator::new(&lone, &camera, USUAL, 4);
+    let mut tally = Tally::default();
     for i in 0..500 {
         // Straight on, up to 2° off.
         let (far, aside) = (700.0 + f64::from(i), f64::from(i * 7 % 41 - 20));
@@ -269,15 +301,19 @@ fn a_frontal_tag_is_never_answered() {
         let z = (tag.centre_mm - centre).normalize();
         let x = (tag.right - z * tag.right.dot(&z)).normalize();
         let rotation = Matrix3::from_rows(&[x.transpose(), z.cross(&x).transpose(), z.transpose()]);
-        let seen = simulator.seen(&rigid::from_matrix(rotation, -(rotation * centre.coords)));
-        assert_eq!(seen.len(), 1);
-        let answer = locate(&seen, &scene, &camera);
-        let unsure = matches!(
-            answer,
-            Err(Abstention::OneTagAmbiguous { .. } | Abstention::OneTagFrontal { .. })
-        );
-        assert!(unsure, "{answer:?}");
+        let pose = rigid::from_matrix(rotation, -(rotation * centre.coords));
+        let view = SimulatedView {
+            viewpoint: Viewpoint::from_camera(centre, scene.model.target_mm()),
+            pose,
+            seen: simulator.seen(&pose),
+            scene: lone.clone(),
+            camera: camera.clone(),
+            struck: None,
+        };
+        assert_eq!(view.seen.len(), 1);
+        tally.count(&view, &locate(&view.seen, &lone, &camera));
     }
+    tally
 }
 
 /// One bad tag among five or more: found and left out.
@@ -472,10 +508,7 @@ fn taken() -> Vec<Taken> {
 
 /// The squared Mahalanobis distance of the true pose from the found one: 6 in the mean when the covariance is right.
 fn squared_mahalanobis(located: &Located, truth: &Rigid) -> f64 {
-    // The inverse of `rigid::stepped`.
-    let step = truth * located.pose.inverse();
-    let (turn, shift) = (step.rotation.scaled_axis(), step.translation.vector);
-    let step = Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z);
+    let step = rigid::step_between(&located.pose, truth);
     let inverse = located.uncertainty.covariance.cholesky();
     inverse.map_or(f64::INFINITY, |c| step.dot(&c.solve(&step)))
 }
@@ -542,7 +575,10 @@ fn a_lone_tag_that_the_picture_contradicts_is_refused() {
         honest.print("  the same views without it");
         let contradicted = |tally: &Tally| tally.refusals.get("one_tag_contradicted").copied().unwrap_or(0);
         // Not all: from the wrong place too, the model may be in the image and no other tag.
-        assert!(contradicted(&struck) > 30, "{fault:?}");
+        assert!(
+            contradicted(&struck) > 30 && 5 * struck.wrong < struck.views,
+            "{fault:?}"
+        );
         assert!(contradicted(&honest) == 0 && honest.answered > 0);
     }
 }

@@ -19,7 +19,7 @@ pub struct FaceList {
 
 impl FaceList {
     /// Reads whole numbers with white space between them: the indices of triangles from 0 on, in the order of the mesh's file, where a
-    /// polygon of more corners counts as the fan of triangles that it is cut into.
+    /// polygon of more corners counts as the triangles that it is cut into.
     ///
     /// # Errors
     /// An unreadable or empty file, what is no whole number, a triangle that the mesh does not have.

@@ -1,10 +1,10 @@
 //! Binary glTF 2.0, with the transforms of its nodes applied: positions, texture coordinates and base colours. In metres, y up.
 
-use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
-use gltf::{Accessor, Document, Glb, Node, Primitive, Semantic};
+use gltf::{Document, Glb, Node, Primitive, Semantic};
 use nalgebra::{Matrix4, Point3};
 
+use super::gltf_data::Buffers;
 use super::gltf_look::{Placing, looks};
 use super::image::Look;
 use super::{Soup, Trouble, corner};
@@ -13,20 +13,31 @@ use super::{Soup, Trouble, corner};
 const HEADER: usize = 12;
 /// Deeper trees than this are circles.
 const MAX_DEPTH: usize = 100;
+/// Extensions that may be required, as they say nothing of where a surface is, or are met where they matter: packed data, images.
+const PASSED_OVER: [&str; 9] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "KHR_mesh_quantization",
+    DRACO,
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+];
+const DRACO: &str = "KHR_draco_mesh_compression";
+/// Many copies of a node's mesh, each placed by an accessor.
+const INSTANCES: &str = "EXT_mesh_gpu_instancing";
 /// What a primitive without a material is called.
 const NO_MATERIAL: &str = "none";
 
 pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
-    let (document, blob) = document(bytes)?;
-    let blob = blob
-        .as_deref()
-        .ok_or_else(|| Trouble::damaged("its data are in other files; save everything in one .glb"))?;
+    let (document, chunk) = document(bytes)?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let roots = scene.ok_or_else(|| Trouble::damaged("it has no scene"))?;
-    let file = File {
-        blob,
-        looks: looks(&document, blob, &soup.folder),
-    };
+    let buffers = Buffers::read(&document, chunk, &soup.folder);
+    let looks = looks(&document, &buffers, &soup.folder);
+    let file = File { buffers, looks };
     let mut budget = 100_000;
     for root in roots.nodes() {
         visit(&root, &Matrix4::identity(), 0, &mut budget, &file, soup)?;
@@ -35,8 +46,8 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
 }
 
 /// What the tree refers to.
-struct File<'a> {
-    blob: &'a [u8],
+struct File {
+    buffers: Buffers,
     /// Of each material.
     looks: Vec<Look>,
 }
@@ -44,11 +55,26 @@ struct File<'a> {
 /// The checked tree and the data beside it. What the gltf crate trusts although damaged files have it wrong is looked at first.
 fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Trouble> {
     let length = bytes.get(8..).and_then(|rest| rest.first_chunk::<4>());
-    if length.is_some_and(|length| (u32::from_le_bytes(*length) as usize) < HEADER) {
+    let length = length.map_or(bytes.len(), |length| u32::from_le_bytes(*length) as usize);
+    if length < HEADER {
         return Err(Trouble::damaged("its header gives no length"));
     }
+    let rest = bytes.get(length..).unwrap_or_default();
+    if rest.iter().any(|byte| *byte != 0) {
+        let more = rest.len();
+        return Err(Trouble::Damaged(format!(
+            "{more} bytes follow the end that its header gives"
+        )));
+    }
     let glb = Glb::from_slice(bytes).map_err(Trouble::damaged)?;
-    let root = gltf::json::deserialize::from_slice::<gltf::json::Root>(&glb.json).map_err(Trouble::damaged)?;
+    let mut root = gltf::json::deserialize::from_slice::<gltf::json::Root>(&glb.json).map_err(Trouble::damaged)?;
+    let is_unknown = |name: &&String| !PASSED_OVER.iter().any(|known| name.starts_with(known));
+    if let Some(name) = root.extensions_required.iter().find(is_unknown) {
+        return Err(Trouble::Damaged(format!(
+            "it takes the glTF extension {name}, which this program does not read; switch that off in the exporter"
+        )));
+    }
+    root.extensions_required.clear();
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let mut accessors = primitives.flat_map(|p| p.attributes.values());
     if accessors.any(|accessor| accessor.value() >= root.accessors.len()) {
@@ -68,9 +94,16 @@ fn visit(
     soup: &mut Soup,
 ) -> Result<(), Trouble> {
     if depth > MAX_DEPTH || *budget == 0 {
-        return Err(Trouble::damaged("its nodes run in a circle"));
+        return Err(Trouble::damaged(
+            "its nodes run in a circle, or are nested more than a hundred deep",
+        ));
     }
     *budget -= 1;
+    if node.mesh().is_some() && node.extension_value(INSTANCES).is_some() {
+        return Err(Trouble::Damaged(format!(
+            "it has copies of a mesh by {INSTANCES}, which this program does not read; switch instancing off in the exporter"
+        )));
+    }
     let own = Matrix4::from(node.transform().matrix()).cast::<f64>();
     let to_scene = parent * own;
     for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
@@ -92,11 +125,17 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, file: &File, s
     let positions = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Trouble::damaged("a surface has no positions"))?;
-    let points = positions_of(&positions, file.blob)?;
-    let points: Vec<Point3<f64>> = points.map(|p| to_scene.transform_point(&p)).collect();
-    let coordinates = texture_coordinates(primitive, file.blob);
+    if primitive.extension_value(DRACO).is_some() && positions.view().is_none() {
+        return Err(Trouble::damaged(
+            "its surfaces are packed by Draco; switch its compression off (Blender: glTF export, Data, Compression; gltf-pipeline: without \
+             -d; gltf-transform: --compress false)",
+        ));
+    }
+    let points = file.buffers.tuples::<3>(&positions)?;
+    let points: Vec<_> = points.map(|p| to_scene.transform_point(&Point3::from(p))).collect();
+    let coordinates = texture_coordinates(primitive, &file.buffers);
     let indices = match primitive.indices() {
-        Some(accessor) => whole_numbers(&accessor, file.blob)?,
+        Some(accessor) => file.buffers.indices(&accessor)?,
         None => (0..points.len()).collect(),
     };
     let number = primitive.material().index();
@@ -118,72 +157,9 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, file: &File, s
 }
 
 /// Those that the material's image is laid on with, v up; none where the file has none that can be read, since most commands need none.
-fn texture_coordinates(primitive: &Primitive, blob: &[u8]) -> Vec<[f64; 2]> {
+fn texture_coordinates(primitive: &Primitive, buffers: &Buffers) -> Vec<[f64; 2]> {
     let placing = Placing::new(&primitive.material());
     let accessor = primitive.get(&Semantic::TexCoords(placing.set));
-    let stored = accessor.and_then(|accessor| pairs(&accessor, blob).ok());
-    let stored = stored.unwrap_or_default().into_iter();
-    stored.map(|pair| placing.place(pair)).collect()
-}
-
-/// Floats, or whole numbers that stand for 0 to 1.
-fn pairs(accessor: &Accessor, blob: &[u8]) -> Result<Vec<[f64; 2]>, Trouble> {
-    let number: fn(&[u8], usize) -> f64 = match (accessor.dimensions(), accessor.data_type(), accessor.normalized()) {
-        (Dimensions::Vec2, DataType::F32, _) => float,
-        (Dimensions::Vec2, DataType::U8, true) => |b, i| f64::from(b[i]) / f64::from(u8::MAX),
-        (Dimensions::Vec2, DataType::U16, true) => {
-            |b, i| f64::from(u16::from_le_bytes([b[2 * i], b[2 * i + 1]])) / f64::from(u16::MAX)
-        }
-        _ => return Err(Trouble::damaged("texture coordinates are of another kind")),
-    };
-    Ok(items(accessor, blob)?.map(|b| [number(b, 0), number(b, 1)]).collect())
-}
-
-/// The float with this number.
-fn float(b: &[u8], i: usize) -> f64 {
-    f64::from(f32::from_le_bytes([b[4 * i], b[4 * i + 1], b[4 * i + 2], b[4 * i + 3]]))
-}
-
-fn positions_of<'a>(
-    accessor: &Accessor,
-    blob: &'a [u8],
-) -> Result<impl Iterator<Item = Point3<f64>> + use<'a>, Trouble> {
-    if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
-        return Err(Trouble::damaged("positions are not triples of 32-bit floats"));
-    }
-    Ok(items(accessor, blob)?.map(|b| Point3::new(float(b, 0), float(b, 1), float(b, 2))))
-}
-
-fn whole_numbers(accessor: &Accessor, blob: &[u8]) -> Result<Vec<usize>, Trouble> {
-    if accessor.dimensions() != Dimensions::Scalar {
-        return Err(Trouble::damaged("indices are not single numbers"));
-    }
-    let number: fn(&[u8]) -> usize = match accessor.data_type() {
-        DataType::U8 => |b| usize::from(b[0]),
-        DataType::U16 => |b| usize::from(u16::from_le_bytes([b[0], b[1]])),
-        DataType::U32 => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize,
-        _ => return Err(Trouble::damaged("indices are not whole numbers")),
-    };
-    Ok(items(accessor, blob)?.map(number).collect())
-}
-
-/// The bytes of each item. The gltf crate's own readers trust offsets and counts, which damaged files have wrong.
-fn items<'a>(accessor: &Accessor, blob: &'a [u8]) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, Trouble> {
-    let (Some(view), None) = (accessor.view(), accessor.sparse()) else {
-        return Err(Trouble::damaged("it has sparse data, which this program does not read"));
-    };
-    let (size, count) = (accessor.size(), accessor.count());
-    let stride = view.stride().unwrap_or(size).max(size);
-    let past_the_end = || Trouble::damaged("its data end too early");
-    let data = view
-        .offset()
-        .checked_add(view.length())
-        .and_then(|end| blob.get(view.offset()..end))
-        .and_then(|view| view.get(accessor.offset()..))
-        .ok_or_else(past_the_end)?;
-    let needed = count.saturating_sub(1).checked_mul(stride);
-    if count > 0 && needed.and_then(|n| n.checked_add(size)).is_none_or(|n| n > data.len()) {
-        return Err(past_the_end());
-    }
-    Ok((0..count).map(move |i| &data[i * stride..i * stride + size]))
+    let stored = accessor.and_then(|accessor| buffers.tuples::<2>(&accessor).ok());
+    stored.into_iter().flatten().map(|pair| placing.place(pair)).collect()
 }

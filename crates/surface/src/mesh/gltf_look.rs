@@ -1,20 +1,20 @@
 //! What the materials of a glTF look like: their base colours, and which texture coordinates these are laid on with.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use gltf::material::AlphaMode;
 use gltf::texture::WrappingMode;
-use gltf::{Document, Material};
-use percent_encoding::percent_decode_str;
+use gltf::{Document, Material, Texture};
 
+use super::gltf_data::{Buffers, UriContent, uri_content};
 use super::image::{ImageSource, Look, Wrap};
 
+/// The older description of materials, in which the image of a surface may stand alone.
+const SPECULAR: &str = "KHR_materials_pbrSpecularGlossiness";
+
 /// Of each material.
-pub(super) fn looks(document: &Document, blob: &[u8], folder: &Path) -> Vec<Look> {
-    let images = sources(document, blob, folder);
+pub(super) fn looks(document: &Document, buffers: &Buffers, folder: &Path) -> Vec<Look> {
+    let images = sources(document, buffers, folder);
     document.materials().map(|material| look(&material, &images)).collect()
 }
 
@@ -25,8 +25,12 @@ fn look(material: &Material, images: &[ImageSource]) -> Look {
     let [r, g, b, alpha] = base.base_color_factor().map(f64::from);
     let alpha = (material.alpha_mode() != AlphaMode::Opaque).then_some(alpha);
     let image = texture.as_ref().map(|texture| {
-        let source = images.get(texture.source().index()).cloned();
-        source.unwrap_or_else(|| refused("is not in the file"))
+        let source = source(texture).and_then(|index| images.get(index)).cloned();
+        source.unwrap_or_else(|| refused("is of a kind that this program does not read: export PNG, JPEG or WebP"))
+    });
+    let image = image.or_else(|| {
+        let is_elsewhere = material.extension_value(SPECULAR).is_some();
+        is_elsewhere.then(|| refused(&format!("stands in {SPECULAR}, which this program does not read")))
     });
     let sampler = texture.map(|texture| texture.sampler());
     Look {
@@ -42,6 +46,13 @@ fn look(material: &Material, images: &[ImageSource]) -> Look {
     }
 }
 
+/// The index of a texture's image: a plain one, else a WebP.
+fn source(texture: &Texture) -> Option<usize> {
+    let webp = || texture.extension_value("EXT_texture_webp")?.get("source")?.as_u64();
+    let plain = texture.source().map(|image| image.index());
+    plain.or_else(|| usize::try_from(webp()?).ok())
+}
+
 fn wrap(mode: WrappingMode) -> Wrap {
     match mode {
         WrappingMode::Repeat => Wrap::Repeat,
@@ -55,28 +66,22 @@ fn refused(reason: &str) -> ImageSource {
 }
 
 /// Of each image. The gltf crate's own reader trusts that embedded ones name their type.
-fn sources(document: &Document, blob: &[u8], folder: &Path) -> Vec<ImageSource> {
-    let images = &document.as_json().images;
-    let blob: Arc<[u8]> = if images.is_empty() { [].into() } else { blob.into() };
+fn sources(document: &Document, buffers: &Buffers, folder: &Path) -> Vec<ImageSource> {
     let inside = |view: usize| {
-        let view = document.views().nth(view)?;
-        let range = view.offset()..view.offset().checked_add(view.length())?;
-        blob.get(range.clone())?;
-        Some(ImageSource::Inside(Arc::clone(&blob), range))
+        let view = document.views().nth(view).ok_or("its data are nowhere")?;
+        let (bytes, range) = buffers.view(&view)?;
+        Ok::<_, String>(ImageSource::Inside(bytes.clone(), range))
     };
     let source = |image: &gltf::json::Image| match (&image.buffer_view, &image.uri) {
-        (Some(view), _) => inside(view.value()).unwrap_or_else(|| refused("ends too early")),
-        (None, Some(uri)) if uri.starts_with("data:") => {
-            let bytes = uri.split_once(";base64,").map(|(_, text)| STANDARD.decode(text));
-            match bytes {
-                Some(Ok(bytes)) => ImageSource::Inside(bytes.as_slice().into(), 0..bytes.len()),
-                _ => refused("is a data URI that is no base64"),
-            }
-        }
-        (None, Some(uri)) => ImageSource::beside(folder, &percent_decode_str(uri).decode_utf8_lossy()),
+        (Some(view), _) => inside(view.value()).unwrap_or_else(|why| refused(&format!("cannot be read: {why}"))),
+        (None, Some(uri)) => match uri_content(uri, folder) {
+            UriContent::Inside(bytes) => ImageSource::Inside(bytes.as_slice().into(), 0..bytes.len()),
+            UriContent::Unread => refused("is a data URI that is no base64"),
+            UriContent::Elsewhere(source) => source,
+        },
         (None, None) => refused("is named nowhere"),
     };
-    images.iter().map(source).collect()
+    document.as_json().images.iter().map(source).collect()
 }
 
 /// Which set of coordinates a material takes, and where they lie in its image (`KHR_texture_transform`).

@@ -4,6 +4,8 @@ use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use scaleproof_core::files;
+
 /// What a material looks like by the mesh's file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
@@ -53,8 +55,21 @@ impl ImageSource {
                 "its image '{name}' is not named within the mesh's folder; put the image beside the mesh and name it there"
             ));
         }
-        Self::File(folder.join(name))
+        let path = folder.join(&name);
+        if leads_out(folder, &path) {
+            return Self::Refused(format!(
+                "its image '{name}' is a link to a place outside the mesh's folder; put the image itself beside the mesh"
+            ));
+        }
+        files::inputs::note(&path);
+        Self::File(path)
     }
+}
+
+/// Whether links lead a path that is there out of the folder.
+fn leads_out(folder: &Path, path: &Path) -> bool {
+    let folder = files::folder_of(&folder.join("-")).canonicalize();
+    matches!((folder, path.canonicalize()), (Ok(folder), Ok(path)) if !path.starts_with(&folder))
 }
 
 /// What lies beyond the borders of an image.

@@ -6,13 +6,16 @@
 
 mod faces;
 mod glb;
+mod gltf_data;
 mod gltf_look;
 mod image;
 mod mtl;
 mod obj;
 mod placement;
 mod ply;
+mod polygon;
 mod stl;
+mod text;
 
 pub use faces::FaceList;
 pub use image::{ImageSource, Look, Wrap};
@@ -388,13 +391,13 @@ impl Soup {
         Ok(())
     }
 
-    /// Adds a polygon of a mesh file as a fan of triangles from its first corner, as OBJ, PLY and glTF define it for convex faces.
-    fn fan(&mut self, corners: &[Corner], material: usize) -> Result<(), Trouble> {
-        let Some((first, rest)) = corners.split_first() else {
-            return Ok(());
-        };
-        rest.windows(2)
-            .try_for_each(|pair| self.triangle([*first, pair[0], pair[1]], material))
+    /// Adds a face of a mesh file, of any outline that does not cross itself. `name` is what a message calls it.
+    fn face(&mut self, corners: &[Corner], material: usize, name: &str, number: usize) -> Result<(), Trouble> {
+        let places: Vec<_> = corners.iter().map(|(place, _)| *place).collect();
+        let triangles = polygon::triangles(&places);
+        let triangles = triangles.map_err(|why| Trouble::Damaged(format!("the face {name} {number} {why}")))?;
+        let mut corners = triangles.into_iter().map(|triangle| triangle.map(|i| corners[i]));
+        corners.try_for_each(|corners| self.triangle(corners, material))
     }
 
     fn point(&mut self, p: Point3<f64>) -> usize {

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::image::{ImageSource, Look, Wrap};
+use super::text::{joined, lines};
 
 /// Options of a map that take one word each; of `-mm` two.
 const ONE_WORD: [&str; 9] = [
@@ -84,10 +85,10 @@ fn pair(rest: &mut &str, numbers: &mut [f64; 2]) {
 pub(super) fn maps(text: &str, folder: &Path) -> HashMap<String, Map> {
     let mut maps = HashMap::new();
     let mut name = None;
-    for line in text.lines() {
+    for line in lines(&joined(text)) {
         match first_word(line) {
-            ("newmtl", rest) => name = Some(rest.trim().to_owned()),
-            ("map_Kd" | "map_kd", rest) => {
+            (word, rest) if word.eq_ignore_ascii_case("newmtl") => name = Some(rest.trim().to_owned()),
+            (word, rest) if word.eq_ignore_ascii_case("map_Kd") => {
                 if let Some(name) = &name {
                     maps.insert(name.clone(), Map::parse(rest, folder));
                 }

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: convex polygons with the materials that `usemtl` names, whose images stand in the library beside the file.
+//! Wavefront OBJ: polygons with the materials that `usemtl` names, whose images stand in the library beside the file.
 
 use std::collections::HashMap;
 use std::str::SplitWhitespace;
@@ -7,7 +7,8 @@ use nalgebra::Point3;
 
 use super::image::{ImageSource, Look};
 use super::mtl::{self, Map};
-use super::{Corner, Soup, Trouble, corner};
+use super::text::{joined, lines};
+use super::{Corner, Soup, Trouble};
 use scaleproof_core::files;
 
 /// What faces before the first `usemtl` are of.
@@ -15,36 +16,44 @@ const NO_MATERIAL: &str = "none";
 /// Libraries are text of some lines a material.
 const MOST_LIBRARY_BYTES: u64 = 16 << 20;
 
-/// A corner of a face: the indices of its place and of its texture coordinates.
-type Indices = (usize, Option<usize>);
+/// A corner of a face: its place and its texture coordinates, counted from 1.
+type Indices = (i64, Option<i64>);
+
+/// A polygon, the line that it stands on, and its material.
+type Face<'a> = (Vec<Indices>, usize, &'a str);
 
 /// The lines that matter.
 #[derive(Default)]
 struct Lines<'a> {
     points: Vec<Point3<f64>>,
     coordinates: Vec<[f64; 2]>,
-    faces: Vec<(Vec<Indices>, &'a str)>,
+    faces: Vec<Face<'a>>,
     libraries: Vec<&'a str>,
 }
 
 pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let text = String::from_utf8_lossy(bytes);
+    let text = joined(&text);
     let file = Lines::parse(&text)?;
     let library = Library::read(&file.libraries, soup);
     // Most faces have the material of the one before.
     let mut current: Option<(&str, usize)> = None;
-    for (face, name) in &file.faces {
+    for (face, line, name) in &file.faces {
         let map = library.maps.get(*name);
         let known = current.filter(|(known, _)| known == name).map(|(_, material)| material);
         let material = known.unwrap_or_else(|| soup.material(name, library.look(name)));
         current = Some((name, material));
         let placed = |(place, coordinates): &Indices| -> Result<Corner, Trouble> {
-            let stored = coordinates.and_then(|i| file.coordinates.get(i)).copied();
+            let stored = coordinates.and_then(|i| numbered(&file.coordinates, i));
             let placed = stored.map(|uv| map.map_or(uv, |map| map.place(uv)));
-            Ok((corner(&file.points, *place)?, placed))
+            let count = file.points.len();
+            let missing =
+                || format!("the face on line {line} names corner {place}, and corners count from 1 to {count}");
+            let point = numbered(&file.points, *place).ok_or_else(|| Trouble::Damaged(missing()))?;
+            Ok((point, placed))
         };
         let corners: Result<Vec<_>, _> = face.iter().map(placed).collect();
-        soup.fan(&corners?, material)?;
+        soup.face(&corners?, material, "on line", *line)?;
     }
     Ok(())
 }
@@ -53,21 +62,23 @@ impl<'a> Lines<'a> {
     fn parse(text: &'a str) -> Result<Self, Trouble> {
         let mut file = Self::default();
         let mut material = NO_MATERIAL;
-        for (i, line) in text.lines().enumerate() {
+        for (i, line) in lines(text).enumerate() {
             let not_understood =
                 |what: &str| Trouble::Damaged(format!("the {what} on line {} is not understood", i + 1));
             let line = line.trim();
             let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-            match word {
+            match word.to_ascii_lowercase().as_str() {
                 "v" => file.points.push(point(rest).ok_or_else(|| not_understood("vertex"))?),
                 "vt" => file.coordinates.push(coordinates(rest)),
-                "f" => {
+                "f" | "fo" => {
                     let counts = [file.points.len(), file.coordinates.len()];
                     let face: Option<Vec<_>> = rest.split_whitespace().map(|word| indices(word, counts)).collect();
-                    file.faces.push((face.ok_or_else(|| not_understood("face"))?, material));
+                    let face = face.ok_or_else(|| not_understood("face"))?;
+                    file.faces.push((face, i + 1, material));
                 }
                 "usemtl" => material = rest.trim(),
                 "mtllib" => file.libraries.push(rest.trim()),
+                "surf" => return Err(Trouble::damaged("it has free-form surfaces: export polygons")),
                 _ => {}
             }
         }
@@ -98,21 +109,22 @@ fn coordinates(text: &str) -> [f64; 2] {
 /// `place/coordinates/normal`, of which the place alone is required. Numbers count from 1, or back from the line before.
 fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
     let mut parts = word.split('/');
-    let index = |part: &str, count: usize| {
-        let number: i64 = part.parse().ok()?;
-        Some(match number {
-            // Nothing has this index: the corner does not exist.
-            0 => usize::MAX,
-            1.. => usize::try_from(number - 1).unwrap_or(usize::MAX),
-            _ => usize::try_from(count as i64 + number).unwrap_or(usize::MAX),
-        })
+    let index = |part: &str, count: usize| match part.parse::<i64>().ok()? {
+        number @ 0.. => Some(number),
+        number => number.checked_add(count as i64 + 1).filter(|number| *number > 0),
     };
     let place = index(parts.next()?, points)?;
     let coordinates = match parts.next() {
         None | Some("") => None,
-        Some(part) => Some(index(part, coordinates)?),
+        // One before the first is no coordinate, as number 0 is.
+        Some(part) => Some(index(part, coordinates).or_else(|| part.parse::<i64>().is_ok().then_some(0))?),
     };
     Some((place, coordinates))
+}
+
+/// The element with a number that counts from 1.
+fn numbered<T: Copy>(elements: &[T], number: i64) -> Option<T> {
+    elements.get(usize::try_from(number.checked_sub(1)?).ok()?).copied()
 }
 
 /// What the libraries say.

@@ -24,6 +24,13 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
         return Err(Trouble::TooManyTriangles);
     }
     let payload = parser.read_payload(&mut file, &header).map_err(Trouble::damaged)?;
+    let rest = bytes.get(file.into_inner().position() as usize..).unwrap_or_default();
+    if !rest.iter().all(|byte| byte.is_ascii_whitespace() || *byte == 0) {
+        let more = rest.len();
+        return Err(Trouble::Damaged(format!(
+            "{more} bytes follow the elements that it announces"
+        )));
+    }
     let elements = |name: &str| payload.get(name).map_or(&[][..], Vec::as_slice);
     let points: Result<Vec<_>, _> = elements("vertex").iter().map(point).collect();
     let points = points?;
@@ -33,7 +40,7 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let images: Vec<_> = names
         .map(|name| ImageSource::beside(&soup.folder, name.trim()))
         .collect();
-    for face in elements("face") {
+    for (number, face) in elements("face").iter().enumerate() {
         let list = face
             .get("vertex_indices")
             .or_else(|| face.get("vertex_index"))
@@ -50,7 +57,7 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
             .collect();
         let image = images.get(face.get("texnumber").and_then(whole_number).unwrap_or(0));
         let material = soup.material(MATERIAL, image.cloned().map(Look::plain));
-        soup.fan(&corners?, material)?;
+        soup.face(&corners?, material, "with number", number)?;
     }
     Ok(())
 }
@@ -62,12 +69,19 @@ fn coordinates_of_vertex(vertex: &DefaultElement) -> Option<[f64; 2]> {
     names.into_iter().find_map(|[u, v]| Some([value(u)?, value(v)?]))
 }
 
+/// A number of any type.
 fn float(property: &Property) -> Option<f64> {
-    match property {
-        Property::Float(value) => Some(f64::from(*value)),
-        Property::Double(value) => Some(*value),
-        _ => None,
-    }
+    Some(match property {
+        Property::Float(value) => f64::from(*value),
+        Property::Double(value) => *value,
+        Property::Char(value) => f64::from(*value),
+        Property::UChar(value) => f64::from(*value),
+        Property::Short(value) => f64::from(*value),
+        Property::UShort(value) => f64::from(*value),
+        Property::Int(value) => f64::from(*value),
+        Property::UInt(value) => f64::from(*value),
+        _ => return None,
+    })
 }
 
 fn floats(list: &Property) -> Option<Vec<f64>> {
@@ -93,7 +107,7 @@ fn whole_number(property: &Property) -> Option<usize> {
 fn point(vertex: &DefaultElement) -> Result<Point3<f64>, Trouble> {
     let coordinate = |name: &str| {
         let value = vertex.get(name).and_then(float);
-        value.ok_or_else(|| Trouble::Damaged(format!("a vertex has no {name} of type float or double")))
+        value.ok_or_else(|| Trouble::Damaged(format!("a vertex has no number {name}")))
     };
     Ok(Point3::new(coordinate("x")?, coordinate("y")?, coordinate("z")?))
 }

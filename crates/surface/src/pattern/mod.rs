@@ -9,6 +9,7 @@ pub mod fate;
 pub mod gamut;
 pub mod import;
 pub mod light;
+pub(crate) mod numpy;
 pub mod palette;
 pub mod picture;
 pub mod printed;

@@ -1,16 +1,21 @@
 //! Any image as colours: a photo, a texture, an atlas, a pattern that was enlarged.
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use image::codecs::webp::WebPDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
-use super::light;
+use super::{light, numpy};
 use scaleproof_core::files;
-use scaleproof_photo::photo::{Budget, Photo, PhotoError, open_png};
+use scaleproof_photo::photo::{Budget, DecodeCost, Photo, PhotoError, open_png};
 
 /// Most pixels along a side: what graphics cards take.
 const MAX_PIXELS: u32 = 16_384;
+
+/// Of a file that NumPy saved.
+const MOST_ARRAY_BYTES: u64 = 1 << 30;
 
 /// Why an image cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -31,7 +36,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Reads what photos are read from.
+    /// Reads what photos are read from, or an array that NumPy saved.
     ///
     /// # Errors
     /// An unreadable file, and whatever [`Picture::from_bytes`] refuses.
@@ -40,18 +45,30 @@ impl Picture {
             path: path.to_owned(),
             reason,
         };
+        if path.extension().is_some_and(|ending| ending == "npy") {
+            let bytes = files::read_at_most(path, MOST_ARRAY_BYTES).map_err(|e| bad(e.to_string()))?;
+            return Self::from_bytes(&bytes, None).map_err(bad);
+        }
         let photo = Photo::open(path).map_err(|e| bad(reason(e)))?;
         Self::from_bytes(photo.bytes(), Some(1.0)).map_err(bad)
     }
 
-    /// Decodes a PNG or JPEG. `alpha` is what its alpha is multiplied by: what is see-through then is laid on white, as paper is; `None` leaves the
+    /// Decodes a PNG, a JPEG, a WebP, or NumPy's array of colours. `alpha` is what its alpha is multiplied by: what is see-through then is laid on white, as paper is; `None` leaves the
     /// colours as they are. The error is a clause.
     ///
     /// # Errors
     /// A damaged file, 16-bit and CMYK images, more than [`MAX_PIXELS`] along a side.
     pub fn from_bytes(bytes: &[u8], alpha: Option<f64>) -> Result<Self, String> {
+        if bytes.starts_with(numpy::MAGIC) {
+            return Ok(Self {
+                pixels: Arc::new(numpy::image(bytes, MAX_PIXELS)?),
+                sha256: files::sha256_hex(bytes),
+                note: Some("is an array: its colours are taken for red, green, blue, in this order".into()),
+            });
+        }
         let image = match image::guess_format(bytes) {
             Ok(ImageFormat::Png) => png(bytes)?,
+            Ok(ImageFormat::WebP) => webp(bytes)?,
             _ => jpeg(bytes)?.into(),
         };
         let (pixels, share) = match alpha.filter(|alpha| image.color().has_alpha() || *alpha < 1.0) {
@@ -81,6 +98,17 @@ fn png(bytes: &[u8]) -> Result<DynamicImage, String> {
         return Err("it has 16 bits a channel, which often are no sRGB: save it with 8, as sRGB".into());
     }
     DynamicImage::from_decoder(decoder).map_err(|e| format!("it is damaged: {e}"))
+}
+
+/// The textures of glTF files (`EXT_texture_webp`); of a moving one the first image.
+fn webp(bytes: &[u8]) -> Result<DynamicImage, String> {
+    let damaged = |e: image::ImageError| format!("it is damaged: {e}");
+    let decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
+    check_size(decoder.dimensions())?;
+    let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
+    let cost = DecodeCost::of_png(decoder.dimensions().into(), bytes_per_pixel, false);
+    Budget::FILE.check(&cost).map_err(|e| e.to_string())?;
+    DynamicImage::from_decoder(decoder).map_err(damaged)
 }
 
 fn jpeg(bytes: &[u8]) -> Result<RgbImage, String> {

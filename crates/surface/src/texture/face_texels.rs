@@ -1,23 +1,17 @@
 //! Texels of each triangle, as attacks on the neural mesh renderer store them (Kato et al. 2018): `n × n × n` colours a triangle.
 
-use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use npyz::{NpyFile, Order};
-
 use super::{SurfacePoint, TextureError};
 use crate::mesh::Mesh;
+use crate::pattern::numpy;
 use scaleproof_core::files;
 
 /// A million triangles of 4 × 4 × 4 colours fit, and the usual 23,000 of 6 × 6 × 6 twenty times.
 const MOST_BYTES: u64 = 1 << 30;
-/// NumPy writes 64 to 192 bytes for such an array. The reader of headers works by recursion.
-const MOST_HEADER_BYTES: u64 = 1024;
 /// Renderers work with 2 to 8.
 const MOST_SIDE: u64 = 64;
-/// So far values may leave 0 to 1 by rounding.
-const ROUNDING: f32 = 1e-3;
 
 /// A cube of colours for each triangle.
 #[derive(Debug, Clone)]
@@ -43,19 +37,9 @@ impl FaceTexels {
     }
 
     fn parse(bytes: &[u8], triangles: usize) -> Result<Self, String> {
-        let file = open(bytes)?;
+        let (file, stored_bytes) = numpy::open(bytes)?;
         let side = side(file.shape(), triangles)?;
-        if file.order() == Order::Fortran {
-            return Err("it is stored in Fortran order; save numpy.ascontiguousarray of it".into());
-        }
-        let values = values(file)?;
-        if values.len() != triangles * side.pow(3) * 3 {
-            return Err("it ends too early".into());
-        }
-        let is_colour = |value: &&f32| (-ROUNDING..=1.0 + ROUNDING).contains(*value);
-        if let Some(value) = values.iter().find(|value| !is_colour(value)) {
-            return Err(format!("it has the value {value}, and colours are from 0 to 1"));
-        }
+        let values = numpy::colours(file, triangles * side.pow(3) * 3, stored_bytes)?;
         Ok(Self {
             side,
             texels: values.as_chunks::<3>().0.into(),
@@ -83,27 +67,6 @@ impl FaceTexels {
     }
 }
 
-/// The file with its header read.
-fn open(bytes: &[u8]) -> Result<NpyFile<&[u8]>, String> {
-    let header = match bytes {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => u64::from(u16::from_le_bytes([*a, *b])),
-        [0x93, b'N', b'U', b'M', b'P', b'Y', 2 | 3, _, a, b, c, d, ..] => {
-            u64::from(u32::from_le_bytes([*a, *b, *c, *d]))
-        }
-        _ => return Err("it is no .npy file".into()),
-    };
-    if header > MOST_HEADER_BYTES {
-        return Err(format!("its header has {header} bytes"));
-    }
-    let damaged = |e: io::Error| {
-        format!(
-            "its header is damaged: {}",
-            e.to_string().lines().next().unwrap_or_default()
-        )
-    };
-    NpyFile::new(bytes).map_err(damaged)
-}
-
 /// Of the cube.
 fn side(shape: &[u64], triangles: usize) -> Result<usize, String> {
     let (faces, side) = match *shape {
@@ -121,29 +84,4 @@ fn side(shape: &[u64], triangles: usize) -> Result<usize, String> {
             "it is for a mesh of {faces} triangles and this one has {triangles}; give the mesh that it was made for"
         ))
     }
-}
-
-/// All numbers, 0 to 1; fewer where the file ends early.
-fn values(file: NpyFile<&[u8]>) -> Result<Vec<f32>, String> {
-    let kind = file.dtype();
-    let file = match file.try_data::<f32>() {
-        Ok(floats) => return converted(floats, |v| v),
-        Err(file) => file,
-    };
-    let file = match file.try_data::<f64>() {
-        Ok(doubles) => return converted(doubles, |v| v as f32),
-        Err(file) => file,
-    };
-    match file.try_data::<u8>() {
-        Ok(bytes) => converted(bytes, |v| f32::from(v) / 255.0),
-        Err(_) => Err(format!(
-            "its numbers are {}, and they must be float32, float64 or uint8",
-            kind.descr()
-        )),
-    }
-}
-
-fn converted<T>(stored: impl Iterator<Item = io::Result<T>>, value: impl Fn(T) -> f32) -> Result<Vec<f32>, String> {
-    let values: io::Result<_> = stored.map(|v| v.map(&value)).collect();
-    values.map_err(|_| "it ends too early".into())
 }

@@ -1,7 +1,7 @@
 //! Images on the texture coordinates of a mesh.
 
 use std::collections::{BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use image::RgbImage;
@@ -46,13 +46,11 @@ pub struct OnlyImage {
     pub coordinates: Vec<TextureCoordinates>,
 }
 
-/// A texture that was read, what it was read from besides its own file, and what there is to say about it.
+/// A texture that was read, and what there is to say about it.
 pub struct Mapped {
     pub images: MappedImages,
     /// SHA-256 of each image, in the order of the materials.
     pub sha256: Vec<String>,
-    /// The files of images.
-    pub files: Vec<PathBuf>,
     /// A sentence each, without a full stop.
     pub notes: Vec<String>,
 }
@@ -73,7 +71,6 @@ impl MappedImages {
         Ok(Mapped {
             images: Self::new(mesh, paint, &by_material, maps)?,
             sha256: vec![picture.sha256],
-            files: Vec::new(),
             notes: picture
                 .note
                 .iter()
@@ -99,7 +96,6 @@ impl MappedImages {
         Ok(Mapped {
             images: Self::new(mesh, paint, &skins, collected.maps)?,
             sha256: collected.sha256,
-            files: collected.files,
             notes: collected.notes,
         })
     }
@@ -228,7 +224,6 @@ struct Collected {
     /// Bytes of all that was read and decoded.
     held: usize,
     sha256: Vec<String>,
-    files: Vec<PathBuf>,
     notes: Vec<String>,
 }
 
@@ -269,7 +264,6 @@ impl Collected {
             ImageSource::Inside(blob, range) => blob.get(range.clone()).unwrap_or_default(),
             ImageSource::File(path) => {
                 read = files::read_at_most(path, Budget::FILE.bytes).map_err(|e| e.to_string())?;
-                self.files.push(path.clone());
                 &read
             }
             ImageSource::Refused(reason) => return Err(reason.clone()),

@@ -70,3 +70,15 @@ fn long_work_is_heard_of_between_its_steps_and_at_its_end_short_work_is_not() {
         "{given_up:?}"
     );
 }
+
+#[test]
+fn the_time_left_follows_the_mean_speed() {
+    let after = |seconds: f64, done: u64, all: Option<u64>| left(done, all, Duration::from_secs_f64(seconds));
+    assert_eq!(after(60.0, 60, Some(100)), ", 40 s left");
+    // One slow step after sixty fast ones: twice the time, not days.
+    assert_eq!(after(120.0, 60, Some(100)), ", 80 s left");
+    // Nothing is promised by the first steps, by the last, or of unknown length.
+    for (done, all) in [(0, Some(100)), (4, Some(100)), (100, Some(100)), (5, None)] {
+        assert_eq!(after(9.0, done, all), "", "{done} of {all:?}");
+    }
+}

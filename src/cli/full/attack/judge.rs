@@ -114,9 +114,14 @@ pub(in crate::cli) struct Judgement<'a> {
 }
 
 fn table(judgement: &Judgement) -> String {
+    let longest = |name: fn(&JudgedPattern) -> &str, least: usize| {
+        let names = judgement.results.iter().map(|row| name(row).chars().count());
+        names.fold(least, usize::max)
+    };
+    let (detectors, patterns) = (longest(|row| &row.detector, 14), longest(|row| &row.pattern, 20));
     let mut text = format!(
         "predicted, not rendered, on {}, tile {} mm; drop: of the mean confidence, with its 95 % interval over the views\n\
-         {:<14} {:<20} {:>7} {:>9} {:>11} {:>18}  drop",
+         {:<detectors$} {:<patterns$} {:>7} {:>9} {:>11} {:>18}  drop",
         count(judgement.views, "view"),
         judgement.tile_mm,
         "detector",
@@ -131,7 +136,7 @@ fn table(judgement: &Judgement) -> String {
             .drop_95
             .map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
         text += &format!(
-            "\n{:<14} {:<20} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {:>3}°  {:.2}{interval}",
+            "\n{:<detectors$} {:<patterns$} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {:>3}°  {:.2}{interval}",
             row.detector,
             row.pattern,
             row.ap50,

@@ -18,7 +18,7 @@ use crate::cli::results::Programs;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
-use scaleproof_attack::run::history::{Entry, History, TILES_MM};
+use scaleproof_attack::run::history::{self, Entry, History, TILES_MM};
 use scaleproof_attack::run::judge::HeldOutFigures;
 use scaleproof_attack::run::view_set::TextureMapping;
 use scaleproof_attack::run::{AttackConfig, Rgb};
@@ -184,12 +184,13 @@ impl OnFrames {
     pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup> {
         self.check_cells()?;
         self.refuse_other_methods(method)?;
-        files::check_writable(&self.output)?;
+        files::check_file_writable(&self.output.join(result::PATTERN))?;
         self.looking.open(self.cells(), differentiates, eot)
     }
 
     /// Refuses a folder with what another method found, or with a pattern of unknown origin; what this method made may be made again.
     fn refuse_other_methods(&self, method: &str) -> Result<(), String> {
+        files::inputs::own(&self.output.join(history::FILE));
         match History::load(&self.output) {
             Ok(held) if held.method != method => Err(format!(
                 "{} holds what {} made: give another folder for {method}",

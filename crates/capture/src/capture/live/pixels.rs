@@ -1,11 +1,11 @@
 //! What cameras send, as images: a motion JPEG becomes the JPEG file it almost is, raw pixels become colours.
 
-use image::codecs::jpeg::JpegEncoder;
 use image::{GrayImage, RgbImage};
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
 use opencv::imgproc;
 
 use crate::capture::Original;
+use scaleproof_photo::photo::standard_huffman_tables;
 
 /// How a camera packs its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,8 +95,8 @@ fn jpeg_file(buffer: &[u8]) -> Option<Vec<u8>> {
     let scan = &buffer[segments.scan..];
     let end = segments.scan + 2 + scan.windows(2).position(|pair| pair == [0xFF, END])?;
     let mut file = buffer[..segments.scan].to_vec();
-    if segments.tables.is_empty() {
-        file.extend(standard_tables()?);
+    if !segments.has_tables {
+        file.extend(standard_huffman_tables());
     }
     file.extend_from_slice(&buffer[segments.scan..end]);
     Some(file)
@@ -109,8 +109,8 @@ const SCAN: u8 = 0xDA;
 
 /// Where the parts of a JPEG lie before its pixels (ITU-T T.81, annex B).
 struct Segments {
-    /// The Huffman tables.
-    tables: Vec<std::ops::Range<usize>>,
+    /// Whether Huffman tables are among them.
+    has_tables: bool,
     /// The marker that begins the scan.
     scan: usize,
 }
@@ -120,26 +120,18 @@ impl Segments {
         if !bytes.starts_with(&[0xFF, START]) {
             return None;
         }
-        let (mut at, mut tables) = (2, Vec::new());
+        let (mut at, mut has_tables) = (2, false);
         loop {
             let [0xFF, marker, high, low] = *bytes.get(at..at + 4)? else {
                 return None;
             };
             let next = at + 2 + usize::from(u16::from_be_bytes([high, low])).max(2);
             match marker {
-                SCAN => return Some(Segments { tables, scan: at }),
-                HUFFMAN => tables.push(at..next),
+                SCAN => return Some(Segments { has_tables, scan: at }),
+                HUFFMAN => has_tables = true,
                 _ => {}
             }
             at = next;
         }
     }
-}
-
-/// The Huffman tables of ITU-T T.81, annex K.3, which motion JPEG leaves out: those that our own encoder writes.
-fn standard_tables() -> Option<Vec<u8>> {
-    let mut file = Vec::new();
-    JpegEncoder::new(&mut file).encode_image(&RgbImage::new(8, 8)).ok()?;
-    let segments = Segments::read(&file)?;
-    Some(segments.tables.into_iter().flat_map(|at| file[at].to_vec()).collect())
 }

@@ -78,6 +78,7 @@ pub fn triples(raw: &Path, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, 
 /// The values of a raw image, which is then removed.
 fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
     let path = raw.join(format!("{name}.f32"));
+    files::inputs::own(&path);
     let bytes = files::read(&path)?;
     let wanted = size[0] as usize * size[1] as usize * channels * 4;
     if bytes.len() != wanted {

@@ -23,11 +23,18 @@ pub(super) fn read(
         reason,
     };
     let not_parsed = |said: String| unreadable(NetworkFault::Framework(said.replace('\n', " ")));
-    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
+    let mut model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
     let own = model.opset_import.iter().find(|opset| opset.domain.is_empty());
     let opset = own.map_or(1, |opset| opset.version);
     // Simplified, it would have operators of the parser's own.
-    let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
+    let builder = OnnxGraphBuilder::new().simplify(false);
+    // Before opset 11 the second input is the scales.
+    let parsed = if opset >= 11 && drop_unused_regions(&mut model) {
+        let without = model.write_to_bytes().map_err(|e| not_parsed(e.to_string()))?;
+        builder.parse_bytes(&without)
+    } else {
+        builder.parse_bytes(bytes)
+    };
     let parsed = parsed.map_err(|e| not_parsed(e.to_string()))?;
     let operators: Vec<Option<Operator>> = parsed.nodes.iter().map(|node| operator(node, opset)).collect();
     let nodes = parsed.nodes.iter().zip(&operators);
@@ -55,6 +62,23 @@ pub(super) fn read(
         name.clone_from(&written.name);
     }
     Ok(graph)
+}
+
+/// Takes the region of interest from each `Resize` that does not look at it, as only `tf_crop_and_resize` does (ONNX: Resize, roi): Paddle writes one, and
+/// the parser refuses it. True where there was one.
+fn drop_unused_regions(model: &mut ModelProto) -> bool {
+    let mut has_any = false;
+    for node in model.graph.as_mut().into_iter().flat_map(|graph| &mut graph.node) {
+        let looks_at_it = node.attribute.iter().any(|a| &a.s[..] == b"tf_crop_and_resize");
+        if node.op_type == "Resize"
+            && !looks_at_it
+            && let Some(region) = node.input.get_mut(1)
+        {
+            has_any |= !region.is_empty();
+            region.clear();
+        }
+    }
+    has_any
 }
 
 fn operator(node: &Node, opset: i64) -> Option<Operator> {

@@ -13,6 +13,8 @@ pub(in crate::photo) struct Frame {
     /// Start-of-scan markers.
     pub scans: u64,
     pub colours: Colours,
+    /// No end-of-image marker follows the data, which may be cut or whole.
+    pub lacks_end: bool,
     /// What is behind "Exif".
     pub exif: Option<Vec<u8>>,
 }
@@ -52,7 +54,8 @@ impl Frame {
     pub(in crate::photo) fn read(bytes: &[u8]) -> Result<Frame, JpegError> {
         let (mut frame, mut scans, mut exif) = (None, 0, None);
         let (mut adobe, mut is_jfif) = (None, false);
-        for segment in Segments::new(bytes) {
+        let mut segments = Segments::new(bytes);
+        for segment in &mut segments {
             let Segment { marker, content, .. } = segment?;
             match marker {
                 START_OF_SCAN => scans += 1,
@@ -72,6 +75,7 @@ impl Frame {
             components,
             scans,
             colours,
+            lacks_end: segments.lacks_end,
             exif,
         })
     }

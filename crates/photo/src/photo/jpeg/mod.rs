@@ -13,10 +13,12 @@ mod pixels;
 mod read;
 mod scan;
 mod segments;
+mod standard;
 mod upsample;
 
 pub(super) use frame::{Colours, Frame};
 pub(super) use read::Coefficients;
+pub use standard::standard_huffman_tables;
 
 /// Why there is no picture.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,6 +6,7 @@ use super::frame::{Colours, Frame};
 use super::huffman::HuffmanTable;
 use super::scan::{self, Part, Scan, ScanComponent};
 use super::segments::{START_OF_SCAN, Segment, Segments};
+use super::standard;
 
 /// All that a JPEG's data says.
 #[derive(Debug)]
@@ -33,6 +34,8 @@ struct Tables {
     quantisation: [Option<[u16; 64]>; 4],
     dc: [Option<HuffmanTable>; 4],
     ac: [Option<HuffmanTable>; 4],
+    /// Whether any Huffman table was read.
+    has_codes: bool,
     restart_interval: usize,
 }
 
@@ -54,6 +57,8 @@ impl Coefficients {
             .min(u32::MAX as usize / 2);
         let mut tables = Tables::default();
         let mut is_read = vec![false; frame.components.len()];
+        // Of each component by place: how many of its lowest bits no scan has given yet.
+        let mut missing_bits = vec![[u32::MAX; 64]; frame.components.len()];
         for segment in Segments::new(bytes) {
             let Segment { marker, content, data } = segment?;
             match marker {
@@ -63,22 +68,33 @@ impl Coefficients {
                     tables.restart_interval = u16::from_be_bytes(*content.first_chunk().ok_or(SHORT)?).into();
                 }
                 START_OF_SCAN => {
+                    if !frame.is_progressive && !tables.has_codes {
+                        // Motion JPEG leaves out the tables that all of its images share.
+                        standard::tables()
+                            .iter()
+                            .try_for_each(|content| tables.read_codes(content))?;
+                    }
                     let scan = tables.scan(content, frame, most_values)?;
                     for (index, ..) in &scan.components {
                         let table = usize::from(frame.components[*index].table);
                         if !std::mem::replace(&mut is_read[*index], true) {
                             all.components[*index].steps = tables.quantisation[table].ok_or(WRONG_TABLE)?;
                         }
+                        let (places, low) = scan.part.places();
+                        missing_bits[*index][places].fill(low);
                     }
                     scan::decode(&scan, data, &mut all.components)?;
                 }
                 _ => {}
             }
         }
-        if is_read.iter().all(|is_read| *is_read) {
-            Ok(all)
-        } else {
+        let is_whole = || missing_bits.iter().flatten().all(|bits| *bits == 0);
+        if !is_read.iter().all(|is_read| *is_read) {
             Err(NO_DATA)
+        } else if frame.lacks_end && !is_whole() {
+            Err(JpegError::Truncated)
+        } else {
+            Ok(all)
         }
     }
 }
@@ -128,6 +144,7 @@ impl Tables {
             let kind = if head >> 4 == 0 { &mut self.dc } else { &mut self.ac };
             let to = kind.get_mut(usize::from(head & 15)).ok_or(WRONG_TABLE)?;
             *to = Some(HuffmanTable::new(counts, symbols).ok_or(WRONG_TABLE)?);
+            self.has_codes = true;
             content = rest;
         }
         Ok(())

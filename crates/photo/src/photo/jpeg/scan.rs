@@ -38,6 +38,16 @@ pub(super) enum Part {
     },
 }
 
+impl Part {
+    /// Which places of a block the scan gives, and how many of their lowest bits it leaves for later scans.
+    pub(super) fn places(self) -> (std::ops::RangeInclusive<usize>, u32) {
+        match self {
+            Part::Whole => (0..=63, 0),
+            Part::Progressive { first, last, low, .. } => (first..=last, low),
+        }
+    }
+}
+
 /// Some cameras leave so many bytes behind the last code.
 const PADDING: i64 = 8;
 

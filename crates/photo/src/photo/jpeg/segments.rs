@@ -18,23 +18,32 @@ const RESTARTS: std::ops::RangeInclusive<u8> = 0xD0..=0xD7;
 /// TEM, which has no segment either.
 const TEMPORARY: u8 = 0x01;
 
-/// The segments up to the end-of-image marker; an error where the bytes end before it.
+/// The segments up to the end-of-image marker, or to the end of the bytes behind a scan's data; an error where they end in a header.
 ///
 /// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the end (motion
 /// photos, depth maps) do not matter.
 pub(super) struct Segments<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// The data of a scan reaches the end of the bytes, and no end-of-image marker follows.
+    pub lacks_end: bool,
 }
 
 impl<'a> Segments<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Segments<'a> {
         // Behind the start-of-image marker.
-        Segments { bytes, at: 2 }
+        Segments {
+            bytes,
+            at: 2,
+            lacks_end: false,
+        }
     }
 
     /// The next segment; nothing at the end of the image, and no step at the end of the bytes.
     fn step(&mut self) -> Option<Option<Segment<'a>>> {
+        if self.lacks_end {
+            return Some(None);
+        }
         loop {
             // 0xFF followed by neither a stuffed zero nor another fill byte.
             let marker_at = find_pair(self.bytes, self.at, |second| !matches!(second, 0x00 | 0xFF))?;
@@ -54,9 +63,10 @@ impl<'a> Segments<'a> {
             if marker == START_OF_SCAN {
                 // At the next marker that is no restart marker.
                 let ends = |second: u8| !matches!(second, 0x00 | 0xFF) && !RESTARTS.contains(&second);
-                let data_end = find_pair(self.bytes, end, ends)?;
-                data = &self.bytes[end..data_end];
-                self.at = data_end;
+                let marker_at = find_pair(self.bytes, end, ends);
+                self.lacks_end = marker_at.is_none();
+                self.at = marker_at.unwrap_or(self.bytes.len());
+                data = &self.bytes[end..self.at];
             }
             return Some(Some(Segment { marker, content, data }));
         }

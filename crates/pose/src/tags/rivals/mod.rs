@@ -5,13 +5,13 @@ mod locus;
 mod markers;
 
 use image::GrayImage;
-use image::imageops::{FilterType, resize};
 
 use super::search::{Found, Search, Strength};
 use super::{ArucoRefiner, CornersBy, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 use aruco::ArucoOpenCv;
 use locus::Locus;
+use scaleproof_photo::photo::doubled;
 
 pub use markers::{DictionaryError, MarkerDictionary, MarkerSearch, SeenMarker, marker_search};
 
@@ -71,9 +71,7 @@ struct Enlarged<S>(S);
 
 impl<S: Search> Search for Enlarged<S> {
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
-        let (width, height) = grey.dimensions();
-        let large = resize(grey, 2 * width, 2 * height, FilterType::CatmullRom);
-        let mut found = self.0.search(&large);
+        let mut found = self.0.search(&doubled(grey));
         for tag in &mut found {
             tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5)); // as in `enlarged`
         }

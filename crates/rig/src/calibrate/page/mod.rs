@@ -68,8 +68,8 @@ fn camera_table(found: &Calibration) -> Markup {
     html! {
         (table(&["number", "value", "σ"], &rows))
         p.note {
-            "σ is one standard deviation, from the scatter of the residuals (" (format!("{:.3}", found.rms_px)) " px, root mean square). "
-            "It holds as far as the board is flat and the model right."
+            "σ is one standard deviation, from the scatter of the residuals (" (format!("{:.3}", found.rms_px)) " px, root mean square), "
+            "or from leaving photos out where that is larger. It holds as far as the board is flat and the model right."
         }
     }
 }

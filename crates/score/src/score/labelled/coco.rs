@@ -7,29 +7,32 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::{LabelledPhoto, LabelledPhotos, Object};
-use scaleproof_core::coco::File;
+use scaleproof_core::coco::{self, File, Whole};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_detect::Labels;
+use scaleproof_detect::Manifest;
 
 #[derive(Deserialize)]
 struct Image {
+    #[serde(deserialize_with = "coco::whole")]
     id: u64,
     file_name: String,
 }
 
-/// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector with these labels.
+/// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector whose labels count as its manifest says.
 ///
 /// # Errors
 /// What is no such file; boxes that are none; no category that is a label.
-pub fn labelled_photos(path: &Path, folder: &Path, labels: Labels) -> Result<LabelledPhotos, FileError> {
+pub fn labelled_photos(path: &Path, folder: &Path, detector: &Manifest) -> Result<LabelledPhotos, FileError> {
+    let labels = || 0..detector.labels.count();
+    let first_of = |name: &str| labels().find(|label| detector.counts_as(*label) == Some(name));
     let text = files::read_text(path)?;
     let refused = |message: String| FileError::content(path, message);
-    let file: File<Image, IgnoredAny, u8> =
+    let file: File<Image, IgnoredAny, Whole> =
         serde_json::from_str(&text).map_err(|e| refused(format!("line {}: {e}", e.line())))?;
     let (mut known, mut unknown) = (BTreeMap::new(), Vec::new());
     for category in &file.categories {
-        match labels.find(&category.name) {
+        match first_of(&category.name) {
             Some(label) => drop(known.insert(category.id, label)),
             None => unknown.push(category.name.clone()),
         }
@@ -74,13 +77,23 @@ pub fn labelled_photos(path: &Path, folder: &Path, labels: Labels) -> Result<Lab
             photo.objects.push(Object {
                 label: *label,
                 box_px: BoxPx::new(x, y, x + width, y + height),
-                is_crowd: annotation.iscrowd != 0,
+                is_crowd: annotation.iscrowd.0 != 0,
             });
         }
     }
+    let boxes = photos
+        .values()
+        .flat_map(|photo| &photo.objects)
+        .map(|object| object.box_px);
+    BoxPx::check_counts_pixels(boxes).map_err(|why| refused(why.to_owned()))?;
     if photos.values().all(|photo| photo.objects.is_empty()) {
         return Err(refused("it has no object with a label of the detector".to_owned()));
     }
-    let photos = photos.into_values().collect();
-    Ok(LabelledPhotos { photos, unknown })
+    Ok(LabelledPhotos {
+        photos: photos.into_values().collect(),
+        unknown,
+        counts_as: labels()
+            .map(|label| detector.counts_as(label).and_then(first_of).unwrap_or(label))
+            .collect(),
+    })
 }

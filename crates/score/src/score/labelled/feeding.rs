@@ -80,6 +80,9 @@ pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
         Kernel::Antialiased => (Kernel::OpencvLinear, "kernel opencv_linear"),
     };
     with(name, 0, &|m| m.input.kernel = other);
+    if let Some((other, what)) = manifest.head.with_other_labels() {
+        with(what, 0, &|m| m.head = other.clone());
+    }
     with("labels one entry further down", 1, &|_| ());
     with("labels one entry further up", -1, &|_| ());
     found

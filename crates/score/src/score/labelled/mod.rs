@@ -31,6 +31,8 @@ pub struct LabelledPhotos {
     pub photos: Vec<LabelledPhoto>,
     /// Categories whose names are no label of the detector, and which are left out.
     pub unknown: Vec<String>,
+    /// For each label of the detector, the first that counts as the same (`[class_map]`).
+    counts_as: Vec<usize>,
 }
 
 #[derive(Debug, Clone)]
@@ -75,9 +77,12 @@ impl LabelledPhotos {
     pub fn sample(&self, count: usize) -> LabelledPhotos {
         let all = self.photos.len();
         let count = count.min(all);
-        let (photos, unknown) = ((0..count).map(|i| self.photos[i * all / count].clone()), Vec::new());
-        let photos = photos.collect();
-        LabelledPhotos { photos, unknown }
+        let photos = (0..count).map(|i| self.photos[i * all / count].clone());
+        LabelledPhotos {
+            photos: photos.collect(),
+            unknown: Vec::new(),
+            counts_as: self.counts_as.clone(),
+        }
     }
 
     /// What a detector finds in all photos.
@@ -123,7 +128,11 @@ impl LabelledPhotos {
                 let kept = objects.filter(move |object| object.label == label && object.is_crowd == is_crowd);
                 kept.map(|object| object.box_px).collect()
             };
-            let detections = found.iter().filter(|d| d.label as i64 + shift == label as i64);
+            let counted = |d: &Detection| {
+                let shifted = usize::try_from(d.label as i64 + shift).ok()?;
+                self.counts_as.get(shifted).copied()
+            };
+            let detections = found.iter().filter(|d| counted(d) == Some(label));
             ImageBoxes {
                 truths: own(false),
                 crowds: own(true),

@@ -8,15 +8,18 @@ use serde_json::Value;
 use super::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
 use crate::session::conditions::{is_name, scalar};
 use crate::session::{PhotoEntry, words};
-use scaleproof_core::coco::{Annotation, Category, File};
+use scaleproof_core::coco::{self, Annotation, Category, File};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::scene::Classes;
 
 #[derive(Deserialize)]
 struct Image {
+    #[serde(deserialize_with = "coco::whole")]
     id: u64,
     file_name: String,
+    #[serde(default, deserialize_with = "coco::whole_if_any")]
     width: Option<u32>,
+    #[serde(default, deserialize_with = "coco::whole_if_any")]
     height: Option<u32>,
     #[serde(flatten)]
     about: About,

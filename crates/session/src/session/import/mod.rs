@@ -223,7 +223,12 @@ fn viewpoint(numbers: [Option<f64>; 3]) -> Result<Option<Viewpoint>, String> {
     match numbers {
         [None, None, None] => Ok(None),
         [Some(azimuth_deg), Some(pitch_deg), Some(distance_mm)] => Ok(Some(Viewpoint {
-            azimuth_deg,
+            // Some programs count from −180° to 180°.
+            azimuth_deg: if (-180.0..0.0).contains(&azimuth_deg) || azimuth_deg == 360.0 {
+                azimuth_deg.rem_euclid(360.0)
+            } else {
+                azimuth_deg
+            },
             pitch_deg,
             distance_mm,
         })),

@@ -64,6 +64,7 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         return Err("--seconds must be above 0".into());
     }
     files::check_file_writable(&args.output)?;
+    files::inputs::own(&args.output);
     let known = args.output.exists().then(|| file::load(&args.output)).transpose()?;
     let device = args.on.device.open()?;
     let references = hexes(&args.reference)?;

@@ -1,0 +1,75 @@
+//! The files that this run has read: no output may take the place of one.
+//!
+//! Only a program of one command knows what its inputs are, so nothing is kept before [`guard`]: a library's caller may well read a file,
+//! change it and write it again.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::{FileError, folder_of};
+
+/// Whole paths without links.
+#[derive(Default)]
+struct Met {
+    read: BTreeSet<PathBuf>,
+    /// What this run wrote is no input, although it may be read again.
+    written: BTreeSet<PathBuf>,
+}
+
+static MET: Mutex<Option<Met>> = Mutex::new(None);
+
+fn met() -> MutexGuard<'static, Option<Met>> {
+    MET.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From here on every file that is read is an input of this run, and writing over it is refused.
+pub fn guard() {
+    met().get_or_insert_default();
+}
+
+/// Makes a file an input of this run without reading it: one that another input names, as a mesh names its images.
+pub fn note(path: &Path) {
+    let mut met = met();
+    let Some(met) = met.as_mut() else { return };
+    if let Ok(path) = path.canonicalize()
+        && !met.written.contains(&path)
+    {
+        met.read.insert(path);
+    }
+}
+
+/// Refuses to write over an input.
+pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
+    let is_input = met().as_ref().is_some_and(|met| met.read.contains(&place(path)));
+    let refused = || FileError::IsInput { path: path.to_owned() };
+    if is_input { Err(refused()) } else { Ok(()) }
+}
+
+/// Refuses two outputs in one place.
+pub(super) fn refuse_twice<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
+    let mut places = BTreeSet::new();
+    let mut again = outputs.into_iter().filter(|path| !places.insert(place(path)));
+    again
+        .next()
+        .map_or(Ok(()), |path| Err(FileError::Twice { path: path.to_owned() }))
+}
+
+/// Makes a file this run's own, unless it was read before: a checkpoint, say, or the list of a session that goes on. It may be read from here
+/// on, and written again. What this run writes is its own by itself.
+pub fn own(path: &Path) {
+    let mut met = met();
+    if let Some(met) = met.as_mut() {
+        let place = place(path);
+        if !met.read.contains(&place) {
+            met.written.insert(place);
+        }
+    }
+}
+
+/// The whole path of a file that may not be there yet.
+fn place(path: &Path) -> PathBuf {
+    let in_folder = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
+    let place = path.canonicalize().ok().or_else(in_folder);
+    place.unwrap_or_else(|| path.to_owned())
+}

@@ -1,0 +1,77 @@
+//! Networks of Darknet: a `.cfg` and its `.weights` become an ONNX file, whose output is the table of decoded boxes that a [`crate::Head::Yolov5`] reads.
+//!
+//! Source: the Darknet repositories of Joseph Redmon and Alexey Bochkovskiy (`parser.c`, `yolo_layer.c`); held against OpenCV's importer.
+
+mod cfg;
+mod layers;
+mod weights;
+
+use std::path::Path;
+
+use cfg::Section;
+use layers::Converter;
+use scaleproof_core::files;
+use weights::Weights;
+
+/// Why a Darknet network cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum DarknetError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("{file}, line {line}: {fault}")]
+    Cfg { file: String, line: usize, fault: String },
+    #[error("{file}: {fault}")]
+    Weights { file: String, fault: String },
+}
+
+/// The bytes of an ONNX file that computes what Darknet computes from a configuration and its weights.
+///
+/// # Errors
+/// Files that cannot be read; a section or a setting that is not known, with its line; weights of another configuration.
+pub fn darknet_to_onnx(cfg: &Path, weights: &Path) -> Result<Vec<u8>, DarknetError> {
+    let (text, bytes) = (files::read_text(cfg)?, files::read(weights)?);
+    let [cfg, weights] = [cfg, weights].map(|path| path.display().to_string());
+    from_contents(&text, &cfg, &bytes, &weights)
+}
+
+/// [`darknet_to_onnx`] of what the two files hold; their names are only named in errors.
+pub fn from_contents(text: &str, cfg: &str, bytes: &[u8], weights: &str) -> Result<Vec<u8>, DarknetError> {
+    let in_cfg = |(line, fault): (usize, String)| DarknetError::Cfg {
+        file: cfg.to_owned(),
+        line,
+        fault,
+    };
+    let in_weights = |fault: String| DarknetError::Weights {
+        file: weights.to_owned(),
+        fault,
+    };
+    let sections = Section::read(text).map_err(in_cfg)?;
+    let (net, rest) = match sections.split_first() {
+        Some((net, rest)) if ["net", "network"].contains(&net.kind.as_str()) => (net, rest),
+        _ => {
+            return Err(in_cfg((
+                1,
+                "it does not begin with [net]: is it a Darknet configuration?".to_owned(),
+            )));
+        }
+    };
+    let mut numbers = Weights::new(bytes).map_err(in_weights)?;
+    let mut converter = Converter::new(net).map_err(|fault| in_cfg((net.line, fault)))?;
+    for section in rest {
+        converter
+            .add(section, &mut numbers)
+            .map_err(|fault| in_cfg((section.line, fault)))?;
+    }
+    let left = numbers.left();
+    if left > 0 || numbers.missing > 0 {
+        let (more, count) = if left > 0 {
+            ("more", left)
+        } else {
+            ("fewer", numbers.missing)
+        };
+        return Err(in_weights(format!(
+            "it has {count} numbers {more} than {cfg} asks for: these are another network's weights, or a part of them"
+        )));
+    }
+    converter.finish().map_err(|fault| in_cfg((net.line, fault)))
+}

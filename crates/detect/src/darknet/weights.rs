@@ -1,0 +1,47 @@
+//! Darknet's `.weights`: a header, then 32-bit floats, little-endian, layer by layer.
+
+/// The numbers that are not taken yet.
+pub(super) struct Weights<'a> {
+    rest: &'a [u8],
+    /// How many were asked for and are not there.
+    pub missing: usize,
+}
+
+impl<'a> Weights<'a> {
+    /// Reads the header: version (three whole numbers of 32 bits), then the images seen in training, of 64 bits from version 0.2 on.
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Weights<'a>, String> {
+        let number = |i: usize| {
+            bytes
+                .get(4 * i..)
+                .and_then(|b| b.first_chunk())
+                .map(|b| u32::from_le_bytes(*b))
+        };
+        let (Some(major), Some(minor)) = (number(0), number(1)) else {
+            return Err("it ends within its header: is it Darknet's .weights?".to_owned());
+        };
+        if major >= 1000 || minor >= 1000 {
+            return Err(format!("its version is {major}.{minor}: is it Darknet's .weights?"));
+        }
+        let header = if 10 * major + minor >= 2 { 20 } else { 16 };
+        let rest = bytes.get(header..).ok_or("it ends within its header")?;
+        if rest.len() % 4 != 0 {
+            return Err("it ends within a number: was it copied in full?".to_owned());
+        }
+        Ok(Weights { rest, missing: 0 })
+    }
+
+    /// The next numbers; zeros where the file has ended, which are counted.
+    pub(super) fn take(&mut self, count: usize) -> Vec<f32> {
+        let bytes = count.saturating_mul(4).min(self.rest.len());
+        let (taken, rest) = self.rest.split_at(bytes);
+        self.rest = rest;
+        let mut numbers: Vec<f32> = taken.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        self.missing = self.missing.saturating_add(count - numbers.len());
+        numbers.resize(count, 0.0);
+        numbers
+    }
+
+    pub(super) fn left(&self) -> usize {
+        self.rest.len() / 4
+    }
+}

@@ -1,0 +1,8 @@
+//! ONNX files as files: what one says that ONNX Runtime does not tell, and files of our own.
+
+mod read;
+mod wire;
+mod write;
+
+pub(super) use read::{Affine, OnnxFile};
+pub(super) use write::{Attribute, GraphWriter};

@@ -1,0 +1,163 @@
+//! Who made an ONNX file, and what its first nodes do with the image. Source: `onnx.proto3` of ONNX 1.19.
+
+use std::collections::BTreeMap;
+
+use super::wire::{Field, Fields};
+
+/// What is read of an ONNX file.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct OnnxFile {
+    /// The exporter's name and the graph's, in lower case, a space between them.
+    pub made_by: String,
+    /// What the first nodes do with each channel of the image before anything looks at it; `None` where they do nothing of that kind.
+    pub prepares: Option<Affine>,
+}
+
+/// value · scale + offset; of all channels, in the order of the network's input, the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Affine {
+    pub scale: f32,
+    pub offset: f32,
+}
+
+impl Affine {
+    /// By what values from 0 to 255 are to be divided for it: it brings either these or those from 0 to 1 to the range of the network.
+    pub(crate) fn std(self) -> f32 {
+        if self.scale.abs() < 0.1 { 1.0 } else { 255.0 }
+    }
+}
+
+#[derive(Default)]
+struct Node<'a> {
+    operator: &'a str,
+    inputs: Vec<&'a str>,
+    output: &'a str,
+    /// The number of a `Constant`.
+    constant: Option<f32>,
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap_or_default()
+}
+
+impl OnnxFile {
+    /// Reads the bytes of a file, of which `image` is the input that photos go into. What is no ONNX file says nothing.
+    pub(crate) fn read(bytes: &[u8], image: &str) -> OnnxFile {
+        let (mut made_by, mut graph) = (String::new(), &[][..]);
+        for field in Fields(bytes) {
+            match field {
+                (2, Field::Bytes(name)) => made_by += text(name),
+                (7, Field::Bytes(bytes)) => graph = bytes,
+                _ => {}
+            }
+        }
+        let (mut nodes, mut constants) = (Vec::new(), BTreeMap::new());
+        for field in Fields(graph) {
+            match field {
+                (1, Field::Bytes(node)) => nodes.push(Node::read(node)),
+                (2, Field::Bytes(name)) => made_by = format!("{made_by} {}", text(name)),
+                (5, Field::Bytes(tensor)) => {
+                    let (name, number) = first_number(tensor);
+                    constants.extend(number.map(|number| (name, number)));
+                }
+                _ => {}
+            }
+        }
+        constants.extend(nodes.iter().filter_map(|node| Some((node.output, node.constant?))));
+        OnnxFile {
+            made_by: made_by.to_lowercase(),
+            prepares: prepares(&nodes, &constants, image),
+        }
+    }
+}
+
+impl<'a> Node<'a> {
+    fn read(bytes: &'a [u8]) -> Node<'a> {
+        let mut node = Node::default();
+        for field in Fields(bytes) {
+            match field {
+                (1, Field::Bytes(name)) => node.inputs.push(text(name)),
+                (2, Field::Bytes(name)) => node.output = text(name),
+                (4, Field::Bytes(name)) => node.operator = text(name),
+                (5, Field::Bytes(attribute)) => {
+                    node.constant = Fields(attribute).find_map(|field| match field {
+                        (5, Field::Bytes(tensor)) => first_number(tensor).1,
+                        (2, Field::Four(number)) => Some(f32::from_le_bytes(number)),
+                        _ => None,
+                    });
+                }
+                _ => {}
+            }
+        }
+        if node.operator != "Constant" {
+            node.constant = None;
+        }
+        node
+    }
+}
+
+/// The name of a tensor and its first number, where its numbers are floats and for a channel or for all.
+fn first_number(tensor: &[u8]) -> (&str, Option<f32>) {
+    let (mut name, mut count, mut numbers, mut is_float) = ("", 1_u64, None, false);
+    for field in Fields(tensor) {
+        match field {
+            (1, Field::Int(side)) => count = count.saturating_mul(side),
+            // Packed.
+            (1, Field::Bytes(sides)) => sides
+                .iter()
+                .for_each(|side| count = count.saturating_mul(u64::from(*side))),
+            (2, Field::Int(kind)) => is_float = kind == 1,
+            (4 | 9, Field::Bytes(bytes)) => numbers = bytes.first_chunk().copied(),
+            (4, Field::Four(number)) => numbers = numbers.or(Some(number)),
+            (8, Field::Bytes(bytes)) => name = text(bytes),
+            _ => {}
+        }
+    }
+    let is_plain = is_float && matches!(count, 1 | 3);
+    (name, numbers.filter(|_| is_plain).map(f32::from_le_bytes))
+}
+
+/// Follows the image through the nodes that change its numbers by constants or only move them.
+fn prepares(nodes: &[Node], constants: &BTreeMap<&str, f32>, image: &str) -> Option<Affine> {
+    let (mut at, mut done) = (
+        image,
+        Affine {
+            scale: 1.0,
+            offset: 0.0,
+        },
+    );
+    // A node leads to a later one, so that the way ends.
+    for _ in nodes {
+        let mut readers = nodes
+            .iter()
+            .filter(|node| node.inputs.contains(&at) && node.operator != "Shape");
+        let (Some(node), None) = (readers.next(), readers.next()) else {
+            break;
+        };
+        let constant = node.inputs.iter().find_map(|name| constants.get(name)).copied();
+        let Affine { scale, offset } = done;
+        done = match (node.operator, constant) {
+            ("Mul", Some(by)) => Affine {
+                scale: scale * by,
+                offset: offset * by,
+            },
+            ("Div", Some(by)) if node.inputs[0] == at => Affine {
+                scale: scale / by,
+                offset: offset / by,
+            },
+            ("Add", Some(by)) => Affine {
+                scale,
+                offset: offset + by,
+            },
+            ("Sub", Some(by)) if node.inputs[0] == at => Affine {
+                scale,
+                offset: offset - by,
+            },
+            ("Cast" | "Identity" | "Transpose" | "Reshape" | "Squeeze" | "Unsqueeze" | "Resize" | "Pad", _) => done,
+            _ => break,
+        };
+        at = node.output;
+    }
+    let is_something = done.scale.is_finite() && done.scale != 0.0 && (done.scale, done.offset) != (1.0, 0.0);
+    is_something.then_some(done)
+}

@@ -1,0 +1,181 @@
+//! The values that a camera file has under names, whichever notation it is in: YAML, JSON (which is YAML too), or OpenCV's XML.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::{CameraFault, yaml};
+
+/// A value of a file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub(super) enum Value {
+    Number(f64),
+    Text(String),
+    List(Vec<Value>),
+    Map(BTreeMap<String, Value>),
+    Other(IgnoredAny),
+}
+
+/// Values by their names, and what the file is called where one is missing.
+pub(super) struct Fields {
+    what: &'static str,
+    values: BTreeMap<String, Value>,
+}
+
+/// A name as it is compared: writers differ in capitals and underscores.
+fn plain(name: &str) -> String {
+    name.to_lowercase().replace(['_', '-'], "")
+}
+
+impl Fields {
+    pub(super) fn new(what: &'static str, values: BTreeMap<String, Value>) -> Fields {
+        Fields { what, values }
+    }
+
+    /// The names and values of a YAML or JSON text; none where it is no such table.
+    pub(super) fn of_yaml(text: &str) -> Result<Fields, CameraFault> {
+        let what = "a camera file";
+        if text.contains("!!python/object") {
+            let reason = "it holds objects of Python instead of numbers: dump lists, as camera_matrix.tolist()".into();
+            return Err(CameraFault::Syntax { what, reason });
+        }
+        let values = match yaml::parse(text, what)? {
+            Value::Map(values) => values,
+            _ => BTreeMap::new(),
+        };
+        Ok(Fields { what, values })
+    }
+
+    /// The fields of a file of some kind.
+    pub(super) fn called(self, what: &'static str) -> Fields {
+        Fields { what, ..self }
+    }
+
+    /// Tables within this one that have one of some names, by their own.
+    pub(super) fn tables_with(self, names: &[&str]) -> Vec<(String, Fields)> {
+        let what = self.what;
+        let tables = self.values.into_iter().filter_map(|(name, value)| match value {
+            Value::Map(values) => Some((name, Fields { what, values })),
+            _ => None,
+        });
+        tables.filter(|(_, table)| table.find(names).is_some()).collect()
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.find(&[name]).is_some()
+    }
+
+    /// The first of some names that is there, as the file spells it, and its value.
+    fn find(&self, names: &[&str]) -> Option<(&str, &Value)> {
+        let is = |name: &str| self.values.iter().find(|(own, _)| plain(own) == plain(name));
+        let (name, value) = names.iter().find_map(|name| is(name))?;
+        Some((name, value))
+    }
+
+    /// A refusal of the file.
+    pub(super) fn refuse(&self, reason: String) -> CameraFault {
+        let what = self.what;
+        CameraFault::Syntax { what, reason }
+    }
+
+    /// The number under one of some names, if there is one.
+    pub(super) fn number(&self, names: &[&str]) -> Result<Option<f64>, CameraFault> {
+        let Some((name, value)) = self.find(names) else {
+            return Ok(None);
+        };
+        let number = number(value).ok_or_else(|| self.refuse(format!("{name} is no number")));
+        number.map(Some)
+    }
+
+    /// The text under a name, if there is one.
+    pub(super) fn text(&self, name: &str) -> Option<&str> {
+        match self.find(&[name])?.1 {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The numbers under one of some names: a list, lists in a list, or OpenCV's and ROS's matrix with its size.
+    pub(super) fn numbers(&self, names: &[&str]) -> Result<Option<Vec<f64>>, CameraFault> {
+        let Some((name, value)) = self.find(names) else {
+            return Ok(None);
+        };
+        let (data, shape) = match value {
+            Value::Map(matrix) => (matrix.get("data"), shape(matrix)),
+            list => (Some(list), None),
+        };
+        let mut all = Vec::new();
+        if !data.is_some_and(|data| flat(data, &mut all)) {
+            return Err(self.refuse(format!("{name} is no list of numbers")));
+        }
+        match shape {
+            Some([rows, cols]) if rows * cols != all.len() as f64 => Err(CameraFault::Matrix {
+                name: name.to_owned(),
+                rows,
+                cols,
+                found: all.len(),
+            }),
+            _ => Ok(Some(all)),
+        }
+    }
+
+    /// Width and height of the image in pixels, under the names that are usual for them.
+    pub(super) fn size(&self) -> Result<[u32; 2], CameraFault> {
+        if let Some(size) = self.numbers(&["resolution", "image_size", "img_size"])? {
+            let [width, height] = size[..] else {
+                return Err(self.refuse(format!(
+                    "the image's size has {} numbers: give width and height",
+                    size.len()
+                )));
+            };
+            return Ok([self.whole("width", width)?, self.whole("height", height)?]);
+        }
+        let side = |names: &[&str]| {
+            let missing = || {
+                self.refuse(
+                    "it does not say how large the image is: add image_width and image_height, in pixels".into(),
+                )
+            };
+            self.whole(names[0], self.number(names)?.ok_or_else(missing)?)
+        };
+        Ok([
+            side(&["image_width", "width", "w"])?,
+            side(&["image_height", "height", "h"])?,
+        ])
+    }
+
+    fn whole(&self, name: &str, number: f64) -> Result<u32, CameraFault> {
+        let is_whole = number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number);
+        let fault = || self.refuse(format!("{name} is {number}: give whole pixels"));
+        is_whole.then_some(number as u32).ok_or_else(fault)
+    }
+}
+
+/// Rows and columns of a matrix: `rows` and `cols`, or the product of OpenCV 5's `sizes`.
+fn shape(matrix: &BTreeMap<String, Value>) -> Option<[f64; 2]> {
+    let side = |name: &str| matrix.get(name).and_then(number);
+    if let Some(sizes) = matrix.get("sizes") {
+        let mut all = Vec::new();
+        return flat(sizes, &mut all).then(|| [1.0, all.iter().product()]);
+    }
+    Some([side("rows")?, side("cols")?])
+}
+
+/// YAML's own numbers, and OpenCV's `1180.`.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Number(number) => Some(*number),
+        Value::Text(text) => text.trim().parse().ok(),
+        _ => None,
+    }
+}
+
+/// Appends all numbers of a value, row by row; false where something else is among them.
+fn flat(value: &Value, to: &mut Vec<f64>) -> bool {
+    match value {
+        Value::List(list) => list.iter().all(|value| flat(value, to)),
+        value => number(value).map(|number| to.push(number)).is_some(),
+    }
+}

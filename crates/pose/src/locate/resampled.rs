@@ -1,0 +1,108 @@
+//! What a lone tag leaves open, by the poses of the same tag with other noise (parametric bootstrap: Efron & Tibshirani 1993, section 6.5).
+//!
+//! Eight numbers and six unknowns: the two branches of a planar target exchange places, and near to frontal the tilt enters by its square. First
+//! derivatives at one pose know neither.
+
+use nalgebra::Matrix6;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+
+use super::lone_tag::BinProbability;
+use super::matches::{Corners, Match};
+use super::planar::planar_branches;
+use super::refine;
+use super::uncertainty::Sigma;
+use crate::camera::Camera;
+use crate::scene::{Bin, Bins, Scene, Viewpoint, corners_in_tag_mm};
+use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
+use scaleproof_core::statistics::normal;
+
+/// So many poses tell a share of 1 in 100 from none.
+const DRAWS: usize = 200;
+
+/// The poses that a lone tag might have been seen from, each with its viewpoint.
+pub(super) struct Resampled(Vec<(Rigid, Viewpoint)>);
+
+impl Resampled {
+    /// By normal noise of `noise_px` per axis about the corners that were seen. The same for the same tag.
+    pub(super) fn new(only: &Match, noise_px: f64, scene: &Scene, camera: &Camera) -> Resampled {
+        let mut rng = Pcg64Mcg::seed_from_u64(0);
+        let pose = |_| {
+            let corners_px = only
+                .corners_px
+                .map(|px| px.map(|v| v + noise_px * normal::draw(&mut rng)));
+            let pose = best_branch(
+                &Match {
+                    corners_px,
+                    ..only.clone()
+                },
+                camera,
+            )?;
+            Some((pose, super::viewpoint(&pose, scene)))
+        };
+        Resampled((0..DRAWS).filter_map(pose).collect())
+    }
+
+    /// Covariance of the step from a pose to the true one; `None` without a pose.
+    pub(super) fn covariance(&self, from: &Rigid) -> Option<Matrix6<f64>> {
+        let squares = self.0.iter().map(|(pose, _)| {
+            let step = rigid::step_between(from, pose);
+            step * step.transpose()
+        });
+        (!self.0.is_empty()).then(|| squares.sum::<Matrix6<f64>>() / self.0.len() as f64)
+    }
+
+    /// Root mean square differences from a viewpoint; infinite without a pose.
+    pub(super) fn sigma(&self, from: &Viewpoint) -> Sigma {
+        let rms = |off: &dyn Fn(&Viewpoint) -> f64| match self.0.len() {
+            0 => f64::INFINITY,
+            count => (self.0.iter().map(|(_, v)| off(v).powi(2)).sum::<f64>() / count as f64).sqrt(),
+        };
+        Sigma {
+            azimuth_deg: rms(&|v| turn(from.azimuth_deg, v.azimuth_deg)),
+            pitch_deg: rms(&|v| v.pitch_deg - from.pitch_deg),
+            distance_mm: rms(&|v| v.distance_mm - from.distance_mm),
+        }
+    }
+
+    /// The share in a bin. Never all and never none of them: half a pose more is in it, and half a one is not.
+    pub(super) fn share_in(&self, bin: &Bin, bins: &Bins) -> f64 {
+        self.share(|v| bins.bin_of(v) == *bin)
+    }
+
+    /// The share whose azimuth is out of a bin by more than a margin.
+    pub(super) fn share_beyond(&self, bin: &Bin, bins: &Bins, margin_deg: f64) -> f64 {
+        let edge_deg = bins.azimuth_deg / 2.0 + margin_deg;
+        self.share(|v| turn(bin.azimuth_deg, v.azimuth_deg).abs() > edge_deg)
+    }
+
+    /// The bins of at least one pose, the most probable first.
+    pub(super) fn bins(&self, bins: &Bins) -> Vec<BinProbability> {
+        let mut all: Vec<Bin> = self.0.iter().map(|(_, v)| bins.bin_of(v)).collect();
+        all.sort_unstable();
+        let probability = |same: &[Bin]| BinProbability {
+            bin: same[0],
+            probability: same.len() as f64 / self.0.len() as f64,
+        };
+        let mut found: Vec<_> = all.chunk_by(Bin::eq).map(probability).collect();
+        found.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        found
+    }
+
+    fn share(&self, has: impl Fn(&Viewpoint) -> bool) -> f64 {
+        let with = self.0.iter().filter(|(_, v)| has(v)).count();
+        (with as f64 + 0.5) / (self.0.len() as f64 + 1.0)
+    }
+}
+
+/// The better of the two poses of a lone tag.
+fn best_branch(only: &Match, camera: &Camera) -> Option<Rigid> {
+    let corners = Corners::new(std::slice::from_ref(only));
+    let to_model = only.tag.pose().inverse();
+    let branches = planar_branches(&corners_in_tag_mm(only.tag.size_mm), &only.corners_px, camera);
+    let refined = branches.into_iter().filter_map(|branch| {
+        let pose = refine::refine_roughly(&(branch * to_model), &corners, camera)?;
+        Some((refine::rms_px(&pose, &corners, camera)?, pose))
+    });
+    refined.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pose)| pose)
+}

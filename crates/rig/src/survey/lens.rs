@@ -1,0 +1,71 @@
+//! The lens that the photos fit, where the camera file's does not.
+//!
+//! Tags that one photo shows at its two sides are tied by the lens's distortion there, where a calibration has seen the board least. What is wrong about
+//! it turns each link of a chain of tags the same way, and the chain opens. Many photos of the same tags tell the lens (self-calibration: Triggs et al.
+//! 2000, "Bundle Adjustment - A Modern Synthesis", section 2); it is only taken where that explains much more than noise.
+
+use nalgebra::SMatrix;
+
+use super::adjust::{Free, LensEquations, Loss, adjust, lens_equations};
+use super::lens_numbers::{LENS, LensNumbers, changed};
+use super::network::{Poses, TINY, TagNetwork};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::expected_px2;
+
+/// How far a calibration may be off, σ of each number. Autofocus moves the focal length by about so much from photo to photo; the coefficients are those of
+/// a lens that moves its image by 1 % at the middle of a side.
+const EXPECTED: [f64; LENS] = [0.01, 0.05, 0.2];
+
+/// A lens is taken when it leaves less by the square of so many σ of a corner coordinate, the expected one ([`expected_px2`]) where the photos are better:
+/// what is left of renders is no noise, and any further number explains some of it.
+const LENS_SIGMAS: f64 = 8.0;
+
+/// What is known about a fitted lens.
+pub(super) struct FittedLens {
+    /// The covariance of its numbers for corners of σ = 1 px.
+    pub covariance: SMatrix<f64, LENS, LENS>,
+    /// See [`LensEquations`].
+    pub by_tag: Vec<Option<SMatrix<f64, 6, LENS>>>,
+}
+
+/// Fits the lens about the given one, and adjusts the poses; `None`, and the given lens, where it is hardly better. `noise_px`: σ of a corner
+/// coordinate of weight 1.
+pub(super) fn fit(
+    net: &mut TagNetwork,
+    poses: &mut Poses,
+    given: &Camera,
+    loss: Loss,
+    noise_px: f64,
+) -> Option<FittedLens> {
+    let stiffness = SMatrix::from_diagonal(&LensNumbers::from(EXPECTED).map(|sigma| (noise_px / sigma).powi(2)));
+    let at = |by: &LensNumbers, start: &Poses| {
+        let mut net = net.clone();
+        net.camera = changed(given, by);
+        let mut poses = start.clone();
+        let left = adjust(&net, &mut poses, Free::All, loss, 50) + by.dot(&(stiffness * by));
+        (left, net, poses)
+    };
+    let mut by = LensNumbers::zeros();
+    let mut best = at(&by, poses);
+    let as_given = best.0;
+    loop {
+        let LensEquations {
+            curvature, gradient, ..
+        } = lens_equations(&best.1, &best.2, loss)?;
+        let step = (curvature + stiffness).cholesky()?.solve(&-(gradient + stiffness * by));
+        let next = at(&(by + step), &best.2);
+        if next.0 > best.0 - 1e-3 * noise_px * noise_px {
+            break;
+        }
+        (by, best) = (by + step, next);
+    }
+    if as_given - best.0 < LENS_SIGMAS.powi(2) * expected_px2(&TINY).max(noise_px * noise_px) {
+        return None;
+    }
+    let equations = lens_equations(&best.1, &best.2, loss)?;
+    (*net, *poses) = (best.1, best.2);
+    Some(FittedLens {
+        covariance: (equations.curvature + stiffness).cholesky()?.inverse(),
+        by_tag: equations.by_tag,
+    })
+}
