@@ -16,13 +16,13 @@ use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma};
 use rand::rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
+use scaleproof_photo::photo::Photo;
 use scaleproof_pose::board::Definition;
-use scaleproof_rig::calibrate;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::locate;
-use scaleproof_photo::photo::Photo;
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_pose::tags::{TagDetector, TagDetectorChoice};
+use scaleproof_rig::calibrate;
 
 /// Sides of the small pictures, px.
 const SIDES: std::ops::RangeInclusive<u32> = 1..=64;
@@ -143,7 +143,10 @@ fn photos(extent: &Extent) {
     let mut detectors = tag_detectors(extent.is_few);
     let name = |(photo, divisor): &(&PathBuf, u32)| format!("{} 1/{divisor}", photo.display());
     extent.each(&items, name, |(photo, divisor)| {
-        let whole = Photo::open(photo).expect("a stored photo").luma().expect("a whole photo");
+        let whole = Photo::open(photo)
+            .expect("a stored photo")
+            .luma()
+            .expect("a whole photo");
         let [width, height] = [whole.width() / divisor, whole.height() / divisor];
         let grey = match divisor {
             1 => whole,
@@ -295,6 +298,9 @@ fn c_detector(family: TagFamily) -> Detector {
         TagFamily::Tag36h11 => Family::tag_36h11(),
         TagFamily::TagStandard41h12 => Family::tag_standard_41h12(),
         TagFamily::TagStandard52h13 => Family::tag_standard_52h13(),
+        TagFamily::TagCircle21h7 => Family::tag_circle_21h7(),
+        TagFamily::TagCircle49h12 => Family::tag_circle_49h12(),
+        TagFamily::TagCustom48h12 => Family::tag_custom_48h12(),
     };
     let mut detector = DetectorBuilder::new()
         .add_family_bits(family, 1)
@@ -306,7 +312,7 @@ fn c_detector(family: TagFamily) -> Detector {
     detector
 }
 
-/// The same copy as there.
+/// A copy in C AprilTag's memory, its rows aligned as in `crates/pose/src/tags/apriltag_c.rs`.
 fn c_image(grey: &GrayImage) -> Image {
     let (width, height) = (grey.width() as usize, grey.height() as usize);
     let mut image = Image::zeros_with_alignment(width, height, 96).expect("there is memory for it");

@@ -214,6 +214,8 @@ fn guide(
     } else {
         None
     };
+    // The capture goes on with it, and writes it anew at each photo.
+    files::inputs::own(&args.output.join("session.json"));
     let question = decided.question(args.output.clone(), &args.variant, &args.place)?;
     let store = Store::open(&args.output, &args.scene, &args.camera, &args.variant)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);

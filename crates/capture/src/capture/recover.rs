@@ -33,7 +33,6 @@ impl Store {
         }
         let mut listed = Vec::new();
         if folder.join(SESSION).exists() {
-            files::inputs::own(&folder.join(SESSION));
             let photos = Session::open(&folder)?.photos;
             listed.extend(photos.into_iter().map(|photo| photo.file));
         }

@@ -97,8 +97,8 @@ pub(super) fn lens_equations(net: &TagNetwork, poses: &Poses, loss: Loss) -> Opt
         photos: vec![SMatrix::zeros(); normal.photos.len()],
     };
     let (mut curvature, mut gradient) = (SMatrix::zeros(), SVector::zeros());
-    for (s, corner, w, l) in normal.corners() {
-        let by_lens = derivatives(&net.camera, &(poses.camera_tag(s)? * corner));
+    for (s, point, w, l) in normal.corners() {
+        let by_lens = derivatives(&net.camera, &point);
         curvature += w * by_lens.transpose() * by_lens;
         gradient += w * by_lens.transpose() * l.residual;
         if let Some(t) = normal.slots.tags[s.tag] {
@@ -205,7 +205,7 @@ impl<'a> NetworkEquations<'a> {
         normal
     }
 
-    /// Each corner that has a pixel: its sighting, itself in the tag's frame (mm), its weight and how it changes with the poses.
+    /// Each corner that has a pixel: its sighting, its place in the camera frame (mm), its weight and how it changes with the poses.
     fn corners(&self) -> impl Iterator<Item = (&Sighting, Point3<f64>, f64, LinearisedCorner)> {
         let seen = |s: &'a Sighting| Some((s, self.poses.camera_tag(s)?));
         let corners = self.net.sightings.iter().filter_map(seen).flat_map(|(s, camera_tag)| {
@@ -217,7 +217,7 @@ impl<'a> NetworkEquations<'a> {
         corners.filter_map(|(s, camera_tag, corner, px)| {
             let l = linear(&camera_tag, &corner, &px, &self.net.camera)?;
             let w = s.weight * self.loss.weight(s.weight * l.residual.norm_squared());
-            Some((s, corner, w, l))
+            Some((s, camera_tag * corner, w, l))
         })
     }
 
@@ -283,9 +283,10 @@ impl<'a> NetworkEquations<'a> {
             tags.fixed_view_mut::<6, K>(6 * t, 0).copy_from(block);
         }
         for (p, inverse) in inverses.iter().enumerate() {
+            let alone = inverse * right.photos[p];
             for (t, tie) in &self.ties[p] {
                 let mut rows = tags.fixed_view_mut::<6, K>(6 * t, 0);
-                rows -= tie * (inverse * right.photos[p]);
+                rows -= tie * alone;
             }
         }
         if !tags.is_empty() {

@@ -37,6 +37,7 @@ pub(super) fn fit(
     loss: Loss,
     noise_px: f64,
 ) -> Option<FittedLens> {
+    net.camera = given.clone();
     let stiffness = SMatrix::from_diagonal(&LensNumbers::from(EXPECTED).map(|sigma| (noise_px / sigma).powi(2)));
     let at = |by: &LensNumbers, start: &Poses| {
         let mut net = net.clone();
@@ -48,24 +49,26 @@ pub(super) fn fit(
     let mut by = LensNumbers::zeros();
     let mut best = at(&by, poses);
     let as_given = best.0;
-    loop {
+    let (information, by_tag) = loop {
         let LensEquations {
-            curvature, gradient, ..
+            curvature,
+            gradient,
+            by_tag,
         } = lens_equations(&best.1, &best.2, loss)?;
-        let step = (curvature + stiffness).cholesky()?.solve(&-(gradient + stiffness * by));
+        let information = (curvature + stiffness).cholesky()?;
+        let step = information.solve(&-(gradient + stiffness * by));
         let next = at(&(by + step), &best.2);
         if next.0 > best.0 - 1e-3 * noise_px * noise_px {
-            break;
+            break (information, by_tag);
         }
         (by, best) = (by + step, next);
-    }
+    };
     if as_given - best.0 < LENS_SIGMAS.powi(2) * expected_px2(&TINY).max(noise_px * noise_px) {
         return None;
     }
-    let equations = lens_equations(&best.1, &best.2, loss)?;
     (*net, *poses) = (best.1, best.2);
     Some(FittedLens {
-        covariance: (equations.curvature + stiffness).cholesky()?.inverse(),
-        by_tag: equations.by_tag,
+        covariance: information.inverse(),
+        by_tag,
     })
 }

@@ -401,9 +401,6 @@ fn finished(
     let noise_px = suspects::noise_px(&net, &poses);
     let shared = edges::fit(&mut net, &mut poses, Loss::Squared, moved_px, noise_px);
     let lens = lens::fit(&mut net, &mut poses, given_camera, Loss::Squared, noise_px);
-    if lens.is_none() {
-        net.camera = given_camera.clone();
-    }
     let net = &net;
     let left = adjust(net, &mut poses, Free::All, Loss::Squared, 100);
     let numbers = 8 * net.sightings.len();

@@ -60,10 +60,7 @@ impl Args {
         let is_base = |photo: &scaleproof_session::session::PhotoEntry| {
             photo.variant == self.base && photo.place.as_deref() == Some(place)
         };
-        let list = folder.join("session.json");
-        let session = if list.exists() {
-            // The capture goes on with it, and writes it anew at each photo.
-            scaleproof_core::files::inputs::own(&list);
+        let session = if folder.join("session.json").exists() {
             Some(Session::open(&folder)?).filter(|session| session.photos.iter().any(is_base))
         } else {
             None
