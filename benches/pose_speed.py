@@ -67,6 +67,7 @@ def noisy(picture, rng):
 
 def small(picture, rng):
     scale = rng.uniform(0.12, 0.5)
+    # A share instead of sizes in whole pixels: the copy is enlarged by up to 0.3 %, as by another focal length, and pose doubt has to hold it.
     reduced = cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     return cv2.resize(reduced, picture.shape[1::-1], interpolation=cv2.INTER_LINEAR)
 

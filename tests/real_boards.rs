@@ -285,6 +285,20 @@ fn real_charuco_boards_are_found() {
     assert_eq!(found.photos(), photos.len());
 }
 
+/// OpenCV's outlines of such large tags leave their corners by up to 12 px.
+#[test]
+#[ignore = "needs the shared material: ./run test --shared"]
+fn every_corner_of_a_real_april_grid_is_found() {
+    let folder = shared("photos/real/aprilgrid");
+    let found = calibrated(&folder.join("board.toml"), &photos(&folder));
+    let corners = found.answer["photos"].as_array().unwrap().iter();
+    assert!(
+        corners.clone().count() == 4 && corners.clone().all(|p| p["corners"] == 144),
+        "{}",
+        found.answer
+    );
+}
+
 /// Focal lengths measured with boards: a lens that breathes has one for each distance.
 #[test]
 #[ignore = "needs the shared material: ./run test --shared"]

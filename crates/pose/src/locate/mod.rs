@@ -2,6 +2,7 @@
 
 mod abstention;
 mod alike;
+mod camera_doubt;
 mod consensus;
 pub mod diagnosis;
 mod doubt;
@@ -115,6 +116,9 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         sigma_deg: 180.0,
         edge_deg: 0.0,
     })?;
+    let by_camera = camera_doubt::covariance(&best.pose, &corners, camera).unwrap_or_default();
+    uncertainty.covariance += by_camera;
+    let target_mm = scene.model.target_mm();
     let viewpoint = viewpoint(&best.pose, scene);
     let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
     let bin = scene.bins.bin_of(&viewpoint);
@@ -138,10 +142,14 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         )?;
         plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
         lone = Some(left_open);
-        uncertainty.covariance = resampled.covariance(&best.pose).unwrap_or(uncertainty.covariance);
-        (resampled.sigma(&viewpoint), resampled.share_in(&bin, &scene.bins))
+        let drawn = resampled.covariance(&best.pose);
+        uncertainty.covariance = drawn.map_or(uncertainty.covariance, |drawn| drawn + by_camera);
+        let sigma = resampled
+            .sigma(&viewpoint)
+            .and(&Sigma::new(&by_camera, &best.pose, target_mm));
+        (sigma, resampled.share_in(&bin, &scene.bins))
     } else {
-        let mut sigma = uncertainty.viewpoint_sigma(&best.pose, scene.model.target_mm());
+        let mut sigma = Sigma::new(&uncertainty.covariance, &best.pose, target_mm);
         if has_outliers && is_poor_fit {
             sigma = doubt::misfit_sigma(sigma);
         }

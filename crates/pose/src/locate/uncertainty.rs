@@ -1,7 +1,8 @@
 //! How far a pose may be off: its covariance, and what that means for the viewpoint and the bin.
 //!
 //! In it are errors of single corners, paper that bends, and tags that stand a little off; the residuals say how much of each, beside what is
-//! expected. What is wrong in the same way in every photo (a wrong camera file, a wrong tag size) leaves the residuals small and is not.
+//! expected. `camera_doubt` adds what the camera is known to. What is wrong in the same way in every photo beyond that (another lens's camera file, a wrong
+//! tag size) leaves the residuals small and is not.
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
@@ -23,7 +24,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 /// noise is normal, and better where it has tails.
 const HUBER_SIGMAS: f64 = 2.0;
 
-/// Standard deviations of a viewpoint, by corner noise, bent paper and tags that stand off.
+/// Standard deviations of a viewpoint, by corner noise, bent paper, tags that stand off, and what the camera's focal length and principal point are known to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Sigma {
     /// Of the azimuth, degrees.
@@ -34,26 +35,11 @@ pub struct Sigma {
     pub distance_mm: f64,
 }
 
-/// How far a pose may be off.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uncertainty {
-    /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`scaleproof_core::geometry::rigid::stepped`].
-    pub covariance: Matrix6<f64>,
-    /// Noise of a corner, px per axis, the mean over the tags.
-    pub noise_px: f64,
-}
-
-impl Uncertainty {
-    /// How likely a rival is, relative to the best pose, by `count` corners with normal noise.
-    pub(super) fn likelihood(&self, rival: &PoseCandidate, best: &PoseCandidate, count: usize) -> f64 {
-        let squares = |c: &PoseCandidate| count as f64 * c.rms_px * c.rms_px;
-        (-(squares(rival) - squares(best)).max(0.0) / (2.0 * self.noise_px * self.noise_px)).exp()
-    }
-
-    /// Standard deviations of the viewpoint of a pose `T_camera_model`, by its first derivatives; infinite azimuth straight above.
-    pub(super) fn viewpoint_sigma(&self, pose: &Rigid, target_mm: Point3<f64>) -> Sigma {
+impl Sigma {
+    /// Of the viewpoint of a pose `T_camera_model` whose step (ω in rad, υ in mm) has this covariance, by first derivatives; infinite azimuth straight above.
+    pub(super) fn new(covariance: &Matrix6<f64>, pose: &Rigid, target_mm: Point3<f64>) -> Sigma {
         // A step moves the camera centre by -Rᵀυ: turning the camera about itself leaves it where it is.
-        let shift = self.covariance.fixed_view::<3, 3>(3, 3);
+        let shift = covariance.fixed_view::<3, 3>(3, 3);
         let rotation = pose.rotation.to_rotation_matrix().into_inner();
         let centre = rotation.transpose() * shift * rotation;
         let d = pose.inverse() * Point3::origin() - target_mm;
@@ -77,6 +63,32 @@ impl Uncertainty {
             pitch_deg: sigma(variance[1]),
             distance_mm: sigma(variance[2]),
         }
+    }
+
+    /// Of the sum of two independent errors.
+    pub(super) fn and(&self, other: &Sigma) -> Sigma {
+        Sigma {
+            azimuth_deg: self.azimuth_deg.hypot(other.azimuth_deg),
+            pitch_deg: self.pitch_deg.hypot(other.pitch_deg),
+            distance_mm: self.distance_mm.hypot(other.distance_mm),
+        }
+    }
+}
+
+/// How far a pose may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertainty {
+    /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`scaleproof_core::geometry::rigid::stepped`].
+    pub covariance: Matrix6<f64>,
+    /// Noise of a corner, px per axis, the mean over the tags.
+    pub noise_px: f64,
+}
+
+impl Uncertainty {
+    /// How likely a rival is, relative to the best pose, by `count` corners with normal noise.
+    pub(super) fn likelihood(&self, rival: &PoseCandidate, best: &PoseCandidate, count: usize) -> f64 {
+        let squares = |c: &PoseCandidate| count as f64 * c.rms_px * c.rms_px;
+        (-(squares(rival) - squares(best)).max(0.0) / (2.0 * self.noise_px * self.noise_px)).exp()
     }
 }
 

@@ -1,13 +1,18 @@
 //! The default: several finders one after the other, the fastest first, until nothing is missing.
 //!
 //! The caller says what the tags found so far leave open: whether they make a pose, and where that pose expects tags that were not found. The
-//! cascade looks for those in their places before the next finder starts.
+//! cascade looks for those in their places before the next finder starts. Dark images are stretched first, and noisy or dull ones searched at half the size.
+
+use std::borrow::Cow;
+
+use image::GrayImage;
 
 use super::apriltag_c::AprilTagC;
 use super::expected::{self, StillMissing};
 use super::fit::{TagFit, fitted};
+use super::legibility::Legibility;
 use super::merge::MergedTags;
-use super::search::{Found, Search, Strength, reduced_by};
+use super::search::{Found, Search, Strength, enlarged, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::{Luma, REDUCTIONS};
@@ -17,6 +22,9 @@ const SEARCHED_PX: u32 = 1600;
 
 /// The first finder is shown the larger ones still smaller, at least this long: tags that it misses are looked for where the pose expects them.
 const SMALL_PX: u32 = 800;
+
+/// No image is searched at half the size where that leaves less, px of its long side: tags in small images have few pixels.
+const LEAST_HALF_PX: u32 = 600;
 
 /// Live images are reduced to at most this long side, px: the answer must come soon, and the next image brings another chance.
 const SEARCHED_LIVE_PX: u32 = 640;
@@ -30,6 +38,8 @@ const ENOUGH_TAGS: usize = 2;
 /// Finders in turn. Holds C memory, so each thread makes its own.
 pub struct Cascade {
     stages: Vec<Stage>,
+    /// What the first of them is shown.
+    first: View,
 }
 
 /// One finder and when it runs.
@@ -76,7 +86,10 @@ impl Cascade {
         add(vec![c()?], reduced, Need::MissingTags);
         add(rivals::finders(Strength::SmallTags, families)?, reduced, Need::NoPose);
         add(vec![c()?], View::Whole, Need::NoPose);
-        Ok(Cascade { stages })
+        Ok(Cascade {
+            stages,
+            first: View::Small,
+        })
     }
 
     /// A faster one, which misses small tags: the fastest finder alone, on a small image.
@@ -89,59 +102,130 @@ impl Cascade {
             view: View::Reduced(SEARCHED_LIVE_PX),
             need: Need::MissingTags,
         };
-        Ok(Cascade { stages: vec![stage] })
+        Ok(Cascade {
+            first: stage.view,
+            stages: vec![stage],
+        })
     }
 }
 
 impl Stage {
     /// `None` where it would be shown what others have been shown.
-    fn search(&mut self, luma: &dyn Luma) -> Option<Vec<Found>> {
+    fn search(&mut self, shown: &Shown) -> Option<Vec<Found>> {
+        let factor = shown.factor(self.view)?;
+        let mut found = self.search.search(&shown.reduced(factor));
+        for tag in &mut found {
+            tag.corners_px = tag.corners_px.map(|corner| enlarged(corner, factor));
+        }
+        Some(found)
+    }
+}
+
+/// An image as the finders are shown it.
+struct Shown<'a> {
+    luma: &'a dyn Luma,
+    legibility: Legibility,
+    /// What was measured, and its factor: the first finder is mostly shown the same.
+    measured: (u32, &'a GrayImage),
+}
+
+impl Shown<'_> {
+    /// Measures an image as the first finder is shown it, stretches it where it is dark, and hands it on.
+    fn with<T>(luma: &dyn Luma, first: View, then: impl FnOnce(&Shown) -> T) -> T {
         let [width, height] = luma.size();
-        let longest = width.max(height);
-        let factor = match self.view {
-            View::Reduced(to_px) => longest.div_ceil(to_px).max(1),
-            View::Small if longest <= SEARCHED_PX => 1,
-            View::Small => REDUCTIONS.into_iter().find(|f| longest / f >= SMALL_PX).unwrap_or(1),
-            View::Whole if longest <= SEARCHED_PX => return None,
-            View::Whole => 1,
+        let factor = first.factor(width.max(height), None).unwrap_or(1);
+        let measured = luma.reduced(factor);
+        let legibility = Legibility::new(&measured);
+        if legibility.is_dark() {
+            let luma = legibility.stretched(luma.whole());
+            let measured = luma.reduced(factor);
+            let measured = (factor, measured.as_ref());
+            return then(&Shown {
+                luma: &luma,
+                legibility,
+                measured,
+            });
+        }
+        let measured = (factor, measured.as_ref());
+        then(&Shown {
+            luma,
+            legibility,
+            measured,
+        })
+    }
+
+    fn factor(&self, view: View) -> Option<u32> {
+        let [width, height] = self.luma.size();
+        view.factor(width.max(height), Some(&self.legibility))
+    }
+
+    fn reduced(&self, factor: u32) -> Cow<'_, GrayImage> {
+        let (measured, image) = self.measured;
+        if factor == measured {
+            Cow::Borrowed(image)
+        } else {
+            self.luma.reduced(factor)
+        }
+    }
+}
+
+impl View {
+    /// By how much an image is reduced for it, as far as is known how legible it is. `None` where this view shows no more than others do.
+    fn factor(self, longest: u32, known: Option<&Legibility>) -> Option<u32> {
+        let reduced = |to_px: u32| {
+            let factor = longest.div_ceil(to_px).max(1);
+            let is_halved = known.is_some_and(Legibility::is_better_halved) && longest / factor >= 2 * LEAST_HALF_PX;
+            if is_halved { 2 * factor } else { factor }
         };
-        Some(reduced_by(luma, factor, |small| self.search.search(small)))
+        let small = || REDUCTIONS.into_iter().find(|f| longest / f >= SMALL_PX).unwrap_or(1);
+        match self {
+            View::Reduced(to_px) => Some(reduced(to_px)),
+            View::Small if longest <= SEARCHED_PX => Some(reduced(SEARCHED_PX)),
+            View::Small => Some(small().max(reduced(SEARCHED_PX))),
+            View::Whole if reduced(SEARCHED_PX) == 1 => None,
+            View::Whole if longest <= SEARCHED_PX && known.is_some_and(Legibility::is_dull) => None,
+            View::Whole => Some(1),
+        }
     }
 }
 
 impl TagDetector for Cascade {
     /// Without a scene it is not known what is missing: all finders run, the slow ones only where almost nothing is found.
     fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
-        let mut tags = MergedTags::default();
-        for need in [Need::MissingTags, Need::NoPose] {
-            for stage in self.stages.iter_mut().filter(|stage| stage.need == need) {
-                tags.add(stage.search(luma).unwrap_or_default(), luma);
+        Shown::with(luma, self.first, |shown| {
+            let mut tags = MergedTags::default();
+            for need in [Need::MissingTags, Need::NoPose] {
+                for stage in self.stages.iter_mut().filter(|stage| stage.need == need) {
+                    tags.add(stage.search(shown).unwrap_or_default(), shown.luma);
+                }
+                if tags.seen().iter().filter(|tag| tag.is_whole).count() >= ENOUGH_TAGS {
+                    break;
+                }
             }
-            if tags.seen().iter().filter(|tag| tag.is_whole).count() >= ENOUGH_TAGS {
-                break;
-            }
-        }
-        tags.seen()
+            tags.seen()
+        })
     }
 
     fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
-        let mut tags = MergedTags::default();
-        let (mut seen, mut left) = looked(&mut tags, luma, missing);
-        for stage in &mut self.stages {
-            // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
-            let is_lone = seen.iter().filter(|tag| tag.is_whole).count() < 2;
-            if left.has_pose && !is_lone && !left.expected.iter().any(|tag| tag.is_in_plain_view) {
-                break;
+        Shown::with(luma, self.first, |shown| {
+            let mut tags = MergedTags::default();
+            let (mut seen, mut left) = looked(&mut tags, shown.luma, missing);
+            for stage in &mut self.stages {
+                // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
+                let is_lone = seen.iter().filter(|tag| tag.is_whole).count() < 2;
+                if left.has_pose && !is_lone && !left.expected.iter().any(|tag| tag.is_in_plain_view) {
+                    break;
+                }
+                if stage.need == Need::NoPose && left.has_pose {
+                    continue;
+                }
+                if let Some(found) = stage.search(shown) {
+                    tags.add(found, shown.luma);
+                    (seen, left) = looked(&mut tags, shown.luma, missing);
+                }
             }
-            if stage.need == Need::NoPose && left.has_pose {
-                continue;
-            }
-            if let Some(found) = stage.search(luma) {
-                tags.add(found, luma);
-                (seen, left) = looked(&mut tags, luma, missing);
-            }
-        }
-        seen
+            seen
+        })
     }
 }
 

@@ -10,6 +10,7 @@ mod expected;
 mod fit;
 mod homography;
 pub mod inset;
+mod legibility;
 mod likeness;
 mod merge;
 mod modules;

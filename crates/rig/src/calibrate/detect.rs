@@ -71,6 +71,8 @@ pub(super) const LEAST_CORNERS: usize = 12;
 const WIDEST_WINDOW_PX: f64 = 10.0;
 /// The least half side: with 1 px, noise alone moves a corner by half a pixel.
 const NARROWEST_WINDOW_PX: f64 = 2.0;
+/// How far a guess may be off, as a share of the room around the corner: OpenCV puts the corners of an AprilGrid's large tags up to 12 px out (sides of 146 px, room of 44).
+const LARGEST_MISS: f64 = 1.0 / 3.0;
 /// From a corner to the next; nearer ones pull at it. Down to here, corners of ChArUco boards lie within 0.1 px (root mean square) of a plane's homography.
 const LEAST_ROOM_PX: f64 = 2.4;
 
@@ -330,7 +332,8 @@ fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<
     opencv::imgproc::corner_sub_pix(image, &mut corner, window, Size::new(-1, -1), stop)?;
     let point = corner.get(0)?;
     let px = [f64::from(point.x), f64::from(point.y)];
-    Ok((distance(px, guess) < half.min(4.0)).then_some(px))
+    let reach = half.min(4.0).max(free_px * LARGEST_MISS);
+    Ok((distance(px, guess) < reach).then_some(px))
 }
 
 fn through(h: &Mat, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
