@@ -52,13 +52,6 @@ impl SceneMesh {
             return Err("an image of the mesh is written beside the scene: give a file by --output".into());
         }
         let preview = preview_path(wanted.output);
-        if preview.exists() {
-            return Err(format!(
-                "{} is there already; give the scene another name or remove it",
-                preview.display()
-            )
-            .into());
-        }
         let raw = Mesh::load(file, &MeshPlacement::default())?;
         let axes = self.axes(file, &raw, &wanted)?;
         let along = raw.points().iter().map(|p| raw.in_file(p)[axes.front.index()]);

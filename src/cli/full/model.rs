@@ -12,7 +12,7 @@ use scaleproof_pose::scene::{Paint, ScaleModel, Scene};
 use scaleproof_print::print::template::check_scale;
 use scaleproof_print::print::wrap::check_size;
 use scaleproof_session::envelope;
-use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement, propose_axes};
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement, SignedAxis, propose_axes};
 
 /// The model.
 #[derive(clap::Args, Clone)]
@@ -82,8 +82,9 @@ impl ModelArgs {
             (None, Some(scene)) => (Mesh::cuboid(scene.model.size_mm), Matrix3::identity()),
             (None, None) => return Err("give --mesh, --scene, or both".into()),
         };
-        if let (Some(file), None, None) = (file, placement.front, placement.up) {
-            ask_about_axes(file, &mesh, self.mesh.is_none() && filled.mesh.is_some())?;
+        if let Some(file) = file {
+            let is_scenes = self.mesh.is_none() && filled.mesh.is_some();
+            ask_about_axes((file, &mesh), [placement.front, placement.up], is_scenes)?;
         }
         if let Some(scene) = &scene {
             check_size(&mesh, scene.model.size_mm)?;
@@ -192,17 +193,20 @@ pub(crate) fn painted(mesh: Mesh, materials: &[String], faces: Option<&Path>) ->
 }
 
 /// Refuses a mesh that lies otherwise than its format says, by its shape, while nobody has said how it lies. `is_scenes`: it is named by a scene.
-fn ask_about_axes(file: &Path, mesh: &Mesh, is_scenes: bool) -> Result<(), String> {
-    let taken = units::lies_as_a_vehicle(mesh.size_mm());
+fn ask_about_axes((file, mesh): (&Path, &Mesh), said: [Option<SignedAxis>; 2], is_scenes: bool) -> Result<(), String> {
+    if said.iter().all(Option::is_some) {
+        return Ok(());
+    }
     let [front, up] = MeshPlacement::usual(file);
-    let Some(shape) = propose_axes(mesh, [None, None])
+    let [front, up] = [said[0].unwrap_or(front), said[1].unwrap_or(up)];
+    let other = propose_axes(mesh, said)
         .ok()
-        .filter(|found| [found.front, found.up] != [front, up])
-    else {
-        return taken.map_or(Ok(()), |odd| {
+        .filter(|found| [found.front, found.up] != [front, up]);
+    let Some(shape) = other else {
+        return units::lies_as_a_vehicle(mesh.size_mm()).map_or(Ok(()), |odd| {
+            let file = file.display();
             Err(format!(
-                "{file}, with its front to {front} and its top to {up}, is {odd}: give --mesh-front and --mesh-up, as they are in the file",
-                file = file.display()
+                "{file}, with its front to {front} and its top to {up}, is {odd}: give both --mesh-front and --mesh-up, as they are in the file"
             ))
         });
     };

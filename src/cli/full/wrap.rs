@@ -80,9 +80,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     if args.pieces.panels {
         panels(args, (&model, &painted), request()?, out)
     } else if args.sheets.overlap_mm.is_some() {
-        return Err(
-            "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
-        );
+        Err("no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into())
     } else if let Some(paints) = args.paint.paints()? {
         let request = args.pieces.request(request()?);
         let output = args.sheets.paper.output()?;
