@@ -108,14 +108,8 @@ fn scene_with(cards: &str, folder: &Path) -> PathBuf {
     let stored = std::fs::read_to_string(skyline().join("scene.toml")).unwrap();
     let with = format!("[cards]\n{cards}\n\n{stored}");
     let scene = Scene::parse(&with, Path::new("scene.toml")).unwrap();
-    let mesh = |path: PathBuf| skyline().join(path);
-    let scene = Scene {
-        model: scaleproof_pose::scene::ScaleModel {
-            envelope: scene.model.envelope.with_mesh(mesh),
-            ..scene.model
-        },
-        ..scene
-    };
+    let model = scene.model.with_files(|path| skyline().join(path));
+    let scene = Scene { model, ..scene };
     write(folder, "scene.toml", scene.to_toml())
 }
 

@@ -68,6 +68,7 @@ fn any_scene(rng: &mut Pcg64Mcg) -> Scene {
                     rng.random_range(80.0..150.0),
                 ],
                 envelope: Envelope::Box,
+                mesh: Default::default(),
             },
             bins: Bins {
                 azimuth_deg: 45.0,

@@ -468,8 +468,8 @@ fn lengths_in_another_unit_are_doubted_and_taken() {
             "note: the car of 46 × 20 × 13 mm at 1:10 would be 0.46 m long in reality: were these cm? That is --model-size-mm 460x200x130",
         ),
         (
-            "print wrap --panels --mesh wide.obj --length-mm 100 --pattern P.png --tile-mm 118 -o w.pdf",
-            "note: the model is 100 mm long and 200 mm wide: is --mesh-front right?",
+            "print wrap --panels --mesh wide.obj --mesh-front +x --mesh-up +z --length-mm 100 --pattern P.png --tile-mm 118 -o w.pdf",
+            "note: the model is 100 mm long and 200 mm wide: are its front and its top right (--mesh-front, --mesh-up)?",
         ),
         (
             "print board --type chessboard --squares 10x7 --square-mm 4 -o b.pdf",

@@ -43,6 +43,7 @@ mod hostile;
 mod import;
 mod locate;
 mod manners;
+mod mesh_step;
 mod package;
 mod parsers;
 mod pattern_import;

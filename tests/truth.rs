@@ -61,6 +61,7 @@ fn model() -> ScaleModel {
         class: "car".parse().unwrap(),
         size_mm: SIZE_MM,
         envelope: Envelope::Box,
+        mesh: Default::default(),
     }
 }
 

@@ -17,6 +17,20 @@ pub(super) type OnModelCommand = Command;
 pub(super) type PrintCommand = Command;
 pub(super) type DetectorsCommand = Command;
 
+/// No mesh is read here.
+#[derive(clap::Args)]
+pub(super) struct SceneMesh {}
+
+impl SceneMesh {
+    pub(super) fn is_given(&self) -> bool {
+        false
+    }
+
+    pub(super) fn take(&self, _: super::scene::Wanted) -> Result<super::scene::Taken> {
+        Err("give --model-size-mm".into())
+    }
+}
+
 pub(super) const ADVICE: &[Advise] = &[];
 
 pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {

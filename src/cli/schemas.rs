@@ -36,6 +36,7 @@ fn all() -> Vec<Named> {
         named::<SealedFile>("plan-sealed-file"),
         named::<SequentialPlan>("plan-sequential"),
         named::<Written<scene::Answer>>("scene-new"),
+        named::<scene::Shown>("scene-show"),
         named::<score::WrittenShard>("score-shard"),
         named::<Speeds>("speed"),
         named::<SummaryPage>("summary"),

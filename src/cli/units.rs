@@ -1,9 +1,12 @@
 //! Lengths that were probably meant in another unit, or in another order: a note, never a refusal.
 
 use scaleproof_plot::lettering::number;
+#[cfg(feature = "full")]
+use scaleproof_pose::scene::Classes;
 
 /// The longest vehicle on a road, an articulated bus, is 25 m long.
 const LONGEST_VEHICLE_MM: f64 = 25_000.0;
+const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
 /// No template is smaller than a stamp.
 const STAMP_MM: f64 = 10.0;
 
@@ -48,15 +51,70 @@ pub(crate) fn model(labels: &[String], size_mm: [f64; 3], scale: f64) -> Option<
     doubts.collect::<Option<Vec<String>>>()?.into_iter().next()
 }
 
+/// About a mesh of this size that may lie on its side. Buses and lorries are taller than wide.
+#[cfg(feature = "full")]
+pub(crate) fn on_its_side(class: Option<&Classes>, size_mm: [f64; 3]) -> Option<String> {
+    let is_car = class.is_none_or(|class| class.labels().iter().all(|label| label == "car"));
+    let odd = lies_as_a_vehicle(size_mm).filter(|_| is_car)?;
+    Some(format!(
+        "the model is {odd}: are its front and its top right (--mesh-front, --mesh-up)?"
+    ))
+}
+
+/// About a mesh of this length, 1:`scale`, whichever of the labels it is.
+#[cfg(feature = "full")]
+pub(crate) fn meshed(class: &Classes, length_mm: f64, scale: f64) -> Option<String> {
+    let real_mm = length_mm * scale;
+    let is_usual = class
+        .labels()
+        .iter()
+        .any(|label| (usual_mm(label).0..=usual_mm(label).1).contains(&real_mm));
+    (!is_usual).then(|| {
+        format!(
+            "the {class} would be {} long in reality: are --length-mm and --scale right?",
+            metres(real_mm)
+        )
+    })
+}
+
+/// Whether each of the labels is of a road vehicle.
+#[cfg(feature = "full")]
+pub(crate) fn is_vehicle(class: &Classes) -> bool {
+    class.labels().iter().all(|label| VEHICLES.contains(&&**label))
+}
+
+/// Whether nobody would wonder at one of this length, mm: what a mesh's unit is recognised by.
+#[cfg(feature = "full")]
+pub(crate) fn is_clearly_usual(class: &Classes, real_mm: f64) -> bool {
+    class.labels().iter().any(|label| {
+        let (least, most) = match &**label {
+            "car" => (3_300.0, 5_700.0),
+            other => usual_mm(other),
+        };
+        (least..=most).contains(&real_mm)
+    })
+}
+
+/// How a length, width and height are odd for a vehicle that lies as it should.
+pub(crate) fn lies_as_a_vehicle([length, width, height]: [f64; 3]) -> Option<String> {
+    // A box on its side is as good as a box; meshes are not exact.
+    let exceeds = |a: f64, b: f64| a > 1.001 * b;
+    let [length_text, width_text, height_text] = [length, width, height].map(|mm| number(mm.round()));
+    if exceeds(width, length) {
+        Some(format!("{length_text} mm long and {width_text} mm wide"))
+    } else {
+        exceeds(height, width).then(|| format!("taller ({height_text} mm) than wide ({width_text} mm)"))
+    }
+}
+
 fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
-    let is_vehicle = ["car", "truck", "bus"].contains(&class);
-    let [length, width, _] = size_mm;
-    if is_vehicle && width > length {
-        return Some(format!(
-            "the {class} is {} mm long and {} mm wide: the order is length x width x height",
-            number(length),
-            number(width)
-        ));
+    // Buses and lorries are taller than wide.
+    let [length, width, height] = size_mm;
+    let height = if class == "car" { height } else { 0.0 };
+    if VEHICLES.contains(&class)
+        && let Some(odd) = lies_as_a_vehicle([length, width, height])
+    {
+        return Some(format!("the {class} is {odd}: the order is length x width x height"));
     }
     let real_mm = size_mm.into_iter().fold(0.0, f64::max) * scale;
     let (least, most) = usual_mm(class);

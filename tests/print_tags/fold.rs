@@ -149,6 +149,7 @@ fn pair(tilt_deg: f64, ridge_deg: f64, turns: [f64; 2], sizes: [f64; 2], rooms: 
             class: "car".parse().unwrap(),
             size_mm: [100.0, 50.0, 40.0],
             envelope: Envelope::Box,
+            mesh: Default::default(),
         },
         bins: Bins {
             azimuth_deg: 45.0,

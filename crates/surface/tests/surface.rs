@@ -12,6 +12,8 @@ mod light;
 mod mesh;
 #[path = "surface/outside.rs"]
 mod outside;
+#[path = "surface/paint.rs"]
+mod paint;
 #[path = "surface/pattern.rs"]
 mod pattern;
 #[path = "surface/world_aligned.rs"]

@@ -8,6 +8,7 @@ mod capture;
 mod chart;
 mod fetch;
 mod interrupt;
+mod mesh_step;
 mod model;
 mod painted;
 mod patch;
@@ -28,6 +29,7 @@ use crate::cli::answer::{Named, Written, named};
 pub(super) use attack::keep_refusals_quiet;
 pub(super) use fetch::download;
 pub(super) use interrupt::end_programs_first;
+pub(super) use mesh_step::SceneMesh;
 
 #[derive(Subcommand)]
 pub(super) enum Command {

@@ -1,36 +1,42 @@
 //! The model that a command works on: its mesh, which of it is paint, its size.
+//!
+//! Here alone is decided what wins: an option that is given; else what the scene says, if the mesh is the scene's; else what the format says.
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::Result;
-use scaleproof_core::spelling::count;
-use scaleproof_pose::scene::Scene;
+use nalgebra::Matrix3;
+
+use crate::cli::{Result, units};
+use scaleproof_core::spelling::{count, quoted};
+use scaleproof_pose::scene::{Paint, ScaleModel, Scene};
 use scaleproof_print::print::template::check_scale;
 use scaleproof_print::print::wrap::check_size;
-use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement};
+use scaleproof_session::envelope;
+use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement, SignedAxis, propose_axes};
 
 /// The model.
-#[derive(clap::Args)]
+#[derive(clap::Args, Clone)]
 pub(crate) struct ModelArgs {
-    /// The model's surface: .glb, .obj, .stl or .ply; without it, the box of the scene's model
+    /// The model's surface: .glb, .obj, .stl or .ply; without it, the scene's mesh, or the box of its model
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
-    /// The materials that are the paint; all without it
+    /// The materials that are the paint; without it, the scene's paint, or all
     #[arg(long, value_name = "NAME", num_args = 1.., conflicts_with = "faces")]
     pub(super) material: Vec<String>,
     /// The triangles that are the paint: a file with their numbers, counted from 0 in the mesh file's order, white space between them
     #[arg(long, value_name = "FILE")]
     pub(super) faces: Option<PathBuf>,
-    /// The scene whose model this is: its size is held against the mesh's
+    /// The scene whose model this is (`scene new --mesh`): its mesh, axes, paint, size and scale are taken, and an option that is given wins over
+    /// what it says. Another mesh than the scene's is held against its size
     #[arg(long, value_name = "TOML")]
     pub scene: Option<PathBuf>,
     /// Scale the mesh to this length from front to rear, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub(super) length_mm: Option<f64>,
-    /// Where the front is in the mesh file: +x, -x, +y, -y, +z or -z [default: +z in a .glb, else +x]
+    /// Where the front is in the mesh file: +x, -x, +y, -y, +z or -z [default: as the scene says; else +z in a .glb, +x in others]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     pub(super) mesh_front: Option<String>,
-    /// Where the top is in the mesh file [default: +y in a .glb, else +z]
+    /// Where the top is in the mesh file [default: as the scene says; else +y in a .glb, +z in others]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     pub(super) mesh_up: Option<String>,
     /// The model is 1:SCALE (named in the captions) [default: the scene's, else 10]
@@ -43,6 +49,8 @@ pub(crate) struct Model {
     pub mesh: Mesh,
     /// The mesh's file; `None` of a scene's box.
     pub file: Option<PathBuf>,
+    /// From the frame of that file into the model frame.
+    pub turn: Matrix3<f64>,
     pub materials: Vec<usize>,
     pub scale: f64,
 }
@@ -60,51 +68,79 @@ impl ModelArgs {
         self.load_or(None)
     }
 
-    /// Loads the model; without `--mesh`, the mesh that brings the texture is taken, if there is one.
+    /// Loads the model; where neither `--mesh` nor the scene names a mesh, the one that brings the texture is taken, if there is one.
     pub(crate) fn load_or(&self, textured: Option<&Path>) -> Result<Model> {
         let scene = self.scene.as_deref().map(Scene::open).transpose()?;
-        let file = self.mesh.as_deref().or(textured);
-        let mesh = match (file, &scene) {
-            (Some(file), _) => Mesh::load(file, &self.placement()?)?,
+        let filled = self.with_what_the_scene_says(scene.as_ref());
+        let file = filled.mesh.as_deref().or(textured);
+        let placement = filled.placement()?;
+        let (mesh, turn) = match (file, &scene) {
+            (Some(file), _) => (Mesh::load(file, &placement)?, placement.rotation(file)?),
             (None, Some(_)) if let Some(option) = self.of_a_mesh() => {
                 return Err(format!("{option} is about a mesh; give --mesh too").into());
             }
-            (None, Some(scene)) => Mesh::cuboid(scene.model.size_mm),
+            (None, Some(scene)) => (Mesh::cuboid(scene.model.size_mm), Matrix3::identity()),
             (None, None) => return Err("give --mesh, --scene, or both".into()),
         };
+        if let Some(file) = file {
+            let is_scenes = self.mesh.is_none() && filled.mesh.is_some();
+            ask_about_axes((file, &mesh), [placement.front, placement.up], is_scenes)?;
+        }
         if let Some(scene) = &scene {
             check_size(&mesh, scene.model.size_mm)?;
         }
         mesh.check_is_model()?;
         let scale = self.scale.or(scene.as_ref().map(|s| s.model.scale)).unwrap_or(10.0);
-        if self.length_mm.is_none() && scene.is_none() {
+        if filled.length_mm.is_none() && scene.is_none() {
             check_scale(scale)?;
             mesh.check_is_scale_model(scale)?;
         }
-        let (mesh, materials) = self.painted(mesh)?;
+        if file.is_some() {
+            let class = scene.as_ref().map(|scene| &scene.model.class);
+            units::note(units::on_its_side(class, mesh.size_mm()));
+        }
+        let (mesh, materials) = painted(mesh, &filled.material, filled.faces.as_deref())?;
+        let file = file.map(Path::to_owned);
         Ok(Model {
             mesh,
-            file: file.map(Path::to_owned),
+            file,
+            turn,
             materials,
             scale,
         })
     }
 
-    /// The mesh and which of its materials are paint.
-    fn painted(&self, mesh: Mesh) -> Result<(Mesh, Vec<usize>), MeshError> {
-        let Some(path) = &self.faces else {
-            let materials = mesh.materials_named(&self.material)?;
-            return Ok((mesh, materials));
+    /// These options, with what the scene says of its mesh where nothing is given. Of another mesh than its own a scene says nothing.
+    pub(crate) fn filled(&self) -> Result<ModelArgs> {
+        let scene = self.scene.as_deref().map(Scene::open).transpose()?;
+        Ok(self.with_what_the_scene_says(scene.as_ref()))
+    }
+
+    fn with_what_the_scene_says(&self, scene: Option<&Scene>) -> ModelArgs {
+        let mut filled = self.clone();
+        let (Some(scene), Some(path)) = (scene, &self.scene) else {
+            return filled;
         };
-        let faces = FaceList::load(path, &mesh)?;
-        if faces.repeated > 0 {
-            say!(
-                "note: in {}, a face is named again {}",
-                path.display(),
-                count(faces.repeated, "time")
-            );
+        let Some(mesh) = scene.model.envelope.mesh().map(|mesh| path.with_file_name(mesh)) else {
+            return filled;
+        };
+        if self
+            .mesh
+            .as_ref()
+            .is_some_and(|given| *given != mesh && !scaleproof_core::files::is_same(given, &mesh))
+        {
+            return filled;
         }
-        Ok(mesh.with_paint(&faces))
+        let placement = envelope::placement(&mesh, &scene.model);
+        filled.mesh.get_or_insert(mesh);
+        filled.length_mm = self.length_mm.or(placement.length_mm);
+        let [front, up] = [placement.front, placement.up].map(|axis| axis.map(|axis| axis.to_string()));
+        filled.mesh_front = self.mesh_front.clone().or(front);
+        filled.mesh_up = self.mesh_up.clone().or(up);
+        if self.material.is_empty() && self.faces.is_none() {
+            (filled.material, filled.faces) = paint_of(&scene.model, path);
+        }
+        filled
     }
 
     /// An option that was given and says nothing without a mesh.
@@ -120,7 +156,7 @@ impl ModelArgs {
     }
 
     /// How the mesh file lies in the model frame.
-    pub(crate) fn placement(&self) -> Result<MeshPlacement, MeshError> {
+    fn placement(&self) -> Result<MeshPlacement, MeshError> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
         Ok(MeshPlacement {
             front: axis(&self.mesh_front)?,
@@ -130,11 +166,61 @@ impl ModelArgs {
     }
 }
 
-/// About a mesh that was turned by `--mesh-front`, or was not.
-pub(crate) fn turned([length, width, _]: [f64; 3]) -> Option<String> {
-    (width > length).then(|| format!("the model is {length:.0} mm long and {width:.0} mm wide: is --mesh-front right?"))
+/// The materials and the list of triangles that a scene's file names as paint.
+pub(crate) fn paint_of(model: &ScaleModel, scene_file: &Path) -> (Vec<String>, Option<PathBuf>) {
+    match &model.mesh.paint {
+        Paint::All => (Vec::new(), None),
+        Paint::Materials(names) => (names.clone(), None),
+        Paint::Faces(path) => (Vec::new(), Some(scene_file.with_file_name(path))),
+    }
 }
 
-#[cfg(test)]
-#[path = "../tests/model.rs"]
-mod tests;
+/// The mesh and which of its materials are paint; none stands for all.
+pub(crate) fn painted(mesh: Mesh, materials: &[String], faces: Option<&Path>) -> Result<(Mesh, Vec<usize>), MeshError> {
+    let Some(path) = faces else {
+        let materials = mesh.materials_named(materials)?;
+        return Ok((mesh, materials));
+    };
+    let faces = FaceList::load(path, &mesh)?;
+    if faces.repeated > 0 {
+        say!(
+            "note: in {}, a face is named again {}",
+            path.display(),
+            count(faces.repeated, "time")
+        );
+    }
+    Ok(mesh.with_paint(&faces))
+}
+
+/// Refuses a mesh that lies otherwise than its format says, by its shape, while nobody has said how it lies. `is_scenes`: it is named by a scene.
+fn ask_about_axes((file, mesh): (&Path, &Mesh), said: [Option<SignedAxis>; 2], is_scenes: bool) -> Result<(), String> {
+    if said.iter().all(Option::is_some) {
+        return Ok(());
+    }
+    let [front, up] = MeshPlacement::usual(file);
+    let [front, up] = [said[0].unwrap_or(front), said[1].unwrap_or(up)];
+    let other = propose_axes(mesh, said)
+        .ok()
+        .filter(|found| [found.front, found.up] != [front, up]);
+    let Some(shape) = other else {
+        return units::lies_as_a_vehicle(mesh.size_mm()).map_or(Ok(()), |odd| {
+            let file = file.display();
+            Err(format!(
+                "{file}, with its front to {front} and its top to {up}, is {odd}: give both --mesh-front and --mesh-up, as they are in the file"
+            ))
+        });
+    };
+    let (file, new_front, new_up) = (file.display(), shape.front, shape.up);
+    let remedy = if is_scenes {
+        format!("write mesh_front = \"{new_front}\" and mesh_up = \"{new_up}\" into the scene")
+    } else {
+        let quoted = quoted(&file.to_string());
+        format!(
+            "give --mesh-front {new_front} --mesh-up {new_up}, or say it once: scaleproof scene new --mesh {quoted} --length-mm MM -o scene.toml"
+        )
+    };
+    Err(format!(
+        "{file} would lie with its front to {front} and its top to {up}, and by its shape they are {new_front} and {new_up}: {remedy} (if it is right as \
+         it lies, give --mesh-front {front} --mesh-up {up})"
+    ))
+}

@@ -11,7 +11,7 @@ use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::full::model::ModelArgs;
 use crate::cli::print::value_names;
-use crate::cli::{Result, enlarged, units};
+use crate::cli::{Result, enlarged};
 use scaleproof_core::files;
 use scaleproof_core::geometry::length::parse_mm;
 use scaleproof_core::spelling::count;
@@ -64,9 +64,6 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let title = format!("Patches of {}", wanted[0].name);
     let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
     files::write_all_atomically(&files)?;
-    if args.model.mesh.is_some() {
-        units::note(super::model::turned(model.mesh.size_mm()));
-    }
     for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
         say!(
             "note: {:.1} % of {} lie beyond the outline of the {} panel and are cut off",

@@ -78,9 +78,9 @@ pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 /// The scene with its mesh named so that a scene file in the output's folder finds it.
 fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
     let (from, to) = (args.scene.parent(), args.output.parent());
-    if let (Some(mesh), true) = (scene.model.envelope.mesh(), from != to) {
-        let place = std::path::absolute(from.unwrap_or(Path::new("")).join(mesh))?;
-        scene.model.envelope = scene.model.envelope.with_mesh(|_| place);
+    if from != to {
+        let folder = std::path::absolute(from.unwrap_or(Path::new("")).join("."))?;
+        scene.model = scene.model.with_files(|file| folder.join(file));
     }
     Ok(scene)
 }

@@ -12,7 +12,7 @@ use crate::cli::answer::{told, written};
 use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::full::texture::TextureArgs;
-use crate::cli::{CommandResult, Result, progress, units};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
@@ -121,18 +121,11 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
     let baked = progress::busy("baking").during(|_| bake(&request))?;
     let png = encode_rgb(&baked.image)?;
     let textured = TexturedModel::new(&model.mesh, &model.materials, &baked, &png);
-    let turn = match &model.file {
-        Some(file) => args.painted.model.placement()?.rotation(file)?,
-        None => nalgebra::Matrix3::identity(),
-    };
-    let glb = write_glb(&model.mesh, &textured, &turn);
+    let glb = write_glb(&model.mesh, &textured, &model.turn);
     let mut files = vec![(args.output.clone(), png)];
     files.extend(write_obj(&model.mesh, &textured, &args.output));
     files.push((args.output.with_extension("glb"), glb));
     files::write_all_atomically(&files)?;
-    if model.file.is_some() {
-        units::note(super::model::turned(model.mesh.size_mm()));
-    }
     let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
     let (width, height) = baked.image.dimensions();
     let coordinates = match baked.unwrapped {

@@ -14,7 +14,7 @@ use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::full::texture::{NamedTexture, TextureArgs};
 use crate::cli::print::PaperArgs;
 use crate::cli::print::paint::PaintArgs;
-use crate::cli::{Result, advice, progress, units};
+use crate::cli::{Result, advice, progress};
 use scaleproof_core::files;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
@@ -77,12 +77,10 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             ..args.sheets.request(model.scale)?
         })
     };
-    let outcome = if args.pieces.panels {
+    if args.pieces.panels {
         panels(args, (&model, &painted), request()?, out)
     } else if args.sheets.overlap_mm.is_some() {
-        return Err(
-            "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
-        );
+        Err("no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into())
     } else if let Some(paints) = args.paint.paints()? {
         let request = args.pieces.request(request()?);
         let output = args.sheets.paper.output()?;
@@ -91,11 +89,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         let output = args.sheets.paper.output()?;
         let request = args.pieces.request(request()?);
         pieces::run((&model, &painted), &request, &output, (args.json, out))
-    }?;
-    if model.file.is_some() {
-        units::note(super::model::turned(model.mesh.size_mm()));
     }
-    Ok(outcome)
 }
 
 /// `--panels`.
@@ -184,7 +178,8 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         PaintedError::Pieces(e) => advice(e)?,
         PaintedError::Paint(e) => advice::on(e)?,
-        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
+        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) =>
+            " (--pieces, --max-stretch, --mean-stretch, --paper; --material, --faces or the scene's paint leave out what is not painted)",
         PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
         PiecesError::Raster(_) => " (--dpi)",
     }

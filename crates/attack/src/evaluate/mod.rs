@@ -136,6 +136,7 @@ impl RenderedSet {
                 size_mm: mesh.size_mm(),
                 // Every photo says its box.
                 envelope: Envelope::Box,
+                mesh: Default::default(),
             },
             bins: Bins {
                 azimuth_deg: azimuth_step(&each(|v| v.azimuth_deg)),

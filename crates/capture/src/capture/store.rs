@@ -89,7 +89,7 @@ impl Store {
     pub(super) fn begin(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
         let read = Scene::open(scene)?;
         Camera::open(camera).map_err(SessionError::from)?;
-        let mesh = session::mesh_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
+        let below = session::files_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
         refuse_foreign(folder)?;
         std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))?;
         let lock = locked(folder)?;
@@ -98,8 +98,14 @@ impl Store {
         let is_new = !folder.join(SESSION).exists();
         keep_copy(scene, folder, SCENE, "scene", is_new)?;
         keep_copy(camera, folder, &camera_name, "camera", is_new)?;
-        if let (Some(mesh), Some(home)) = (mesh, scene.parent()) {
-            keep_copy(&home.join(&mesh), folder, &mesh.to_string_lossy(), "mesh", is_new)?;
+        for file in below {
+            keep_copy(
+                &scene.with_file_name(&file),
+                folder,
+                &file.to_string_lossy(),
+                "mesh",
+                is_new,
+            )?;
         }
         Ok(Store {
             folder: folder.to_owned(),

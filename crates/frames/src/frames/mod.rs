@@ -43,6 +43,7 @@ pub mod raster;
 mod read;
 pub mod render;
 pub mod shaded;
+pub mod six_views;
 
 pub(crate) use images::reduced;
 pub use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};

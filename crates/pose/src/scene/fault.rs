@@ -1,5 +1,6 @@
 //! What may be wrong with a scene's numbers, wherever they come from.
 
+use scaleproof_core::geometry::NoDirection;
 use scaleproof_core::geometry::length::{BadLength, LONGEST_MM, SCALES, shown};
 
 /// More tags than this were written by a program, and take minutes to pair up on cards.
@@ -38,6 +39,16 @@ pub enum SceneFault {
     NoMesh(&'static str),
     #[error("model.mesh is named but the envelope is the box: write envelope = \"mesh\" or \"hull\"")]
     MeshOfBox,
+    #[error(
+        "model.mesh_front and model.mesh_up go together and lie along different axes, as in mesh_front = \"+x\" and mesh_up = \"+y\": give both or neither"
+    )]
+    OneAxis,
+    #[error(transparent)]
+    Direction(#[from] NoDirection),
+    #[error(
+        "model.mesh_front, model.mesh_up and model.paint are about a mesh: write envelope = \"mesh\" and mesh = \"car.obj\", or leave them out"
+    )]
+    FactsOfNoMesh,
     #[error("bins.azimuth_deg = {} does not divide 360° into 1 to 360 bins: use 45, 30, …", shown(*.0))]
     AzimuthStep(f64),
     #[error("bins make {0} bins, more than {most}: give fewer centres or a larger azimuth_deg", most = MOST_BINS)]

@@ -7,8 +7,9 @@ use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
 use super::fault::{MOST_BINS, MOST_TAGS};
-use super::{Bins, Classes, Envelope, ScaleModel, Scene, SceneFault, Tag, TagFamily, TagSigma};
+use super::{Bins, Classes, Envelope, MeshFacts, Paint, ScaleModel, Scene, SceneFault, Tag, TagFamily, TagSigma};
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::SignedAxis;
 use scaleproof_core::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 
 /// A scene file by its grammar alone.
@@ -33,6 +34,27 @@ struct ModelTable {
     #[serde(default)]
     envelope: EnvelopeWord,
     mesh: Option<PathBuf>,
+    mesh_front: Option<String>,
+    mesh_up: Option<String>,
+    #[serde(default)]
+    paint: PaintValue,
+}
+
+/// Materials by name, or a file that lists triangles.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "paint is a list of material names, as in [\"Paint\"], or the file that lists the painted triangles, as in \"faces.txt\""
+)]
+enum PaintValue {
+    Materials(Vec<String>),
+    Faces(PathBuf),
+}
+
+impl Default for PaintValue {
+    fn default() -> Self {
+        Self::Materials(Vec::new())
+    }
 }
 
 #[derive(Deserialize, Default)]
@@ -86,6 +108,17 @@ impl Scene {
 /// Checks what the grammar cannot: sizes, directions, duplicates.
 fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
     let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
+    let mesh = MeshFacts {
+        axes: checked_axes([file.model.mesh_front, file.model.mesh_up])?,
+        paint: match file.model.paint {
+            PaintValue::Faces(path) => Paint::Faces(path),
+            PaintValue::Materials(names) if names.is_empty() => Paint::All,
+            PaintValue::Materials(names) => Paint::Materials(names),
+        },
+    };
+    if envelope == Envelope::Box && mesh != MeshFacts::default() {
+        return Err(SceneFault::FactsOfNoMesh);
+    }
     let scale = checked_scale(file.model.scale)?;
     for size in file.model.size_mm {
         length::size_mm("a side of model.size_mm", size)?;
@@ -108,6 +141,7 @@ fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
             class: file.model.class,
             size_mm: file.model.size_mm,
             envelope,
+            mesh,
         },
         bins: checked_bins(file.bins)?,
         tags,
@@ -133,6 +167,17 @@ fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelop
         (EnvelopeWord::Hull, mesh) => mesh.map(Envelope::Hull).ok_or(SceneFault::NoMesh("hull")),
         (EnvelopeWord::Mesh, mesh) => mesh.map(Envelope::Mesh).ok_or(SceneFault::NoMesh("mesh")),
     }
+}
+
+/// The directions of a mesh file's front and top.
+fn checked_axes(words: [Option<String>; 2]) -> Result<Option<[SignedAxis; 2]>, SceneFault> {
+    let [front, up] = match words {
+        [None, None] => return Ok(None),
+        [Some(front), Some(up)] => [front.parse::<SignedAxis>()?, up.parse()?],
+        _ => return Err(SceneFault::OneAxis),
+    };
+    let differ = front.index() != up.index();
+    differ.then_some(Some([front, up])).ok_or(SceneFault::OneAxis)
 }
 
 /// The bins of a file or a preset, with their centres in order.

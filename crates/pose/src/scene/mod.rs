@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 
 use crate::camera::Camera;
-use scaleproof_core::geometry::Rigid;
+use scaleproof_core::geometry::{Rigid, SignedAxis};
 
 /// A scene in the model frame: origin on the ground under the model's centre, x to its front, y to its left, z up; mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,9 +80,52 @@ pub struct ScaleModel {
     pub size_mm: [f64; 3],
     /// The shape whose projection is the ground truth box.
     pub envelope: Envelope,
+    /// How the envelope's mesh lies in its file, and which of it is paint.
+    pub mesh: MeshFacts,
+}
+
+/// What a scene says about its mesh file besides the path: found once by `scene new --mesh`, then taken by every command.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MeshFacts {
+    /// Where the front and the top are in the file. The mesh is then turned, scaled to the model's length and put on the ground under its
+    /// centre; without them a `.glb` lies as glTF says and other files in the model frame, in mm.
+    pub axes: Option<[SignedAxis; 2]>,
+    /// The surface that a print covers.
+    pub paint: Paint,
+}
+
+/// Which of a mesh is paint.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Paint {
+    /// All of it.
+    #[default]
+    All,
+    /// The materials with these names.
+    Materials(Vec<String>),
+    /// The triangles whose numbers this file lists; its path counts from the scene file's folder.
+    Faces(PathBuf),
 }
 
 impl ScaleModel {
+    /// Gives the mesh and the list of its painted triangles other paths, each made from its path so far.
+    #[must_use]
+    pub fn with_files(mut self, place: impl Fn(PathBuf) -> PathBuf) -> Self {
+        self.envelope = self.envelope.with_mesh(&place);
+        if let Paint::Faces(path) = self.mesh.paint {
+            self.mesh.paint = Paint::Faces(place(path));
+        }
+        self
+    }
+
+    /// The files that the scene names, with paths from its folder: the mesh, and the list of its painted triangles.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let faces = match &self.mesh.paint {
+            Paint::Faces(path) => Some(&**path),
+            _ => None,
+        };
+        self.envelope.mesh().into_iter().chain(faces)
+    }
+
     /// The point that viewpoints look at: the centre of the model's box, model frame, mm.
     pub fn target_mm(&self) -> Point3<f64> {
         Point3::new(0.0, 0.0, self.size_mm[2] / 2.0)
@@ -153,7 +196,7 @@ impl Envelope {
     }
 
     /// The envelope with its mesh at another path, made from its path so far; a box stays as it is.
-    pub fn with_mesh(self, place: impl FnOnce(PathBuf) -> PathBuf) -> Envelope {
+    fn with_mesh(self, place: impl FnOnce(PathBuf) -> PathBuf) -> Envelope {
         match self {
             Envelope::Box => Envelope::Box,
             Envelope::Hull(path) => Envelope::Hull(place(path)),

@@ -1,6 +1,6 @@
 //! A scene as the text of a `scene.toml`.
 
-use super::{Scene, Tag, TagFamily};
+use super::{MeshFacts, Paint, Scene, Tag, TagFamily};
 
 impl Scene {
     /// The file that [`Scene::parse`] reads back, places to a thousandth of a millimetre.
@@ -11,7 +11,7 @@ impl Scene {
             let path = toml::Value::from(path.to_string_lossy().into_owned());
             format!("mesh = {path}\n")
         });
-        let mesh = mesh.unwrap_or_default();
+        let mesh = mesh.unwrap_or_default() + &facts(&model.mesh);
         let head = format!(
             "# Millimetres; model frame: x to the front, y to the left, z up, origin on the ground under the model's centre.\n\n\
              [model]\nname = {name}\nscale = {}\nclass = {class}\nsize_mm = {}\nenvelope = \"{}\"\n{mesh}\n\
@@ -25,6 +25,19 @@ impl Scene {
         );
         self.tags.iter().fold(head, |text, tag| text + &table(tag))
     }
+}
+
+fn facts(mesh: &MeshFacts) -> String {
+    let axes = mesh
+        .axes
+        .map(|[front, up]| format!("mesh_front = \"{front}\"\nmesh_up = \"{up}\"\n"));
+    let paint = match &mesh.paint {
+        Paint::All => None,
+        Paint::Materials(names) => Some(toml::Value::from(names.clone())),
+        Paint::Faces(path) => Some(toml::Value::from(path.to_string_lossy().into_owned())),
+    };
+    let paint = paint.map(|paint| format!("paint = {paint}\n"));
+    axes.unwrap_or_default() + &paint.unwrap_or_default()
 }
 
 fn table(tag: &Tag) -> String {

@@ -11,6 +11,7 @@ fn the_model_hides_what_is_behind_it_and_nothing_beside_or_on_it() {
         class: "car".parse().unwrap(),
         size_mm: [455.0, 186.0, 128.0],
         envelope: Envelope::Box,
+        mesh: Default::default(),
     };
     let hides = |point, grown_mm| model.hides(point, Point3::new(900.0, 0.0, 200.0), grown_mm);
     assert!(hides(Point3::new(-300.0, 0.0, 0.0), -1.0));

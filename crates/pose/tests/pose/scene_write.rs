@@ -1,7 +1,7 @@
 //! Writing `scene.toml`.
 
 use proptest::prelude::*;
-use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing, TagSigma};
+use scaleproof_pose::scene::{Bins, Envelope, MeshFacts, Paint, ScaleModel, Scene, TagFamily, TagRing, TagSigma};
 use std::path::Path;
 
 proptest! {
@@ -16,8 +16,12 @@ proptest! {
         name in "\\PC{0,12}",
         class in prop::sample::select(vec!["car", "car,truck", "a \"b\",c"]),
         envelope in prop::sample::select(vec![Envelope::Box, Envelope::Hull("a \"b\".stl".into()), Envelope::Mesh("m/c.glb".into())]),
+        paint in prop::sample::select(vec![Paint::All, Paint::Materials(vec!["a \"b\"".into(), "c".into()]), Paint::Faces("f \"x\".txt".into())]),
+        axes in prop::sample::select(vec![None, Some(["-x", "+y"])]),
     ) {
-        let model = ScaleModel { name, scale: 10.0, class: class.parse().unwrap(), size_mm: [455.0, 186.5, 128.0], envelope };
+        let axes = axes.map(|words| words.map(|word| word.parse().unwrap()));
+        let mesh = if envelope == Envelope::Box { MeshFacts::default() } else { MeshFacts { axes, paint } };
+        let model = ScaleModel { name, scale: 10.0, class: class.parse().unwrap(), size_mm: [455.0, 186.5, 128.0], envelope, mesh };
         let bins = Bins { azimuth_deg: 45.0, pitch_deg: vec![0.0, 15.0], distance_mm: vec![850.0] };
         let mut scene = TagRing { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
         scene.tags[0].sigma = Some(TagSigma { mm: tilt_deg / 64.0, deg: radius_mm / 8192.0 });

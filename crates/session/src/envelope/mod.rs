@@ -29,8 +29,8 @@ pub enum EnvelopeError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error(
-        "{path} reaches {reach}: correct size_mm, or export the mesh in mm in the model frame (x to the front, y to the left, z up, origin on \
-         the ground under the model's centre)",
+        "{path} reaches {reach}: correct size_mm, say where its front and its top are by mesh_front and mesh_up, or export the mesh in mm in the \
+         model frame (x to the front, y to the left, z up, origin on the ground under the model's centre)",
         path = path.display()
     )]
     NotTheModel {
@@ -156,15 +156,21 @@ fn flat_hull(points: impl Iterator<Item = Point3<f64>>) -> Result<Pieces<'static
     })
 }
 
-/// A mesh in the model frame, held against the scene. A `.glb`, which is in metres of the full-size car as often as of the model, is
-/// scaled to the scene's length and put on the ground; the other formats are taken as they lie.
-pub fn load(path: &Path, model: &ScaleModel) -> Result<Mesh, EnvelopeError> {
+/// How a scene's mesh comes from its file into the model frame. Where the scene states the axes, and of a `.glb`, which is in metres of the
+/// full-size car as often as of the model, it is scaled to the scene's length and put on the ground; others are taken as they lie.
+pub fn placement(path: &Path, model: &ScaleModel) -> MeshPlacement {
     let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
-    let placement = MeshPlacement {
-        length_mm: is_gltf.then_some(model.size_mm[0]),
-        ..MeshPlacement::default()
-    };
-    let mesh = Mesh::load(path, &placement)?;
+    let axes = model.mesh.axes;
+    MeshPlacement {
+        front: axes.map(|[front, _]| front),
+        up: axes.map(|[_, up]| up),
+        length_mm: (is_gltf || axes.is_some()).then_some(model.size_mm[0]),
+    }
+}
+
+/// A mesh in the model frame by its [`placement`], held against the scene.
+pub fn load(path: &Path, model: &ScaleModel) -> Result<Mesh, EnvelopeError> {
+    let mesh = Mesh::load(path, &placement(path, model))?;
     let (low, high) = mesh.bounds_mm();
     let [length, width, height] = model.size_mm;
     let sides = [

@@ -18,7 +18,7 @@ use scaleproof_pose::camera::{Camera, CameraError};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 
 pub use conditions::Conditions;
-pub use new::{NewSession, NewSessionError, mesh_below};
+pub use new::{NewSession, NewSessionError, files_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]

@@ -99,9 +99,10 @@ impl NewSession<'_> {
             return Ok(inside);
         }
         files.push(("scene.toml".into(), Content::Bytes(files::read(self.scene)?)));
-        let mesh = mesh_below(&self.photos.session.scene).map_err(|mesh| NewSessionError::MeshElsewhere { mesh })?;
-        if let (Some(mesh), Some(read)) = (mesh, &self.photos.session.mesh_path) {
-            files.push((mesh, Content::Bytes(files::read(read)?)));
+        let below = files_below(&self.photos.session.scene).map_err(|mesh| NewSessionError::MeshElsewhere { mesh })?;
+        for file in below {
+            let read = files::read(&self.scene.with_file_name(&file))?;
+            files.push((file, Content::Bytes(read)));
         }
         Ok("scene.toml".into())
     }
@@ -144,17 +145,18 @@ impl NewSession<'_> {
     }
 }
 
-/// The path of a scene's mesh from the scene's folder; none for one that is named by its whole path, which stays valid.
+/// The paths of a scene's mesh and of the list of its painted triangles from the scene's folder; without those that are named by their whole
+/// path, which stays valid.
 ///
 /// # Errors
-/// A mesh beside or above the scene's folder, which a copy of the scene would not find.
-pub fn mesh_below(scene: &Scene) -> Result<Option<PathBuf>, PathBuf> {
-    match scene.model.envelope.mesh() {
-        None => Ok(None),
-        Some(mesh) if mesh.is_absolute() => Ok(None),
-        Some(mesh) if mesh.components().all(|part| matches!(part, Component::Normal(_))) => Ok(Some(mesh.to_owned())),
-        Some(mesh) => Err(mesh.to_owned()),
-    }
+/// A file beside or above the scene's folder, which a copy of the scene would not find.
+pub fn files_below(scene: &Scene) -> Result<Vec<PathBuf>, PathBuf> {
+    let named = scene.model.files().filter(|file| !file.is_absolute());
+    let below = |file: &Path| {
+        let is_below = file.components().all(|part| matches!(part, Component::Normal(_)));
+        is_below.then(|| file.to_owned()).ok_or_else(|| file.to_owned())
+    };
+    named.map(below).collect()
 }
 
 /// Whether nothing is there, or an empty folder.

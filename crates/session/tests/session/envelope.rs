@@ -13,6 +13,7 @@ fn model() -> ScaleModel {
         class: "car".parse().unwrap(),
         size_mm: [400.0, 200.0, 100.0],
         envelope: Envelope::Box,
+        mesh: Default::default(),
     }
 }
 

@@ -142,6 +142,7 @@ impl Setup {
                 class: "car".parse().unwrap(),
                 size_mm: [455.0, 186.0, 129.0].map(|mm| mm * by),
                 envelope: Envelope::Box,
+                mesh: Default::default(),
             },
             bins: Bins {
                 azimuth_deg: 45.0,

@@ -4,6 +4,7 @@
 //! One file per format; [`place`](MeshPlacement) brings what they give into the model frame: origin on the ground under the
 //! model's centre, x to its front, y to its left, z up; mm.
 
+mod axes;
 mod faces;
 mod glb;
 mod gltf_data;
@@ -11,16 +12,19 @@ mod gltf_look;
 mod image;
 mod mtl;
 mod obj;
+mod paint;
 mod placement;
 mod ply;
 mod polygon;
 mod stl;
 mod text;
 
+pub use axes::{AxesDoubt, AxesProposal, propose_axes};
 pub use faces::FaceList;
 pub use image::{ImageSource, Look, Wrap};
+pub use paint::{PaintDoubt, propose_paint};
 pub use placement::MeshPlacement;
-pub use placement::SignedAxis;
+pub use scaleproof_core::geometry::SignedAxis;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -28,6 +32,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::NoDirection;
 use scaleproof_core::geometry::length::shown;
 
 /// Larger files are no model for a table. A triangle takes 50 bytes in a binary STL.
@@ -58,8 +63,8 @@ pub enum MeshError {
     NoSuchMaterial { name: String, known: String },
     #[error("the list of faces {path} cannot be used ({reason}); it holds the numbers of triangles, counted from 0 in the mesh file's order", path = path.display())]
     FaceList { path: PathBuf, reason: String },
-    #[error("'{text}' is no direction; write one of +x, -x, +y, -y, +z, -z")]
-    UnknownAxis { text: String },
+    #[error(transparent)]
+    Direction(#[from] NoDirection),
     #[error("front and up of the mesh lie along the same axis; give two different ones")]
     FrontIsUp,
     #[error(
@@ -153,7 +158,7 @@ impl Mesh {
         }
         match read {
             Ok(()) if mesh.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
-            Ok(()) => placement.apply(mesh, placement::is_gltf(path)),
+            Ok(()) => placement.apply(mesh, path),
             Err(Trouble::TooManyTriangles) => Err(too_large(format!("more than {MAX_TRIANGLES} triangles"))),
             Err(Trouble::Damaged(reason)) => Err(MeshError::Damaged {
                 path: path.to_owned(),

@@ -1,42 +1,19 @@
 //! From a file's frame and unit into the model frame.
 
 use std::path::Path;
-use std::str::FromStr;
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix3, Point3};
 
 use super::{Mesh, MeshError};
+use scaleproof_core::geometry::SignedAxis;
 use scaleproof_core::geometry::length::is_size;
 
 /// Nothing is so short in any unit; scaling it up would leave the range of numbers.
 const LEAST_LENGTH: f64 = 1e-9;
 
 /// Whether the file's name says glTF.
-pub(super) fn is_gltf(file: &Path) -> bool {
+fn is_gltf(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
-}
-
-/// A direction of the mesh file.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SignedAxis(Vector3<f64>);
-
-impl FromStr for SignedAxis {
-    type Err = MeshError;
-
-    /// A sign and a letter, as in `+x`; the plus may be left out.
-    fn from_str(text: &str) -> Result<Self, MeshError> {
-        let (sign, letter) = match text.strip_prefix('-') {
-            Some(letter) => (-1.0, letter),
-            None => (1.0, text.strip_prefix('+').unwrap_or(text)),
-        };
-        let axis = match letter {
-            "x" | "X" => Vector3::x(),
-            "y" | "Y" => Vector3::y(),
-            "z" | "Z" => Vector3::z(),
-            _ => return Err(MeshError::UnknownAxis { text: text.to_owned() }),
-        };
-        Ok(Self(sign * axis))
-    }
 }
 
 /// Where a mesh lies in its file: from the file to the model frame by a turn, then a shift and a scale.
@@ -77,19 +54,26 @@ pub struct MeshPlacement {
 }
 
 impl MeshPlacement {
+    /// Where the front and the top of a mesh are by its file's format.
+    pub fn usual(file: &Path) -> [SignedAxis; 2] {
+        let [front, up] = if is_gltf(file) { [2, 1] } else { [0, 2] };
+        [front, up].map(|index| SignedAxis::new(index, false))
+    }
+
     /// The rotation from the frame of this file into the model frame.
     ///
     /// # Errors
     /// A front and an up along the same axis.
     pub fn rotation(&self, file: &Path) -> Result<Matrix3<f64>, MeshError> {
-        self.turn(is_gltf(file))
+        self.turn(Self::usual(file))
     }
 
-    pub(super) fn apply(&self, mut mesh: Mesh, is_gltf: bool) -> Result<Mesh, MeshError> {
+    pub(super) fn apply(&self, mut mesh: Mesh, file: &Path) -> Result<Mesh, MeshError> {
+        let is_gltf = is_gltf(file);
         if !is_gltf && *self == Self::default() {
             return Ok(mesh);
         }
-        let turn = self.turn(is_gltf)?;
+        let turn = self.turn(Self::usual(file))?;
         mesh.points.iter_mut().for_each(|p| *p = turn * *p);
         let (low, high) = mesh.bounds_mm();
         let unit_mm = if is_gltf { 1000.0 } else { 1.0 };
@@ -108,13 +92,8 @@ impl MeshPlacement {
     }
 
     /// The rotation from the file's frame into the model frame.
-    fn turn(&self, is_gltf: bool) -> Result<Matrix3<f64>, MeshError> {
-        let (front, up) = if is_gltf {
-            (Vector3::z(), Vector3::y())
-        } else {
-            (Vector3::x(), Vector3::z())
-        };
-        let (front, up) = (self.front.map_or(front, |a| a.0), self.up.map_or(up, |a| a.0));
+    fn turn(&self, [front, up]: [SignedAxis; 2]) -> Result<Matrix3<f64>, MeshError> {
+        let [front, up] = [self.front.unwrap_or(front), self.up.unwrap_or(up)].map(SignedAxis::vector);
         if front.dot(&up) != 0.0 {
             return Err(MeshError::FrontIsUp);
         }

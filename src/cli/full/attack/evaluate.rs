@@ -98,8 +98,8 @@ pub(in crate::cli) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
-    let mesh = mesh_file(&args.model)?;
     let model = args.model.load()?;
+    let mesh = mesh_file(&model)?;
     let scale = model.scale;
     let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
@@ -172,10 +172,10 @@ impl EvaluateArgs {
     }
 
     fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest> {
-        let mesh_file = mesh_file(&self.model)?;
+        let mesh_file = mesh_file(&model)?;
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
-            turn: self.model.placement()?.rotation(&mesh_file)?,
+            turn: model.turn,
             mesh: model.mesh,
             materials: model.materials,
             lights: lights.collect::<Result<Vec<Panorama>, _>>()?,

@@ -80,8 +80,8 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>> {
-    if args.model.mesh.is_none() {
-        return Err("this layout brings no masks: give the vehicle's mesh by --mesh, as long as your model, as in --length-mm 487 --scale 10".into());
+    if args.model.filled()?.mesh.is_none() {
+        return Err("this layout brings no masks: give the vehicle's mesh by --mesh or a scene that names it, as long as your model, as in --length-mm 487 --scale 10".into());
     }
     let request = args.fca_request()?;
     let made = progress::busy("drawing the mesh").during(|_| fca::import(&args.folder, &args.output, &request))?;
@@ -128,16 +128,16 @@ impl ImportArgs {
                 Some(text) => FramePaint::FlatRgb(hex(text)?),
                 None => FramePaint::Original,
             },
-            made_by: self.made_by(model.scale),
+            made_by: self.made_by(&self.model.filled()?, model.scale),
         })
     }
 
     /// The arguments that decide about the frames, with files by their names only.
-    fn made_by(&self, scale: f64) -> String {
+    fn made_by(&self, model: &ModelArgs, scale: f64) -> String {
         format!(
             "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}{}",
-            self.model.mesh.as_deref().map(file_name).unwrap_or_default(),
-            described(&self.model),
+            model.mesh.as_deref().map(file_name).unwrap_or_default(),
+            described(model),
             self.drop_m(),
             self.field_of_view_deg(),
             options([("flat", self.flat.clone())])

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::render::{hex, options};
 use crate::cli::answer::told;
+use crate::cli::full::model::{paint_of, painted};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::light;
@@ -30,7 +31,7 @@ pub(in crate::cli) struct PhotosArgs {
     /// Which variant of the session was painted in which flat colour: the paint's reflectance as hex sRGB, as in black=0a0a0a white=f0f0f0
     #[arg(long, value_name = "VARIANT=HEX", num_args = 1.., required = true)]
     flat: Vec<String>,
-    /// The materials of the mesh that are the paint; all without it
+    /// The materials of the mesh that are the paint; without it, the scene's paint, or all
     #[arg(long, value_name = "NAME", num_args = 1..)]
     material: Vec<String>,
     /// Width of the frames in pixels; they are as high as the photos' shape makes them
@@ -57,10 +58,16 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     let list = check_output(args, &sessions)?;
     let mesh = common_mesh(&sessions)?;
     check_variants(&flats, &sessions)?;
+    let first = &sessions[0];
+    let (materials, faces) = match &args.material[..] {
+        [] => paint_of(&first.scene.model, &first.scene_path),
+        given => (given.to_vec(), None),
+    };
+    let (mesh, materials) = painted(mesh, &materials, faces.as_deref())?;
     let request = PhotoFramesRequest {
-        materials: mesh.materials_named(&args.material)?,
+        materials,
         mesh,
-        target_mm: sessions[0].scene.model.target_mm(),
+        target_mm: first.scene.model.target_mm(),
         flats: flats.iter().map(|flat| flat.rgb).collect(),
         width_px: args.size_px,
         made_by: made_by(args, &sessions, &flats),

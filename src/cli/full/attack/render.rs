@@ -19,7 +19,7 @@ use scaleproof_surface::pattern::Pattern;
 use scaleproof_wrap::bake::TriangleImage;
 
 /// What `--mesh` is to commands that render it.
-pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply";
+pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply; without it, the scene's mesh";
 
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
 #[derive(clap::Args)]
@@ -113,11 +113,11 @@ pub(super) fn cache() -> PathBuf {
 
 impl RenderArgs {
     fn request(&self) -> Result<RenderRequest> {
-        let mesh_file = mesh_file(&self.model)?;
         let model = self.model.load()?;
+        let mesh_file = mesh_file(&model)?;
         let viewpoints = Viewpoint::combinations(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
         Ok(RenderRequest {
-            turn: self.model.placement()?.rotation(&mesh_file)?,
+            turn: model.turn,
             colours: self.colours(&model)?,
             mesh: model.mesh,
             materials: model.materials,
@@ -135,7 +135,7 @@ impl RenderArgs {
             seed: self.seed,
             factor: self.position_factor,
             threads: self.threads,
-            made_by: self.made_by(&mesh_file),
+            made_by: self.made_by(&mesh_file, &self.model.filled()?),
             mesh_file,
         })
     }
@@ -162,7 +162,7 @@ impl RenderArgs {
     }
 
     /// The arguments that decide about the pixels, with files by their names only.
-    fn made_by(&self, mesh_file: &Path) -> String {
+    fn made_by(&self, mesh_file: &Path, model: &ModelArgs) -> String {
         let some = |texts: &[String]| (!texts.is_empty()).then(|| texts.join(" "));
         let numbers = |values: &[f64]| some(&values.iter().map(f64::to_string).collect::<Vec<_>>());
         let patterns: Vec<String> = self.pattern.iter().map(|path| file_name(path)).collect();
@@ -187,7 +187,7 @@ impl RenderArgs {
         format!(
             "attack render --mesh {}{}{given}{} --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
             file_name(mesh_file),
-            described(&self.model),
+            described(model),
             if self.denoise { " --denoise" } else { "" },
             self.size_px,
             self.field_of_view_deg,
@@ -260,9 +260,9 @@ pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>> {
 }
 
 /// The file of a model that is to be rendered.
-pub(super) fn mesh_file(model: &ModelArgs) -> Result<PathBuf, String> {
-    let file = model.mesh.clone();
-    file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
+pub(super) fn mesh_file(model: &Model) -> Result<PathBuf, String> {
+    let file = model.file.clone();
+    file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh, or a scene that names one".to_owned())
 }
 
 pub(super) fn file_name(path: &Path) -> String {

@@ -1,0 +1,96 @@
+//! A model from its six sides, with its paint in a colour of its own: to see whether the axes and the paint of a mesh are right.
+
+use image::{Rgb, RgbImage, imageops::replace};
+use nalgebra::Point3;
+
+use super::Pinhole;
+use super::raster::Raster;
+use super::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
+use scaleproof_core::geometry::Rigid;
+use scaleproof_photo::draw::{LabelAnchor, Lettering, label};
+use scaleproof_pose::scene::Viewpoint;
+use scaleproof_pose::simulate::looking_at;
+use scaleproof_surface::mesh::Mesh;
+use scaleproof_surface::texture::Texture;
+
+/// Azimuth and pitch from which each side is seen, in degrees. From above and from below the front is up in the image; straight down no side
+/// is up.
+const SIDES: [(&str, f64, f64); 6] = [
+    ("front", 0.0, 0.0),
+    ("left", 90.0, 0.0),
+    ("top", 180.0, 89.0),
+    ("rear", 180.0, 0.0),
+    ("right", 270.0, 0.0),
+    (BELOW, 0.0, -89.0),
+];
+/// Width and height of a view, pixels.
+const SIZE_PX: [u32; 2] = [400, 300];
+const BELOW: &str = "bottom";
+const COLUMNS: usize = 3;
+const PAINT: [u8; 3] = [240, 130, 20];
+const REST: [u8; 3] = [110; 3];
+
+/// From so far that the whole model is in every view.
+fn poses(mesh: &Mesh) -> (Vec<(&'static str, Rigid)>, Pinhole) {
+    let (low, high) = mesh.bounds_mm();
+    let pinhole = Pinhole::with_field_of_view(SIZE_PX, FIELD_OF_VIEW_DEG);
+    let half = 0.46 * f64::from(SIZE_PX[1]) / pinhole.focal_length_px;
+    let middle: Point3<f64> = nalgebra::center(&low, &high);
+    let radius = 0.5 * (high - low).norm();
+    let distance_mm = radius / half.atan().sin();
+    let pose = |(name, azimuth_deg, pitch_deg): (&'static str, f64, f64)| {
+        let viewpoint = Viewpoint {
+            azimuth_deg,
+            pitch_deg,
+            distance_mm,
+        };
+        (name, looking_at(&viewpoint, middle))
+    };
+    (SIDES.map(pose).to_vec(), pinhole)
+}
+
+/// How much of what is seen from all sides but from below, where no car is painted, has each material; the sum is 1.
+pub fn seen_shares(mesh: &Mesh) -> Vec<f64> {
+    let (poses, pinhole) = poses(mesh);
+    let mut seen = vec![0.0; mesh.materials().len()];
+    for (_, pose) in poses.into_iter().filter(|(name, _)| *name != BELOW) {
+        let Some(raster) = Raster::image(mesh, &pose, &pinhole, SIZE_PX.map(|px| px as usize)) else {
+            continue;
+        };
+        let pixels = (0..i64::from(SIZE_PX[1])).flat_map(|y| (0..i64::from(SIZE_PX[0])).map(move |x| (x, y)));
+        for hit in pixels.filter_map(|(x, y)| raster.at(x, y)) {
+            seen[mesh.triangles()[hit.triangle].material] += 1.0;
+        }
+    }
+    let all: f64 = seen.iter().sum();
+    seen.iter().map(|pixels| pixels / all.max(1.0)).collect()
+}
+
+/// The six views on one image, each with its name. `paint` are materials; none stands for all.
+pub fn six_views(mesh: &Mesh, paint: &[usize]) -> RgbImage {
+    let [painted, rest] = [PAINT, REST].map(Texture::Flat);
+    let is_paint = |material: usize| paint.is_empty() || paint.contains(&material);
+    let materials = 0..mesh.materials().len();
+    let model = ShadedModel {
+        mesh,
+        textures: materials.map(|m| if is_paint(m) { &painted } else { &rest }).collect(),
+    };
+    let (poses, pinhole) = poses(mesh);
+    let [width, height] = SIZE_PX;
+    let rows = poses.len().div_ceil(COLUMNS) as u32;
+    let mut all = RgbImage::from_pixel(width * COLUMNS as u32, height * rows, Rgb([255; 3]));
+    let lettering = Lettering {
+        size_px: 18.0,
+        colour: [0; 3],
+        ground: [255; 3],
+    };
+    for (i, (name, pose)) in poses.iter().enumerate() {
+        let Some(mut view) = model.draw(pose, &pinhole, SIZE_PX) else {
+            continue;
+        };
+        label(&mut view, [6.0, 6.0], LabelAnchor::TopLeft, name, lettering);
+        let (column, row) = ((i % COLUMNS) as i64, (i / COLUMNS) as i64);
+        replace(&mut all, &view, column * i64::from(width), row * i64::from(height));
+    }
+    all
+}
