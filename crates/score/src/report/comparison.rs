@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::certainty::Corrected;
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
 use super::{ReportError, certainty, counted, figures, latex, p_value, paired, sequential};
@@ -18,8 +17,6 @@ use scaleproof_core::spelling::digits;
 pub struct ComparisonPage<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// McNemar's p of the hit rate for each of `results`, in their order, corrected by Holm over the detectors of its variant.
-    hit_rate_over_detectors: Vec<Corrected<'a>>,
     /// The labels that count as the model.
     classes: &'a [String],
     /// What weakens the figures, as sentences (explained in codes.md).
@@ -52,7 +49,6 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = ComparisonPage {
         comparison,
-        hit_rate_over_detectors: certainty::over_detectors(&comparison.results),
         classes: counted::classes(scores).labels(),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
@@ -75,7 +71,8 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
         lines.push(format!("{head}, {}", paired::basis(r)));
-        let p = format!("McNemar p {}: ", p_value(r.hit_rate.mcnemar_p));
+        let [p, corrected] = [r.hit_rate.mcnemar_p, r.holm_p].map(p_value);
+        let p = format!("McNemar p {p}, corrected {corrected}: ");
         lines.push(line("hit rate", r, &r.hit_rate.rate, &p));
         lines.push(line("mean confidence", r, &r.mean_confidence, ""));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50, ""));

@@ -41,7 +41,7 @@ fn comment(scores: &Scores) -> String {
     format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
          % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
-         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown at 5 %; dagger: too few photos to tell;\n\
+         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown after correction; dagger: too few photos to tell;\n\
          % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}{}",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
@@ -126,7 +126,7 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol.map(|p| format!(", protocol {}", p.name()));
     let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
-         % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
+         % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown after correction;\n\
          % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
         env!("CARGO_PKG_VERSION"),
         comparison.ap_definition,
@@ -168,7 +168,7 @@ fn compared_cells(scores: &Scores, r: &Compared) -> [String; 12] {
 fn drop_cell(d: &Difference) -> String {
     let drop = match d.finding {
         Finding::Drop | Finding::Rise => format!("\\textbf{{{}}}", number(d.drop, 2)),
-        Finding::NoDifferenceShown => number(d.drop, 2),
+        Finding::NoDifferenceShown | Finding::NotAfterCorrection => number(d.drop, 2),
         Finding::TooFewPhotosToTell => format!("{}$^\\dagger$", number(d.drop, 2)),
     };
     let interval = paired::interval(d, |v| number(v, 2)).map(|i| format!(" {i}"));

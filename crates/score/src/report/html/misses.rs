@@ -60,7 +60,7 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
                 @let rows = html! { @for row in &rows { tr { td { (row.variant) } (cells(row)) } } };
                 (table(Some("matrix"), &head, &rows))
             }
-            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5; bold: shown at 5 % on paired photos." }
+            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5; bold: shown after correction, on paired photos." }
         }
     }
 }
