@@ -1,5 +1,6 @@
 //! `scaleproof compare`: is one texture harder to detect than another, and can these photos tell?
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -37,7 +38,7 @@ pub(super) struct Args {
     looks: Looks,
     #[command(flatten)]
     effort: score_command::Effort,
-    /// Folder for comparison.html, comparison.tex, comparison.json and the drops as SVG and PDF.
+    /// Folder for comparison.html, comparison.tex, comparison.csv, comparison.json and the drops as SVG and PDF.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
     /// Print comparison.json instead of the table.
@@ -80,8 +81,26 @@ fn checked_base(named: Option<&str>, sessions: &[Session]) -> Result<String> {
             variants: all.join(", "),
         }
         .into()),
-        _ => Ok(base),
+        all => {
+            let own = places(&base, sessions);
+            match all.iter().find(|variant| places(variant, sessions).is_disjoint(&own)) {
+                Some(variant) => {
+                    let variant = (*variant).to_owned();
+                    Err(CompareError::NoPair { base, variant }.into())
+                }
+                None => Ok(base),
+            }
+        }
     }
+}
+
+/// Where photos of a variant were taken.
+fn places<'a>(variant: &str, sessions: &'a [Session]) -> BTreeSet<&'a str> {
+    let photos = sessions
+        .iter()
+        .flat_map(|s| &s.photos)
+        .filter(|photo| photo.variant == variant);
+    photos.map(|photo| photo.place.as_deref().unwrap_or_default()).collect()
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {

@@ -1,4 +1,4 @@
-//! A comparison as files, `comparison.html`, `.tex` and `.json`, and as text for the terminal.
+//! A comparison as files, `comparison.html`, `.tex`, `.csv` and `.json`, and as text for the terminal.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, certainty, counted, figures, latex, p_value, paired, sequential};
+use super::{ReportError, certainty, comparison_csv, counted, figures, latex, p_value, paired, sequential, verdict};
 use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
@@ -34,6 +34,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
     let texts = [
         ("comparison.html", page::render(scores, comparison)),
         ("comparison.tex", latex::comparison(scores, comparison)),
+        ("comparison.csv", comparison_csv::render(comparison)?),
         ("comparison.json", comparison_json(scores, comparison)?),
     ];
     let mut all = texts
@@ -58,9 +59,10 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// In what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+/// What was found, in a sentence; in what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
-    let mut lines = Vec::new();
+    let mut lines = verdict::sentences(scores, &comparison.results);
+    lines.push(String::new());
     if let Some(plan) = &comparison.plan {
         lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));

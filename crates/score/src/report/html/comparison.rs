@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{heads, notes, number, round, sequential, shell, table};
+use super::{heads, notes, number, pairs, round, sequential, shell, table};
 use crate::report::{certainty, counted, p_value, paired};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_core::spelling;
@@ -25,7 +25,10 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         counted(scores)
     );
     let (plan, chance) = (comparison.plan.as_ref().map(plan), notes::bootstrap(comparison));
+    let (pairs, tail) = pairs::section(scores, comparison).unzip();
+    let verdict = html! { (notes::verdict(scores, &comparison.results)) (notes::cautions(scores)) };
     let sections = [
+        ("result", "Result", Some(verdict)),
         ("plan", "Plan", plan),
         ("drops", "Drops", Some(drops(scores, comparison))),
         (
@@ -38,6 +41,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
             "Drop of the hit rate by azimuth",
             Some(by_azimuth(scores, comparison)),
         ),
+        ("pairs", "Photos side by side", pairs),
         (
             "left-out",
             "Photos in no difference",
@@ -46,7 +50,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         ("definitions", "Definitions", Some(definitions())),
         ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
     ];
-    shell(scores, &lead, &sections, html! {})
+    shell(scores, &lead, &sections, tail.unwrap_or_default())
 }
 
 /// Every deviation from the plan that was fixed before the photos.
@@ -68,7 +72,6 @@ const FIGURES: [Figure; 3] = [
 
 fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
-        (notes::cautions(scores))
         @for figure in FIGURES {
             h3 { (figure.1) }
             div.scroll { (forest(scores, comparison, figure).inline(Some("forest"))) }

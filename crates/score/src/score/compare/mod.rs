@@ -105,6 +105,12 @@ fn some_pairs<'a>(
     Ok((cells, left_over))
 }
 
+/// The photos of two variants that are held against each other.
+pub fn paired_photos<'a>(scores: &'a Scores, base: &str, variant: &str) -> Vec<(&'a ScoredPhoto, &'a ScoredPhoto)> {
+    let (cells, _) = pair(scores.set(), base, variant);
+    cells.into_iter().flat_map(|cell| cell.pairs).collect()
+}
+
 /// Whether photos of two variants can be compared.
 pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
