@@ -252,7 +252,7 @@ fn what_was_found_stands_in_a_sentence_above_and_in_files_for_papers() {
     assert!(report.contains(sentence) && report.contains("As what the model was taken"));
     let one = run("compare", &["--detector", "deimv2_femto"]);
     assert!(
-        one.starts_with("On DEIMv2-Femto 416 “random” lowers the hit rate of it "),
+        one.starts_with("On DEIMv2-Femto 416 “random” lowers the hit rate ("),
         "{one}"
     );
     // A cell of one photo has a hit or none, and no average precision.

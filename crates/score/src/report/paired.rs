@@ -1,6 +1,6 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
-use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed};
+use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed_among};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 
@@ -76,7 +76,7 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
     if is_shown(d) || d.drop <= 0.0 {
         return None;
     }
-    let needed = places_needed(r.bins, d.base, d.drop.min(d.base), POWER).ok();
+    let needed = places_needed_among(r.tests, r.bins, [d.base, d.drop.min(d.base)], POWER).ok();
     let (bins, drop) = (spelling::count(r.bins, "bin"), digits(d.drop, 2));
     let Some(needed) = needed else {
         return Some(format!("a drop as small as {drop} is beyond what photos can show"));
