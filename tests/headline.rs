@@ -198,7 +198,7 @@ fn the_comparison_says_how_many_more_photos_would_tell() {
     command
         .arg("compare")
         .arg(skyline())
-        .args(["--recorded", "--out"])
+        .args(["--recorded", "--detector", "yolox_nano", "--out"])
         .arg(out.path());
     assert!(command.output().unwrap().status.success());
     let page = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
