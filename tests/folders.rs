@@ -413,7 +413,7 @@ fn a_new_session_is_scored_as_its_folders_are() {
         desk.succeeds(&[&["score", name, "-o", "report"][..], &MADE].concat());
         assert_eq!(read_json(&desk.at("report/summary.json"))["results"], wanted, "{name}");
         let refused = desk.on_folders(&["session", "new", name], &[]);
-        assert_refused(&refused, &[name, "is a session already: name a new folder"]);
+        assert_refused(&refused, &[name, "already: each photo counts once"]);
     }
     let list = |name: &str| read_json(&desk.at(name).join("session.json"));
     assert_eq!(

@@ -35,7 +35,12 @@ fn changed(change: impl Fn(&mut Vec<Value>)) -> tempfile::TempDir {
 
 #[test]
 fn a_drop_is_red_when_it_is_shown_and_not_before() {
-    let (out, summary, output) = scored(&skyline(), &[]);
+    // One detector is one test; of five, the same p of 0.031 is corrected to 0.156, and nothing is red.
+    let (out, of_five, _) = scored(&skyline(), &[]);
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert_eq!(of_five["paired"][3]["hit_rate"]["finding"], "not_after_correction");
+    assert!(!page.contains("class=\"down\""));
+    let (out, summary, output) = scored(&skyline(), &["--detector", "deimv2_femto"]);
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     let findings: Vec<&str> = summary["paired"]
         .as_array()
@@ -51,18 +56,8 @@ fn a_drop_is_red_when_it_is_shown_and_not_before() {
         .map(|finding| finding.as_str().unwrap())
         .collect();
     let shown = findings.iter().filter(|f| **f == "drop").count();
-    assert!(shown > 0 && shown < findings.len(), "{findings:?}");
+    assert_eq!(shown, findings.len(), "{findings:?}");
     assert_eq!(page.matches("class=\"down\"").count(), shown);
-    // nanodet_m: 5 of 8 hits against 2 of 8, a drop of 0.38 that eight photos cannot tell.
-    let cell = page.split("<span class=\"\">0.38</span>").nth(1).unwrap();
-    assert!(
-        cell.starts_with("<br><small>[")
-            && cell
-                .split("</small>")
-                .next()
-                .unwrap()
-                .ends_with("too few photos to tell")
-    );
     let text = stdout(&output);
     let line = text
         .lines()
@@ -71,10 +66,7 @@ fn a_drop_is_red_when_it_is_shown_and_not_before() {
     assert!(line.contains("ASR"), "{line}");
     assert!(text.contains("8 pairs from 1 place × 8 bins"), "{text}");
     let tex = std::fs::read_to_string(out.path().join("table.tex")).unwrap();
-    assert!(
-        tex.contains("\\textbf{0.75} [0.38, 1.00]") && tex.contains("0.38$^\\dagger$ ["),
-        "{tex}"
-    );
+    assert!(tex.contains("\\textbf{0.75} [0.38, 1.00]"), "{tex}");
 }
 
 #[test]
@@ -206,7 +198,7 @@ fn the_comparison_says_how_many_more_photos_would_tell() {
     command
         .arg("compare")
         .arg(skyline())
-        .args(["--recorded", "--out"])
+        .args(["--recorded", "--detector", "yolox_nano", "--out"])
         .arg(out.path());
     assert!(command.output().unwrap().status.success());
     let page = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();

@@ -37,6 +37,7 @@ mod detectors_validate;
 mod diagnosis;
 mod docs;
 mod figures;
+mod findings;
 mod folders;
 mod headline;
 mod hostile;

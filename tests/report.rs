@@ -185,7 +185,10 @@ fn what_the_figures_rest_on_stands_beside_them() {
         &read("table.tex"),
         &read("comparison.tex"),
     ] {
-        assert!(text.contains("15 findings are tested here at 5 % each"), "{text}");
+        assert!(
+            text.contains("Findings are decided by the hit rate (5 detectors × 1 texture, 5 tests)"),
+            "{text}"
+        );
         assert!(text.contains("DEIMv2-Femto 416 0.031 → 0.156"), "{text}");
     }
     // No hit of eight is no certain 1.00.
@@ -239,7 +242,7 @@ fn a_five_behind_the_last_digit_is_rounded_up_on_every_page() {
     assert!(run("compare", out.path(), &[]).status.success());
     for (name, said) in [
         ("comparison.html", "0.63 → 0.25, 0.38"),
-        ("comparison.tex", "0.63 / 0.25"),
+        ("comparison.tex", "& 0.63 & 0.25 & "),
         ("table.tex", "1/8 & 0.13 ["),
     ] {
         let text = std::fs::read_to_string(out.path().join(name)).unwrap();
@@ -677,8 +680,36 @@ fn the_latex_tables_have_the_summary_s_numbers_and_typeset() {
         );
         assert_eq!(row[4].is_empty(), r["variant"] == "normal");
     }
-    let comparison = rows(&read("comparison.tex"));
-    assert_eq!((comparison.len(), comparison[1][2].as_str()), (6, "8"));
+    // A table for each endpoint, with the rows of the JSON: its numbers, and of the hit rate both p.
+    let tex = read("comparison.tex");
+    let tables: Vec<&str> = tex
+        .split("% Hit rate\n")
+        .nth(1)
+        .unwrap()
+        .split("\\begin{tabular}")
+        .skip(1)
+        .collect();
+    let json = read_json(&out.path().join("comparison.json"));
+    assert_eq!(tables.len(), 3);
+    for r in results(&json) {
+        let two = |v: &Value| format!("{:.2}", v.as_f64().unwrap() + 1e-9);
+        let three = |v: &Value| format!("{:.3}", v.as_f64().unwrap() + 1e-9);
+        let (hit, ap) = (&r["hit_rate"], &r["ap50"]);
+        let has = |table: &str, words: String| assert!(table.contains(&words), "{table} lacks {words}");
+        has(
+            tables[0],
+            format!("& {} & {} & {}", two(&hit["base"]), two(&hit["other"]), ""),
+        );
+        has(
+            tables[0],
+            format!("& {} & {} \\\\", three(&hit["mcnemar_p"]), three(&r["holm_p"])),
+        );
+        has(
+            tables[1],
+            format!("& {} & {} & {}", two(&ap["base"]), two(&ap["other"]), ""),
+        );
+        assert!(!tables[0].contains("textbf"), "nothing is shown after correction");
+    }
     for tex in [read("table.tex"), read("comparison.tex")] {
         match typeset(&tex) {
             Some(text) => assert!(text.contains("DEIMv2-Femto 416") && text.contains("random"), "{text}"),

@@ -751,7 +751,7 @@ fn what_weakens_the_figures_is_said() {
     caution(|photos| drop(photos.drain(..8)), "no photo has the variant “normal”");
     caution(
         |photos| photos[2]["file"] = "copy.jpg".into(),
-        "a byte-for-byte copy of another",
+        "1 photo is a near-copy of another",
     );
     caution(
         |photos| photos[2]["box_xyxy_px"] = serde_json::json!([5000, 5000, 6000, 6000]),

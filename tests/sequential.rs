@@ -224,7 +224,7 @@ fn course<'a>(page: &'a Value, detector: &str) -> &'a Value {
 fn a_comparison_says_when_it_was_decided() {
     let (a, b) = (at("meadow"), at("garage"));
     let out = tempfile::tempdir().unwrap();
-    let one = compare(&[a.path()], out.path(), &["--sequential"]);
+    let one = compare(&[a.path()], out.path(), &["--sequential", "--detector", "deimv2_femto"]);
     assert!(one.status.success(), "{}", stderr(&one));
     let page = read_json(&out.path().join("comparison.json"));
     let decision = &course(&page, "deimv2_femto")["hit_rate"];
@@ -235,7 +235,11 @@ fn a_comparison_says_when_it_was_decided() {
     assert_eq!(decision["rounds"], 1);
 
     let out = tempfile::tempdir().unwrap();
-    let output = compare(&[a.path(), b.path()], out.path(), &["--sequential", "--least", "0.1"]);
+    let output = compare(
+        &[a.path(), b.path()],
+        out.path(),
+        &["--sequential", "--least", "0.1", "--detector", "deimv2_femto"],
+    );
     assert!(output.status.success(), "{}", stderr(&output));
     let page = read_json(&out.path().join("comparison.json"));
     let hits = &course(&page, "deimv2_femto")["hit_rate"];
@@ -279,6 +283,19 @@ fn a_comparison_says_when_it_was_decided() {
         stdout(&output),
         stderr(&output)
     );
+    // One of five detectors decides later, or not, and its own p stays what it was.
+    let out = tempfile::tempdir().unwrap();
+    let output = compare(&[a.path(), b.path()], out.path(), &["--sequential"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = read_json(&out.path().join("comparison.json"));
+    let of_five = &course(&page, "deimv2_femto")["hit_rate"];
+    assert_eq!(of_five["p_always_valid"], hits["p_always_valid"]);
+    assert!(
+        of_five["decided_after"]
+            .as_u64()
+            .is_none_or(|after| after > eighth as u64)
+    );
+    assert!(of_five["p_corrected"].as_f64() > hits["p_corrected"].as_f64());
 }
 
 /// Of each patterned photo, in their order: whether the plain one of its direction alone was found.

@@ -1,15 +1,17 @@
 //! `scaleproof compare`: is one texture harder to detect than another, and can these photos tell?
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::choice::one_of;
-use super::criteria::Reading;
+use super::criteria::{self, Reading};
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, at_hand, score as score_command, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, score as score_command, sessions};
 use scaleproof_core::files;
 use scaleproof_score::report;
-use scaleproof_score::score::{self, ClusteredBy, SealedPlan};
+use scaleproof_score::score::{self, ClusteredBy, CompareError, SealedPlan};
+use scaleproof_session::session::Session;
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
@@ -20,9 +22,9 @@ use scaleproof_score::score::{self, ClusteredBy, SealedPlan};
 pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
-    /// The variant that the others are held against.
-    #[arg(long, default_value = score::BASE_VARIANT)]
-    base: String,
+    /// The variant that the others are held against [default: normal, else the first that is listed]
+    #[arg(long, value_name = "NAME")]
+    base: Option<String>,
     #[command(flatten)]
     detectors: at_hand::Detectors,
     #[command(flatten)]
@@ -36,7 +38,7 @@ pub(super) struct Args {
     looks: Looks,
     #[command(flatten)]
     effort: score_command::Effort,
-    /// Folder for comparison.html, comparison.tex, comparison.json and the drops as SVG and PDF.
+    /// Folder for comparison.html, comparison.tex, comparison.csv, comparison.json and the drops as SVG and PDF.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
     /// Print comparison.json instead of the table.
@@ -67,23 +69,59 @@ pub(super) fn inside(text: &str) -> Result<f64, String> {
 /// Photos without a partner that are said one by one.
 const MOST_LISTED: usize = 20;
 
+/// The variant that the others are held against, found out before any photo is looked at.
+fn checked_base(named: Option<&str>, sessions: &[Session]) -> Result<String> {
+    criteria::check_base(named, sessions)?;
+    let (all, base) = (criteria::variants(sessions), criteria::base_of(named, sessions));
+    let base = base.to_owned();
+    match all.as_slice() {
+        [only] if *only == base => Err(CompareError::NothingElse { base }.into()),
+        all if !all.contains(&base.as_str()) => Err(CompareError::NoBase {
+            base,
+            variants: all.join(", "),
+        }
+        .into()),
+        all => {
+            let own = places(&base, sessions);
+            match all.iter().find(|variant| places(variant, sessions).is_disjoint(&own)) {
+                Some(variant) => {
+                    let variant = (*variant).to_owned();
+                    Err(CompareError::NoPair { base, variant }.into())
+                }
+                None => Ok(base),
+            }
+        }
+    }
+}
+
+/// Where photos of a variant were taken.
+fn places<'a>(variant: &str, sessions: &'a [Session]) -> BTreeSet<&'a str> {
+    let photos = sessions
+        .iter()
+        .flat_map(|s| &s.photos)
+        .filter(|photo| photo.variant == variant);
+    photos.map(|photo| photo.place.as_deref().unwrap_or_default()).collect()
+}
+
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.detectors.recorded)?;
+    let plan = args.plan.as_deref().map(SealedPlan::read).transpose()?;
+    let named = args.base.as_deref().or_else(|| Some(plan.as_ref()?.0.base.as_str()));
+    let base = checked_base(named, &opened.sessions)?;
     let detectors = args.detectors.evaluated(&opened.sessions)?;
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = args.reading.criteria()?;
     let patterns = args.patterns.of(&opened.sessions)?;
-    let plan = args.plan.as_deref().map(SealedPlan::read).transpose()?;
     let options = args.effort.options(&detectors)?;
     let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
-    let mut scores = scores.judged_by(criteria).against(&args.base);
+    let mut scores = scores.judged_by(criteria).against(&base);
     scores.patterns = patterns;
-    let mut comparison = score::compare(&scores, &args.base, criteria.ap)?;
+    let mut comparison = score::compare(&scores, &base, criteria.ap)?;
     let looks = args.looks.sequential.map(|by| (by, args.looks.least));
     if let Some((by, least)) = looks.or_else(|| plan.as_ref()?.0.stopping.looks()) {
-        comparison.sequential = Some(score::sequential(&scores, &args.base, by, least)?);
+        comparison.sequential = Some(score::sequential(&scores, &base, by, least)?);
     }
     if let Some((plan, mut kept)) = plan {
         kept.deviations.extend(plan.deviations(&scores, &comparison)?);

@@ -1,8 +1,7 @@
 //! What figures mean, as `score`, `merge` and `compare` are told: definitions, thresholds, protocols, the base and groups.
 
-use std::collections::BTreeSet;
-
 use scaleproof_detect::SCORE_FLOOR;
+use scaleproof_plot::distinct;
 use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
 use scaleproof_session::session::Session;
 
@@ -55,12 +54,44 @@ impl Reading {
     }
 }
 
+/// The variants of sessions in the order in which their photos are listed.
+pub(super) fn variants(sessions: &[Session]) -> Vec<&str> {
+    let photos = sessions.iter().flat_map(|s| &s.photos);
+    distinct(photos.map(|photo| photo.variant.as_str()))
+}
+
+/// The variant that drops are measured from: the one that is named, else `normal`, else the first of several.
+pub(super) fn base_of<'a>(named: Option<&'a str>, sessions: &'a [Session]) -> &'a str {
+    let all = variants(sessions);
+    let is_clear = all.len() < 2 || all.contains(&score::BASE_VARIANT);
+    let usual = if is_clear { score::BASE_VARIANT } else { all[0] };
+    named.unwrap_or(usual)
+}
+
+/// Finds out, before any photo is looked at, that some have the base that is named; notes which is taken where none is.
+pub(super) fn check_base(named: Option<&str>, sessions: &[Session]) -> super::Result<()> {
+    let (all, base) = (variants(sessions), base_of(named, sessions));
+    match named {
+        Some(named) if !all.contains(&named) && named != score::BASE_VARIANT => {
+            let (base, variants) = (named.to_owned(), all.join(", "));
+            return Err(CompareError::NoBase { base, variants }.into());
+        }
+        None if base != score::BASE_VARIANT => say!(
+            "note: no photo has the variant `{}`: drops are measured from `{base}`, the first that is listed; --base names another of {}",
+            score::BASE_VARIANT,
+            all.join(", ")
+        ),
+        _ => {}
+    }
+    Ok(())
+}
+
 /// What drops are measured from, and which groups of photos get figures of their own.
 #[derive(clap::Args)]
 pub(super) struct Tables {
-    /// The variant that drops are measured from.
-    #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
-    base: String,
+    /// The variant that drops are measured from [default: normal, else the first that is listed]
+    #[arg(long, value_name = "NAME")]
+    base: Option<String>,
     /// Figures for each value of these conditions, such as weather,distance,theta,phi,lux:100 (steps of 100); a condition is a column of imported
     /// photos, or place, azimuth, pitch, distance, theta or phi.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -73,20 +104,12 @@ impl Tables {
         self.group_by
             .iter()
             .try_for_each(|group| group.check_sessions(sessions))?;
-        let photos = sessions.iter().flat_map(|s| &s.photos);
-        let variants: BTreeSet<&str> = photos.map(|p| p.variant.as_str()).collect();
-        if self.base == score::BASE_VARIANT || variants.contains(self.base.as_str()) {
-            return Ok(());
-        }
-        let (base, variants) = (self.base.clone(), variants.into_iter().collect::<Vec<_>>().join(", "));
-        Err(CompareError::NoBase { base, variants }.into())
+        check_base(self.base.as_deref(), sessions)
     }
 
     /// The run under these criteria, with these drops and groups.
     pub(super) fn made(&self, scores: Scores, criteria: Criteria) -> Result<Scores, GroupByError> {
-        scores
-            .judged_by(criteria)
-            .against(&self.base)
-            .grouped_by(&self.group_by)
+        let base = base_of(self.base.as_deref(), &scores.sessions).to_owned();
+        scores.judged_by(criteria).against(&base).grouped_by(&self.group_by)
     }
 }

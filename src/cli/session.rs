@@ -28,7 +28,7 @@ pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {
         Command::Export(args) => export::run(args, out),
         Command::Import(args) => import::run(&args, out),
-        Command::New(args) => new::run(&args, out),
+        Command::New(args) => new::run(args, out),
         Command::Show(args) => show::run(&args, out),
     }
 }

@@ -15,8 +15,8 @@ const PLACE: &str = "here";
 #[derive(clap::Args)]
 pub(super) struct Photos {
     /// Session folders (each with a session.json), or folders of photos with the texture each shows, as in normal=monday
-    /// checker=tuesday, with --scene and --camera.
-    #[arg(value_name = "SESSION|VARIANT=DIR")]
+    /// checker=tuesday, or with its place, as in normal@lab=monday normal@yard=sunday; with --scene and --camera.
+    #[arg(value_name = "SESSION|VARIANT[@PLACE]=DIR")]
     given: Vec<PathBuf>,
     #[command(flatten)]
     about: FolderFiles,
@@ -31,7 +31,7 @@ pub(super) struct FolderFiles {
     /// With VARIANT=DIR: the camera file of the photos.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
-    /// With VARIANT=DIR: where the photos were taken. Photos are compared with those of the same place and viewpoint bin.
+    /// With VARIANT=DIR: where the photos were taken of which VARIANT@PLACE=DIR does not say it. Photos are compared with those of the same place and viewpoint bin.
     #[arg(long, value_name = "NAME", default_value = PLACE)]
     pub(super) place: String,
 }
@@ -95,6 +95,30 @@ impl FolderFiles {
         Ok(gathered)
     }
 
+    /// The files of a session that photos are added to, where none are named.
+    ///
+    /// # Errors
+    /// Others are named: all photos of a session are of one scene and camera.
+    pub(super) fn or_those_of(&mut self, session: &Session) -> Result<()> {
+        let both = [
+            ("--scene", &mut self.scene, Some(&session.scene_path)),
+            ("--camera", &mut self.camera, session.camera_path.as_ref()),
+        ];
+        for (option, named, own) in both {
+            let Some(own) = own else { continue };
+            let named = named.get_or_insert_with(|| own.clone());
+            if named != own && files::read(named)? != files::read(own)? {
+                let (named, session) = (named.display(), session.folder.display());
+                return Err(format!(
+                    "{session} has another {} than {named}: leave {option} out, or name a new folder for the session",
+                    option.trim_start_matches('-')
+                )
+                .into());
+            }
+        }
+        Ok(())
+    }
+
     /// The scene of folders.
     pub(super) fn scene(&self) -> Result<&Path> {
         let missing =
@@ -155,7 +179,7 @@ impl OpenedPhotos {
     }
 }
 
-/// `VARIANT=DIR`; none for what names a session, which may have an equal sign in its name.
+/// `VARIANT=DIR` or `VARIANT@PLACE=DIR`; none for what names a session, which may have an equal sign in its name.
 pub(super) fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
     if given.is_file() || given.join("session.json").exists() {
         return Ok(None);
@@ -169,10 +193,20 @@ pub(super) fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
         Some((_, "")) => Err(format!("{text} names no folder: write VARIANT=FOLDER, as in {text}monday").into()),
         // A folder that is there, and what stands behind its equal sign is not.
         Some((_, folder)) if given.is_dir() && !Path::new(folder).exists() => Ok(None),
-        Some((variant, folder)) => Ok(Some(PhotoFolder {
-            variant: variant.to_owned(),
-            folder: in_home(folder),
-        })),
+        Some((name, folder)) => {
+            let (variant, place) = name
+                .rsplit_once('@')
+                .map_or((name, None), |(variant, place)| (variant, Some(place)));
+            if variant.is_empty() || place.is_some_and(str::is_empty) {
+                let how = "write VARIANT@PLACE=FOLDER, as in normal@lab=monday";
+                return Err(format!("{text} lacks its texture or its place: {how}").into());
+            }
+            Ok(Some(PhotoFolder {
+                variant: variant.to_owned(),
+                place: place.map(str::to_owned),
+                folder: in_home(folder),
+            }))
+        }
     }
 }
 

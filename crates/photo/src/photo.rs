@@ -7,6 +7,7 @@ mod exif_tags;
 mod heif;
 mod jpeg;
 mod luma;
+mod perceptual;
 mod problem;
 mod resize;
 
@@ -28,6 +29,7 @@ pub use jpeg::standard_huffman_tables;
 use jpeg::{Coefficients, Colours};
 use luma::JpegLuma;
 pub use luma::Luma;
+pub use perceptual::{PerceptualHash, bits_apart, perceptual_hash};
 pub use problem::DecodeProblem;
 pub use resize::{boxed, doubled, fitting, opencv_linear, shrunk};
 

@@ -14,5 +14,7 @@ mod exif_types;
 mod jpeg;
 #[path = "photo/luma.rs"]
 mod luma;
+#[path = "photo/perceptual.rs"]
+mod perceptual;
 #[path = "photo/sizes.rs"]
 mod sizes;

@@ -10,6 +10,8 @@ mod cache;
 mod compare;
 #[path = "score/corrupt.rs"]
 mod corrupt;
+#[path = "score/findings.rs"]
+mod findings;
 #[path = "score/grouping.rs"]
 mod grouping;
 #[path = "score/latex.rs"]

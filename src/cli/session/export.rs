@@ -43,7 +43,7 @@ pub(in crate::cli) struct Args {
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     report::check_export(&args.output)?;
     let options = args.effort.options(&[])?;
-    let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
+    let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?.with_copies();
     say_not_scored(&scores);
     let file = report::export(&scores, args.format, &args.output, args.copy)?;
     let variants = by_variant(scores.photos.iter().map(|photo| photo.variant.as_str()));

@@ -1,6 +1,6 @@
 //! `scaleproof session new`: folders of photos become a session.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -9,21 +9,22 @@ use serde::Serialize;
 
 use super::{by_variant, in_words};
 use crate::cli::answer::told;
-use crate::cli::sessions::{FolderFiles, pair};
+use crate::cli::sessions::{self, FolderFiles, pair};
 use crate::cli::{CommandResult, Result};
-use scaleproof_core::spelling::quoted;
+use scaleproof_core::files;
+use scaleproof_core::spelling::{self, quoted};
 use scaleproof_session::session::NewSession;
 use scaleproof_session::session::folders::PhotoFolder;
 
-/// Make a session of folders with photos of one texture each
+/// Make a session of folders with photos of one texture each, or add them to a session
 ///
-/// The session gets a session.json, and copies of the scene and the camera unless they lie in it. The photos stay as and where they are.
+/// A new session gets a session.json, and copies of the scene and the camera unless they lie in it. The photos stay as and where they are.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The session's folder; one that is there keeps its files
+    /// The session's folder; one that is there keeps its files, and a session its photos, scene and camera
     folder: PathBuf,
-    /// Folders with the texture their photos show, as in normal=monday checker=tuesday
-    #[arg(value_name = "VARIANT=DIR")]
+    /// Folders with the texture their photos show, as in normal=monday checker=tuesday, or with the place, as in normal@lab=monday
+    #[arg(value_name = "VARIANT[@PLACE]=DIR")]
     photos: Vec<PathBuf>,
     #[command(flatten)]
     about: FolderFiles,
@@ -35,8 +36,14 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
-    let folders = folders(args)?;
+pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
+    let folders = folders(&args)?;
+    let list = args.folder.join("session.json");
+    if list.exists() {
+        // It is read and written again.
+        files::inputs::own(&list);
+        args.about.or_those_of(&sessions::session(&args.folder)?)?;
+    }
     let gathered = args.about.gather(&folders)?;
     let (path, photos) = NewSession {
         folder: &args.folder,
@@ -47,13 +54,18 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     }
     .write()?;
     let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
-    let words = in_words(&path, photos.len(), &variants, &args.folder);
+    let added: usize = gathered.folders.iter().map(|found| found.listing.photos.len()).sum();
+    let mut words = in_words(&path, photos.len(), &variants, &args.folder);
+    if added < photos.len() {
+        words = format!("{} added\n{words}", spelling::count(added, "photo"));
+    }
     let new = Answer {
         session: &args.folder,
         file: &path,
         photos: photos.len(),
+        added,
         variants,
-        place: &args.about.place,
+        places: photos.iter().filter_map(|photo| photo.place.as_deref()).collect(),
         copied: args.copy,
     };
     told(args.json, new, words, out)
@@ -66,12 +78,14 @@ pub(in crate::cli) struct Answer<'a> {
     session: &'a Path,
     /// The `session.json` in it.
     file: &'a Path,
-    /// How many.
+    /// How many it has.
     photos: usize,
+    /// How many of them are new.
+    added: usize,
     /// Photos by variant.
     variants: BTreeMap<&'a str, usize>,
-    /// Of all photos.
-    place: &'a str,
+    /// Where its photos were taken.
+    places: BTreeSet<&'a str>,
     /// Whether the photos were copied into the session.
     copied: bool,
 }

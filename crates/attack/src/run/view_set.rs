@@ -17,9 +17,11 @@ use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Re
 use scaleproof_gradients::{WhiteBox, WhiteBoxError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`]; fewer views than that are all trained on.
+/// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`], and of 24 views or more at least [`ENOUGH_HELD_OUT`]; fewer views than that are all trained on.
 const HELD_OUT_EVERY: usize = 6;
 const FIRST_HELD_OUT: usize = 3;
+/// The figures of fewer held-out views say little.
+pub const ENOUGH_HELD_OUT: usize = 12;
 
 /// How the pattern is mapped onto the model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -176,7 +178,11 @@ impl ViewSet {
     }
 
     fn is_held_out(&self, view: usize) -> bool {
-        self.holds_out() && view % HELD_OUT_EVERY == FIRST_HELD_OUT
+        let every = match self.views.len() / ENOUGH_HELD_OUT {
+            0 | 1 => HELD_OUT_EVERY,
+            every => every.min(HELD_OUT_EVERY),
+        };
+        self.holds_out() && view % every == FIRST_HELD_OUT % every
     }
 
     /// Which of the frame sets a view is of.

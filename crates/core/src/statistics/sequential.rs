@@ -67,7 +67,12 @@ pub struct Sequence {
     strata: Vec<Vec<f64>>,
     rounds: usize,
     numbers: usize,
+    /// The most evidence so far for a mean on either side of 0, as a logarithm, and for which.
     most: f64,
+    most_is_above: bool,
+    /// The evidence that shows that the mean is below the least, as a logarithm, and after how many numbers it did.
+    enough_for_less: f64,
+    less_after: Option<usize>,
     shown: Option<(Shown, usize)>,
 }
 
@@ -82,8 +87,18 @@ impl Sequence {
             rounds: 0,
             numbers: 0,
             most: 0.0,
+            most_is_above: true,
+            enough_for_less: enough(),
+            less_after: None,
             shown: None,
         }
+    }
+
+    /// One of so many tests that are decided together: "less than the least" takes so many times the evidence (Bonferroni). What [`Sequence::p`] says is of this
+    /// test alone.
+    pub fn among(mut self, tests: usize) -> Sequence {
+        self.enough_for_less += (tests.max(1) as f64).ln();
+        self
     }
 
     /// Takes the next number; what is shown first stays shown.
@@ -100,8 +115,16 @@ impl Sequence {
             self.rounds += 1;
         }
         let [up, down] = [&self.up, &self.down].map(Wealth::total);
-        self.most = self.most.max(up).max(down);
-        let is_less = self.least.as_ref().is_some_and(|least| least.total() >= enough());
+        for (evidence, is_above) in [(up, true), (down, false)] {
+            if evidence > self.most {
+                (self.most, self.most_is_above) = (evidence, is_above);
+            }
+        }
+        let is_less = self
+            .least
+            .as_ref()
+            .is_some_and(|least| least.total() >= self.enough_for_less);
+        self.less_after = self.less_after.or(is_less.then_some(self.numbers));
         let shown = match () {
             () if up >= enough() => Some(Shown::Above),
             () if down >= enough() => Some(Shown::Below),
@@ -114,6 +137,16 @@ impl Sequence {
     /// What was shown first, and after how many numbers.
     pub fn shown(&self) -> Option<(Shown, usize)> {
         self.shown
+    }
+
+    /// After how many numbers their mean over the strata was shown to be smaller than the least that matters.
+    pub fn less_after(&self) -> Option<usize> {
+        self.less_after
+    }
+
+    /// Whether the evidence behind [`Sequence::p`] is for numbers above 0 on average, not below.
+    pub fn is_above(&self) -> bool {
+        self.most_is_above
     }
 
     /// Two-sided p of "no number differs from 0 on average"; never above α by chance alone with a larger probability than α, over all looks.

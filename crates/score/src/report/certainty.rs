@@ -1,60 +1,45 @@
-//! How sure a comparison is as a whole: how many findings were tested, and what a rate without an interval leaves open.
-
-use serde::Serialize;
+//! How sure a comparison is as a whole: how its findings were decided, and what a rate without an interval leaves open.
 
 use super::paired as shown;
 use crate::score::{Compared, Difference, Scores};
 use scaleproof_core::spelling::{self, digits};
-use scaleproof_core::statistics::{FEWEST_CLUSTERS, holm, wilson_95};
+use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};
+use scaleproof_plot::distinct;
 
-/// Hit rate, mean confidence and AP of each detector and texture have a finding each.
-pub(super) const FIGURES: usize = 3;
-
-/// McNemar's p of the hit rate of one detector and texture, corrected by Holm over the detectors.
-#[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct Corrected<'a> {
-    pub detector: &'a str,
-    pub variant: &'a str,
-    pub holm_p: f64,
+/// How findings are decided, and of how many tests: `5 detectors × 2 textures, 10 tests`.
+pub(super) fn family(results: &[Compared]) -> String {
+    let [detectors, textures] = [
+        distinct(results.iter().map(|r| &r.detector)).len(),
+        distinct(results.iter().map(|r| &r.variant)).len(),
+    ];
+    let of = [
+        spelling::count(detectors, "detector"),
+        spelling::count(textures, "texture"),
+    ];
+    format!("{}, {}", of.join(" × "), spelling::count(results.len(), "test"))
 }
 
-/// Of each result, in their order; the detectors of a texture are corrected together.
-pub(super) fn over_detectors(results: &[Compared]) -> Vec<Corrected<'_>> {
-    let textures = results.chunk_by(|a, b| a.variant == b.variant);
-    let corrected = textures.flat_map(|own| {
-        let p: Vec<f64> = own.iter().map(|r| r.hit_rate.mcnemar_p).collect();
-        own.iter().zip(holm(&p)).map(|(r, holm_p)| Corrected {
-            detector: &r.detector,
-            variant: &r.variant,
-            holm_p,
-        })
-    });
-    corrected.collect()
-}
-
-/// Sentences: how many findings stand beside each other, and what of the hit rates is left when their number is corrected for.
+/// Sentences: how findings are decided, and each p of the hit rate before and after correction.
 pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
-    let corrected = over_detectors(results);
-    let detectors = scores.detectors.len();
     if results.is_empty() {
         return None;
     }
-    let each = |(c, r): (&Corrected, &Compared)| {
-        let is_only = results.iter().all(|other| other.variant == c.variant);
+    let each = |r: &Compared| {
+        let is_only = results.iter().all(|other| other.variant == r.variant);
         let texture = if is_only {
             String::new()
         } else {
-            format!(" on {}", c.variant)
+            format!(" on {}", r.variant)
         };
-        let p = digits(r.hit_rate.mcnemar_p, 3);
-        format!("{}{texture} {p} → {}", scores.title(c.detector), digits(c.holm_p, 3))
+        let [p, corrected] = [r.hit_rate.mcnemar_p, r.holm_p].map(|p| digits(p, 3));
+        format!("{}{texture} {p} → {corrected}", scores.title(&r.detector))
     };
-    let all: Vec<String> = corrected.iter().zip(results).map(each).collect();
+    let all: Vec<String> = results.iter().map(each).collect();
     Some(format!(
-        "{} are tested here at 5 % each, hit rate, mean confidence and AP@0.5 of each detector and texture, without correction for their number: where \
-         nothing differs, up to one in twenty is still shown. McNemar's p of the hit rate, and corrected over {} (Holm): {}",
-        spelling::count(FIGURES * results.len(), "finding"),
-        spelling::count(detectors, "detector"),
+        "Findings are decided by the hit rate ({}): McNemar's exact p, corrected for their number (Holm), so that where nothing differs anything is shown with a \
+         probability of 5 % at most. Mean confidence and AP@0.5 count where the hit rate of the same detector and texture is shown. Intervals are 95 % each, \
+         uncorrected. p → corrected: {}",
+        family(results),
         all.join("; ")
     ))
 }

@@ -1,14 +1,13 @@
-//! A comparison as files, `comparison.html`, `.tex` and `.json`, and as text for the terminal.
+//! A comparison as files, `comparison.html`, `.tex`, `.csv` and `.json`, and as text for the terminal.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::certainty::Corrected;
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, certainty, counted, figures, latex, p_value, paired, sequential};
+use super::{ReportError, certainty, comparison_csv, counted, figures, latex, p_value, paired, sequential, verdict};
 use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
@@ -18,8 +17,6 @@ use scaleproof_core::spelling::digits;
 pub struct ComparisonPage<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// McNemar's p of the hit rate for each of `results`, in their order, corrected by Holm over the detectors of its variant.
-    hit_rate_over_detectors: Vec<Corrected<'a>>,
     /// The labels that count as the model.
     classes: &'a [String],
     /// What weakens the figures, as sentences (explained in codes.md).
@@ -37,6 +34,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
     let texts = [
         ("comparison.html", page::render(scores, comparison)),
         ("comparison.tex", latex::comparison(scores, comparison)),
+        ("comparison.csv", comparison_csv::render(comparison)?),
         ("comparison.json", comparison_json(scores, comparison)?),
     ];
     let mut all = texts
@@ -52,7 +50,6 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = ComparisonPage {
         comparison,
-        hit_rate_over_detectors: certainty::over_detectors(&comparison.results),
         classes: counted::classes(scores).labels(),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
@@ -62,9 +59,10 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// In what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+/// What was found, in a sentence; in what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
-    let mut lines = Vec::new();
+    let mut lines = verdict::sentences(scores, &comparison.results);
+    lines.push(String::new());
     if let Some(plan) = &comparison.plan {
         lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
@@ -75,7 +73,8 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
         lines.push(format!("{head}, {}", paired::basis(r)));
-        let p = format!("McNemar p {}: ", p_value(r.hit_rate.mcnemar_p));
+        let [p, corrected] = [r.hit_rate.mcnemar_p, r.holm_p].map(p_value);
+        let p = format!("McNemar p {p}, corrected {corrected}: ");
         lines.push(line("hit rate", r, &r.hit_rate.rate, &p));
         lines.push(line("mean confidence", r, &r.mean_confidence, ""));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50, ""));

@@ -69,7 +69,7 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
         lines.extend(table(evaluation, &others, |f| digits(f.ap50, 2)));
     }
     lines.push(String::new());
-    lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown at 5 %".to_owned());
+    lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown after correction (by the hit rate, over all pairs of patterns and detectors)".to_owned());
     let patterns = evaluation.patterns.iter().filter(|p| *p != BASE_VARIANT);
     let from_base = patterns.flat_map(|p| targets.iter().chain(&others).map(move |c| (BASE_VARIANT, p, c)));
     let others = evaluation.comparisons.iter().filter(|c| c.base != BASE_VARIANT);
@@ -108,6 +108,7 @@ pub(super) fn interval(d: &Difference) -> String {
     let range = range.unwrap_or_default();
     let doubt = match d.finding {
         Finding::TooFewPhotosToTell => " (too few photos to tell)",
+        Finding::NotAfterCorrection => " (not shown after correction)",
         _ => "",
     };
     format!("{}{range}{doubt}", digits(d.drop, 2))

@@ -2,7 +2,6 @@
 
 use super::{ReportError, certainty, html};
 use crate::score::{Comparison, Scores};
-use scaleproof_core::spelling;
 use scaleproof_detect::Speeds;
 use scaleproof_plot::chart_pdf::pdf_of_svg;
 use scaleproof_plot::{Drawing, Explained, figure};
@@ -79,12 +78,12 @@ pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
     let explained = Explained {
         notes: vec![
             format!(
-                "Dot: the figure of “{}” minus that of the texture; line: its 95 % interval. Filled: a difference is shown at 5 %.",
+                "Dot: the figure of “{}” minus that of the texture; line: its 95 % interval. Filled: a difference is shown after correction.",
                 comparison.base
             ),
             format!(
-                "{} are tested at 5 % each, without correction for their number; behind McNemar's p that by Holm over the detectors.",
-                spelling::count(certainty::FIGURES * comparison.results.len(), "finding")
+                "Decided by the hit rate, {}: McNemar's p corrected for their number (Holm); the others count where it is shown.",
+                certainty::family(&comparison.results)
             ),
         ],
         ..Explained::default()

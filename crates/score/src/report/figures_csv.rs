@@ -61,6 +61,9 @@ fn rows<'a>(scores: &Scores, s: &'a Summary) -> Vec<Row<'a>> {
 fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
     let criteria = &scores.criteria;
     let figure = |of: fn(&Figures) -> f64| json!(g.figures.map(of));
+    // One photo has no ranking.
+    let several = g.figures.filter(|f| f.photos > 1 || g.kind == "all");
+    let average = |of: fn(&Figures) -> f64| json!(several.map(of));
     let drop = |of: fn(&Drop) -> f64| json!(g.drop.as_ref().map(of));
     let mut row = vec![
         ("detector", json!(s.detector)),
@@ -75,8 +78,8 @@ fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
         ("photos", json!(g.figures.map_or(0, |f| f.photos))),
         ("protocol", json!(criteria.protocol.map(Protocol::name))),
         ("ap_definition", json!(criteria.ap.name())),
-        ("ap50", figure(|f| f.ap50)),
-        ("ap50_95", figure(|f| f.ap50_95)),
+        ("ap50", average(|f| f.ap50)),
+        ("ap50_95", average(|f| f.ap50_95)),
         ("mar50", figure(|f| f.mar50)),
         ("mar", figure(|f| f.mar)),
         ("hit_confidence", json!(criteria.hit_confidence)),
@@ -102,11 +105,11 @@ fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
         ("false_positives_per_image", figure(|f| f.false_positives_per_image)),
         ("mean_confidence", figure(|f| f.mean_confidence)),
         ("median_confidence", figure(|f| f.median_confidence)),
-        ("drop_ap50", drop(|d| d.ap50)),
+        ("drop_ap50", json!(several.and(g.drop.as_ref()).map(|d| d.ap50))),
         ("drop_hit_rate", drop(|d| d.hit_rate)),
         ("drop_mean_confidence", drop(|d| d.mean_confidence)),
         ("drop_median_confidence", drop(|d| d.median_confidence)),
-        ("asr_ap50", json!(g.asr.and_then(|a| a.ap50))),
+        ("asr_ap50", json!(several.and(g.asr).and_then(|a| a.ap50))),
         ("asr_mar50", json!(g.asr.and_then(|a| a.mar50))),
         ("asr_hit_rate", json!(g.asr.and_then(|a| a.hit_rate))),
     ]);

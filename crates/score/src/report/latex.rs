@@ -1,4 +1,4 @@
-//! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
+//! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals, a table for each endpoint.
 
 use super::evaluation::Evaluation;
 use super::{certainty, p_value, paired};
@@ -41,7 +41,7 @@ fn comment(scores: &Scores) -> String {
     format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
          % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
-         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown at 5 %; dagger: too few photos to tell;\n\
+         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown after correction; dagger: too few photos to tell;\n\
          % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}{}",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
@@ -107,26 +107,12 @@ fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
     ]
 }
 
-/// The drops of a comparison: a comment that says what the numbers mean, and one `tabular`.
+/// The drops of a comparison: a comment that says what the numbers mean, and a `tabular` for each endpoint, which fits one column of a paper of two.
 pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
-    let heads = [
-        "Detector",
-        "Texture",
-        "Pairs",
-        "AP@0.5",
-        "Drop, 95\\,\\%",
-        "ASR, 95\\,\\%",
-        "Hit rate",
-        "Drop, 95\\,\\%",
-        "$p$",
-        "ASR, 95\\,\\%",
-        "Confidence",
-        "Drop, 95\\,\\%",
-    ];
     let protocol = scores.criteria.protocol.map(|p| format!(", protocol {}", p.name()));
     let comment = format!(
-        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
-         % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Base: {}; figures on pairs by place and bin.\n\
+         % Drop with its cluster bootstrap interval ({} draws, seed {}), uncorrected; p: McNemar, exact. Bold: a difference is shown after correction;\n\
          % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
         env!("CARGO_PKG_VERSION"),
         comparison.ap_definition,
@@ -139,36 +125,67 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         commented(scores),
         below(scores, &comparison.results)
     );
-    let rows = comparison.results.iter().map(|r| row(compared_cells(scores, r)));
-    format!(
-        "{comment}\n{}",
-        tabular("llrrllrlrlrl", [vec![row(heads)], rows.collect()])
-    )
+    let p = |r: &Compared| {
+        [r.hit_rate.mcnemar_p, r.holm_p]
+            .map(|p| p_value(p).replace("= ", "").replace("< ", "$<$").replace("> ", "$>$"))
+            .join(" & ")
+    };
+    let tables = [
+        endpoint(scores, comparison, ("Hit rate", ["$p$ & Holm", "rr"]), |r| {
+            (&r.hit_rate.rate, p(r))
+        }),
+        endpoint(scores, comparison, ("AP@0.5", ["ASR", "r"]), |r| {
+            (&r.ap50, asr_cell(&r.ap50))
+        }),
+        endpoint(scores, comparison, ("Mean confidence", ["ASR", "r"]), |r| {
+            (&r.mean_confidence, asr_cell(&r.mean_confidence))
+        }),
+    ];
+    format!("{comment}\n{}", tables.join("\n"))
 }
 
-fn compared_cells(scores: &Scores, r: &Compared) -> [String; 12] {
-    let asr = |d: &Difference| paired::asr(d, |v| number(v, 2)).replace('–', "--");
-    let both = |d: &Difference, behind| format!("{} / {}", number(d.base, behind), number(d.other, behind));
-    [
-        escaped(scores.title(&r.detector)),
-        escaped(&r.variant),
-        r.pairs.to_string(),
-        both(&r.ap50, 3),
-        drop_cell(&r.ap50),
-        asr(&r.ap50),
-        both(&r.hit_rate.rate, 2),
-        drop_cell(&r.hit_rate.rate),
-        p_value(r.hit_rate.mcnemar_p).replace("= ", "").replace("< ", "$<$"),
-        asr(&r.hit_rate.rate),
-        both(&r.mean_confidence, 2),
-        drop_cell(&r.mean_confidence),
-    ]
+fn asr_cell(d: &Difference) -> String {
+    d.asr.map_or("--".to_owned(), |asr| number(asr, 2))
+}
+
+/// One endpoint: its name, and what its last columns are called and aligned as; a group of rows for each texture. Small letters and narrow gaps, for a column of
+/// 237 pt (CVPR).
+fn endpoint<'a>(
+    scores: &Scores,
+    comparison: &'a Comparison,
+    (name, [last, aligned]): (&str, [&str; 2]),
+    cells: impl Fn(&'a Compared) -> (&'a Difference, String),
+) -> String {
+    let columns = format!("lrrl{aligned}");
+    let across = |text: String| format!("\\multicolumn{{{}}}{{@{{}}l}}{{{text}}} \\\\\n", columns.len());
+    let head = row([name, "base", "text.", "Drop, 95\\,\\%", last]);
+    let textures = comparison.results.chunk_by(|a, b| a.variant == b.variant);
+    let blocks = textures.map(|own| {
+        let pairs = scaleproof_core::spelling::count(own[0].pairs, "pair");
+        let title = across(format!("\\emph{{{}}}, {pairs}", escaped(&own[0].variant)));
+        let rows = own.iter().map(|r| {
+            let (d, last) = cells(r);
+            let [base, other] = [d.base, d.other].map(|v| number(v, 2));
+            row([escaped(scores.title(&r.detector)), base, other, drop_cell(d), last])
+        });
+        std::iter::once(title).chain(rows).collect()
+    });
+    let notes = [
+        format!(
+            "Bold: shown after Holm's correction, {};",
+            certainty::family(&comparison.results).replace('×', "$\\times$")
+        ),
+        "AP and confidence where the hit rate is. $^\\dagger$: too few photos to tell.".to_owned(),
+    ];
+    let notes = notes.map(|note| across(format!("\\scriptsize {note}"))).to_vec();
+    let table = tabular(&columns, std::iter::once(vec![head]).chain(blocks).chain([notes]));
+    format!("% {name}\n{{\\footnotesize\\setlength{{\\tabcolsep}}{{2.5pt}}%\n{table}}}\n")
 }
 
 fn drop_cell(d: &Difference) -> String {
     let drop = match d.finding {
         Finding::Drop | Finding::Rise => format!("\\textbf{{{}}}", number(d.drop, 2)),
-        Finding::NoDifferenceShown => number(d.drop, 2),
+        Finding::NoDifferenceShown | Finding::NotAfterCorrection => number(d.drop, 2),
         Finding::TooFewPhotosToTell => format!("{}$^\\dagger$", number(d.drop, 2)),
     };
     let interval = paired::interval(d, |v| number(v, 2)).map(|i| format!(" {i}"));

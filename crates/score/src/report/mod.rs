@@ -3,6 +3,7 @@
 mod certainty;
 mod coco;
 mod comparison;
+mod comparison_csv;
 mod counted;
 mod csv;
 mod evaluation;
@@ -21,6 +22,7 @@ mod sequential;
 mod summary_json;
 mod table;
 mod truth;
+mod verdict;
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
-use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed};
+use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed_among};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 
@@ -15,6 +15,7 @@ pub(super) fn in_words(finding: Finding) -> &'static str {
     match finding {
         Finding::Drop => "a drop",
         Finding::Rise => "a rise",
+        Finding::NotAfterCorrection => "not shown after correction, by itself it would be",
         Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
         Finding::TooFewPhotosToTell => "too few photos to tell",
     }
@@ -25,9 +26,9 @@ pub fn briefly(finding: Finding) -> &'static str {
     in_words(finding).split(',').next().unwrap_or_default()
 }
 
-/// Whether a difference is shown at 5 %.
+/// Whether a difference is shown.
 pub(super) fn is_shown(d: &Difference) -> bool {
-    matches!(d.finding, Finding::Drop | Finding::Rise)
+    d.finding.is_shown()
 }
 
 /// `[0.38, 1.00]`, by what writes its numbers.
@@ -47,7 +48,7 @@ pub(super) fn asr(d: &Difference, number: impl Fn(f64) -> String) -> String {
     rate.unwrap_or_else(|| "–".to_owned())
 }
 
-/// `8 pairs from 1 place × 8 bins`, and how many clusters they are where that is not the product.
+/// `8 pairs from 1 place × 8 bins`, how many clusters they are where that is not the product, and how many near-copies count with them.
 pub(super) fn basis(r: &Compared) -> String {
     let grid = format!(
         "{} from {} × {}",
@@ -55,10 +56,17 @@ pub(super) fn basis(r: &Compared) -> String {
         spelling::count(r.places, "place"),
         spelling::count(r.bins, "bin")
     );
-    match r.clustered_by {
+    let basis = match r.clustered_by {
         ClusteredBy::Place => format!("{grid}, clustered by place"),
         ClusteredBy::PlaceAndBin if r.clusters == r.places * r.bins => grid,
         ClusteredBy::PlaceAndBin => format!("{grid}, {} of them taken", r.clusters),
+    };
+    match r.near_copies {
+        0 => basis,
+        n => format!(
+            "{basis}, {} counted once",
+            spelling::choose(n, "1 near-copy", &format!("{n} near-copies"))
+        ),
     }
 }
 
@@ -68,7 +76,7 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
     if is_shown(d) || d.drop <= 0.0 {
         return None;
     }
-    let needed = places_needed(r.bins, d.base, d.drop.min(d.base), POWER).ok();
+    let needed = places_needed_among(r.tests, r.bins, [d.base, d.drop.min(d.base)], POWER).ok();
     let (bins, drop) = (spelling::count(r.bins, "bin"), digits(d.drop, 2));
     let Some(needed) = needed else {
         return Some(format!("a drop as small as {drop} is beyond what photos can show"));

@@ -12,7 +12,7 @@ pub(super) const NAME: &str = "robustness.csv";
 /// What the cells of the table are.
 pub(super) fn heading() -> String {
     format!(
-        "severities at which a drop of AP@0.5 is shown, each at 5 %, without correction (0: reduced to 640 px, no worse; ?: too few photos to tell anywhere; \
+        "severities at which a drop of AP@0.5 is shown, corrected at each severity over detectors and textures, and where it is shown at severity 0 (reduced to 640 px, no worse; ?: too few photos to tell anywhere; \
          lost: the base itself has an AP below {BASE_LOST} there)"
     )
 }

@@ -30,7 +30,7 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
             lines.push(format!(
                 "  {name:<24} {}; p {} however often one looks; {}",
                 found(decision, sequential, course.looks),
-                p_value(decision.p_always_valid),
+                p_of(decision),
                 interval(decision, unit)
             ));
         }
@@ -42,10 +42,16 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
         let found = found(&course.hit_rate, sequential, course.looks);
-        let p = p_value(course.hit_rate.p_always_valid);
-        format!("{}: {found}, p {p}", course.detector)
+        format!("{}: {found}, p {}", course.detector, p_of(&course.hit_rate))
     });
     each.collect::<Vec<_>>().join("; ")
+}
+
+/// `= 0.012, corrected = 0.060`
+pub(super) fn p_of(decision: &Decision) -> String {
+    let corrected = decision.p_corrected.filter(|p| *p != decision.p_always_valid);
+    let corrected = corrected.map(|p| format!(", corrected {}", p_value(p)));
+    p_value(decision.p_always_valid) + &corrected.unwrap_or_default()
 }
 
 /// `, 24 repeats not looked at`; empty without any.
@@ -104,7 +110,7 @@ pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
     let sessions = spelling::choose(scores.sessions.len(), "session lists", "sessions list");
     format!(
         "Looked at after each {}, in the order in which the {sessions} the photos, the first pair of each place and bin. All decisions hold however often one looks and whenever one stops: \
-         where the texture changes nothing, a drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences; Waudby-Smith and Ramdas 2024). The interval rests on whole rounds alone, so that it may hold 0 where a drop is shown. Average \
+         where no texture changes anything, any drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences, Waudby-Smith and Ramdas 2024; the p of the hit rates corrected over the detectors by Holm, and for the number of textures; the mean confidence not before the hit rate). The interval rests on whole rounds alone, so that it may hold 0 where a drop is shown. Average \
          precision is no mean of photos, and so has no such test.",
         unit(sequential)
     )

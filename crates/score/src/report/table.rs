@@ -1,18 +1,19 @@
 //! The headline figures as plain text for the terminal.
 
-use super::{certainty, counted, paired, protocol, ranking, robustness};
+use super::{certainty, counted, paired, protocol, ranking, robustness, verdict};
 use crate::score::{
     Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, paired as all_paired, protocol_table,
 };
 use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 
-/// A line per detector: AP@0.5, hit rate and mean confidence of every variant. Below it what became of the misses, the figures that papers
+/// What was found, in a sentence; a line per detector: AP@0.5, hit rate and mean confidence of every variant. Below it what became of the misses, the figures that papers
 /// compare, the drops from the base with what the pairs say of them, the groups and the protocol that were asked for, and which labels
 /// count as the model.
 pub fn summary_table(scores: &Scores) -> String {
     let headline = format!("AP@0.5 ({}) / hits / mean confidence", scores.criteria.ap.name());
-    let mut lines = by_detector(scores, &headline, headline_cell);
+    let mut lines = verdict::sentences(scores, all_paired(scores));
+    lines.extend(by_detector(scores, &headline, headline_cell));
     let explained = disagreements(scores).into_iter();
     lines.extend(explained.map(|sentence| format!("  {sentence}")));
     let misses = "misclassified / disappeared / hallucinations per image";
@@ -159,5 +160,10 @@ fn groups(scores: &Scores) -> Vec<String> {
 
 fn group_cell(c: &ConditionFigures) -> String {
     let f = &c.figures;
-    format!("{} / {}/{}", digits(f.ap50, 3), f.hit_rate.count, f.photos)
+    let ap50 = if f.photos > 1 {
+        digits(f.ap50, 3)
+    } else {
+        "–".to_owned()
+    };
+    format!("{ap50} / {}/{}", f.hit_rate.count, f.photos)
 }

@@ -28,6 +28,7 @@ pub(super) fn cautions(
     cautions.extend(never_the_model(photos, detectors));
     cautions.extend(no_control(photos, base));
     cautions.extend(copies(photos));
+    cautions.extend(near_copies(photos, not_scored));
     cautions.extend(uneven_directions(photos, base));
     cautions.extend(loose_boxes(photos, sessions));
     cautions.extend(left_out(not_scored));
@@ -174,17 +175,16 @@ fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     })
 }
 
-/// Copies are scored, but a copy is no second observation.
+/// Copies within a texture count once; a photo that is named for two textures or places cannot show both.
 fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     let mut copies = identical_photos(photos);
     let (first, copy) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
-        "{} (the first: {} of {}); the intervals count {} as independent",
+        "{}, named for another texture, place or condition (the first: {} of {}): which of them is right?",
         are_copies(count),
         copy.file,
-        first.file,
-        spelling::choose(count, "it", "them")
+        first.file
     ))
 }
 
@@ -222,8 +222,27 @@ fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> 
         .collect()
 }
 
+/// Re-encodings and frames of one moment are no evidence of their own.
+fn near_copies(photos: &[ScoredPhoto], not_scored: &[NotScored]) -> Option<String> {
+    let mut copies = not_scored
+        .iter()
+        .filter_map(|p| Some((&p.file, p.near_copy_of.as_ref()?)));
+    let (file, first) = copies.next()?;
+    let count = 1 + copies.count();
+    Some(format!(
+        "{} of another (the first: {file} of {first}): each is counted with it, once, so that {} of {} count",
+        spelling::choose(
+            count,
+            "1 photo is a near-copy",
+            &format!("{count} photos are near-copies")
+        ),
+        photos.len(),
+        photos.len() + count
+    ))
+}
+
 fn left_out(not_scored: &[NotScored]) -> Option<String> {
-    let count = not_scored.len();
+    let count = not_scored.iter().filter(|photo| photo.near_copy_of.is_none()).count();
     let sentence = match count {
         1 => "1 photo could not be scored and is in no figure; it is listed with its reason".to_owned(),
         _ => format!("{count} photos could not be scored and are in no figure; they are listed with their reasons"),

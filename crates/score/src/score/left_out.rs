@@ -52,7 +52,7 @@ pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> R
     }
 }
 
-/// Which photos were left out, in lines: one by one, or only how many of a session where the cautions have the cause.
+/// Which photos were left out, but for near-copies, in lines: one by one, or only how many of a session where the cautions have the cause.
 pub fn not_scored(scores: &Scores) -> Vec<String> {
     let grouped: Vec<&Session> = scores.sessions.iter().filter(|s| is_explained(scores, s)).collect();
     let groups = grouped.iter().map(|session| {
@@ -61,7 +61,10 @@ pub fn not_scored(scores: &Scores) -> Vec<String> {
         format!("{count} of {all} photos of {}; the first: {first}", session.name)
     });
     let is_grouped = |photo: &&NotScored| grouped.iter().any(|session| session.name == photo.session);
-    let others = scores.not_scored.iter().filter(|photo| !is_grouped(photo));
+    let others = scores
+        .not_scored
+        .iter()
+        .filter(|photo| photo.near_copy_of.is_none() && !is_grouped(photo));
     let others = others.map(|photo| format!("{}/{}: {}", photo.session, photo.file, photo.reason));
     groups.chain(others).collect()
 }
@@ -76,11 +79,16 @@ fn is_explained(scores: &Scores, session: &Session) -> bool {
 fn is_alike(scores: &Scores, session: &Session) -> bool {
     let same_name = scores.sessions.iter().filter(|s| s.name == session.name);
     let left_out = left_out(scores, session).count();
-    let scored = session.photos.len().saturating_sub(left_out);
+    let copies = scores
+        .not_scored
+        .iter()
+        .filter(|p| p.near_copy_of.is_some() && p.session == session.name);
+    let scored = session.photos.len().saturating_sub(left_out + copies.count());
     same_name.count() == 1 && left_out > MOST_LISTED && left_out >= 4 * scored
 }
 
 fn left_out<'a>(scores: &'a Scores, session: &Session) -> impl Iterator<Item = &'a NotScored> {
     let name = session.name.clone();
-    scores.not_scored.iter().filter(move |photo| photo.session == name)
+    let not_scored = scores.not_scored.iter().filter(|photo| photo.near_copy_of.is_none());
+    not_scored.filter(move |photo| photo.session == name)
 }

@@ -13,6 +13,7 @@ mod evaluated;
 pub mod grouping;
 mod labelled;
 mod left_out;
+mod near_copies;
 mod observe;
 mod outcome;
 mod photo;
@@ -36,8 +37,9 @@ mod worn;
 pub use cache::Cache;
 pub use compare::{
     ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Expected, Finding, PlanCheck,
-    SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare, compare_with, most_telling, moved_drops,
-    paired, pairs_needed, places_needed, power, power_by_place, sequential, sequential_plan, smallest_drop_by_place,
+    SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare, compare_with, decide_together,
+    most_telling, moved_drops, paired, paired_photos, pairs_needed, places_needed, places_needed_among, power,
+    power_by_place, sequential, sequential_plan, smallest_drop_by_place,
 };
 pub use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;

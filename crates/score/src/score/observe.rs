@@ -14,7 +14,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
 use scaleproof_core::workers::stopwatch::{Stage, timed};
 use scaleproof_detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::photo::{PerceptualHash, Photo, PhotoError, perceptual_hash};
 use scaleproof_pose::locate::{Located, Warning, locate_luma, locate_tags};
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
@@ -61,6 +61,8 @@ pub struct Observation {
     pub detections: Vec<Vec<Detection>>,
     /// A small JPEG for the report; empty when it shows other photos.
     pub preview_jpeg: Vec<u8>,
+    /// By which near-copies are found.
+    pub hash: PerceptualHash,
 }
 
 /// Why a photo is left out, as a sentence.
@@ -102,6 +104,7 @@ impl ScoringJob<'_> {
             file: self.entry.file.clone(),
             variant: self.entry.variant.clone(),
             reason: reason.0,
+            near_copy_of: None,
         }
     }
 
@@ -167,6 +170,9 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
 /// Boxes by the two poses of a lone tag are one box from this IoU on: the strictest threshold of COCO's average precision, at which the same detection
 /// is a hit by either.
 const SAME_BOX_IOU: f64 = 0.95;
+
+/// The least size that a perceptual hash is made from, px.
+const HASHED_FROM_PX: [u32; 2] = [64, 64];
 
 /// What each thread owns.
 pub(super) struct Observer<'a> {
@@ -293,6 +299,7 @@ impl<'a> Observer<'a> {
             tags: Vec::new(),
             detections: Vec::new(),
             preview_jpeg: Vec::new(),
+            hash: PerceptualHash::default(),
         };
         if job.needs_tags() {
             seen.tags = self.tags(job.session, &photo)?;
@@ -307,6 +314,8 @@ impl<'a> Observer<'a> {
             let key = self.key(&["preview", &photo.sha256, &side_px.to_string()]);
             seen.preview_jpeg = self.kept(key, |_| Ok(preview::jpeg(&mut decoded, side_px)?))?;
         }
+        let key = self.key(&["perceptual hash", &photo.sha256]);
+        seen.hash = self.kept(key, |_| Ok(perceptual_hash(decoded.at_least(HASHED_FROM_PX)?)))?;
         Ok((seen, place))
     }
 

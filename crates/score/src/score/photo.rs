@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::PhotoOutcome;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
+use scaleproof_photo::photo::PerceptualHash;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bin, Viewpoint};
 use scaleproof_session::session::Conditions;
@@ -56,6 +57,10 @@ pub struct ScoredPhoto {
     pub outcomes: Vec<PhotoOutcome>,
     /// A small JPEG for the report.
     pub preview_jpeg: Vec<u8>,
+    /// By which near-copies are found.
+    pub hash: PerceptualHash,
+    /// How many near-copies count with it, besides itself.
+    pub near_copies: usize,
 }
 
 /// Where a tag was seen in a photo.
@@ -79,4 +84,7 @@ pub struct NotScored {
     pub variant: String,
     /// A sentence.
     pub reason: String,
+    /// Of a near-copy, the file of the photo that it counts with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_copy_of: Option<String>,
 }

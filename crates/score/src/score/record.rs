@@ -36,8 +36,9 @@ pub fn check_recordings(
 
 /// Stores the detections of every scored photo in the folders of the sessions.
 pub fn record(scores: &Scores) -> Result<(), RecordedError> {
+    let photos = scores.all_photos();
     for (session_index, session) in scores.sessions.iter().enumerate() {
-        let photos: Vec<_> = scores.photos.iter().filter(|p| p.session == session_index).collect();
+        let photos: Vec<_> = photos.iter().filter(|p| p.session == session_index).collect();
         for (index, detector) in scores.detectors.iter().enumerate() {
             let recorded = photos.iter().map(|p| RecordedPhoto {
                 id: p.id,

@@ -198,6 +198,8 @@ fn scored(
         detections: observation.detections,
         outcomes,
         preview_jpeg: observation.preview_jpeg,
+        hash: observation.hash,
+        near_copies: 0,
     }
 }
 

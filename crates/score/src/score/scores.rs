@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use super::error::{ScoreError, nothing_scored};
 use super::grouping::{GroupBy, GroupByError};
+use super::near_copies::counted_once;
 use super::settings::AppliedSettings;
 use super::{
     BASE_VARIANT, Compared, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
@@ -30,6 +31,8 @@ pub struct Scores {
     pub detectors: Vec<EvaluatedDetector>,
     /// In the order of the sessions' lists.
     pub photos: Vec<ScoredPhoto>,
+    /// Near-copies, which count with another photo.
+    copies: Vec<ScoredPhoto>,
     /// Photos that were left out, and why.
     pub not_scored: Vec<NotScored>,
     /// Per detector and variant, detectors first.
@@ -78,6 +81,15 @@ impl Scores {
         if photos.is_empty() {
             nothing_scored(not_scored.len(), not_scored.first())?;
         }
+        let (photos, copies) = counted_once(photos);
+        not_scored.extend(copies.iter().map(|(copy, first)| NotScored {
+            session: sessions[copy.session].name.clone(),
+            file: copy.file.clone(),
+            variant: copy.variant.clone(),
+            reason: format!("it is a near-copy of {first} (same view and image), and counts with it, once"),
+            near_copy_of: Some(first.clone()),
+        }));
+        let copies = copies.into_iter().map(|(copy, _)| copy).collect();
         let mut scores = Scores {
             cautions: Vec::new(),
             causes: Vec::new(),
@@ -88,6 +100,7 @@ impl Scores {
             sessions,
             detectors,
             photos,
+            copies,
             not_scored,
             tags: TagDetectorChoice::default(),
             settings: None,
@@ -107,6 +120,22 @@ impl Scores {
             sessions: &self.sessions,
             detectors: &self.detectors,
         }
+    }
+
+    /// Every photo that was looked at, near-copies too, in the order of the sessions' lists.
+    pub(crate) fn all_photos(&self) -> Vec<&ScoredPhoto> {
+        let mut all: Vec<&ScoredPhoto> = self.photos.iter().chain(&self.copies).collect();
+        all.sort_by_key(|photo| photo.id);
+        all
+    }
+
+    /// Lists near-copies among the photos again, for other programs that look at all of them.
+    pub fn with_copies(mut self) -> Scores {
+        self.photos.append(&mut self.copies);
+        self.photos.sort_by_key(|photo| photo.id);
+        self.not_scored.retain(|photo| photo.near_copy_of.is_none());
+        self.sum_up();
+        self
     }
 
     fn sum_up(&mut self) {

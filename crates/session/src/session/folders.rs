@@ -49,6 +49,8 @@ fn given(variant: &str, folder: &Path) -> String {
 pub struct PhotoFolder {
     /// The texture on the model.
     pub variant: String,
+    /// Where they were taken, where it is another place than that of the other folders.
+    pub place: Option<String>,
     pub folder: PathBuf,
 }
 
@@ -81,7 +83,7 @@ pub struct Gathered {
     pub folders: Vec<Listed>,
 }
 
-/// Makes a session of folders: their photos in the order of the folders and by name, all of one place.
+/// Makes a session of folders: their photos in the order of the folders and by name, of `place` where a folder names none of its own.
 ///
 /// # Errors
 /// Folders that are missing, given twice or without photos; whatever is wrong with the scene, the camera or the names.
@@ -102,7 +104,7 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
         photos.extend(found.listing.photos.iter().map(|name| PhotoEntry {
             file: joined(&below, name),
             variant: found.given.variant.clone(),
-            place: Some(place.to_owned()),
+            place: Some(found.given.place.as_deref().unwrap_or(place).to_owned()),
             ..PhotoEntry::default()
         }));
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 use super::folders::{FoldersError, Gathered, joined, text_path};
-use super::{PhotoEntry, SessionError, SessionFile};
+use super::{PhotoEntry, SessionError, SessionFile, syntax};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::scene::Scene;
 
@@ -17,8 +17,8 @@ pub enum NewSessionError {
     Folders(#[from] FoldersError),
     #[error(transparent)]
     Session(#[from] SessionError),
-    #[error("{folder} is a session already: name a new folder", folder = folder.display())]
-    SessionThere { folder: PathBuf },
+    #[error("{folder} has {file} already: each photo counts once", folder = folder.display())]
+    Listed { folder: PathBuf, file: String },
     #[error("{folder} has files already", folder = folder.display())]
     NotEmpty { folder: PathBuf },
     #[error("{path} is there already and another file: name a new folder for the session", path = path.display())]
@@ -48,15 +48,16 @@ enum Content {
 type Files = Vec<(PathBuf, Content)>;
 
 impl NewSession<'_> {
-    /// Writes the session, whole or not at all, and returns the path of its `session.json` and its photos. A folder that is there keeps what it has.
+    /// Writes the session, whole or not at all, and returns the path of its `session.json` and its photos. A folder that is there keeps what it has, and a session gets the photos
+    /// besides those that it has.
     ///
     /// # Errors
-    /// A session that is there already, files in the way, a file that cannot be read or written.
+    /// Files in the way, photos that the session has already, a file that cannot be read or written.
     pub fn write(&self) -> Result<(PathBuf, Vec<PhotoEntry>), NewSessionError> {
         let path = self.folder.join("session.json");
         let folder = || self.folder.to_owned();
         if path.exists() {
-            return Err(NewSessionError::SessionThere { folder: folder() });
+            return Ok((path.clone(), self.add_to(&path)?));
         }
         let is_new = is_free(self.folder)?;
         if self.copy && !is_new {
@@ -76,6 +77,42 @@ impl NewSession<'_> {
             self.write_beside(files)?
         }
         Ok((path, list.photos))
+    }
+
+    /// Adds the photos to the session of a `session.json`, with their copies in new folders; returns all of its photos.
+    fn add_to(&self, path: &Path) -> Result<Vec<PhotoEntry>, NewSessionError> {
+        let (home, mut files) = (real_place(self.folder)?, Files::new());
+        let text = files::read_text(path)?;
+        let mut list: SessionFile = serde_json::from_str(&text).map_err(|e| SessionError::from(syntax(path, &e)))?;
+        let new = self.photos(&home, &mut files)?;
+        if let Some(twice) = new
+            .iter()
+            .find(|photo| list.photos.iter().any(|old| old.file == photo.file))
+        {
+            let (folder, file) = (self.folder.to_owned(), twice.file.clone());
+            return Err(NewSessionError::Listed { folder, file });
+        }
+        list.photos.extend(new);
+        let in_folder = |(name, _): &(PathBuf, Content)| name.parent().map(Path::to_owned).unwrap_or_default();
+        let text = list.to_json(path)?;
+        let mut made = Vec::new();
+        let mut write_all = || {
+            for copies in files.chunk_by(|a, b| in_folder(a) == in_folder(b)) {
+                let folder = home.join(in_folder(&copies[0]));
+                files::make_folder(&folder, |inside| {
+                    let to = |name: &Path| inside.join(name.file_name().unwrap_or_default());
+                    copies.iter().try_for_each(|(name, content)| write(&to(name), content))
+                })?;
+                made.push(folder);
+            }
+            files::replace_atomically(path, text.as_bytes())
+        };
+        if let Err(e) = write_all() {
+            // Copies that no list names would be taken for photos of nobody knows what.
+            made.iter().for_each(|folder| drop(std::fs::remove_dir_all(folder)));
+            return Err(e.into());
+        }
+        Ok(list.photos)
     }
 
     /// Into a folder that has files already.
@@ -119,8 +156,10 @@ impl NewSession<'_> {
 
     /// The photos where they are, by their way from the session; or copies in a folder each, called as the one they come from.
     fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
-        let (mut photos, mut taken) = (Vec::new(), BTreeSet::new());
-        let place = self.photos.session.photos.first().and_then(|p| p.place.clone());
+        let there = std::fs::read_dir(home).into_iter().flatten().flatten();
+        let mut taken: BTreeSet<String> = there.map(|e| e.file_name().to_string_lossy().to_lowercase()).collect();
+        let mut photos = Vec::new();
+        let mut places = self.photos.session.photos.iter().map(|photo| photo.place.clone());
         for found in &self.photos.folders {
             let names = &found.listing.photos;
             let folder = if self.copy {
@@ -137,7 +176,7 @@ impl NewSession<'_> {
             photos.extend(names.iter().map(|name| PhotoEntry {
                 file: joined(&folder, name),
                 variant: found.given.variant.clone(),
-                place: place.clone(),
+                place: places.next().flatten(),
                 ..PhotoEntry::default()
             }));
         }

@@ -23,7 +23,8 @@ use scaleproof_pose::scene::{Classes, Viewpoint};
 use scaleproof_score::report;
 use scaleproof_score::score::Summary;
 use scaleproof_score::score::{
-    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
+    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, decide_together,
+    evaluated_detectors,
 };
 use scaleproof_session::session::Session;
 use scaleproof_surface::pattern::Pattern;
@@ -140,7 +141,9 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
 fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> {
     let names: Vec<&str> = variants.iter().map(String::as_str).collect();
     let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
-    Ok(compared.collect::<Result<_, _>>()?)
+    let mut compared: Vec<Comparison> = compared.collect::<Result<_, _>>()?;
+    decide_together(&mut compared);
+    Ok(compared)
 }
 
 /// Names, paints, and those of them that are patterns.

@@ -19,12 +19,12 @@ use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::{self, Entry, History, TILES_MM};
-use scaleproof_attack::run::judge::HeldOutFigures;
-use scaleproof_attack::run::view_set::TextureMapping;
-use scaleproof_attack::run::{AttackConfig, Rgb};
+use scaleproof_attack::run::judge::{HeldOutFigures, judge};
+use scaleproof_attack::run::view_set::{ENOUGH_HELD_OUT, TextureMapping};
+use scaleproof_attack::run::{AttackConfig, Rgb, of_pattern};
 use scaleproof_attack::setup::Setup;
 use scaleproof_core::files;
-use scaleproof_core::spelling::count;
+use scaleproof_core::spelling::{count, quoted};
 use scaleproof_detect::{Manifest, ProgramDetector};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
@@ -230,11 +230,42 @@ impl OnFrames {
         let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
         let ([columns, rows], tile_mm) = (self.mapping.grid(self.cells()), self.tile_mm());
         let figures = figures_in_words(setup, &history, &self.class);
+        let random = (method == super::run::METHOD).then(|| self.random(setup)).transpose()?;
+        let (beside, next) = random.map_or(Default::default(), |figures| {
+            (beside(&figures), self.next_command(&path))
+        });
         let words = format!(
-            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}",
+            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}{beside}{next}",
             path.display()
         );
-        told(self.json, self.made(&history, Some(&path)), words, out)
+        let made = Made {
+            random,
+            ..self.made(&history, Some(&path))
+        };
+        told(self.json, made, words, out)
+    }
+
+    /// What the detectors make of random cells on the views held out: what any print of such colours does.
+    fn random(&self, setup: &Setup) -> Result<HeldOutFigures> {
+        let cells = of_pattern(&Pattern::random_grid(self.mapping.grid(self.cells()), self.seed)?);
+        Ok(judge(&setup.view_set, &setup.detectors, &cells)?)
+    }
+
+    /// What to do with a new pattern: a look at every view, also of other frames and by other detectors.
+    fn next_command(&self, pattern: &Path) -> String {
+        let frames: Vec<String> = self
+            .frames
+            .iter()
+            .map(|path| quoted(&path.display().to_string()))
+            .collect();
+        format!(
+            "\nnext: `scaleproof attack judge {} --detector {} --class {} --laying {} --pattern {}`, then print it (`print wrap` for a mesh, `print template` for flat sheets)",
+            frames.join(" "),
+            quoted(&self.detector.join(",")),
+            quoted(&self.class.labels().join(",")),
+            self.mapping.name(),
+            quoted(&format!("attack={}", pattern.display()))
+        )
     }
 
     /// The result for programs: what `history.json` ends with, and where the pattern is.
@@ -249,6 +280,7 @@ impl OnFrames {
             pattern,
             queries: history.queries(),
             predicted: history.last_judged().map(|(_, figures)| figures),
+            random: None,
         }
     }
 }
@@ -270,6 +302,16 @@ pub(in crate::cli) struct Made<'a> {
     queries: u64,
     /// On held-out views, predicted and not rendered.
     predicted: Option<HeldOutFigures>,
+    /// Those of random cells on these views; of `attack run` alone, else `null`.
+    random: Option<HeldOutFigures>,
+}
+
+/// What random cells do, as a line after a line break.
+fn beside(random: &HeldOutFigures) -> String {
+    format!(
+        "\nrandom cells on these views: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2}",
+        random.ap50, random.hit_rate, random.mean_confidence
+    )
 }
 
 /// What the held-out views say, and that they are predictions: lines, each after a line break.
@@ -277,7 +319,11 @@ pub(super) fn figures_in_words(setup: &Setup, history: &History, class: &Classes
     let mut text = String::new();
     if let Some((entry, figures)) = history.last_judged() {
         let which = if setup.view_set.holds_out() {
-            "it was not made with"
+            if setup.view_set.judged().len() < ENOUGH_HELD_OUT {
+                "it was not made with (few: give 24 views or more, so that 12 are held out)"
+            } else {
+                "it was not made with"
+            }
         } else {
             "it was made with (too few to hold any out)"
         };

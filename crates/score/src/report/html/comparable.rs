@@ -54,7 +54,7 @@ pub(super) fn groups(scores: &Scores) -> Option<Markup> {
     (!conditions.is_empty()).then(|| {
         html! {
             @for condition in conditions { h3 { (condition) } (group(scores, condition)) }
-            p.note { "AP@0.5, hits / photos below, and the attack success rate of the hit rate. “–”: no photo." }
+            p.note { "AP@0.5 (of two photos or more), hits / photos below, and the attack success rate of the hit rate. “–”: no photo." }
         }
     })
 }
@@ -80,7 +80,7 @@ fn group_cell(found: Option<&ConditionFigures>) -> Markup {
         td {
             @match found {
                 Some(c) => {
-                    (number(c.figures.ap50, 2)) br;
+                    @if c.figures.photos > 1 { (number(c.figures.ap50, 2)) br; }
                     small {
                         (c.figures.hit_rate.count) "/" (c.figures.photos)
                         @if let Some(asr) = c.asr.and_then(|a| a.hit_rate) { ", ASR " (number(asr, 2)) }

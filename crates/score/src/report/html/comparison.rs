@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{heads, notes, number, round, sequential, shell, table};
+use super::{heads, notes, number, pairs, round, sequential, shell, table};
 use crate::report::{certainty, counted, p_value, paired};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
+use scaleproof_core::spelling;
 use scaleproof_plot::Drawing;
 
 const PLOT: f64 = 300.0;
@@ -24,7 +25,10 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         counted(scores)
     );
     let (plan, chance) = (comparison.plan.as_ref().map(plan), notes::bootstrap(comparison));
+    let (pairs, tail) = pairs::section(scores, comparison).unzip();
+    let verdict = html! { (notes::verdict(scores, &comparison.results)) (notes::cautions(scores)) };
     let sections = [
+        ("result", "Result", Some(verdict)),
         ("plan", "Plan", plan),
         ("drops", "Drops", Some(drops(scores, comparison))),
         (
@@ -37,6 +41,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
             "Drop of the hit rate by azimuth",
             Some(by_azimuth(scores, comparison)),
         ),
+        ("pairs", "Photos side by side", pairs),
         (
             "left-out",
             "Photos in no difference",
@@ -45,7 +50,7 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         ("definitions", "Definitions", Some(definitions())),
         ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
     ];
-    shell(scores, &lead, &sections, html! {})
+    shell(scores, &lead, &sections, tail.unwrap_or_default())
 }
 
 /// Every deviation from the plan that was fixed before the photos.
@@ -67,7 +72,6 @@ const FIGURES: [Figure; 3] = [
 
 fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
-        (notes::cautions(scores))
         @for figure in FIGURES {
             h3 { (figure.1) }
             div.scroll { (forest(scores, comparison, figure).inline(Some("forest"))) }
@@ -78,8 +82,8 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
             ul { @for (r, sentence) in open { li { (scores.title(&r.detector)) ", " (r.variant) ": hit rate, " (sentence) "." } } }
         }
         p.note {
-            "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown at "
-            "5 %. Numbers: base → texture, drop [interval], attack success rate [interval]; of the hit rate also McNemar's exact p, and that corrected over the detectors (Holm). “No difference shown”: one of 0.2 is "
+            "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown "
+            "after correction. Numbers: base → texture, drop [interval], attack success rate [interval]; of the hit rate also McNemar's exact p, by itself and corrected. “No difference shown”: one of 0.2 is "
             "excluded."
         }
         @if let Some(sentence) = certainty::tested(scores, &comparison.results) { p.note { (sentence) "." } }
@@ -96,14 +100,13 @@ pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec
 /// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
 fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -> Drawing {
     let height = ROW * comparison.results.len() as f64;
-    let corrected = certainty::over_detectors(&comparison.results);
     let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
     let marks = html! {
         @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
             line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
             text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
         }
-        @for (i, (r, c)) in comparison.results.iter().zip(&corrected).enumerate() {
+        @for (i, r) in comparison.results.iter().enumerate() {
             @let d = of(r);
             @let y = ROW * (i as f64 + 0.5);
             @let is_shown = paired::is_shown(d);
@@ -119,7 +122,7 @@ fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -
                 (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (paired::briefly(d.finding))
             }
             text x=(LEFT + PLOT + 16.0) y=(y + 12.0) font-size="9.5" fill="#5b6573" {
-                @if name == "hit rate" { "p over the detectors (Holm): " (number(c.holm_p, 3)) ". " }
+                @if name == "hit rate" { "p corrected for " (spelling::count(r.tests, "test")) " (Holm): " (number(r.holm_p, 3)) ". " }
                 @if d.asr.is_some() && d.asr_interval_95.is_none() { "ASR: " (certainty::without_interval(r, d)) }
             }
         }
@@ -163,7 +166,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
     };
     html! {
         (table(None, &head, &rows))
-        p.note { "Drop of the hit rate, and McNemar's p corrected by Holm where a bin has six clusters or more. “–”: no pair." }
+        p.note { "Drop of the hit rate, and McNemar's p corrected by Holm over the bins that have six clusters or more. “–”: no pair." }
     }
 }
 

@@ -21,7 +21,7 @@ fn previewed(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
 }
 
 /// The photos that are shown: all, or those that the most detectors missed, the least confident first.
-fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
+pub(super) fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
     let mut photos: Vec<&ScoredPhoto> = previewed(scores).collect();
     let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
     let confidence = |p: &ScoredPhoto| p.outcomes.iter().map(|o| o.confidence).sum::<f64>();
@@ -31,11 +31,11 @@ fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
 }
 
 /// Each photo and its marks once, hidden; the sheet refers to them, so that ten detectors do not embed them ten times.
-pub(super) fn photo_library(scores: &Scores) -> Markup {
+pub(super) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
     html! {
         svg.library aria-hidden="true" {
             defs {
-                @for p in shown(scores) {
+                @for p in photos {
                     image id=(format!("photo{}", p.id)) width=(p.width) height=(p.height) preserveAspectRatio="none"
                         href=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&p.preview_jpeg))) {}
                     g id=(format!("tags{}", p.id)) {
@@ -84,7 +84,7 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
                 "; all are in photos.csv."
             }
         }
-        (filters::bar(scores, &photos))
+        (filters::bar(scores, &photos, &filters::OUTCOMES, "worst first"))
         div #sheet {
             @for (index, p) in cards { (card(scores, p, index)) }
         }
@@ -141,7 +141,7 @@ fn direction(p: &ScoredPhoto) -> String {
     format!("{:.0}° {}", v.azimuth_deg, side(v.azimuth_deg))
 }
 
-fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+pub(super) fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let detector = &scores.detectors[index];
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =

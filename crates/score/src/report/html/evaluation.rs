@@ -49,7 +49,7 @@ fn table_1(evaluation: &Evaluation) -> Markup {
         (notes::cautions(evaluation.scores))
         (by_detector(evaluation, &evaluation.targets(), |f| format!("{} / {}", number(f.ap50, 2), number(f.mean_confidence, 2))))
         p.note {
-            "AP@0.5 / mean confidence (misses count 0); below, the drop of AP@0.5 from " (BASE_VARIANT) ", red when it is shown at 5 %. " (SCOPE) "."
+            "AP@0.5 / mean confidence (misses count 0); below, the drop of AP@0.5 from " (BASE_VARIANT) ", red when it is shown after correction. " (SCOPE) "."
         }
     }
 }
@@ -111,6 +111,6 @@ fn differences(evaluation: &Evaluation) -> Markup {
                 (table(Some("cells"), &head, &rows))
             }
         }
-        p.note { "Above 0, the detector does worse with the column's pattern; red when that is shown at 5 %. " (SCOPE) "." }
+        p.note { "Above 0, the detector does worse with the column's pattern; red when that is shown after correction. " (SCOPE) "." }
     }
 }

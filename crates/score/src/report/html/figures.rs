@@ -38,7 +38,7 @@ pub(super) fn headline(scores: &Scores) -> Markup {
             "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
             ". Confidence: misses count 0. Drop: " (scores.base) " minus this texture; above 0, the detector does worse"
             @if scores.variants().contains(&scores.base.as_str()) {
-                " " (bases(scores)) ". Red: a drop is shown at 5 %; grey: none is shown, or too few photos can tell. "
+                " " (bases(scores)) ". Red: a drop is shown after correction; grey: none is shown, or too few photos can tell. "
             } @else {
                 ". This run lacks " (scores.base) ", so no drop is given. "
             }

@@ -11,11 +11,13 @@ use scaleproof_pose::scene::Bin;
 /// A choice: its key on the cards, its name, and (value, name) of what can be chosen.
 type Choice = (&'static str, &'static str, Vec<(String, String)>);
 
-/// The controls. A choice between less than two things is left out.
-pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto]) -> Markup {
+/// The controls, with what the outcomes and the first order of the cards are called. A choice between less than two things is left out.
+pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto], outcomes: &[(&str, &str)], order: &str) -> Markup {
     let detectors = scores.detectors.iter().map(|c| &c.manifest);
     let textures = scores.variants().into_iter().map(|v| (v.to_owned(), v.to_owned()));
-    let outcomes = OUTCOMES.map(|(value, name)| (value.to_owned(), name.to_owned()));
+    let outcomes = outcomes
+        .iter()
+        .map(|(value, name)| ((*value).to_owned(), (*name).to_owned()));
     let bins: BTreeSet<Bin> = photos.iter().filter_map(|p| p.bin).collect();
     let azimuths = values(&bins, |b| b.azimuth_deg, |v| format!("{v}° {}", side(v)));
     let pitches = values(&bins, |b| b.pitch_deg, |v| format!("{v}°"));
@@ -24,7 +26,7 @@ pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto]) -> Markup {
     let choices: [Choice; 6] = [
         ("detector", "detector", titles.collect()),
         ("variant", "texture", textures.collect()),
-        ("outcome", "outcome", outcomes.to_vec()),
+        ("outcome", "outcome", outcomes.collect()),
         ("azimuth", "azimuth", azimuths),
         ("pitch", "pitch", pitches),
         ("distance", "distance", distances),
@@ -38,7 +40,7 @@ pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto]) -> Markup {
                 } }
             }
             label { "order " select name="order" {
-                option value="" { "worst first" }
+                option value="" { (order) }
                 option value="direction" { "by direction" }
             } }
             output {}
@@ -55,7 +57,8 @@ fn values(bins: &BTreeSet<Bin>, of: fn(&Bin) -> f64, name: fn(f64) -> String) ->
     values.into_iter().map(|v| (v.to_string(), name(v))).collect()
 }
 
-const OUTCOMES: [(&str, &str); 4] = [
+/// What became of the model in a photo.
+pub(super) const OUTCOMES: [(&str, &str); 4] = [
     ("disappeared", "missed: disappeared"),
     ("misclassified", "missed: misclassified"),
     ("found_with_other", "found, and another label"),

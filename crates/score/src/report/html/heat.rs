@@ -153,13 +153,19 @@ fn title(s: &Summary, bin: &Bin, found: Option<&CellFigures>) -> String {
         return format!("{place}: no photo");
     };
     let r = &f.hit_rate;
+    // One photo has no ranking.
+    let ap50 = if f.photos > 1 {
+        format!(", AP@0.5 {}", number(f.ap50, 3))
+    } else {
+        String::new()
+    };
     format!(
-        "{place}: mean confidence {}, {} hits of {} [{}, {}], AP@0.5 {}",
+        "{place}: mean confidence {}, {} hits of {} [{}, {}]{}",
         number(f.mean_confidence, 3),
         r.count,
         f.photos,
         number(r.low, 2),
         number(r.high, 2),
-        number(f.ap50, 3)
+        ap50
     )
 }

@@ -10,6 +10,7 @@ mod filters;
 pub(super) mod heat;
 mod misses;
 mod notes;
+mod pairs;
 mod patterns;
 pub mod polar;
 mod ranking;
@@ -22,7 +23,7 @@ pub(super) mod speed;
 use maud::{Markup, PreEscaped, html};
 
 use crate::report::counted;
-use crate::score::{EvaluatedDetector, Scores, Summary};
+use crate::score::{EvaluatedDetector, Scores, Summary, paired as all_paired};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_detect::{ForeignKind, Speeds};
 use scaleproof_plot::{Drawing, html_page};
@@ -35,7 +36,7 @@ const ACROSS: usize = 8;
 
 /// The page of a scoring run; without `speeds` there is no chart of AP against time.
 pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
-    let tail = html! { (contact::photo_library(scores)) script { (PreEscaped(SCRIPT)) } };
+    let tail = html! { (contact::photo_library(&contact::shown(scores))) script { (PreEscaped(SCRIPT)) } };
     shell(scores, &lead(scores), &sections(scores, speeds), tail)
 }
 
@@ -63,8 +64,9 @@ fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> Str
 }
 
 fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 15] {
-    let result = html! { (figures::headline(scores)) (notes::cautions(scores)) };
-    let outcomes = html! { (misses::outcomes(scores)) (misses::transfer_matrix(scores)) };
+    let result =
+        html! { (notes::verdict(scores, all_paired(scores))) (figures::headline(scores)) (notes::cautions(scores)) };
+    let outcomes = html! { (misses::outcomes(scores)) (misses::confusion(scores)) (misses::transfer_matrix(scores)) };
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
     let chance = "the bootstrap behind the intervals of drops has its own seed";

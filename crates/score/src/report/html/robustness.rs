@@ -15,7 +15,7 @@ const PLANE: Plane = Plane {
 const LAST: f64 = 5.0;
 
 /// What explains a chart.
-pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: a drop of AP@0.5 from the base is shown there at 5 %; hollow: none is.";
+pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: a drop of AP@0.5 from the base is shown there after correction; hollow: none is.";
 
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {

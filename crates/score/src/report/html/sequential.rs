@@ -3,9 +3,8 @@
 use maud::{Markup, html};
 
 use super::{colour, colour_names, heads, number, points, round, small_charts, table};
-use crate::report::p_value;
 use crate::report::paired::ends;
-use crate::report::sequential::{SHOWN_FROM, figures, found, note, repeats, rounds, unit};
+use crate::report::sequential::{SHOWN_FROM, figures, found, note, p_of, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};
 use scaleproof_plot::Drawing;
 
@@ -21,7 +20,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
             @for (name, decision) in figures(course) {
                 tr {
                     td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (name) }
-                    td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_value(decision.p_always_valid).trim_start_matches("= ")) }
+                    td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_of(decision).replace("= ", "")) }
                     td.text { (cell(decision, unit(sequential))) }
                 }
             }
@@ -35,7 +34,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
         (table(None, &heads("detector", &["texture", "figure", "finding", "p", "mean drop, 95 %"]), &rows))
         ul.legend { (colour_names(&["hit rate", "mean confidence"])) }
         (small_charts(sequential.results.iter().map(captioned)))
-        p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on it is shown." }
+        p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on one test alone would show it." }
     })
 }
 

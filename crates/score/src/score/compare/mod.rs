@@ -1,6 +1,7 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
 mod by_place;
+mod decide;
 mod moved;
 mod pairs;
 mod plan;
@@ -8,7 +9,9 @@ mod result;
 mod sequential;
 mod sequential_plan;
 
-pub use by_place::{places_needed, power_by_place, smallest_drop_by_place};
+pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_by_place};
+pub(super) use decide::decide;
+pub use decide::decide_together;
 pub use moved::moved_drops;
 pub use plan::{pairs_needed, power};
 pub use result::{
@@ -37,9 +40,9 @@ const CLUSTERS_ALL_ALIKE: usize = 14;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
-    #[error("no scored photo has the variant `{base}`, only {variants}")]
+    #[error("no photo has the variant `{base}`, only {variants}")]
     NoBase { base: String, variants: String },
-    #[error("all scored photos have the variant `{base}`: add the sessions of another texture")]
+    #[error("all photos have the variant `{base}`: add those of another texture")]
     NothingElse { base: String },
     #[error(
         "no photo of `{variant}` was taken from the same place and bin as one of `{base}`: they cannot be compared"
@@ -65,8 +68,9 @@ pub fn paired(scores: &Scores) -> &[Compared] {
     scores.paired.get_or_init(|| {
         let (base, ap) = (&scores.base, scores.criteria.ap);
         let others = scores.variants().into_iter().filter(|v| v != base);
-        let compared = others.filter_map(|other| compare_set(scores.set(), base, &[other], ap, None).ok());
-        compared.flat_map(|comparison| comparison.results).collect()
+        let paired = others.filter(|other| pairs(scores.set(), base, other));
+        let comparison = compare_set(scores.set(), base, &paired.collect::<Vec<_>>(), ap, None);
+        comparison.map(|comparison| comparison.results).unwrap_or_default()
     })
 }
 
@@ -101,6 +105,12 @@ fn some_pairs<'a>(
     Ok((cells, left_over))
 }
 
+/// The photos of two variants that are held against each other.
+pub fn paired_photos<'a>(scores: &'a Scores, base: &str, variant: &str) -> Vec<(&'a ScoredPhoto, &'a ScoredPhoto)> {
+    let (cells, _) = pair(scores.set(), base, variant);
+    cells.into_iter().flat_map(|cell| cell.pairs).collect()
+}
+
 /// Whether photos of two variants can be compared.
 pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
@@ -124,6 +134,7 @@ pub(super) fn compare_set(
             results.push(compared(name, variant, (&cells, by), side, definition));
         }
     }
+    decide(&mut results.iter_mut().collect::<Vec<_>>());
     Ok(Comparison {
         base: base.to_owned(),
         ap_definition: definition.name(),
@@ -151,12 +162,15 @@ fn compared(
         pairs: pairs_in(&all),
         clustered_by: by,
         clusters: all.len(),
+        near_copies: copies_in(&all),
         places: cells.iter().map(|c| c.place).collect::<BTreeSet<_>>().len(),
         bins: cells.iter().map(|c| c.bin).collect::<BTreeSet<_>>().len(),
         hit_rate: Hits {
             rate: tested(hit_rate.rate, all.len(), hit_rate.mcnemar_p),
             ..hit_rate
         },
+        holm_p: hit_rate.mcnemar_p,
+        tests: 1,
         mean_confidence: of_means(&all, |photo| side.outcome(photo).confidence),
         ap50: of_ap(&all, side, definition),
         azimuth_bins: by_azimuth(cells, by, side),
@@ -186,6 +200,12 @@ fn by_azimuth(cells: &[Cell], by: ClusteredBy, side: Side) -> Vec<BinHits> {
         bin.hits.rate = tested(bin.hits.rate, bin.clusters, p);
     }
     bins
+}
+
+/// Near-copies that count with the photos of some pairs.
+fn copies_in(clusters: &[Cluster]) -> usize {
+    let pairs = clusters.iter().flat_map(|c| &c.pairs);
+    pairs.map(|(base, other)| base.near_copies + other.near_copies).sum()
 }
 
 fn pairs_in(clusters: &[Cluster]) -> usize {
@@ -269,7 +289,7 @@ pub fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Di
 /// The finding that an exact test allows, which is stricter on hits than the interval.
 fn tested(d: Difference, clusters: usize, p: f64) -> Difference {
     Difference {
-        finding: finding(clusters, d.drop, d.interval_95, p < 0.05),
+        finding: finding(clusters, d.drop, d.interval_95, p < decide::LEVEL),
         ..d
     }
 }

@@ -99,5 +99,6 @@ fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> NotScored {
         file: photo.file.clone(),
         variant: photo.variant.clone(),
         reason,
+        near_copy_of: None,
     }
 }

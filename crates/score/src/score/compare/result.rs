@@ -15,14 +15,19 @@ pub enum ClusteredBy {
     PlaceAndBin,
 }
 
-/// What the photos can tell of a difference (explained in comparing.md).
+/// What the photos can tell of a difference, after correction for the number of tests (explained in comparing.md).
+///
+/// The hit rate is the primary endpoint: McNemar's exact p, corrected by Holm for all detectors × textures of the comparison. Mean confidence, AP and single
+/// directions are secondary: nothing is shown of them where the hit rate of the same detector and texture is not shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Finding {
-    /// The base is better, at the level of 5 %.
+    /// The base is better.
     Drop,
-    /// The base is worse, at the level of 5 %.
+    /// The base is worse.
     Rise,
+    /// The test or interval of this figure alone would show a difference at 5 %; after correction it is not shown.
+    NotAfterCorrection,
     /// No difference is shown, and one of 0.2 or more is excluded.
     NoDifferenceShown,
     /// There are fewer than six clusters, or no difference is shown and one of 0.2 is not excluded.
@@ -82,11 +87,18 @@ pub struct Compared {
     pub clustered_by: ClusteredBy,
     /// How many clusters are resampled.
     pub clusters: usize,
+    /// Near-copies of the photos of these pairs, which count once with them.
+    pub near_copies: usize,
     /// Places that have pairs.
     pub places: usize,
     /// Bins that have pairs.
     pub bins: usize,
+    /// The primary endpoint.
     pub hit_rate: Hits,
+    /// McNemar's p of the hit rate, corrected by Holm for the `tests` of the comparison.
+    pub holm_p: f64,
+    /// Detectors × textures that were tested together.
+    pub tests: usize,
     pub mean_confidence: Difference,
     pub ap50: Difference,
     pub azimuth_bins: Vec<BinHits>,
@@ -115,13 +127,15 @@ pub struct Decision {
     pub finding: SequentialFinding,
     /// Looks until something was shown; `null` while nothing is.
     pub decided_after: Option<usize>,
-    /// p of "the texture changes nothing in any view"; holds however often one looks.
+    /// p of "the texture changes nothing in any view"; holds however often one looks, for this test alone.
     pub p_always_valid: f64,
+    /// The p of the hit rate corrected by Holm over the detectors, times the number of textures; `null` for other figures.
+    pub p_corrected: Option<f64>,
     /// Whole rounds, in which every bin has its pair; where looks are after each place, the number of places.
     pub rounds: usize,
     /// 95 % interval of the mean drop over bins (or places), valid at every look; `null` before a whole round, or when rounds conflict.
     pub interval_95: Option<Interval>,
-    /// Base-10 logarithm of the evidence for a drop after each look; from 1.6 (a factor of 40) on it is shown.
+    /// Base-10 logarithm of the evidence for a drop after each look; from 1.6 (a factor of 40) on one test alone would show it.
     pub log10_evidence: Vec<f64>,
 }
 

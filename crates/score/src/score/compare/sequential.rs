@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::decide::LEVEL;
 use super::pairs::{Cell, Pair, pair};
 use super::result::{ClusteredBy, Course, Decision, Sequential, SequentialFinding};
 use super::{CompareError, Scores, Side, others, some_pairs, variants};
 use crate::score::ScoredPhoto;
 use scaleproof_core::geometry::angle::turn;
-use scaleproof_core::statistics::{Sequence, Shown};
+use scaleproof_core::statistics::{Sequence, holm};
 use scaleproof_pose::scene::Bin;
 
 /// What is added between two looks: its pairs, and its stratum.
@@ -30,19 +31,27 @@ pub fn sequential(
 ) -> Result<Sequential, CompareError> {
     let mut results = Vec::new();
     let all = variants(&scores.photos, base);
-    for variant in others(&all, base)? {
+    let others = others(&all, base)?;
+    let tests = others.len() * scores.detectors.len();
+    for variant in &others {
         let (cells, _) = some_pairs(scores.set(), base, variant)?;
         let looks = looks(&cells, by);
-        for (side, detector) in Side::each(&scores.detectors) {
+        let sides: Vec<(Side, _)> = Side::each(&scores.detectors).collect();
+        let hits = |side: Side| followed(&looks, (least, tests), |(base, other)| side.hit(base) - side.hit(other));
+        let hits: Vec<Followed> = sides.iter().map(|(side, _)| hits(*side)).collect();
+        for (i, (side, detector)) in sides.iter().enumerate() {
+            let confidence = |photo: &ScoredPhoto| side.outcome(photo).confidence;
+            let confidences = followed(&looks, (least, tests), |(base, other)| {
+                confidence(base) - confidence(other)
+            });
+            let (hit_rate, changed_after) = primary(&hits, i, others.len());
             results.push(Course {
                 detector: detector.manifest.name.clone(),
-                variant: variant.to_owned(),
+                variant: (*variant).to_owned(),
                 looks: looks.len(),
                 repeats: cells.iter().map(|cell| cell.pairs.len() - 1).sum(),
-                hit_rate: decide(&looks, least, |(base, other)| side.hit(base) - side.hit(other)),
-                mean_confidence: decide(&looks, least, |(base, other)| {
-                    side.outcome(base).confidence - side.outcome(other).confidence
-                }),
+                hit_rate,
+                mean_confidence: secondary(&confidences, changed_after),
             });
         }
     }
@@ -128,29 +137,77 @@ fn looks<'a>(cells: &[Cell<'a>], by: ClusteredBy) -> Vec<Look<'a>> {
     looks
 }
 
-fn decide(looks: &[Look], least: Option<f64>, difference: impl Fn(&Pair) -> f64) -> Decision {
+/// A figure's differences, look by look.
+struct Followed {
+    sequence: Sequence,
+    /// Mean of the differences.
+    drop: f64,
+    /// p after each look, for this test alone.
+    p: Vec<f64>,
+    log10_evidence: Vec<f64>,
+}
+
+/// `tests`: how many are decided together.
+fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: impl Fn(&Pair) -> f64) -> Followed {
     let strata = looks.iter().map(|look| look.stratum + 1).max().unwrap_or(1);
-    let mut sequence = Sequence::new(strata, least);
-    let (mut sum, mut log10_evidence) = (0.0, Vec::new());
+    let mut sequence = Sequence::new(strata, least).among(tests);
+    let (mut sum, mut p, mut log10_evidence) = (0.0, Vec::new(), Vec::new());
     for look in looks {
         let mean = look.pairs.iter().map(&difference).sum::<f64>() / look.pairs.len() as f64;
         sequence.see(look.stratum, mean);
+        p.push(sequence.p());
         log10_evidence.push(sequence.log10_for_above());
         sum += mean;
     }
-    let finding = match sequence.shown() {
-        Some((Shown::Above, _)) => SequentialFinding::Drop,
-        Some((Shown::Below, _)) => SequentialFinding::Rise,
-        Some((Shown::LessThanLeast, _)) => SequentialFinding::LessThanLeast,
-        None => SequentialFinding::Undecided,
+    let drop = sum / looks.len() as f64;
+    Followed {
+        sequence,
+        drop,
+        p,
+        log10_evidence,
+    }
+}
+
+/// The hit rate of one of some detectors, and the look after which its change was shown. The p of all detectors are corrected at each look (Holm 1979), and for
+/// the number of textures (Bonferroni): each is a p whenever one stops, so that these are, too.
+fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<usize>) {
+    let at = |look: usize| {
+        holm(
+            &all.iter()
+                .map(|f| (textures as f64 * f.p[look]).min(1.0))
+                .collect::<Vec<_>>(),
+        )[own]
+    };
+    let looks = all[own].p.len();
+    let changed_after = (0..looks).find(|look| at(*look) < LEVEL).map(|look| look + 1);
+    let p_corrected = looks.checked_sub(1).map(at);
+    (decision(&all[own], changed_after, p_corrected), changed_after)
+}
+
+/// Another figure: its change is shown by its own p, and not before that of the hit rate.
+fn secondary(own: &Followed, gate: Option<usize>) -> Decision {
+    let alone = own.p.iter().position(|p| *p < LEVEL).map(|look| look + 1);
+    decision(own, alone.zip(gate).map(|(alone, gate)| alone.max(gate)), None)
+}
+
+/// What was shown first: a change, or that there is less than the least that matters.
+fn decision(own: &Followed, changed_after: Option<usize>, p_corrected: Option<f64>) -> Decision {
+    let (sequence, none) = (&own.sequence, usize::MAX);
+    let less_after = sequence.less_after();
+    let finding = match (changed_after, less_after) {
+        (None, None) => SequentialFinding::Undecided,
+        (changed, less) if less.unwrap_or(none) < changed.unwrap_or(none) => SequentialFinding::LessThanLeast,
+        _ if sequence.is_above() => SequentialFinding::Drop,
+        _ => SequentialFinding::Rise,
     };
     Decision {
-        drop: sum / looks.len() as f64,
+        drop: own.drop,
         finding,
-        decided_after: sequence.shown().map(|(_, after)| after),
+        decided_after: changed_after.into_iter().chain(less_after).min(),
         p_always_valid: sequence.p(),
+        p_corrected,
         rounds: sequence.rounds(),
         interval_95: sequence.interval_95(),
-        log10_evidence,
+        log10_evidence: own.log10_evidence.clone(),
     }
 }

@@ -6,7 +6,7 @@ mod result;
 pub use result::{BASE_LOST, CorruptedRow, Robustness, Survival};
 
 use super::caution::is_control;
-use super::compare::{compare_set, pairs};
+use super::compare::{compare_set, decide, pairs};
 use super::corrupt::{Corruption, SEVERITIES};
 use super::error::ScoreError;
 use super::evaluated::{DetectionSource, EvaluatedDetector, runtime};
@@ -107,7 +107,7 @@ fn rows(
         None => ("", 0, String::new()),
         Some((kind, severity)) => (kind.name(), severity, kind.amount(severity)),
     };
-    let row = |base: &str, compared: super::Compared| CorruptedRow {
+    let row = |(base, compared): (&str, super::Compared)| CorruptedRow {
         corruption,
         severity,
         amount: amount.clone(),
@@ -119,14 +119,15 @@ fn rows(
         hit_rate: compared.hit_rate.rate,
         mean_confidence: compared.mean_confidence,
     };
-    let mut rows = Vec::new();
+    let mut all = Vec::new();
     for (base, other) in compared {
         // Without pairs, because detectors said nothing of so many photos, the severity has no row.
         if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap, None) {
-            rows.extend(comparison.results.into_iter().map(|compared| row(base, compared)));
+            all.extend(comparison.results.into_iter().map(|compared| (*base, compared)));
         }
     }
-    rows
+    decide(&mut all.iter_mut().map(|(_, compared)| compared).collect::<Vec<_>>());
+    all.into_iter().map(row).collect()
 }
 
 /// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
@@ -172,8 +173,16 @@ fn together(corruptions: &[Corruption], compared: Vec<Vec<CorruptedRow>>, cautio
             ..row.clone()
         }));
         rows.extend(compared.by_ref().take(usize::from(SEVERITIES)).flatten());
-        let own: &[CorruptedRow] = &rows[start..];
         let of = |row: &CorruptedRow| (row.base.clone(), row.variant.clone(), row.detector.clone());
+        // What is not shown of the photos as they are is not asked of worse ones, which are many.
+        for row in &mut rows[start + clean.len()..] {
+            let is_clean = |other: &&CorruptedRow| of(other) == of(row) && other.ap50.finding.is_shown();
+            if !clean.iter().any(|other| is_clean(&other)) {
+                let figures = [&mut row.ap50, &mut row.hit_rate, &mut row.mean_confidence];
+                figures.into_iter().for_each(|d| d.finding = d.finding.undone());
+            }
+        }
+        let own: &[CorruptedRow] = &rows[start..];
         let same = |first: &CorruptedRow| Survival::of(first, own.iter().filter(|row| of(row) == of(first)));
         survival.extend(own[..clean.len()].iter().map(same));
     }

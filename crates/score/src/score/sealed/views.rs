@@ -33,14 +33,16 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
         all.extend(missing(texture, &planned, &photos, scores, comparison));
     }
     let repeated = photos.values().filter(|photos| **photos > 1).count();
-    let copies = identical_photos(&scores.photos).count();
+    let left_out = scores.not_scored.iter();
+    let (near, left_out): (Vec<_>, Vec<_>) = left_out.partition(|photo| photo.near_copy_of.is_some());
+    let copies = identical_photos(&scores.photos).count() + near.len();
     let given = scores.photos.iter().filter(|photo| photo.truth_given).count();
     let counted = [
         (repeated, "view", "with more photos than the one that was planned"),
         (elsewhere, "photo", "of views that are not in the plan"),
-        (copies, "photo", "with the same content as another"),
+        (copies, "photo", "with the same content as another, or nearly"),
         (given, "photo", "with a truth box that the session gives, not the pose"),
-        (scores.not_scored.len(), "photo", "left out, with reasons"),
+        (left_out.len(), "photo", "left out, with reasons"),
     ];
     let counted = counted.into_iter().filter(|(number, ..)| *number > 0);
     all.extend(counted.map(|(number, what, why)| format!("{} {why}", count(number, what))));

@@ -1,0 +1,68 @@
+//! Photos that show the same moment again: re-encoded, made smaller, or the next frame of a video. They are no evidence of their own, and count once.
+
+use super::ScoredPhoto;
+use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::geometry::angle::turn;
+use scaleproof_photo::photo::bits_apart;
+use scaleproof_pose::locate::Sigma;
+
+/// Perceptual hashes of near-copies differ by so many of their 256 bits at most. Measured: JPEG qualities 20 to 90, 40 % of the size, or noise of 6 grey levels
+/// change 33 bits at most in 200 photos (51 in one, nearly black); views that differ change 55 and more, unless little but the background is seen.
+const MOST_BITS: u32 = 48;
+
+/// The truth boxes of near-copies, as shares of their photos, have this IoU at least.
+const LEAST_IOU: f64 = 0.96;
+
+/// Viewpoints of near-copies differ by so many standard deviations of their difference at most, or by less than what a held camera moves between frames.
+const MOST_SIGMAS: f64 = 3.0;
+const STILL_DEG: f64 = 0.5;
+const STILL_SHARE: f64 = 0.005;
+
+/// Takes near-copies out of photos: each later photo of the same texture, place and conditions that shows what an earlier one shows. Those that stay say how many they stand for;
+/// the others come with the file of the photo that stands for them.
+pub(super) fn counted_once(photos: Vec<ScoredPhoto>) -> (Vec<ScoredPhoto>, Vec<(ScoredPhoto, String)>) {
+    let (mut kept, mut copies): (Vec<ScoredPhoto>, _) = (Vec::new(), Vec::new());
+    for photo in photos {
+        match kept.iter_mut().find(|earlier| is_near_copy(earlier, &photo)) {
+            Some(first) => {
+                first.near_copies += 1;
+                copies.push((photo, first.file.clone()));
+            }
+            None => kept.push(photo),
+        }
+    }
+    (kept, copies)
+}
+
+fn is_near_copy(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
+    let is_same_thing = a.variant == b.variant && a.place == b.place && a.conditions == b.conditions;
+    is_same_thing && is_same_view(a, b) && (a.sha256 == b.sha256 || is_same_image(a, b))
+}
+
+fn is_same_image(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
+    let [one, other] = [a, b].map(|photo| {
+        let (width, height) = (f64::from(photo.width), f64::from(photo.height));
+        let BoxPx { x1, y1, x2, y2 } = photo.truth;
+        BoxPx::new(x1 / width, y1 / height, x2 / width, y2 / height)
+    });
+    bits_apart(&a.hash, &b.hash) <= MOST_BITS && one.iou(&other) >= LEAST_IOU
+}
+
+/// Whether both were taken from one viewpoint, as far as poses tell; photos without a pose cannot contradict it.
+fn is_same_view(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
+    let (Some(one), Some(other)) = (a.viewpoint, b.viewpoint) else {
+        return a.viewpoint.is_none() && b.viewpoint.is_none();
+    };
+    let noise = |of: fn(&Sigma) -> f64| {
+        let sigmas = [a, b].map(|photo| photo.sigma.as_ref().map_or(0.0, of));
+        MOST_SIGMAS * sigmas[0].hypot(sigmas[1])
+    };
+    // Near the zenith azimuths mean little.
+    let across = one.pitch_deg.to_radians().cos();
+    let azimuth = across * turn(one.azimuth_deg, other.azimuth_deg).abs();
+    let pitch = (one.pitch_deg - other.pitch_deg).abs();
+    let distance = (one.distance_mm - other.distance_mm).abs();
+    azimuth <= noise(|s| s.azimuth_deg).max(STILL_DEG)
+        && pitch <= noise(|s| s.pitch_deg).max(STILL_DEG)
+        && distance <= noise(|s| s.distance_mm).max(STILL_SHARE * one.distance_mm)
+}
