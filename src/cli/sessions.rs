@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Result;
+use super::{Result, photos};
+use scaleproof_core::files;
 use scaleproof_core::spelling::quoted;
-use scaleproof_core::{files, spelling};
 use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
 use scaleproof_session::session::{Session, SessionError};
 
@@ -83,14 +83,7 @@ impl FolderFiles {
     pub(super) fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
         let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;
         for found in &gathered.folders {
-            if let Some(first) = found.listing.other_images.first() {
-                let (count, folder) = (found.listing.other_images.len(), found.given.folder.display());
-                say!(
-                    "note: {} in {folder} {} left out, being neither JPEG nor PNG or there in JPEG too (the first: {first})",
-                    spelling::count(count, "image"),
-                    spelling::choose(count, "is", "are")
-                );
-            }
+            photos::note_passed_over(&found.listing, &found.given.folder.display().to_string());
         }
         Ok(gathered)
     }

@@ -16,10 +16,15 @@ const MANY_PLACES: usize = 50;
 ///
 /// Exact where it takes the pairs as independent of each other; where each place changes sides as a whole, by simulation.
 pub fn power_by_place(places: usize, bins: usize, base_rate: f64, drop: f64) -> f64 {
+    power_at(LEVEL, places, bins, base_rate, drop)
+}
+
+/// At another level, as that of Holm's correction for several comparisons at its strictest.
+fn power_at(level: f64, places: usize, bins: usize, base_rate: f64, drop: f64) -> f64 {
     if places < FEWEST_CLUSTERS || bins == 1 {
-        power(places * bins, base_rate, drop, LEVEL)
+        power(places * bins, base_rate, drop, level)
     } else {
-        simulated(places, &Place::new(bins, base_rate, drop))
+        simulated(level, places, &Place::new(bins, base_rate, drop))
     }
 }
 
@@ -31,13 +36,24 @@ pub fn smallest_drop_by_place(places: usize, bins: usize, base_rate: f64, target
 
 /// The fewest places from which on the power is reached: also at six, where the pairs of a place begin to count as one.
 pub fn places_needed(bins: usize, base_rate: f64, drop: f64, target: f64) -> Result<usize, PlanError> {
+    places_needed_for(1, bins, base_rate, drop, target)
+}
+
+/// The places for one of several comparisons at the strictest level of Holm's correction.
+pub fn places_needed_for(
+    comparisons: usize,
+    bins: usize,
+    base_rate: f64,
+    drop: f64,
+    target: f64,
+) -> Result<usize, PlanError> {
     /// Single numbers at which it falls back are passed over.
     const AHEAD: usize = 2;
-    let bins = bins.max(1);
+    let (bins, level) = (bins.max(1), LEVEL / comparisons.max(1) as f64);
     // Clusters never show more than the pairs that they are made of.
-    let least = pairs_needed(base_rate, drop, target, LEVEL)?.div_ceil(bins);
+    let least = pairs_needed(base_rate, drop, target, level)?.div_ceil(bins);
     let most = (MOST_PAIRS / bins).max(MANY_PLACES) + AHEAD;
-    let is_shown = |places| power_by_place(places, bins, base_rate, drop) >= target;
+    let is_shown = |places| power_at(level, places, bins, base_rate, drop) >= target;
     let first = first_of_run(least.max(FEWEST_CLUSTERS)..=most, AHEAD, is_shown)?;
     Ok(if first == FEWEST_CLUSTERS { least } else { first })
 }
@@ -76,11 +92,11 @@ impl Place {
 }
 
 /// Share of simulated comparisons that show the drop. Every plan gets the same random numbers, so that a larger drop is not shown less by chance.
-fn simulated(places: usize, place: &Place) -> f64 {
+fn simulated(level: f64, places: usize, place: &Place) -> f64 {
     let mut rng = Pcg64Mcg::seed_from_u64(SEED);
     let shows = |_: &usize| {
         let sums: Vec<i64> = (0..places).map(|_| place.at(rng.random_range(0.0..1.0))).collect();
-        sums.iter().sum::<i64>() > 0 && mcnemar_p(&sums) < LEVEL
+        sums.iter().sum::<i64>() > 0 && mcnemar_p(&sums) < level
     };
     (0..DRAWS).filter(shows).count() as f64 / DRAWS as f64
 }

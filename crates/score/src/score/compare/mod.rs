@@ -8,9 +8,9 @@ mod result;
 mod sequential;
 mod sequential_plan;
 
-pub use by_place::{places_needed, power_by_place, smallest_drop_by_place};
+pub use by_place::{places_needed, places_needed_for, power_by_place, smallest_drop_by_place};
 pub use moved::moved_drops;
-pub use plan::{pairs_needed, power};
+pub use plan::{PlanError, pairs_needed, power};
 pub use result::{
     BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
     SequentialFinding,
