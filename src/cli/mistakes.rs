@@ -29,7 +29,12 @@ pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString])
         }),
         _ => None,
     };
-    let meant = suggestion(e, whole).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
+    let elsewhere = match e.kind() {
+        ErrorKind::InvalidSubcommand => text(ContextKind::InvalidSubcommand).and_then(|given| inside(whole, &given)),
+        _ => None,
+    };
+    let meant = elsewhere.or_else(|| suggestion(e, whole));
+    let meant = meant.map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
     let mistake = mistake.unwrap_or_else(|| first_paragraph(&e.to_string()));
     format!("{mistake}{meant} (see {command} --help)")
 }
@@ -49,6 +54,18 @@ fn named(whole: &Command, arguments: &[OsString]) -> String {
         }
     }
     path
+}
+
+/// A command of this very name inside others, as in `'attack evaluate'`.
+fn inside(whole: &Command, name: &str) -> Option<String> {
+    let has =
+        |group: &&Command| group.find_subcommand(name).is_some_and(|inner| !inner.is_hide_set()) && name != "help";
+    let found: Vec<String> = whole
+        .get_subcommands()
+        .filter(has)
+        .map(|group| format!("'{} {name}'", group.get_name()))
+        .collect();
+    (!found.is_empty()).then(|| found.join(" or "))
 }
 
 /// The word that clap finds nearest, as in `'--output'`.

@@ -2,10 +2,14 @@
 
 use std::any::TypeId;
 use std::fmt::Write;
+use std::path::PathBuf;
 
-use clap::builder::Styles;
-use clap::{Arg, Command};
+use clap::builder::{StringValueParser, Styles};
+use clap::{Arg, Command, ValueHint};
 use scaleproof_core::geometry::length::parse_mm;
+use scaleproof_detect::Manifest;
+
+use super::choice::completing;
 
 /// The commands in the order of the work, and what each is for.
 const GROUPS: &str = include_str!("overview.txt");
@@ -63,20 +67,64 @@ fn with_examples(command: Command, path: &str) -> Command {
         command.mut_subcommand(name, |sub| with_examples(sub, path.trim_start()))
     });
     let whole = format!("scaleproof {path}");
-    let command = command.mut_args(in_any_unit);
+    let command = command.mut_args(in_any_unit).mut_args(without_files);
     match paragraphs(EXAMPLES).find(|(of, _)| *of == whole.trim_end()) {
         Some((_, lines)) => command.after_help(format!("{}\n{lines}", heading("Examples"))),
         None => command,
     }
 }
 
-/// An option for a length in mm takes other units, too.
+/// An option for a length in mm takes other units, too; all numbers say what one looks like.
 fn in_any_unit(argument: Arg) -> Arg {
-    let is_length = argument.get_long().is_some_and(|name| name.ends_with("-mm"));
-    if is_length && argument.get_value_parser().type_id() == TypeId::of::<f64>() {
-        argument.value_parser(parse_mm)
-    } else {
+    // A parser of its own says so itself.
+    let is_plain = format!("{:?}", argument.get_value_parser()) == format!("{:?}", clap::value_parser!(f64));
+    let is = |ending| argument.get_long().is_some_and(|name| name.ends_with(ending));
+    if argument.get_value_parser().type_id() != TypeId::of::<f64>() || !is_plain {
         argument
+    } else if is("-mm") {
+        argument
+            .value_parser(|text: &str| parse_mm(text).map_err(|_| "give a length, as in 118, 118mm, 11.8cm or 4.65in"))
+    } else if is("-deg") {
+        argument.value_parser(|text: &str| {
+            let number = text
+                .trim_end_matches('°')
+                .trim_end_matches("deg")
+                .trim_end()
+                .parse::<f64>();
+            number.map_err(|_| "give an angle in degrees, as in 15")
+        })
+    } else {
+        argument.value_parser(|text: &str| text.parse::<f64>().map_err(|_| not_a_number(text)))
+    }
+}
+
+/// What a number looks like, by what was meant where that is plain.
+fn not_a_number(text: &str) -> String {
+    let number = |text: &str| text.trim_end().parse::<f64>().ok();
+    match (text.strip_suffix('%').and_then(number), number(&text.replace(',', "."))) {
+        (Some(percent), _) => format!("give a share as a number from 0 to 1: {}", percent / 100.0),
+        (None, Some(meant)) => format!("write {meant}, with a point"),
+        (None, None) => "give a number, as in 0.5".to_owned(),
+    }
+}
+
+/// Shells complete names of files only where a file is meant.
+fn without_files(argument: Arg) -> Arg {
+    const FILES: [&str; 17] = [
+        "FILE", "DIR", "PNG", "SVG", "PDF", "HTML", "TOML", "JSON", "YAML", "ONNX", "IMAGE", "MESH", "SESSION",
+        "SOURCE", "NPZ", "OBJ", "PATCH",
+    ];
+    let names = argument.get_value_names().unwrap_or_default();
+    let means_file = names.iter().any(|name| FILES.iter().any(|file| name.contains(file)));
+    if argument.get_long() == Some("detector") {
+        let names = completing(StringValueParser::new(), Manifest::names());
+        return argument.value_parser(names).hide_possible_values(true);
+    }
+    let is_path = argument.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+    if is_path || means_file || argument.get_value_hint() != ValueHint::Unknown {
+        argument
+    } else {
+        argument.value_hint(ValueHint::Other)
     }
 }
 

@@ -137,7 +137,21 @@ impl OpenedPhotos {
 
     /// Nothing is written among the user's photos.
     pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
-        let is_among = output.canonicalize().is_ok_and(|real| self.folders.contains(&real));
+        let sessions = self.sessions.iter().filter(|_| self.folders.is_empty());
+        let photos = sessions.flat_map(|s| {
+            s.photos
+                .iter()
+                .filter_map(|photo| s.photo_path(photo).parent()?.canonicalize().ok())
+        });
+        let own = self
+            .sessions
+            .iter()
+            .filter_map(|s| s.folder.canonicalize().ok())
+            .filter(|_| self.folders.is_empty());
+        let mut taken = self.folders.iter().cloned().chain(photos).chain(own);
+        let is_among = output
+            .canonicalize()
+            .is_ok_and(|real| taken.any(|folder| folder == real));
         let among = || {
             format!(
                 "the report would be written among the photos in {}: name another folder with -o",

@@ -237,6 +237,11 @@ impl Manifest {
         parsed.collect()
     }
 
+    /// The names of the detectors that ship with the program.
+    pub fn names() -> [&'static str; BUILT_IN.len()] {
+        BUILT_IN.map(|(file, _)| file.trim_end_matches(".toml"))
+    }
+
     /// One detector by its name.
     pub fn named(name: &str) -> Result<Manifest, ManifestError> {
         let all = Manifest::all()?;

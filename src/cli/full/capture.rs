@@ -16,6 +16,7 @@ use self::decided::Question;
 use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
 use crate::cli::answer::told;
+use crate::cli::choice::completing;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
     BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
@@ -65,7 +66,7 @@ struct ListArgs {
 struct GuidedArgs {
     /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
     /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
-    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = source)]
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "watch:", "replay:", "upload"]), hide_possible_values = true)]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
     #[arg(long)]

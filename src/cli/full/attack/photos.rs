@@ -11,6 +11,7 @@ use super::render::{hex, options};
 use crate::cli::answer::told;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
+use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
@@ -88,7 +89,7 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     }
     files::replace_all_atomically(&made.files)?;
     let (path, views) = (list.display(), made.views.len());
-    let words = format!("{path}: {} frames of {views} views", made.frames);
+    let words = format!("{path}: {} of {}", count(made.frames, "frame"), count(views, "view"));
     left_out.extend(made.left_out);
     let framed = FramesOfPhotos {
         file: &list,
