@@ -38,6 +38,7 @@ mod diagnosis;
 mod docs;
 mod figures;
 mod folders;
+mod frictions;
 mod headline;
 mod hostile;
 mod import;

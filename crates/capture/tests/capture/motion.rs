@@ -31,19 +31,25 @@ fn moved(image: &GrayImage, length: f64, direction_deg: f64) -> GrayImage {
             .entry(((way * sin).round() as i64, (way * cos).round() as i64))
             .or_default() += 1.0 / f64::from(samples);
     }
-    let light: Vec<f64> = image.iter().map(|v| f64::from(*v).powf(2.2)).collect();
+    let light: Vec<f32> = (0..=255).map(|v| (f64::from(v) / 255.0).powf(2.2) as f32).collect();
+    let level: Vec<u8> = (0..=4095)
+        .map(|v| (255.0 * (f64::from(v) / 4095.0).powf(1.0 / 2.2)).round() as u8)
+        .collect();
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
-    GrayImage::from_fn(image.width(), image.height(), |x, y| {
-        let at = |dx: i64, dy: i64| {
-            let (x, y) = (
-                (i64::from(x) + dx).clamp(0, width - 1),
-                (i64::from(y) + dy).clamp(0, height - 1),
-            );
-            light[(y * width + x) as usize]
-        };
-        let sum: f64 = taps.iter().map(|((dy, dx), share)| share * at(*dx, *dy)).sum();
-        Luma([sum.powf(1.0 / 2.2).round() as u8])
-    })
+    let before: Vec<f32> = image.iter().map(|v| light[usize::from(*v)]).collect();
+    let mut after = vec![0f32; before.len()];
+    for ((dy, dx), share) in taps {
+        for (y, row) in (0..).zip(after.chunks_exact_mut(width as usize)) {
+            let from = &before[((y + dy).clamp(0, height - 1) * width) as usize..][..width as usize];
+            for (x, sum) in (0..).zip(row) {
+                *sum += share as f32 * from[(x + dx).clamp(0, width - 1) as usize];
+            }
+        }
+    }
+    let levels = after
+        .iter()
+        .map(|sum| level[(4095.0 * sum).round().min(4095.0) as usize]);
+    GrayImage::from_raw(image.width(), image.height(), levels.collect()).unwrap()
 }
 
 /// The standard deviation along the motion: a uniform motion of L px has variance L²/12.
@@ -77,7 +83,8 @@ impl Gate {
     }
 }
 
-/// Motion of every direction, from a little above the limit to what hides the tags. Measured: taken up to a blur of 1.5 px, none above 1.6.
+/// Motion of every direction, from a little above the limit to what hides the tags. Blur near the limit reads 0.95 to 1.23 of what it is: a normal
+/// edge fitted to the ramp of a steady motion is wider.
 #[test]
 fn no_frame_is_taken_whose_motion_is_above_the_limit_or_cannot_be_measured() {
     let mut gate = Gate::open();
@@ -85,9 +92,9 @@ fn no_frame_is_taken_whose_motion_is_above_the_limit_or_cannot_be_measured() {
     for number in 0..8 {
         let sharp = photo(number);
         assert!(gate.judge(&sharp).verdict.is_ok(), "photo {number} as it is");
-        for step in 0..6 {
-            let direction = 30.0 * f64::from(step) + 3.75 * f64::from(number);
-            for length in [3.0, 6.0, 8.0, 12.0, 15.0, 18.0, 24.0] {
+        for step in 0..4 {
+            let direction = 45.0 * f64::from(step) + 5.0 * f64::from(number);
+            for length in [3.0, 6.0, 9.0, 15.0, 20.0] {
                 let judgement = gate.judge(&moved(&sharp, length, direction));
                 let what = format!(
                     "photo {number} moved by {length} px at {direction}°: {:?}",
@@ -102,14 +109,14 @@ fn no_frame_is_taken_whose_motion_is_above_the_limit_or_cannot_be_measured() {
                     }
                 }
                 if let (Some(px), true) = (judgement.measures.blur_px, truth < 2.0) {
-                    println!("RATIO {:.3}", px / truth);
+                    assert!((0.9..1.3).contains(&(px / truth)), "{what}, and it is {truth:.2}");
                     measured += 1;
                 }
             }
         }
     }
-    assert_eq!(refused, 8 * 6 * 6);
-    assert!(measured > 100, "{measured}");
+    assert_eq!(refused, 8 * 4 * 4);
+    assert!(measured >= 50, "{measured}");
 }
 
 /// One tag, seen from the front: its sides lie one way, and motion along its diagonal widens all of them alike.
@@ -132,26 +139,30 @@ fn a_square_that_lies_straight_does_not_hide_motion_along_its_diagonal() {
     }
 }
 
-/// A grey stripe over a corner of each tag: the pose is there, and whether the photo is sharp is not known.
+/// Dirt on the black border of each tag, amid two sides: the pose is there, and whether the photo is sharp is not known.
 #[test]
 fn a_frame_without_a_whole_tag_is_refused_for_that_reason() {
     let mut gate = Gate::open();
     let mut frame = photo(0);
     for tag in gate.judge(&frame).seen {
-        let [[x, y], [x2, y2], ..] = tag.corners_px;
-        let reach = (0.15 * (x2 - x).hypot(y2 - y)).ceil() as i64;
-        for (dx, dy) in (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy))) {
-            let (x, y) = ((x as i64 + dx).max(0) as u32, (y as i64 + dy).max(0) as u32);
+        let [a, b, c, d] = tag.corners_px;
+        let at = |u: f64, v: f64| {
+            [0, 1].map(|k| (1.0 - v) * ((1.0 - u) * a[k] + u * b[k]) + v * ((1.0 - u) * d[k] + u * c[k]))
+        };
+        // Half a cell inside the outline, which is eight cells wide.
+        for (along, v) in (0..100).flat_map(|i| [(i, 1.0 / 16.0), (i, 15.0 / 16.0)]) {
+            let [x, y] = at(0.3 + 0.004 * f64::from(along), v).map(|v| v.round().max(0.0) as u32);
             if x < frame.width() && y < frame.height() {
-                frame.put_pixel(x, y, Luma([120]));
+                frame.put_pixel(x, y, Luma([200]));
             }
         }
     }
     let judgement = gate.judge(&frame);
     assert!(
         judgement.located.is_some() && judgement.seen.iter().all(|tag| !tag.is_whole),
-        "{:?}",
-        judgement.verdict
+        "{:?}, {:?}",
+        judgement.verdict,
+        judgement.seen
     );
     assert_eq!(judgement.measures.blur_px, None);
     assert_eq!(judgement.verdict, Err(Advice::Unmeasured));
