@@ -168,7 +168,7 @@ fn classes_that_count_from_0_are_stated_and_else_noted() {
         let out = folder.path().join("out");
         let given = format!("mine={}", results(number).display());
         let output = run(&[
-            &["score", text(&skyline()), "--results", &given, "-o", text(&out)],
+            &["score", text(&skyline()), "--results", &given, "-o", text(&out)][..],
             more,
         ]
         .concat());
@@ -212,7 +212,7 @@ fn plans_and_captures_agree_on_the_views_of_a_scene() {
         (&[][..], 8),
         (&["--pitch-deg", "0,15", "--distance-mm", "850,1500"], 32),
     ] {
-        let planned = run(&[&["plan", "--scene", text(&scene), "--json"], more].concat());
+        let planned = run(&[&["plan", "--scene", text(&scene), "--json"][..], more].concat());
         let planned: Value = serde_json::from_slice(&planned.stdout).unwrap();
         assert_eq!(planned["bins"], views);
         let plan = folder.path().join(format!("{views}.json"));
@@ -228,7 +228,7 @@ fn plans_and_captures_agree_on_the_views_of_a_scene() {
             "normal",
             "random",
         ];
-        let sealed = run(&[&sealing, &["--detector", "yolox_nano,nanodet_m"], more].concat());
+        let sealed = run(&[&sealing[..], &["--detector", "yolox_nano,nanodet_m"], more].concat());
         assert!(sealed.status.success(), "{}", stderr(&sealed));
         assert_eq!(read_json(&plan)["plan"]["views"].as_array().unwrap().len(), views);
         let session = folder.path().join(format!("session_{views}"));
@@ -246,7 +246,7 @@ fn plans_and_captures_agree_on_the_views_of_a_scene() {
             "normal",
         ];
         let captured = run(&[
-            &capture,
+            &capture[..],
             &["--place", "y", "--headless", "--json", "-o", text(&session)],
             more,
         ]
@@ -273,7 +273,7 @@ fn a_sealed_plan_states_what_it_is_to_show() {
             "normal",
             "random",
         ];
-        let output = run(&[&usual, &["--detector", "yolox_nano,nanodet_m"], more].concat());
+        let output = run(&[&usual[..], &["--detector", "yolox_nano,nanodet_m"], more].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         (read_json(&plan)["plan"].clone(), stdout(&output))
     };

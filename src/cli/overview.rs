@@ -74,37 +74,13 @@ fn with_examples(command: Command, path: &str) -> Command {
     }
 }
 
-/// An option for a length in mm takes other units, too; all numbers say what one looks like.
+/// An option for a length in mm takes other units, too.
 fn in_any_unit(argument: Arg) -> Arg {
-    // A parser of its own says so itself.
-    let is_plain = format!("{:?}", argument.get_value_parser()) == format!("{:?}", clap::value_parser!(f64));
-    let is = |ending| argument.get_long().is_some_and(|name| name.ends_with(ending));
-    if argument.get_value_parser().type_id() != TypeId::of::<f64>() || !is_plain {
-        argument
-    } else if is("-mm") {
-        argument
-            .value_parser(|text: &str| parse_mm(text).map_err(|_| "give a length, as in 118, 118mm, 11.8cm or 4.65in"))
-    } else if is("-deg") {
-        argument.value_parser(|text: &str| {
-            let number = text
-                .trim_end_matches('°')
-                .trim_end_matches("deg")
-                .trim_end()
-                .parse::<f64>();
-            number.map_err(|_| "give an angle in degrees, as in 15")
-        })
+    let is_length = argument.get_long().is_some_and(|name| name.ends_with("-mm"));
+    if is_length && argument.get_value_parser().type_id() == TypeId::of::<f64>() {
+        argument.value_parser(parse_mm)
     } else {
-        argument.value_parser(|text: &str| text.parse::<f64>().map_err(|_| not_a_number(text)))
-    }
-}
-
-/// What a number looks like, by what was meant where that is plain.
-fn not_a_number(text: &str) -> String {
-    let number = |text: &str| text.trim_end().parse::<f64>().ok();
-    match (text.strip_suffix('%').and_then(number), number(&text.replace(',', "."))) {
-        (Some(percent), _) => format!("give a share as a number from 0 to 1: {}", percent / 100.0),
-        (None, Some(meant)) => format!("write {meant}, with a point"),
-        (None, None) => "give a number, as in 0.5".to_owned(),
+        argument
     }
 }
 

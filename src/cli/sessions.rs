@@ -83,7 +83,7 @@ impl FolderFiles {
     pub(super) fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
         let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;
         for found in &gathered.folders {
-            photos::note_passed_over(&found.listing, &found.given.folder.display().to_string());
+            photos::note_passed_over(&found.listing, &found.given.folder);
         }
         Ok(gathered)
     }

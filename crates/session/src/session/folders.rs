@@ -139,7 +139,7 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
     }
     let listing = Listing::of(&folder)?;
     if listing.photos.is_empty() {
-        let hint = listing.instead();
+        let hint = listing.instead(&folder);
         return Err(FoldersError::NoPhotos { variant, folder, hint });
     }
     Ok(Listed {
@@ -183,9 +183,9 @@ impl Listing {
     }
 
     /// What a folder without photos has instead, in brackets; empty where it has nothing.
-    pub fn instead(&self) -> String {
+    pub fn instead(&self, folder: &Path) -> String {
         match (self.other_images.first(), self.folders.first()) {
-            (Some(other), _) => format!(" (it has {other}{})", not_read(other)),
+            (Some(other), _) => format!(" (it has {other}{})", not_read(&folder.join(other))),
             (None, Some(inner)) => format!(" (those in folders inside it, as {inner}, are not read: name these)"),
             (None, None) => String::new(),
         }
@@ -215,8 +215,7 @@ impl Listing {
 }
 
 /// What to do with an image that is not read, after its name; empty for one that would be read.
-pub fn not_read(name: &str) -> String {
-    let path = Path::new(name);
+pub fn not_read(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match ending.as_str() {
         _ if is_readable(&ending) => String::new(),
