@@ -245,6 +245,7 @@ pub fn results(bytes: &[u8]) {
     let read = |path: &Path, images: Option<&Path>, categories: Option<&Path>| {
         let name = "given";
         let request = ResultsRequest {
+            first_label: None,
             name,
             path,
             images,

@@ -38,7 +38,7 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["views"], 12);
     // As its card says; the random one has no card, and is repeated as often.
-    assert_eq!(json["tile_mm"], 240.0);
+    assert_eq!(json["tile_mm"], serde_json::json!({"attack": 240.0, "random": 240.0}));
     let rows = json["results"].as_array().unwrap();
     let of = |detector: &str, pattern: &str| {
         let found = rows
@@ -74,17 +74,16 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
         "{text}"
     );
     assert!(text.contains("on 12 views, tile 240 mm"), "{text}");
-    // What cannot be judged.
+    // Each pattern is repeated as its own card says.
     let other = home().join("print_templates/patterns/yolox_nano_118mm_1.png");
     let other = format!("other={}", other.display());
-    assert_refused(
-        &judge(&["--pattern", &patterns[0], &other]),
-        &[
-            "attack_1.png repeats every 240 mm",
-            "118mm_1.png every 118 mm",
-            "--tile-mm",
-        ],
-    );
+    let several = judge(&["--detector", "yolox_nano", "--json", "--pattern", &patterns[0], &other]);
+    let several: Value = serde_json::from_slice(&several.stdout).unwrap();
+    assert_eq!(several["tile_mm"], serde_json::json!({"attack": 240.0, "other": 118.0}));
+    let names = several["results"].as_array().unwrap().iter().map(|row| &row["pattern"]);
+    assert_eq!(names.collect::<Vec<_>>(), ["808080", "attack", "other"]);
+    assert_eq!(several["results"][1]["drop"], attack["drop"]);
+    // What cannot be judged.
     std::fs::write(random.with_extension("json"), "{").unwrap();
     assert_refused(
         &judge(&["--pattern", &patterns[1]]),

@@ -497,7 +497,7 @@ fn pictures_of_iphones_are_refused_with_what_to_do() {
     let [from, to] = ["IMG_0.HEIC", "IMG_0.jpg"].map(|name| changed.file(name).display().to_string());
     let advised = format!("convert it with `heif-dec {from} {to}`");
     for words in [
-        "IMG_0.HEIC is a HEIC image, which this program does not read: set the iPhone to Settings › Camera › Formats › Most Compatible",
+        "IMG_0.HEIC is a HEIC image, for which this system has no decoder: set the iPhone to Settings › Camera › Formats › Most Compatible",
         &advised,
         "error: 5 more photos cannot be read for the same reason",
     ] {

@@ -39,6 +39,7 @@ mod docs;
 mod figures;
 mod findings;
 mod folders;
+mod frictions;
 mod headline;
 mod hostile;
 mod import;

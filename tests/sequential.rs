@@ -371,6 +371,8 @@ fn sealed(folder: &Path, more: &[&str]) -> (PathBuf, String) {
             &format!("random={}", random16()),
             "--detector",
             "yolox_nano,deimv2_femto",
+            "--drop",
+            "0.5",
         ])
         .args(more)
         .output()
@@ -600,6 +602,8 @@ fn a_plan_that_stops_is_not_bent_by_leaving_photos_out() {
             "--places",
             "2",
             "--sequential",
+            "--drop",
+            "0.5",
             "--scene",
         ])
         .arg(skyline().join("scene.toml"))
@@ -719,6 +723,8 @@ fn another_mesh_camera_or_truth_is_found() {
             "random",
             "--detector",
             "yolox_nano",
+            "--drop",
+            "0.5",
         ])
         .arg("--scene")
         .arg(&scene)
@@ -779,7 +785,7 @@ fn what_cannot_be_sealed_or_looked_at_is_one_sentence() {
     let scene = skyline().join("scene.toml");
     let seal = |path: &str, more: &[&str]| {
         program()
-            .args(["plan", "--seal", path, "--scene"])
+            .args(["plan", "--drop", "0.5", "--seal", path, "--scene"])
             .arg(&scene)
             .args(more)
             .output()

@@ -74,7 +74,7 @@ def run(
             if differentiates:
                 answer, data = _loss(loss_and_gradient(image, request["box"], request["labels"], request["least_iou"]))
             else:
-                answer = {"detections": [_plain(*found) for found in detect(image)]}
+                answer = {"detections": [_plain(found) for found in _list(detect(image))]}
         except Exception as error:
             answer = {"error": f"{type(error).__name__}: {error}"}
         _say({"id": request["id"], **answer}, data)
@@ -97,8 +97,27 @@ def _loss(found):
     return {"loss": float(loss), "shape": gradient.shape}, gradient.tobytes()
 
 
-def _plain(label, score, box):
+_FORM = "give (label, confidence, (left, top, right, bottom)) for each box"
+
+
+def _list(found):
+    """What detect returned, unless it cannot be a list of boxes."""
+    if isinstance(found, dict):
+        keys = ", ".join(map(repr, found))
+        raise ValueError(f"detect returned a dict ({keys}): {_FORM}, as zip(d['labels'], d['scores'], d['boxes']) does for torchvision's")
+    if found is None:
+        raise ValueError(f"detect returned None: {_FORM}, and [] for none")
+    return found
+
+
+def _plain(found):
     """Numbers of any library as Python's own."""
+    if isinstance(found, dict):
+        raise ValueError(f"a box is a dict ({', '.join(map(repr, found))}): {_FORM}")
+    try:
+        label, score, box = found
+    except (TypeError, ValueError):
+        raise ValueError(f"a box is {str(found)[:80]!r}: {_FORM}") from None
     label = label if isinstance(label, str) else int(label)
     numbers = [float(score), *(float(number) for number in box)]
     if len(numbers) != 5 or not all(math.isfinite(number) for number in numbers):

@@ -7,8 +7,8 @@ use std::path::Path;
 use scaleproof_core::files;
 use scaleproof_core::spelling::quoted;
 use scaleproof_detect::{
-    ManifestError, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError, RegisterError,
-    WeightsError,
+    ManifestError, NetworkFormat, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError,
+    RegisterError, WeightsError,
 };
 use scaleproof_pose::tags::StartError;
 use scaleproof_print::print::output::OutputError;
@@ -66,6 +66,7 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         WeightsError::Missing { file, .. } => format!(", or name a folder with {file} by --detectors"),
         WeightsError::NoCache => ", or name a folder by --detectors",
         ManifestError::NoManifest { network, .. } => format!("run `scaleproof detectors add {}` first", network.display()),
+        ManifestError::OtherFormat { name, format } => instead_of(name, *format),
         RecordedError::Changed { .. } => "record it again with --record",
         NoSuchClass { .. } => " (written by `scaleproof detectors add --map`)",
         ProposeError::OtherSize { .. } => "leave --size out",
@@ -92,7 +93,8 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         TagPrintError::TooLarge { instead: Instead::PlainCards, .. } => " (--plain)",
         ProgramError::TooLong { .. } => "give it more time by --detector-timeout",
         OutsideError::NumberedImages { .. } => "name the COCO file of its images by --images",
-        OutsideError::UnknownCategory { .. } => "say what its categories are called by --categories",
+        OutsideError::UnknownCategory { .. } =>
+            "say what its categories are called by --categories, and with --first-label 0 if they count from 0",
         OutsideError::WhoseCategories { images, .. } => format!("say by --categories, which may be {} too", images.display()),
         OutsideError::NotListed { .. } => "run the other program on it too (see `scaleproof session export`)",
         RecordError::Exists { .. } => "add --replace to store it anew, or play it with --recorded",
@@ -101,6 +103,25 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         NewSessionError::NotEmpty { .. } => "with --copy name a new folder",
         TextureError::NoCoordinates { .. } => " (--material or --faces)",
         TextureError::NoImages | TextureError::Material { .. } => "; --texture takes another image",
+    }
+}
+
+/// The way from a file of another framework to a detector.
+fn instead_of(file: &str, format: NetworkFormat) -> String {
+    let stem = Path::new(file).with_extension("");
+    let stem = stem.display();
+    match format {
+        NetworkFormat::Darknet => {
+            format!("make a detector of both files by `scaleproof detectors add {stem}.cfg {stem}.weights`")
+        }
+        NetworkFormat::PyTorch => format!(
+            "export it (Ultralytics: `yolo export model={file} format=onnx`) and add it by `scaleproof detectors add {stem}.onnx`, or run it in Python: \
+             --detector 'exec:python3 python/examples/ultralytics_yolo.py {file}' (docs/guide/detector-programs.md)"
+        ),
+        NetworkFormat::Other => format!(
+            "export it and add it by `scaleproof detectors add {stem}.onnx`, or run it in a program of yours: --detector 'exec:python3 mine.py' \
+             (docs/guide/detector-programs.md)"
+        ),
     }
 }
 

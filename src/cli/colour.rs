@@ -7,7 +7,7 @@ use clap::Subcommand;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, Result, progress};
+use super::{CommandResult, Outcome, Result, photos, progress};
 use scaleproof_core::files;
 use scaleproof_photo::photo::Photo;
 use scaleproof_pose::tags::AprilTagC;
@@ -26,7 +26,7 @@ pub(crate) enum Command {
 
 #[derive(clap::Args)]
 pub(crate) struct ReadArgs {
-    /// Photos of one print (JPEG or PNG); they are never changed
+    /// Photos of one print (JPEG or PNG), or folders of them; they are never changed
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// The printer file to put the colours in; the lengths of one that is there are kept
@@ -58,7 +58,8 @@ pub(in crate::cli) struct Answer<'a> {
 
 /// Runs `scaleproof colour …`.
 pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
-    let Command::Read(args) = command;
+    let Command::Read(mut args) = command;
+    args.photos = photos::of(&args.photos)?;
     // What is there must be a printer file, or it would be lost.
     let there = args.output.as_deref().filter(|path| path.exists());
     there.iter().for_each(|path| files::inputs::own(path));

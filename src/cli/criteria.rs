@@ -1,5 +1,6 @@
 //! What figures mean, as `score`, `merge` and `compare` are told: definitions, thresholds, protocols, the base and groups.
 
+use super::choice::completing;
 use scaleproof_detect::SCORE_FLOOR;
 use scaleproof_plot::distinct;
 use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
@@ -9,13 +10,13 @@ use scaleproof_session::session::Session;
 #[derive(clap::Args)]
 pub(super) struct Reading {
     /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp [default: coco-101]
-    #[arg(long, value_name = "NAME", value_parser = ApDefinition::from_name, conflicts_with = "protocol")]
+    #[arg(long, value_name = "NAME", value_parser = completing(ApDefinition::from_name, ApDefinition::ALL.map(ApDefinition::name)), hide_possible_values = true, conflicts_with = "protocol")]
     ap: Option<ApDefinition>,
     /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
     #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE, conflicts_with = "protocol")]
     confidence: f64,
     /// Definition, thresholds and table of a paper or benchmark: dta, active, padetbench, armory or apricot.
-    #[arg(long, value_name = "NAME", value_parser = Protocol::from_name)]
+    #[arg(long, value_name = "NAME", value_parser = completing(Protocol::from_name, Protocol::ALL.map(Protocol::name)), hide_possible_values = true)]
     protocol: Option<Protocol>,
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, Result, progress};
+use super::{CommandResult, Outcome, Result, photos, progress};
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::{spelling, workers};
 use scaleproof_photo::copies;
@@ -29,7 +29,7 @@ use scaleproof_session::session::Session;
 /// no photo at all is located.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// Photos (JPEG or PNG); they are never changed.
+    /// Photos (JPEG or PNG), or folders of them; they are never changed.
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// What stands on the table: scene.toml.
@@ -100,7 +100,8 @@ type Answered<'a> = [(&'a Path, PhotoAnswer)];
 
 const UNREADABLE: &str = "unreadable";
 
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
+    args.photos = photos::of(&args.photos)?;
     let files = LocateFiles {
         scene: Scene::open(&args.scene)?,
         camera: Camera::open(&args.camera)?,

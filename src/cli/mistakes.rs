@@ -27,9 +27,23 @@ pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString])
                 format!("there is no command '{command} {given}'")
             }
         }),
+        ErrorKind::ValueValidation if e.to_string().contains("invalid float literal") => {
+            let (given, option) = (text(ContextKind::InvalidValue), text(ContextKind::InvalidArg));
+            given.zip(option).map(|(given, option)| {
+                format!(
+                    "invalid value '{given}' for '{option}': {}",
+                    number_instead(&given, &option)
+                )
+            })
+        }
         _ => None,
     };
-    let meant = suggestion(e, whole).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
+    let elsewhere = match e.kind() {
+        ErrorKind::InvalidSubcommand => text(ContextKind::InvalidSubcommand).and_then(|given| inside(whole, &given)),
+        _ => None,
+    };
+    let meant = elsewhere.or_else(|| suggestion(e, whole));
+    let meant = meant.map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
     let mistake = mistake.unwrap_or_else(|| first_paragraph(&e.to_string()));
     format!("{mistake}{meant} (see {command} --help)")
 }
@@ -49,6 +63,38 @@ fn named(whole: &Command, arguments: &[OsString]) -> String {
         }
     }
     path
+}
+
+/// What a number looks like, by what was meant where that is plain.
+fn number_instead(given: &str, option: &str) -> String {
+    let number = |text: &str| text.trim_end().parse::<f64>().ok();
+    let degrees = given
+        .strip_suffix('°')
+        .or_else(|| given.strip_suffix("deg"))
+        .and_then(number);
+    match (
+        given.strip_suffix('%').and_then(number),
+        number(&given.replace(',', ".")),
+        degrees,
+    ) {
+        (Some(percent), ..) => format!("write {} for {given}", percent / 100.0),
+        (None, Some(meant), _) => format!("write {meant}, with a point"),
+        (None, None, Some(degrees)) => format!("write {degrees}"),
+        (None, None, None) if option.contains("-mm") => "give a length, as in 118, 118mm, 11.8cm or 4.65in".to_owned(),
+        (None, None, None) => "give a number, as in 0.5".to_owned(),
+    }
+}
+
+/// A command of this very name inside others, as in `'attack evaluate'`.
+fn inside(whole: &Command, name: &str) -> Option<String> {
+    let has =
+        |group: &&Command| group.find_subcommand(name).is_some_and(|inner| !inner.is_hide_set()) && name != "help";
+    let found: Vec<String> = whole
+        .get_subcommands()
+        .filter(has)
+        .map(|group| format!("'{} {name}'", group.get_name()))
+        .collect();
+    (!found.is_empty()).then(|| found.join(" or "))
 }
 
 /// The word that clap finds nearest, as in `'--output'`.

@@ -25,6 +25,7 @@ mod output;
 mod overview;
 mod pattern;
 mod patterns;
+mod photos;
 mod plan;
 mod print;
 mod results;

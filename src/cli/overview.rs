@@ -2,10 +2,14 @@
 
 use std::any::TypeId;
 use std::fmt::Write;
+use std::path::PathBuf;
 
-use clap::builder::Styles;
-use clap::{Arg, Command};
+use clap::builder::{StringValueParser, Styles};
+use clap::{Arg, Command, ValueHint};
 use scaleproof_core::geometry::length::parse_mm;
+use scaleproof_detect::Manifest;
+
+use super::choice::completing;
 
 /// The commands in the order of the work, and what each is for.
 const GROUPS: &str = include_str!("overview.txt");
@@ -63,7 +67,7 @@ fn with_examples(command: Command, path: &str) -> Command {
         command.mut_subcommand(name, |sub| with_examples(sub, path.trim_start()))
     });
     let whole = format!("scaleproof {path}");
-    let command = command.mut_args(in_any_unit);
+    let command = command.mut_args(in_any_unit).mut_args(without_files);
     match paragraphs(EXAMPLES).find(|(of, _)| *of == whole.trim_end()) {
         Some((_, lines)) => command.after_help(format!("{}\n{lines}", heading("Examples"))),
         None => command,
@@ -77,6 +81,26 @@ fn in_any_unit(argument: Arg) -> Arg {
         argument.value_parser(parse_mm)
     } else {
         argument
+    }
+}
+
+/// Shells complete names of files only where a file is meant.
+fn without_files(argument: Arg) -> Arg {
+    const FILES: [&str; 17] = [
+        "FILE", "DIR", "PNG", "SVG", "PDF", "HTML", "TOML", "JSON", "YAML", "ONNX", "IMAGE", "MESH", "SESSION",
+        "SOURCE", "NPZ", "OBJ", "PATCH",
+    ];
+    let names = argument.get_value_names().unwrap_or_default();
+    let means_file = names.iter().any(|name| FILES.iter().any(|file| name.contains(file)));
+    if argument.get_long() == Some("detector") {
+        let names = completing(StringValueParser::new(), Manifest::names());
+        return argument.value_parser(names).hide_possible_values(true);
+    }
+    let is_path = argument.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+    if is_path || means_file || argument.get_value_hint() != ValueHint::Unknown {
+        argument
+    } else {
+        argument.value_hint(ValueHint::Other)
     }
 }
 

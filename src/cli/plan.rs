@@ -14,7 +14,7 @@ use crate::cli::answer::{answer, told};
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_core::{files, spelling};
-use scaleproof_pose::scene::Scene;
+use scaleproof_pose::scene::{NoSuchBin, Scene, Viewpoint};
 use scaleproof_score::{report, score};
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
@@ -26,9 +26,21 @@ pub(super) struct Args {
     /// The drop of the hit rate that shall be shown, 0 to 1.
     #[arg(long, required_unless_present = "scene")]
     drop: Option<f64>,
-    /// The scene whose bins are photographed: a table of places, photos and the smallest drop they show.
+    /// The scene whose views are photographed, as `capture` takes them: a table of places, photos and the smallest drop they show.
     #[arg(long, value_name = "TOML", conflicts_with = "bins")]
     scene: Option<PathBuf>,
+    /// With --scene: pitches of its bins that are photographed [default: the one nearest to 15°]
+    #[arg(
+        long,
+        value_name = "DEG,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        requires = "scene"
+    )]
+    pitch_deg: Vec<f64>,
+    /// With --scene: distances of its bins that are photographed [default: the middle one]
+    #[arg(long, value_name = "MM,…", value_delimiter = ',', requires = "scene")]
+    distance_mm: Vec<f64>,
     #[command(flatten)]
     sealing: sealed::Sealing,
     /// With --scene: places that are planned.
@@ -122,7 +134,7 @@ pub(super) struct PairsNeeded {
 /// `plan --scene --json`.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct PlacesNeeded {
-    /// Of the scene.
+    /// Views of the scene that are photographed at each place: those that `capture` asks for.
     bins: usize,
     /// As requested, like the next three.
     base_rate: f64,
@@ -198,8 +210,8 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
 
 /// Places, photos and the smallest drop they show, for the bins of a scene.
 fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
-    let bins = &Scene::open(scene)?.bins;
-    let bins = bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len();
+    let scene = Scene::open(scene)?;
+    let bins = args.views(&scene)?.len();
     let places = match args.drop {
         Some(drop) => Some(score::places_needed(bins, args.base_rate, drop, args.power)?),
         // What is wrong with the other numbers is found out in any case.
@@ -267,12 +279,20 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
     }
     writeln!(
         out,
-        "{bins} bins, one photo of each texture at each place and bin; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05, all bins \
+        "{bins} views of {} in the scene's bins, as `capture` takes them (--pitch-deg and --distance-mm take others); one photo of each texture at each place and view; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05, all views \
          together).\nPhotos of one place are alike, and from six places on `compare` takes each as one cluster, as is counted here: rather more places than \
-         more bins.",
-        args.base_rate, args.power
+         more views.",
+        scene.bins.azimuth_centres().len() * scene.bins.pitch_deg.len() * scene.bins.distance_mm.len(),
+        args.base_rate,
+        args.power
     )?;
     Ok(Outcome::Done)
+}
+
+impl Args {
+    fn views(&self, scene: &Scene) -> Result<Vec<Viewpoint>, NoSuchBin> {
+        scene.bins.photographed(&self.pitch_deg, &self.distance_mm)
+    }
 }
 
 /// Rows that are there whatever is planned.

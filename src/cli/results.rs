@@ -24,6 +24,10 @@ pub(super) struct Results {
     /// when left out.
     #[arg(long, value_name = "FILE", requires = "results")]
     pub(super) categories: Option<PathBuf>,
+    /// With --results: the number of the first class, where classes are counted: 0 for a COCO results list whose classes are 0 to 79, or by --categories a
+    /// list of names from 0.
+    #[arg(long, value_name = "NUMBER", requires = "results")]
+    pub(super) first_label: Option<u64>,
     #[command(flatten)]
     pub(super) programs: Programs,
 }
@@ -116,6 +120,7 @@ impl Results {
                 path,
                 images: self.images.as_deref(),
                 categories: self.categories.as_deref(),
+                first_label: self.first_label,
                 photos: &photos,
             })?;
             evaluated.push(EvaluatedDetector::outside(results, class)?);

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Result;
+use super::{Result, photos};
+use scaleproof_core::files;
 use scaleproof_core::spelling::quoted;
-use scaleproof_core::{files, spelling};
 use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
 use scaleproof_session::session::{Session, SessionError};
 
@@ -83,14 +83,7 @@ impl FolderFiles {
     pub(super) fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
         let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;
         for found in &gathered.folders {
-            if let Some(first) = found.listing.other_images.first() {
-                let (count, folder) = (found.listing.other_images.len(), found.given.folder.display());
-                say!(
-                    "note: {} in {folder} {} left out, being neither JPEG nor PNG or there in JPEG too (the first: {first})",
-                    spelling::count(count, "image"),
-                    spelling::choose(count, "is", "are")
-                );
-            }
+            photos::note_passed_over(&found.listing, &found.given.folder);
         }
         Ok(gathered)
     }
@@ -168,7 +161,21 @@ impl OpenedPhotos {
 
     /// Nothing is written among the user's photos.
     pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
-        let is_among = output.canonicalize().is_ok_and(|real| self.folders.contains(&real));
+        let sessions = self.sessions.iter().filter(|_| self.folders.is_empty());
+        let photos = sessions.flat_map(|s| {
+            s.photos
+                .iter()
+                .filter_map(|photo| s.photo_path(photo).parent()?.canonicalize().ok())
+        });
+        let own = self
+            .sessions
+            .iter()
+            .filter_map(|s| s.folder.canonicalize().ok())
+            .filter(|_| self.folders.is_empty());
+        let mut taken = self.folders.iter().cloned().chain(photos).chain(own);
+        let is_among = output
+            .canonicalize()
+            .is_ok_and(|real| taken.any(|folder| folder == real));
         let among = || {
             format!(
                 "the report would be written among the photos in {}: name another folder with -o",

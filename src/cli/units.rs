@@ -30,7 +30,7 @@ pub(crate) fn template(size_mm: (f64, f64), tile_mm: f64, scale: f64) -> Option<
             number(scale)
         ));
     }
-    if longest < tile_mm && 10.0 * longest >= tile_mm {
+    if longest < tile_mm {
         let (tile, meant) = (number(tile_mm), times(10.0));
         return Some(format!(
             "the template of {size} mm is smaller than one repeat of the pattern ({tile} mm): was it in cm? That is {meant}"

@@ -12,3 +12,5 @@ mod device;
 mod dial;
 #[path = "capture/guidance.rs"]
 mod guidance;
+#[path = "capture/motion.rs"]
+mod motion;

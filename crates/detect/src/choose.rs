@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use super::manifest::is_network;
-use super::{Manifest, ManifestError, ProgramSpec, WeightFolders, WeightsError};
+use super::program::interpreter;
+use super::{Manifest, ManifestError, NetworkFormat, ProgramSpec, WeightFolders, WeightsError};
 use scaleproof_core::files::{self, FileError};
 
 /// The named detectors, each once, or all that ship with the program. Registered detectors take part when they are named.
@@ -43,6 +44,14 @@ fn one(name: &str) -> Result<Manifest, ManifestError> {
     }
     if is_network(name) {
         return beside(Path::new(name));
+    }
+    if let Some(interpreter) = interpreter(name) {
+        let name = name.to_owned();
+        return Err(ManifestError::Script { name, interpreter });
+    }
+    if let Some(format) = NetworkFormat::of(name) {
+        let name = name.to_owned();
+        return Err(ManifestError::OtherFormat { name, format });
     }
     if let Some(manifest) = registered(name)? {
         return Ok(manifest);

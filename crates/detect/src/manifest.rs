@@ -159,6 +159,10 @@ pub enum Channels {
 pub enum ManifestError {
     #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
     Unknown { name: String, known: Vec<String> },
+    #[error("{name} is a program and no detector's name: write 'exec:{interpreter} {name}'")]
+    Script { name: String, interpreter: &'static str },
+    #[error("{name} holds {}, and networks are read from ONNX files", format.in_words())]
+    OtherFormat { name: String, format: NetworkFormat },
     #[error("the manifest {file} is not valid: {message}")]
     Syntax { file: String, message: String },
     #[error("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name")]
@@ -174,11 +178,40 @@ pub enum ManifestError {
         described: String,
     },
     #[error(
-        "{name} is a program, and here a network is needed: programs can be scored, compared and attacked, and nothing else"
+        "{name} is a program, and here a network is needed: programs can be checked, scored, compared and attacked, and nothing else"
     )]
     Program { name: String },
     #[error(transparent)]
     File(#[from] FileError),
+}
+
+/// What holds a network in another form than ONNX, by the ending of its file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NetworkFormat {
+    PyTorch,
+    Darknet,
+    Other,
+}
+
+impl NetworkFormat {
+    /// `None` where the ending is of no network.
+    pub(super) fn of(name: &str) -> Option<NetworkFormat> {
+        match Path::new(name).extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "pt" | "pth" | "ckpt" | "torchscript" | "safetensors" => Some(NetworkFormat::PyTorch),
+            "weights" | "cfg" => Some(NetworkFormat::Darknet),
+            "tflite" | "pb" | "h5" | "keras" | "engine" | "trt" | "mlmodel" | "xml" | "bin" | "param"
+            | "caffemodel" | "pdmodel" => Some(NetworkFormat::Other),
+            _ => None,
+        }
+    }
+
+    fn in_words(self) -> &'static str {
+        match self {
+            NetworkFormat::PyTorch => "a network of PyTorch",
+            NetworkFormat::Darknet => "part of a network of Darknet",
+            NetworkFormat::Other => "a network of another framework",
+        }
+    }
 }
 
 impl ManifestError {
@@ -202,6 +235,11 @@ impl Manifest {
     pub fn all() -> Result<Vec<Manifest>, ManifestError> {
         let parsed = BUILT_IN.iter().map(|(file, text)| Manifest::parse(text, file));
         parsed.collect()
+    }
+
+    /// The names of the detectors that ship with the program.
+    pub fn names() -> [&'static str; BUILT_IN.len()] {
+        BUILT_IN.map(|(file, _)| file.trim_end_matches(".toml"))
     }
 
     /// One detector by its name.

@@ -41,7 +41,7 @@ pub enum PhotoError {
     File(#[from] files::FileError),
     #[error("{path} is not a JPEG or PNG image: use a photo straight from the camera", path = path.display())]
     NotAnImage { path: PathBuf },
-    #[error("{}", convert_sentence(path, kind))]
+    #[error("{}", heif_sentence(path, kind))]
     Heif { path: PathBuf, kind: &'static str },
     #[error("{path} ends in the middle of the image: copy it from the camera again", path = path.display())]
     Truncated { path: PathBuf },
@@ -53,19 +53,30 @@ pub enum PhotoError {
     Damaged { path: PathBuf, reason: String },
 }
 
-/// What to do with an image of another kind that phones make.
-fn convert_sentence(path: &Path, kind: &str) -> String {
+/// How an iPhone is made to take JPEGs.
+pub const IPHONE_TO_JPEG: &str = "set the iPhone to Settings › Camera › Formats › Most Compatible";
+
+/// What to do with an HEIC, HEIF or AVIF image, which is read where the system has a decoder for it.
+pub fn heif_remedy(path: &Path, kind: &str) -> String {
     let [from, to] =
         [path, &files::free_place(&path.with_extension("jpg"))].map(|path| quoted(&path.to_string_lossy()));
-    let how = match kind {
-        "HEIC" => "set the iPhone to Settings › Camera › Formats › Most Compatible, or convert it",
-        _ => "convert it to JPEG",
+    let phone = if kind == "HEIC" {
+        format!("{IPHONE_TO_JPEG}, or ")
+    } else {
+        String::new()
     };
     format!(
-        "{} is {} {kind} image, which this program does not read: {how} with `heif-dec {from} {to}` (Debian: apt install \
-         libheif-examples, where it may be called heif-convert), and see that it stands upright",
+        "{phone}install libheif's decoder (Debian: apt install libheif-examples), with which it is read as it is, or convert it with \
+         `heif-dec {from} {to}` (on older systems heif-convert)"
+    )
+}
+
+fn heif_sentence(path: &Path, kind: &str) -> String {
+    let a = if kind == "AVIF" { "an" } else { "a" };
+    format!(
+        "{} is {a} {kind} image, for which this system has no decoder: {}",
         path.display(),
-        if kind == "AVIF" { "an" } else { "a" },
+        heif_remedy(path, kind)
     )
 }
 

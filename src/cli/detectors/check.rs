@@ -1,15 +1,16 @@
 //! `scaleproof detectors check`: what do the detectors find in some photos?
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::Looking;
-use crate::cli::{CommandResult, Outcome};
+use super::{Looking, WithWeights};
+use crate::cli::results::Programs;
+use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_detect::{Detection, Detector, Manifest, Runtime};
+use scaleproof_detect::{Detection, Detector, Manifest, ProgramDetector, ProgramPhoto, Runtime};
 use scaleproof_photo::copies;
 use scaleproof_photo::draw::{self, LabelAnchor, Lettering, Pen, RgbImage};
 use scaleproof_photo::photo::{Photo, PhotoError};
@@ -18,6 +19,8 @@ use scaleproof_photo::photo::{Photo, PhotoError};
 pub(crate) struct Args {
     #[command(flatten)]
     looking: Looking,
+    #[command(flatten)]
+    programs: Programs,
     /// Boxes below this confidence are not printed.
     #[arg(long, default_value_t = 0.3)]
     confidence: f64,
@@ -44,22 +47,28 @@ pub(in crate::cli) struct DetectionLine<'a> {
     box_px: BoxPx,
 }
 
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     if !(0.0..=1.0).contains(&args.confidence) {
         return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
     }
-    let (detectors, photos) = args.looking.open()?;
+    let (names, programs) = args.programs.among(&args.looking.detectors)?;
+    let photos = args.looking.photos()?;
+    let networks = if names.is_empty() && !programs.is_empty() {
+        Vec::new()
+    } else {
+        args.looking.networks(&names)?
+    };
+    let programs = args.programs.started(programs)?;
     // With --save: where the copy of each photo goes, and what is drawn in it.
     let places = |folder: &PathBuf| copies::places(folder, &args.looking.photos, "--save", copy_name);
     let places = args.save.as_ref().map(places).transpose()?.unwrap_or_default();
     let mut marks: Vec<Vec<Mark>> = vec![Vec::new(); places.len()];
-    let runtime = Runtime::load()?;
-    for (number, (manifest, weights)) in detectors.iter().enumerate() {
-        let mut detector = Detector::open(runtime, manifest, weights)?;
+    let networks = networks.iter().map(Looker::Network);
+    for (number, looker) in networks.chain(programs.iter().map(Looker::Program)).enumerate() {
+        let manifest = &looker.manifest();
+        let mut look = looker.opened()?;
         for (index, (path, photo)) in args.looking.photos.iter().zip(&photos).enumerate() {
-            // Reduced as `score` reduces it, so that both say the same.
-            let image = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
-            let mut found = detector.detect_reduced(&image, photo.width, photo.height)?;
+            let mut found = look(path, photo)?;
             found.retain(|d| d.score >= args.confidence);
             if let Some(marks) = marks.get_mut(index) {
                 marks.extend(found.iter().map(|d| (number, d.box_px, text(manifest, d))));
@@ -101,6 +110,46 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         }
     }
     Ok(Outcome::Done)
+}
+
+/// What looks at photos.
+enum Looker<'a> {
+    Network(&'a WithWeights),
+    Program(&'a ProgramDetector),
+}
+
+/// From a photo and its path to what is found in it.
+type Look<'a> = Box<dyn FnMut(&Path, &Photo) -> Result<Vec<Detection>> + 'a>;
+
+impl<'a> Looker<'a> {
+    fn manifest(&self) -> Manifest {
+        match self {
+            Looker::Network((manifest, _)) => manifest.clone(),
+            Looker::Program(program) => Manifest::of_foreign(program.card()),
+        }
+    }
+
+    fn opened(self) -> Result<Look<'a>> {
+        Ok(match self {
+            Looker::Network((manifest, weights)) => {
+                let mut detector = Detector::open(Runtime::load()?, manifest, weights)?;
+                Box::new(move |_, photo| {
+                    // Reduced as `score` reduces it, so that both say the same.
+                    let image = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
+                    Ok(detector.detect_reduced(&image, photo.width, photo.height)?)
+                })
+            }
+            Looker::Program(program) => Box::new(|path, photo| {
+                let pixels = program.takes_pixels().then(|| photo.rgb(1)).transpose()?;
+                Ok(program.detect(&ProgramPhoto {
+                    path,
+                    file: &path.display().to_string(),
+                    size: [photo.width, photo.height],
+                    pixels: pixels.as_ref(),
+                })?)
+            }),
+        })
+    }
 }
 
 /// Colours of the detectors, in their order; told apart by the colour-blind (Okabe & Ito 2008).

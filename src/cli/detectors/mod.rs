@@ -16,7 +16,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::cli::answer::{Named, answer, named};
-use crate::cli::{CommandResult, Outcome, Result, advice, full};
+use crate::cli::{CommandResult, Outcome, Result, advice, full, photos};
 use scaleproof_detect::{Manifest, WeightFolders, WeightsError, registered, registered_names};
 use scaleproof_photo::photo::Photo;
 
@@ -64,7 +64,7 @@ impl Folder {
 /// Photos, and the detectors that look at them.
 #[derive(clap::Args)]
 struct Looking {
-    /// Photos (JPEG or PNG).
+    /// Photos (JPEG or PNG), or folders of them.
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// Only this detector; may be given several times, or as a list with commas.
@@ -79,15 +79,22 @@ type WithWeights = (Manifest, PathBuf);
 
 impl Looking {
     /// The detectors with their weights, and the photos.
-    fn open(&self) -> Result<(Vec<WithWeights>, Vec<Photo>)> {
+    fn open(&mut self) -> Result<(Vec<WithWeights>, Vec<Photo>)> {
+        Ok((self.networks(&self.detectors)?, self.photos()?))
+    }
+
+    fn networks(&self, names: &[String]) -> Result<Vec<WithWeights>> {
         let folders = self.folder.folders()?;
-        let manifests = present(&self.detectors, &folders)?.into_iter();
+        let manifests = present(names, &folders)?.into_iter();
         let detectors = manifests.map(|manifest| folders.checked(&manifest).map(|weights| (manifest, weights)));
+        Ok(detectors.collect::<Result<_, WeightsError>>()?)
+    }
+
+    /// Opens the photos; those of named folders are named one by one from then on.
+    fn photos(&mut self) -> Result<Vec<Photo>> {
+        self.photos = photos::of(&self.photos)?;
         let photos = self.photos.iter().map(|path| Photo::open(path));
-        Ok((
-            detectors.collect::<Result<_, WeightsError>>()?,
-            photos.collect::<Result<_, _>>()?,
-        ))
+        Ok(photos.collect::<Result<_, _>>()?)
     }
 }
 

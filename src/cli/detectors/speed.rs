@@ -26,7 +26,7 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     let (detectors, photos) = args.looking.open()?;
     let photos = photos.iter().map(|photo| photo.rgb(1));
     let photos = photos.collect::<Result<Vec<_>, _>>()?;

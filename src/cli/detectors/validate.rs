@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::{Folder, present};
 use crate::cli::{CommandResult, Outcome, progress};
+use scaleproof_core::spelling::{self, count};
 use scaleproof_detect::Manifest;
 use scaleproof_score::score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, labelled_photos, trials};
 
@@ -114,8 +115,11 @@ fn text(validated: &Validated) -> String {
     let (v, averages) = (validated, &validated.averages);
     let mut lines = vec![
         format!(
-            "{}: {} photos, {} boxes, different labels: {}",
-            v.detector, v.photos, v.boxes, v.labels
+            "{}: {}, {}, different labels: {}",
+            v.detector,
+            count(v.photos, "photo"),
+            spelling::choose(v.boxes, "1 box", &format!("{} boxes", v.boxes)),
+            v.labels
         ),
         format!("AP@[.5:.95] {:.3}, AP@0.5 {:.3}", averages.ap_50_95, averages.ap_50),
     ];

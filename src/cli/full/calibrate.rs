@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::cli::answer::answer;
-use crate::cli::{CommandResult, Outcome, progress};
+use crate::cli::{CommandResult, Outcome, photos, progress};
 use scaleproof_core::files;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::CameraFormat;
@@ -16,7 +16,7 @@ use scaleproof_rig::calibrate;
 /// camera are refused with the reason.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Args {
-    /// Photos of the board (JPEG or PNG); they are never changed
+    /// Photos of the board (JPEG or PNG), or folders of them; they are never changed
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// What was printed: the .toml of `print board`
@@ -34,7 +34,8 @@ pub(in crate::cli) struct Args {
 }
 
 /// Runs `scaleproof calibrate`.
-pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
+    args.photos = photos::of(&args.photos)?;
     let board = Definition::open(&args.board)?;
     calibrate::check(&board)?;
     let bar = progress::photos("looking", args.photos.len());

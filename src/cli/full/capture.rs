@@ -16,6 +16,7 @@ use self::decided::Question;
 use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
 use crate::cli::answer::told;
+use crate::cli::choice::completing;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
     BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
@@ -65,7 +66,7 @@ struct ListArgs {
 struct GuidedArgs {
     /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
     /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
-    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = source)]
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "watch:", "replay:", "upload"]), hide_possible_values = true)]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
     #[arg(long)]
@@ -412,13 +413,10 @@ impl ViewArgs {
                 (viewpoints, tolerance)
             }
             None => {
-                let usual = bins.usual_view();
-                let pitches = chosen("--pitch-deg", &self.pitch_deg, usual.0, &bins.pitch_deg)?;
-                let distances = chosen("--distance-mm", &self.distance_mm, usual.1, &bins.distance_mm)?;
-                (
-                    bins.viewpoints(&pitches, &distances),
-                    Tolerance::of_bins(bins, &distances),
-                )
+                let views = bins.photographed(&self.pitch_deg, &self.distance_mm)?;
+                let distances: Vec<f64> = views.iter().map(|view| view.distance_mm).collect();
+                let tolerance = Tolerance::of_bins(bins, &distances);
+                (views, tolerance)
             }
         };
         let tolerance = Tolerance {
@@ -428,25 +426,6 @@ impl ViewArgs {
         };
         Ok(Guidance::at(&viewpoints, tolerance, bins))
     }
-}
-
-/// What was named, each of it a centre of the scene's bins and once; the usual one when nothing was.
-fn chosen(option: &str, named: &[f64], usual: f64, centres: &[f64]) -> Result<Vec<f64>, String> {
-    if named.is_empty() {
-        return Ok(vec![usual]);
-    }
-    if let Some(wrong) = named.iter().find(|value| !centres.contains(value)) {
-        let centres: Vec<String> = centres.iter().map(f64::to_string).collect();
-        return Err(format!(
-            "{option} {wrong} is no bin of the scene: give some of {}",
-            centres.join(", ")
-        ));
-    }
-    Ok(centres
-        .iter()
-        .copied()
-        .filter(|centre| named.contains(centre))
-        .collect())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::cli::{CommandResult, Outcome, advice, progress, scene};
+use crate::cli::{CommandResult, Outcome, advice, photos, progress, scene};
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
@@ -22,7 +22,7 @@ use scaleproof_rig::survey::{
 /// when a file is bad or the photos do not say where the tags stand; nothing is written then.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Args {
-    /// Photos (JPEG or PNG) of the tags from all sides; each shows tags that others show too
+    /// Photos (JPEG or PNG), or folders of them, of the tags from all sides; each shows tags that others show too
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// Camera file: OpenCV or ROS camera_info YAML
@@ -48,7 +48,8 @@ pub(in crate::cli) struct Args {
     json: bool,
 }
 
-pub(in crate::cli) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
+    args.photos = photos::of(&args.photos)?;
     let scene = for_output(Scene::open(&args.scene)?, &args)?;
     let camera = Camera::open(&args.camera)?;
     let fixed = fixed(&args, &scene)?;

@@ -14,6 +14,7 @@ use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::full::texture::TextureArgs;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
+use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
 use scaleproof_surface::texture::{MappedImages, Texture};
@@ -133,9 +134,9 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
         Some(why) => format!("on new texture coordinates, {why}"),
     };
     let words = format!(
-        "{}: {width} × {height} px {coordinates}; {} charts, {:.2} mm a texel\nthe mesh that uses it: {}",
+        "{}: {width} × {height} px {coordinates}; {}, {:.2} mm a texel\nthe mesh that uses it: {}",
         names[0],
-        baked.charts,
+        count(baked.charts, "chart"),
         baked.texel_mm,
         names[1..].join(", ")
     );
@@ -157,7 +158,9 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     let materials = 0..model.mesh.materials().len();
     let shaded = ShadedModel {
         mesh: &model.mesh,
-        textures: materials.map(|m| if is_paint(&m) { &texture } else { &rest }).collect(),
+        textures: materials
+            .map(|m| if is_paint(&m) { &texture } else { &rest[m] })
+            .collect(),
     };
     let (views, distance_mm) = progress::steps("drawing", azimuths.len())
         .during(|bar| shaded.around(&azimuths, args.pitch_deg, size_px, || bar.inc(1)))?;
@@ -170,7 +173,7 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
         named.map(file).collect::<Result<Vec<_>>>()?
     };
     files::write_all_atomically(&files)?;
-    let words = format!("{}: {} views", args.output.display(), views.len());
+    let words = format!("{}: {}", args.output.display(), count(views.len(), "view"));
     let facts = Shown {
         azimuth_deg: azimuths,
         pitch_deg: args.pitch_deg,
@@ -206,12 +209,22 @@ pub(in crate::cli) struct Shown {
     field_of_view_deg: f64,
 }
 
-/// What is not paint: as the mesh's file has it, else grey.
-fn rest(model: &Model) -> Texture {
-    let is_rest = |material: &usize| !model.materials.contains(material);
-    let materials: Vec<usize> = (0..model.mesh.materials().len()).filter(is_rest).collect();
-    match MappedImages::from_mesh(&model.mesh, &materials) {
-        Ok(mapped) if !materials.is_empty() => Texture::Images(mapped.images),
-        _ => Texture::Flat(GREY),
-    }
+/// What is not paint, for each material: as the mesh's file has it, else grey. A material without an image takes none away from the others.
+fn rest(model: &Model) -> Vec<Texture> {
+    let images = |materials: &[usize]| {
+        MappedImages::from_mesh(&model.mesh, materials).map(|mapped| Texture::Images(mapped.images))
+    };
+    let all = 0..model.mesh.materials().len();
+    let rest: Vec<usize> = all
+        .clone()
+        .filter(|material| !model.materials.contains(material))
+        .collect();
+    let whole = images(&rest).ok();
+    let one = |material: usize| {
+        whole
+            .clone()
+            .or_else(|| images(&[material]).ok())
+            .unwrap_or(Texture::Flat(GREY))
+    };
+    all.map(one).collect()
 }

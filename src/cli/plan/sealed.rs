@@ -9,21 +9,23 @@ use serde::Serialize;
 
 use super::super::criteria::Reading;
 use super::super::patterns::named;
-use super::super::{CommandResult, Result, detectors};
+use super::super::{CommandResult, Result, detectors, progress};
 use super::Args;
 use crate::cli::answer::told;
-use scaleproof_core::files;
+use scaleproof_core::{files, spelling};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::scene::{Bins, Scene};
-use scaleproof_score::score::{self, ClusteredBy, Protocol, SealedDetector, SealedPlan, Stopping};
+use scaleproof_pose::scene::Scene;
+use scaleproof_score::score::{
+    self, Aim, ClusteredBy, Endpoint, PlanError, Protocol, SealedDetector, SealedPlan, Stopping,
+};
 use scaleproof_surface::pattern::Pattern;
 
 /// What a sealed plan fixes.
 #[derive(clap::Args)]
 pub(super) struct Sealing {
-    /// Fix the experiment before its photos are taken, in a new file that `compare --plan` holds it against: textures, detectors, thresholds, views, places and when
-    /// it stops. With --scene, --texture and --detector; --sequential and --least as for `compare`.
-    #[arg(long, value_name = "JSON", requires_all = ["scene", "textures", "detectors"], conflicts_with = "drop")]
+    /// Fix the experiment before its photos are taken, in a new file that `compare --plan` holds it against: textures, detectors, thresholds, views, places, the drop
+    /// that shall be shown with which power, and when it stops. With --scene, --drop, --texture and --detector; --sequential and --least as for `compare`.
+    #[arg(long, value_name = "JSON", requires_all = ["scene", "textures", "detectors", "drop"])]
     pub(super) seal: Option<PathBuf>,
     /// With --seal: a texture that will be photographed, with the file of its pattern where there is one; once for each.
     #[arg(long = "texture", value_name = "NAME[=PNG]", requires = "seal", num_args = 1..)]
@@ -34,18 +36,6 @@ pub(super) struct Sealing {
     /// With --seal: a detector that will look; once for each, or a list with commas.
     #[arg(long = "detector", value_name = "NAME", value_delimiter = ',', requires = "seal")]
     detectors: Vec<String>,
-    /// With --seal: pitches of the scene's bins that are photographed [default: the one nearest to 15°]
-    #[arg(
-        long,
-        value_name = "DEG,…",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        requires = "seal"
-    )]
-    pitch_deg: Vec<f64>,
-    /// With --seal: distances of the scene's bins that are photographed [default: the middle one]
-    #[arg(long, value_name = "MM,…", value_delimiter = ',', requires = "seal")]
-    distance_mm: Vec<f64>,
     /// With --seal: the camera's file, which is then fixed, too.
     #[arg(long, value_name = "FILE", requires = "seal")]
     camera: Option<PathBuf>,
@@ -62,6 +52,7 @@ pub(in crate::cli) struct Sealed {
     seal: String,
     /// Photos that it asks for.
     photos: usize,
+    aim: Aim,
 }
 
 pub(super) fn seal(path: &Path, scene_file: &Path, args: &Args, out: &mut dyn Write) -> CommandResult {
@@ -84,6 +75,7 @@ pub(super) fn seal(path: &Path, scene_file: &Path, args: &Args, out: &mut dyn Wr
         Stopping::EveryView
     };
     let mesh = scene.model.envelope.mesh();
+    let views = args.views(&scene)?;
     let plan = SealedPlan {
         scaleproof: env!("CARGO_PKG_VERSION").into(),
         textures: textures(&sealing.textures, &sealing.base)?,
@@ -97,18 +89,35 @@ pub(super) fn seal(path: &Path, scene_file: &Path, args: &Args, out: &mut dyn Wr
         scene_sha256: hash(scene_file)?,
         mesh_sha256: mesh.map(|mesh| hash(&folder.join(mesh))).transpose()?,
         camera_sha256: sealing.camera.as_deref().map(hash).transpose()?,
-        views: views(sealing, &scene.bins)?,
+        views: views
+            .iter()
+            .map(|v| [v.azimuth_deg, v.pitch_deg, v.distance_mm])
+            .collect(),
         places: args.places,
         stopping,
+        aim: None,
     };
+    let aim = aim(args, &plan)?;
+    let plan = SealedPlan { aim: Some(aim), ..plan };
     let photos = plan.photos();
     let seal = plan.write(path)?;
     let file = path.display();
     let words = format!(
-        "plan: {file} ({photos} photos)\nseal: {seal}\nPublish the seal before the first photo; `compare --plan {file}` states it and lists whatever differs."
+        "plan: {file} ({photos} photos)\n{}\nseal: {seal}\nPublish the seal before the first photo; `compare --plan {file}` states it and lists whatever differs.",
+        aim_in_words(&aim, args.places, stopping)
     );
     let plan = path.to_owned();
-    told(args.json, Sealed { plan, seal, photos }, words, out)
+    told(
+        args.json,
+        Sealed {
+            plan,
+            seal,
+            photos,
+            aim,
+        },
+        words,
+        out,
+    )
 }
 
 fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<String>>> {
@@ -135,22 +144,62 @@ fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<Stri
     Ok(textures)
 }
 
-/// The bins that are photographed.
-fn views(sealing: &Sealing, bins: &Bins) -> Result<Vec<[f64; 3]>> {
-    let (pitch, distance) = bins.usual_view();
-    let of = |given: &[f64], usual: f64, all: &[f64], what: &str| -> Result<Vec<f64>> {
-        let is_odd = |v: &&f64| !all.iter().any(|centre| (centre - *v).abs() < 1e-6);
-        if let Some(odd) = given.iter().find(is_odd) {
-            let all: Vec<String> = all.iter().map(f64::to_string).collect();
-            return Err(format!("--{what} {odd} is no bin of the scene: it has {}", all.join(", ")).into());
-        }
-        Ok(if given.is_empty() { vec![usual] } else { given.to_vec() })
+/// What the experiment is to show, and the places that this takes.
+fn aim(args: &Args, plan: &SealedPlan) -> Result<Aim> {
+    let (base_rate, power) = (args.base_rate, args.power);
+    // Required with --seal.
+    let drop = args.drop.unwrap_or_default();
+    let (views, comparisons) = (plan.views.len(), plan.detectors.len() * (plan.textures.len() - 1));
+    let needed = match plan.stopping {
+        Stopping::EveryView => score::places_needed_among(comparisons, views, [base_rate, drop], power),
+        Stopping::Decided { least, .. } => progress::steps("simulating", score::SEQUENTIAL_ROWS)
+            .during(|bar| score::sequential_plan((base_rate, drop), power, least, || bar.inc(1)))
+            .map(|plan| plan.budget_pairs.div_ceil(views)),
     };
-    let pitches = of(&sealing.pitch_deg, pitch, &bins.pitch_deg, "pitch-deg")?;
-    let distances = of(&sealing.distance_mm, distance, &bins.distance_mm, "distance-mm")?;
-    let views = bins.viewpoints(&pitches, &distances);
-    Ok(views
-        .iter()
-        .map(|v| [v.azimuth_deg, v.pitch_deg, v.distance_mm])
-        .collect())
+    let places_needed = match needed {
+        Err(PlanError::TooMany) => None,
+        needed => Some(needed?),
+    };
+    let primary_endpoint = Endpoint::HitRate;
+    Ok(Aim {
+        primary_endpoint,
+        drop,
+        base_rate,
+        power,
+        comparisons,
+        places_needed,
+    })
+}
+
+/// The aim and the stop in two sentences.
+fn aim_in_words(aim: &Aim, places: u16, stopping: Stopping) -> String {
+    let Aim {
+        drop,
+        base_rate,
+        power,
+        comparisons,
+        ..
+    } = aim;
+    let corrected = match comparisons {
+        1 => String::new(),
+        n => format!(", for each of {n} comparisons (detectors × textures, Holm)"),
+    };
+    let looks = match stopping {
+        Stopping::EveryView => "looked at once, when every view is there",
+        Stopping::Decided { .. } => "looked at after each pair until it is decided",
+    };
+    let planned = spelling::count(usize::from(places), "place");
+    let enough = match aim.places_needed {
+        Some(needed) if needed <= usize::from(places) => format!(
+            "it takes {}, and {planned} are planned",
+            spelling::count(needed, "place")
+        ),
+        Some(needed) => {
+            format!("{planned} planned: too few, it takes {needed} (--places {needed}, or a larger --drop)")
+        }
+        None => format!("{planned} planned: too few, as any number of photos: plan for a larger --drop"),
+    };
+    format!(
+        "primary endpoint: hit rate, {looks}\nto be shown: a drop of {drop} from {base_rate} with a chance of {power}{corrected}: {enough}"
+    )
 }

@@ -98,9 +98,25 @@ impl History {
         Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
     }
 
-    /// Two histories stand on one chart only when both were made with the same frames, detectors and labels of the model.
-    pub fn is_comparable(&self, other: &Self) -> bool {
-        self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors && self.classes == other.classes
+    /// In what two were made otherwise, so that they cannot stand on one chart, as clauses; none where they can.
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let classes = |history: &History| {
+            history
+                .classes
+                .as_ref()
+                .map_or("not stated".to_owned(), |c| c.labels().join(", "))
+        };
+        let both = [
+            ("frames", self.frames_sha256.clone(), other.frames_sha256.clone()),
+            ("detectors", self.detectors.join(", "), other.detectors.join(", ")),
+            ("classes", classes(self), classes(other)),
+        ];
+        let differing = both.into_iter().filter(|(_, own, others)| own != others);
+        let clauses = differing.map(|(what, own, others)| match what {
+            "frames" => "other frames".to_owned(),
+            _ => format!("other {what} ({own}; {others})"),
+        });
+        clauses.collect()
     }
 
     /// Images looked at in all.

@@ -94,7 +94,7 @@ pub enum RunError {
         "{path} is the checkpoint of a run with other settings, frames, detectors or classes: give another folder, or remove it"
     )]
     OtherRun { path: PathBuf },
-    #[error("{path} is damaged: remove it, and the run begins anew")]
+    #[error("{path} is damaged: remove it, and the run starts over")]
     Damaged { path: PathBuf },
     #[error("{path} is no history of a pattern ({reason}): make it again")]
     NotAHistory { path: PathBuf, reason: String },

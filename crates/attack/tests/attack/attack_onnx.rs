@@ -743,7 +743,7 @@ fn rearrangements() -> Vec<Small> {
         )
     };
     // The shape of the image, computed with: rows · columns as the new last side.
-    let reckoned = [
+    let calculated = [
         step("Shape", &["x"], &["s"], &[]),
         whole_constant("two", &[], &[2]),
         whole_constant("three", &[], &[3]),
@@ -781,7 +781,7 @@ fn rearrangements() -> Vec<Small> {
         gather("Gather, a table", &[2, 2], &[0, 1, 2, 0], 2),
         small("Split in halves, Concat", &shape, halves.into()),
         small("Split by sizes", &shape, split.into()),
-        small("Shape arithmetic", &shape, reckoned.into()),
+        small("Shape arithmetic", &shape, calculated.into()),
     ]
 }
 

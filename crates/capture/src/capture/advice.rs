@@ -24,6 +24,9 @@ pub enum Advice {
     Blurred { blur_px: Option<f64> },
     #[error("the tags are too small to tell whether it is sharp: closer, or a larger image")]
     TooSmall,
+    /// A pose, but no tag whose border is whole.
+    #[error("no tag is clear enough to tell whether it is sharp: hold still, and uncover a tag")]
+    Unmeasured,
     #[error("hold still")]
     Moving,
     /// All gates hold: it is taken when they still do in a moment.
@@ -32,6 +35,9 @@ pub enum Advice {
     /// All gates hold, and photos are taken by hand only.
     #[error("good: take the photo")]
     Ready,
+    /// A pose by which no part of the model's box is in the image.
+    #[error("the model is outside the photo: turn the camera to it")]
+    NoModel,
     #[error("I see no tag: step back, or uncover the tags")]
     NoTags,
     /// With the tag beside it that should be seen too, if the scene has one.
@@ -74,9 +80,11 @@ impl Advice {
             Advice::TooBright => "too_bright",
             Advice::Blurred { .. } => "blurred",
             Advice::TooSmall => "too_small",
+            Advice::Unmeasured => "unmeasured",
             Advice::Moving => "moving",
             Advice::Hold => "hold",
             Advice::Ready => "ready",
+            Advice::NoModel => "no_model",
             Advice::NoTags => "no_tags",
             Advice::OneTag { .. } => "one_tag",
             Advice::NotLocated(abstention) => abstention.code(),

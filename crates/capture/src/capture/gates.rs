@@ -10,7 +10,10 @@ use scaleproof_core::statistics::upper_median;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma};
 use scaleproof_pose::scene::{Scene, Tag};
-use scaleproof_pose::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
+use scaleproof_pose::tags::{
+    Appearance, BLUR_LONG_SIDE_PX, HOPELESS_BLUR_PX, SeenTag, StartError, TagDetector, TagDetectorChoice,
+    sharpest_edges_px,
+};
 
 /// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
 /// detectors see it reduced. Table in `docs/lessons/capture.md`.
@@ -27,9 +30,6 @@ const CLIPPED: u8 = 254;
 /// How far tags may move from frame to frame, px in an image 1280 px long.
 pub const MAX_MOVED_PX: f64 = 2.0;
 
-/// The long side that the limits in px are for.
-const LONG_SIDE_PX: f64 = 1280.0;
-
 /// The frame after so many that were looked at from the last pose is searched as a whole.
 const MOST_TRACKED: u32 = 10;
 
@@ -40,9 +40,6 @@ const UNANSWERED: u32 = 4;
 /// Without any tag, an image of this mean grey level or less is dark, of that or more bright.
 const DARK_MEAN: f64 = 25.0;
 const BRIGHT_MEAN: f64 = 230.0;
-
-/// Without any whole tag, an image whose steepest edges are as wide as this blur (σ, px of 1280) is blurred.
-const HOPELESS_BLUR_PX: f64 = 3.5;
 
 /// What was measured of a frame, as its sidecar has it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, schemars::JsonSchema)]
@@ -186,9 +183,11 @@ impl Judge {
         };
         let light = light(&measures, &seen, grey);
         let focus = focus(&appearance, &seen, grey);
+        let model = measures.clipped_share.is_none().then_some(Advice::NoModel);
         let (place, first_fault) = match &located {
             Err(abstention) => {
-                let spoiled = light.or(focus);
+                // Why there is no pose tells more than that the focus is unknown.
+                let spoiled = light.or(focus.filter(|advice| *advice != Advice::Unmeasured));
                 let advice = spoiled.unwrap_or_else(|| self.not_located(abstention.clone(), &seen));
                 (Err(advice), None)
             }
@@ -196,9 +195,9 @@ impl Judge {
                 let place = place(located, guidance);
                 let still = self.unsteady(&measures, grey);
                 let order = if self.is_stream {
-                    [light, place.clone().err(), focus, still]
+                    [model, light, place.clone().err(), focus, still]
                 } else {
-                    [light, focus, place.clone().err(), None]
+                    [model, light, focus, place.clone().err(), None]
                 };
                 (place, order.into_iter().flatten().next())
             }
@@ -220,9 +219,10 @@ impl Judge {
     }
 
     fn not_located(&self, abstention: Abstention, seen: &[SeenTag]) -> Advice {
-        use Abstention::{NoTags, OneTagAmbiguous, OneTagCovered, OneTagFrontal};
+        use Abstention::{Blurred, NoTags, OneTagAmbiguous, OneTagCovered, OneTagFrontal};
         match (&abstention, seen) {
             (NoTags, _) => Advice::NoTags,
+            (&Blurred { blur_px }, _) => Advice::Blurred { blur_px: Some(blur_px) },
             (&(OneTagCovered { id } | OneTagFrontal { id, .. } | OneTagAmbiguous { id, .. }), [only]) => {
                 let tag = self.scene.tag(only.family, id);
                 let beside = tag.and_then(|tag| beside(tag, &self.scene)).map(|tag| tag.id);
@@ -239,7 +239,7 @@ fn enlarged(grey: &GrayImage) -> f64 {
 
 /// How many times longer an image is than the one the limits in px are for; small ones have the same limits.
 pub fn enlargement(size_px: [u32; 2]) -> f64 {
-    (f64::from(size_px[0].max(size_px[1])) / LONG_SIDE_PX).max(1.0)
+    (f64::from(size_px[0].max(size_px[1])) / BLUR_LONG_SIDE_PX).max(1.0)
 }
 
 /// The target that a viewpoint fills, or the way to one.
@@ -270,51 +270,26 @@ fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advi
     is_dark.then_some(Advice::TooDark).or(too_bright)
 }
 
-/// Blurred, or too small to tell.
+/// Blurred, or nothing to tell it by.
 fn focus(appearance: &Appearance, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
     let enlarged = enlarged(grey);
     // Blur beyond what a tag's border can take hides the tags, or leaves them looking covered.
     if !seen.iter().any(|tag| tag.is_whole) {
-        let is_hopeless = sharpest_edge_px(grey).is_some_and(|px| px > HOPELESS_BLUR_PX * enlarged);
-        return is_hopeless.then_some(Advice::Blurred { blur_px: None });
+        let [across, along] = sharpest_edges_px(grey);
+        let is_hopeless = across
+            .zip(along)
+            .is_some_and(|(a, b)| a.min(b) > HOPELESS_BLUR_PX * enlarged);
+        return Some(if is_hopeless {
+            Advice::Blurred { blur_px: None }
+        } else {
+            Advice::Unmeasured
+        });
     }
     match appearance.blur_px {
-        Some(px) if px > MAX_BLUR_PX * enlarged => Some(Advice::Blurred { blur_px: Some(px) }),
-        Some(_) => None,
+        Some(px) if px <= MAX_BLUR_PX * enlarged => None,
+        Some(px) => Some(Advice::Blurred { blur_px: Some(px) }),
         None => Some(Advice::TooSmall),
     }
-}
-
-/// The blur (σ, px) that would make the steepest edges of an image from its own contrast: C / (g √2π) for the gradient g of a thousandth of
-/// the pixels. Coarse; for images without a whole tag. `None` for an image of one tone.
-fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
-    let mut steep = [0u32; 256];
-    let mut tones = [0u32; 256];
-    let (width, height) = grey.dimensions();
-    let raw = grey.as_raw();
-    let stride = width as usize;
-    for y in 1..height.saturating_sub(1) as usize {
-        for x in 1..width.saturating_sub(1) as usize {
-            let i = y * stride + x;
-            let (across, down) = (
-                raw[i + 1].abs_diff(raw[i - 1]),
-                raw[i + stride].abs_diff(raw[i - stride]),
-            );
-            steep[usize::from(across.max(down))] += 1;
-            tones[usize::from(raw[i])] += 1;
-        }
-    }
-    let count: u32 = tones.iter().sum();
-    let level = |histogram: &[u32; 256], share: f64| {
-        let mut below = 0;
-        (0..256).find(|v| {
-            below += histogram[*v];
-            f64::from(below) > share * f64::from(count)
-        })
-    };
-    let contrast = level(&tones, 0.99)?.saturating_sub(level(&tones, 0.01)?) as f64;
-    let gradient = level(&steep, 0.999)? as f64 / 2.0;
-    (contrast > 0.0 && gradient > 0.0).then(|| contrast / (gradient * std::f64::consts::TAU.sqrt()))
 }
 
 /// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the image.

@@ -10,7 +10,7 @@ use http_body_util::BodyExt;
 use tokio::time::{Instant, timeout_at};
 
 use crate::capture::{Original, SourceFrame};
-use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_photo::photo::{Budget, IPHONE_TO_JPEG, Photo};
 
 /// Of one photo.
 pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
@@ -42,7 +42,8 @@ pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
     let kind = text(headers, CONTENT_TYPE).trim().to_ascii_lowercase();
     let sentence = match kind.as_str() {
         "image/heic" | "image/heif" => {
-            "this is an HEIC image: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)"
+            let sentence = format!("this is an HEIC image: {IPHONE_TO_JPEG}, or send it as JPEG");
+            return Err((StatusCode::UNSUPPORTED_MEDIA_TYPE, sentence));
         }
         // Of the types a form of another site could send without asking first, none is an image's.
         kind if !kind.starts_with("image/") => "this is no image: send a JPEG or PNG straight from the camera",

@@ -17,6 +17,8 @@ pub(super) struct Categories {
     by_id: BTreeMap<u64, usize>,
     /// Whose they are, as in "none of COCO's".
     whose: String,
+    /// The number of the first label, where that is stated.
+    first: Option<u64>,
 }
 
 impl Default for Categories {
@@ -42,11 +44,27 @@ impl Categories {
             by_id: (0..labels.count()).filter_map(id).collect(),
             labels,
             whose,
+            first: None,
+        }
+    }
+
+    /// The labels by numbers without gaps from a stated one on.
+    pub(super) fn counted_from(self, first: Option<u64>) -> Categories {
+        let Some(number) = first else { return self };
+        let by_id = (0..self.labels.count())
+            .map(|label| (number.saturating_add(label as u64), label))
+            .collect();
+        let whose = format!("{}, counted from {number}", self.whose);
+        Categories {
+            by_id,
+            whose,
+            first,
+            ..self
         }
     }
 
     /// Reads a COCO file's `categories`, the `names` of a YOLO data set's YAML file, or a text file with one name a line.
-    pub(super) fn open(path: &Path) -> Result<Categories, OutsideError> {
+    pub(super) fn open(path: &Path, first: Option<u64>) -> Result<Categories, OutsideError> {
         let text = files::read_text(path)?;
         let whose = format!("{}'s", path.display());
         let refuse = |message: String| OutsideError::from(FileError::content(path, message));
@@ -58,10 +76,15 @@ impl Categories {
             .extension()
             .is_some_and(|ending| ending == "yaml" || ending == "yml")
         {
-            return Ok(Categories::numbered(labels(yaml_names(&text))?, whose));
+            return Ok(Categories::numbered(labels(yaml_names(&text))?, whose).counted_from(first));
         }
         if !text.trim_start().starts_with(['{', '[']) {
-            return Ok(Categories::numbered(labels(names(&text))?, whose));
+            return Ok(Categories::numbered(labels(names(&text))?, whose).counted_from(first));
+        }
+        if first.is_some() {
+            return Err(refuse(
+                "its categories have numbers of their own: leave out that of the first label".into(),
+            ));
         }
         let file: CocoFile = serde_json::from_str(&text).map_err(|e| syntax(path, &e))?;
         let by_id: BTreeMap<u64, &str> = file.categories.iter().map(|c| (c.id, c.name.as_str())).collect();
@@ -73,7 +96,18 @@ impl Categories {
             labels: labels(checked(names))?,
             by_id: by_id.keys().enumerate().map(|(label, id)| (*id, label)).collect(),
             whose,
+            first: None,
         })
+    }
+
+    /// The label of a class of YOLO's text files, which count from 0 where nothing else is stated.
+    pub(super) fn of_class(&self, class: u64) -> Result<usize, String> {
+        let (first, count) = (self.first.unwrap_or(0), self.labels.count());
+        let label = class
+            .checked_sub(first)
+            .map(|label| label as usize)
+            .filter(|label| *label < count);
+        label.ok_or_else(|| format!("the class {class} is none of the {count} labels, which count from {first}"))
     }
 
     /// The label of a category id of a file.

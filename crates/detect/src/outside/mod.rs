@@ -8,6 +8,7 @@ mod coco;
 mod photo_names;
 mod yolo;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::foreign::{check_score, placed, turned_hint};
@@ -60,6 +61,8 @@ pub struct ResultsRequest<'a> {
     pub images: Option<&'a Path>,
     /// Names of the labels; COCO's when absent.
     pub categories: Option<&'a Path>,
+    /// The number of the first label, where labels are counted; as the format has it when absent.
+    pub first_label: Option<u64>,
     /// The photos of the run, in its order.
     pub photos: &'a [PhotoName],
 }
@@ -111,7 +114,10 @@ impl OutsideResults {
     /// # Errors
     /// A sentence on what cannot be read or is open to doubt.
     pub fn open(request: &ResultsRequest) -> Result<OutsideResults, OutsideError> {
-        let categories = request.categories.map_or(Ok(Categories::default()), Categories::open)?;
+        let categories = match request.categories {
+            Some(path) => Categories::open(path, request.first_label)?,
+            None => Categories::default().counted_from(request.first_label),
+        };
         let is_folder = request.path.is_dir();
         if let (true, Some(images)) = (is_folder, request.images) {
             let message = "it says what the images of a COCO results list are, and a folder of text files has names";
@@ -173,6 +179,24 @@ impl OutsideResults {
             by_photo: read.by_photo,
             are_shares: is_folder,
         })
+    }
+
+    /// Notes that no detection has one of the labels that count as the model: classes that count from 0 and are read as COCO's are all others.
+    pub fn note_unless_any(&mut self, counted: &[usize]) {
+        let mut by_label: BTreeMap<usize, usize> = BTreeMap::new();
+        for found in self.by_photo.iter().flat_map(|photo| &photo.boxes) {
+            *by_label.entry(found.label).or_default() += 1;
+        }
+        let most = by_label
+            .iter()
+            .max_by_key(|(_, count)| **count)
+            .and_then(|(label, _)| self.card.labels.name(*label));
+        if let (Some(most), false) = (most, counted.iter().any(|label| by_label.contains_key(label))) {
+            self.card.notes.push(format!(
+                "no detection in the results of {} counts as the model, and most are read as `{most}`: do its classes count from another number, such as 0?",
+                self.card.name
+            ));
+        }
     }
 
     pub fn card(&self) -> &ForeignCard {

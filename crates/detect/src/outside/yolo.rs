@@ -106,13 +106,8 @@ fn raw_box(line: &str, categories: &Categories) -> Result<RawBox, String> {
         .parse()
         .ok()
         .filter(|class: &f64| class.fract() == 0.0 && *class >= 0.0);
-    let index = index.ok_or_else(|| format!("the class {class:?} is no whole number"))? as usize;
-    let count = categories.labels.count();
-    if index >= count {
-        return Err(format!(
-            "the class {index} is none of the {count} labels, which count from 0"
-        ));
-    }
+    let index = index.ok_or_else(|| format!("the class {class:?} is no whole number"))? as u64;
+    let label = categories.of_class(index)?;
     let shares = [cx, cy, w, h];
     if w < 0.0 || h < 0.0 || !shares.iter().all(|v| v.is_finite()) {
         return Err(format!(
@@ -125,7 +120,7 @@ fn raw_box(line: &str, categories: &Categories) -> Result<RawBox, String> {
         ));
     }
     Ok(RawBox {
-        label: index,
+        label,
         score,
         xywh: [cx - w / 2.0, cy - h / 2.0, w, h],
     })

@@ -139,7 +139,7 @@ fn writer(mut stdin: ChildStdin) -> SyncSender<Vec<u8>> {
 /// Where what is to be read is asked for, so many bytes or a line, and where it arrives.
 type Reading = (SyncSender<Option<usize>>, Receiver<Result<Vec<u8>, Silence>>);
 
-/// Reads what is wanted and no more: whatever else the program writes waits in its pipe.
+/// Reads only the answer: whatever else the program writes waits in its pipe.
 fn reader(stdout: impl Read + Send + 'static) -> Reading {
     let ((want, wanted), (tell, heard)) = (sync_channel::<Option<usize>>(1), sync_channel(1));
     std::thread::spawn(move || {

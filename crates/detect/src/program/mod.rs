@@ -25,6 +25,7 @@ use scaleproof_core::geometry::BoxPx;
 
 pub use groups::{keep_programs_in_our_group, kill_programs};
 pub use hello::Gradients;
+pub(super) use spec::interpreter;
 pub use spec::{ProgramSpec, ProgramSpecError};
 
 /// What a program says, read without the program: its first line and its answers.
@@ -36,8 +37,13 @@ pub mod protocol {
 /// Why a program cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramError {
-    #[error("cannot start `{command}`: {reason}")]
-    Start { command: String, reason: String },
+    #[error("cannot start `{command}`: {reason}{instead}")]
+    Start {
+        command: String,
+        reason: String,
+        /// As in "; mine.py is started by `python3 mine.py`"; empty where nothing is known.
+        instead: String,
+    },
     #[error("`{command}` cannot be used: {fault}")]
     Hello { command: String, fault: String },
     #[error("`{command}` {how} {when}{words}")]
@@ -309,6 +315,7 @@ fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramE
     let mut child = Child::start(&spec.command, spec.folder.as_deref()).map_err(|e| ProgramError::Start {
         command: command.clone(),
         reason: files::plain(&e),
+        instead: spec.instead(),
     })?;
     let line = match child.line(limit) {
         Ok(line) => line,

@@ -94,6 +94,18 @@ impl ProgramSpec {
         self.command.join(" ")
     }
 
+    /// How the first word is started, where it is a file that does not start by itself.
+    pub(super) fn instead(&self) -> String {
+        let Some(file) = self.command.first().filter(|word| self.seen(Path::new(word)).is_file()) else {
+            return String::new();
+        };
+        match interpreter(file) {
+            Some(interpreter) => format!("; write `{interpreter} {}`", self.in_words()),
+            None if file.contains('/') => format!("; is {file} made executable (chmod +x)?"),
+            None => format!("; write `./{}`, for a program in this folder", self.in_words()),
+        }
+    }
+
     /// The files among its words, as a script behind its interpreter.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let named = self.command.iter().map(|word| self.seen(Path::new(word)));
@@ -103,6 +115,15 @@ impl ProgramSpec {
     /// A path as the program sees it.
     pub(super) fn seen(&self, path: &Path) -> PathBuf {
         self.folder.as_ref().map_or(path.to_owned(), |folder| folder.join(path))
+    }
+}
+
+/// What runs a script, by its ending.
+pub(crate) fn interpreter(file: &str) -> Option<&'static str> {
+    match Path::new(file).extension()?.to_str()? {
+        "py" => Some("python3"),
+        "sh" => Some("sh"),
+        _ => None,
     }
 }
 

@@ -10,6 +10,11 @@ use scaleproof_core::spelling::list;
 pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,
+    /// No tag, or only part of one.
+    #[error(
+        "no tag can be read, and no edge in the photo is sharper than a blur of {blur_px:.0} px: hold still, let it focus, or give it more light"
+    )]
+    Blurred { blur_px: f64 },
     #[error(
         "no tag of this scene is visible for certain, only ids that are unknown or appear twice ({}): is this another scene, or is a copy in the photo?",
         list(ids)
@@ -95,6 +100,7 @@ impl Abstention {
     pub fn code(&self) -> &'static str {
         match self {
             Abstention::NoTags => "no_tags",
+            Abstention::Blurred { .. } => "blurred",
             Abstention::NoKnownTag { .. } => "no_known_tag",
             Abstention::BehindCamera => "behind_camera",
             Abstention::HighResidual { .. } | Abstention::NoMajority { .. } | Abstention::OneTagBent { .. } => {

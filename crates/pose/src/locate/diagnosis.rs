@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::factor::{self, Factor, FactorKind};
+use super::part_sizes::{self, PartSize, has_outlier};
 use super::relabelled::{self, Relabelled};
 use super::{Abstention, LocatedPhoto, Warning};
 use crate::camera::{Camera, SizeError};
@@ -18,6 +19,8 @@ use crate::tags::SeenTag;
 pub enum Diagnosis {
     /// The tags are larger or smaller than the scene says.
     TagSize(Factor),
+    /// Some of the tags are.
+    PartSize(PartSize),
     /// The camera's focal length is longer or shorter than its file says.
     Focal(Factor),
     /// Tags of the scene's family that the scene does not have.
@@ -30,6 +33,8 @@ pub enum Diagnosis {
     Mirrored { photos: usize, of: usize },
     /// The camera file is for another aspect ratio.
     CameraSize { errors: Vec<SizeError> },
+    /// The photos are too blurred for tags.
+    Blurred { photos: usize, of: usize },
     /// No tag at all. `searched_others`: so many photos were searched for every family.
     NoTags {
         photos: usize,
@@ -64,7 +69,9 @@ pub fn is_bad(photo: &LocatedPhoto) -> bool {
 
 /// Whether nearly all photos show no tag of the families that were searched, so that others should be.
 pub fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
-    is_most(photos, |p| matches!(p.result, Err(Abstention::NoTags)))
+    is_most(photos, |p| {
+        matches!(p.result, Err(Abstention::NoTags | Abstention::Blurred { .. }))
+    })
 }
 
 /// Tags that some photos show to who searches otherwise; nothing where nobody did.
@@ -84,7 +91,12 @@ pub fn are_bad(photos: &[&LocatedPhoto]) -> bool {
 /// The one cause, if there is one.
 pub fn diagnose(photos: &[&LocatedPhoto], others: &OtherLooks, scene: &Scene) -> Option<Diagnosis> {
     if !are_bad(photos) {
-        return None;
+        // Outvoted by the others, tags of wrong size are left out, and the photos are located.
+        let doubtful: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p) || has_outlier(p)).collect();
+        let are_many = doubtful.len() >= FEWEST && 2 * doubtful.len() >= photos.len();
+        return are_many
+            .then(|| part_size(&doubtful, photos.len(), f64::INFINITY, scene))
+            .flatten();
     }
     if is_most(photos, |p| matches!(p.result, Err(Abstention::WrongCameraSize(_)))) {
         let mut errors: Vec<SizeError> = Vec::new();
@@ -99,6 +111,14 @@ pub fn diagnose(photos: &[&LocatedPhoto], others: &OtherLooks, scene: &Scene) ->
     }
     if let Some(found) = mirrored(&others.mirrored, scene) {
         return Some(found);
+    }
+    if is_most(photos, |p| matches!(p.result, Err(Abstention::Blurred { .. }))) {
+        let photos_of = |is: fn(&LocatedPhoto) -> bool| photos.iter().filter(|p| is(p)).count();
+        let photos_blurred = photos_of(|p| matches!(p.result, Err(Abstention::Blurred { .. })));
+        return Some(Diagnosis::Blurred {
+            photos: photos_blurred,
+            of: photos.len(),
+        });
     }
     let others = &others.families;
     if is_without_tags(photos) {
@@ -175,11 +195,28 @@ fn wrong_number(bad: &[&LocatedPhoto], photos: usize, scene: &Scene) -> Option<D
     let best = size.cost.min(focal.cost);
     let could_be = |fit: &Factor| best > BETTER_THAN_RIVAL * fit.cost;
     let is_good = |fit: &Factor| is_good(fit, photos);
+    if let Some(part) = part_size(bad, photos, best, scene) {
+        return Some(part);
+    }
     match (could_be(&size), could_be(&focal)) {
         (true, false) if is_good(&size) => Some(Diagnosis::TagSize(size)),
         (false, true) if is_good(&focal) => Some(Diagnosis::Focal(focal)),
         _ => None, // where both could be, naming either would be a guess
     }
+}
+
+/// A wrong size of some tags, where it explains more than a number of all does, whose cost is `rival`, and than that of other parts.
+fn part_size(bad: &[&LocatedPhoto], photos: usize, rival: f64, scene: &Scene) -> Option<Diagnosis> {
+    let mut fits = part_sizes::fits(bad, scene);
+    fits.sort_by(|a, b| a.size.cost.total_cmp(&b.size.cost));
+    let best = fits.first()?;
+    let is_best = best.size.cost <= BETTER_THAN_RIVAL * rival;
+    // Parts that overlap are the same finding; one without a tag of the other explains it another way.
+    let has_rival = fits[1..].iter().any(|other| {
+        let is_apart = other.tags.iter().all(|tag| !best.tags.contains(tag));
+        is_apart && best.size.cost > BETTER_THAN_RIVAL * other.size.cost
+    });
+    (is_best && !has_rival && is_good(&best.size, photos)).then(|| Diagnosis::PartSize(fits.swap_remove(0)))
 }
 
 /// Whether a factor makes most photos good, and most of them ask for it.
@@ -217,6 +254,24 @@ impl Diagnosis {
                      as {scene_file} says, all tags stand {:.2} times as far apart as it says instead",
                     fits(size),
                     1.0 / size.factor
+                )
+            }
+            Diagnosis::PartSize(PartSize { size, tags }) => {
+                let ids: Vec<u32> = tags.iter().map(|(_, id)| *id).collect();
+                let sizes: BTreeSet<String> = tags
+                    .iter()
+                    .filter_map(|(f, id)| Some(scene.tag(*f, *id)?.size_mm.to_string()))
+                    .collect();
+                let (is, was) = match (sizes.first().and_then(|mm| mm.parse::<f64>().ok()), sizes.len()) {
+                    (Some(mm), 1) => (format!("{:.1} mm wide", mm * size.factor), format!("{mm} mm")),
+                    _ => (format!("{:.2} times as wide", size.factor), "as wide".to_owned()),
+                };
+                format!(
+                    "the tags with {} seem to be {is}, not {was} as {scene_file} says: so {} of {} photos that show them beside others fit. \
+                     Measure the black square of one of them and of one of the others, and correct size_mm of these tags or print them again",
+                    ids_in_words(&ids),
+                    size.healed,
+                    size.telling
                 )
             }
             Diagnosis::Focal(focal) => {
@@ -261,6 +316,10 @@ impl Diagnosis {
                  mirrored too, switch that off in the camera"
             ),
             Diagnosis::CameraSize { errors } => camera_sizes(errors, &camera_file),
+            Diagnosis::Blurred { photos, of } => format!(
+                "{photos} of {of} photos have no sharp edge: they are blurred, by motion or focus, and no tag can be read in them. More light, a \
+                 shorter exposure, and focus on the model"
+            ),
             Diagnosis::NoTags {
                 photos,
                 of,

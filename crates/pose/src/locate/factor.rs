@@ -1,17 +1,21 @@
 //! One factor that makes many photos fit: of the tags' sizes, or of the focal length.
 
+use std::collections::BTreeSet;
+
 use super::matches;
 use super::solver::Solver;
 use super::{Located, LocatedPhoto, Warning, locate};
 use crate::camera::Camera;
-use crate::scene::Scene;
+use crate::scene::{Scene, Tag, TagFamily};
 use crate::tags::SeenTag;
 
 /// What a factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum FactorKind {
+pub(super) enum FactorKind<'a> {
     /// Every tag's `size_mm`, about its centre.
     TagSize,
+    /// The same of some tags.
+    PartSize(&'a BTreeSet<(TagFamily, u32)>),
     /// fx and fy.
     Focal,
 }
@@ -50,7 +54,7 @@ const WORST_DEG: f64 = 0.5;
 
 /// Fits a factor to the photos with two tags or more. `None` when there are none.
 pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Option<Factor> {
-    let all: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_telling(p, scene)).collect();
+    let all: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_telling(of, p, scene)).collect();
     let photos = spread(&all, FITTED);
     let cost = |factor: f64, photos: &[&LocatedPhoto]| {
         let scene = scaled(of, scene, factor);
@@ -87,17 +91,33 @@ pub fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
     (0..count).map(at).collect()
 }
 
-fn is_telling(photo: &LocatedPhoto, scene: &Scene) -> bool {
+/// Two tags or more, and where the factor is of a part of them, one of each kind.
+fn is_telling(of: FactorKind, photo: &LocatedPhoto, scene: &Scene) -> bool {
     let matched = matches::match_tags(&photo.seen, scene);
-    photo.fitted.is_ok() && matched.is_ok_and(|(matches, _)| matches.len() >= 2)
+    let are_telling = |matches: &[matches::Match]| {
+        let of_part = matches.iter().filter(|m| of.scales(m.tag)).count();
+        let is_mixed = (1..matches.len()).contains(&of_part);
+        matches.len() >= 2 && (is_mixed || !matches!(of, FactorKind::PartSize(_)))
+    };
+    photo.fitted.is_ok() && matched.is_ok_and(|(matches, _)| are_telling(&matches))
+}
+
+impl FactorKind<'_> {
+    /// Whether a tag's size is multiplied.
+    fn scales(self, tag: &Tag) -> bool {
+        match self {
+            FactorKind::TagSize => true,
+            FactorKind::PartSize(part) => part.contains(&(tag.family, tag.id)),
+            FactorKind::Focal => false,
+        }
+    }
 }
 
 /// The scene with its tags' sizes multiplied, when that is what the factor belongs to.
 fn scaled(of: FactorKind, scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
-    if of == FactorKind::TagSize {
-        scene.tags.iter_mut().for_each(|tag| tag.size_mm *= factor);
-    }
+    let tags = scene.tags.iter_mut().filter(|tag| of.scales(tag));
+    tags.for_each(|tag| tag.size_mm *= factor);
     scene
 }
 

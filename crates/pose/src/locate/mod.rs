@@ -9,6 +9,7 @@ mod doubt;
 mod factor;
 mod lone_tag;
 mod matches;
+mod part_sizes;
 mod photo;
 mod plain_view;
 mod planar;

@@ -4,7 +4,7 @@ use super::plain_view::still_missing;
 use super::{Abstention, Located, locate};
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::scene::Scene;
-use crate::tags::{SeenTag, TagDetector};
+use crate::tags::{BLUR_LONG_SIDE_PX, HOPELESS_BLUR_PX, SeenTag, TagDetector, sharpest_edges_px};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::photo::{Luma, Photo, PhotoError};
 
@@ -58,11 +58,26 @@ pub fn locate_luma(
         Some((of, result)) if of == seen => result,
         _ => locate(&seen, scene, &fitted.camera),
     };
+    let result = result.map_err(|why| match &why {
+        Abstention::NoTags | Abstention::OneTagCovered { .. } => {
+            blur_px(luma).map_or(why, |blur_px| Abstention::Blurred { blur_px })
+        }
+        _ => why,
+    });
     LocatedPhoto {
         seen,
         fitted: Ok(fitted),
         result,
     }
+}
+
+/// The blur (σ, px) of an image without a sharp edge across it or along it: motion leaves those along its way sharp.
+fn blur_px(luma: &dyn Luma) -> Option<f64> {
+    let longest = luma.size().into_iter().max().unwrap_or(0);
+    let limit = HOPELESS_BLUR_PX * (f64::from(longest) / BLUR_LONG_SIDE_PX).max(1.0);
+    let [across, along] = sharpest_edges_px(luma.whole());
+    let blur_px = across?.max(along?);
+    (blur_px > limit).then_some(blur_px)
 }
 
 /// Locates the camera by the tags found in an upright photo of a width and height, px, which EXIF turned by `turned_deg`.

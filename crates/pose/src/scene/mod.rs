@@ -17,6 +17,7 @@ pub use fault::SceneFault;
 pub use ring::TagRing;
 pub use tag::{Tag, TagFamily, TagSigma, corners_in_tag_mm};
 pub use viewpoint::Viewpoint;
+pub use views::NoSuchBin;
 
 use std::path::{Path, PathBuf};
 

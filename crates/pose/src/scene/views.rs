@@ -5,7 +5,28 @@ use super::{Bins, Viewpoint};
 /// The pitch of a standing or slightly stooping photographer, where a scene has several.
 const USUAL_PITCH_DEG: f64 = 15.0;
 
+/// A pitch or distance that is the centre of no bin.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{what} {given} is no bin of the scene: give some of {}", centres.iter().map(f64::to_string).collect::<Vec<_>>().join(", "))]
+pub struct NoSuchBin {
+    what: &'static str,
+    given: f64,
+    centres: Vec<f64>,
+}
+
 impl Bins {
+    /// The views that are photographed in each texture at each place, once round the model for each pitch and distance: those of the bins' that are
+    /// named, the usual one where none is.
+    ///
+    /// # Errors
+    /// One that is the centre of no bin.
+    pub fn photographed(&self, pitches_deg: &[f64], distances_mm: &[f64]) -> Result<Vec<Viewpoint>, NoSuchBin> {
+        let usual = self.usual_view();
+        let pitches = named("the pitch", pitches_deg, usual.0, &self.pitch_deg)?;
+        let distances = named("the distance", distances_mm, usual.1, &self.distance_mm)?;
+        Ok(self.viewpoints(&pitches, &distances))
+    }
+
     /// The centres of the bins at these pitches and distances: once round the model for each.
     pub fn viewpoints(&self, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
         Viewpoint::combinations(&self.azimuth_centres(), pitches_deg, distances_mm)
@@ -20,5 +41,24 @@ impl Bins {
         let distance = self.distance_mm.get(self.distance_mm.len().saturating_sub(1) / 2);
         // Neither is ever missing: a scene without them is refused when it is read.
         (pitch.unwrap_or(USUAL_PITCH_DEG), distance.copied().unwrap_or(1000.0))
+    }
+}
+
+/// The centres that are named, in the scene's order and once; the usual one when none is.
+fn named(what: &'static str, given: &[f64], usual: f64, centres: &[f64]) -> Result<Vec<f64>, NoSuchBin> {
+    if given.is_empty() {
+        return Ok(vec![usual]);
+    }
+    match given.iter().find(|value| !centres.contains(value)) {
+        Some(&given) => Err(NoSuchBin {
+            what,
+            given,
+            centres: centres.to_vec(),
+        }),
+        None => Ok(centres
+            .iter()
+            .copied()
+            .filter(|centre| given.contains(centre))
+            .collect()),
     }
 }

@@ -2,7 +2,9 @@
 
 use image::{GrayImage, Luma, RgbImage};
 
+use super::blur::{self, EdgeBlur};
 use super::{SeenTag, TagHomography, border, refine};
+use scaleproof_core::geometry::distance;
 use scaleproof_core::statistics::upper_median;
 
 /// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
@@ -18,9 +20,8 @@ const END_CELLS: f64 = 0.5;
 /// What the whole tags of a photo say of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
-    /// Standard deviation of the blur across the tags' borders, px, in the direction (across or along the image) that is more blurred:
-    /// motion blurs one only. The median of the sides; infinity when most are too blurred to be fitted, `None` when no whole tag is
-    /// large enough to tell.
+    /// Standard deviation of the blur of the tags' borders, px, in the direction of the image that is most blurred: motion blurs one only.
+    /// Infinity when most sides are too blurred to be fitted, `None` when no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
     /// The paper's grey level beside the tags, 0–255: the median. `None` without a whole tag.
     pub white_level: Option<f64>,
@@ -30,17 +31,9 @@ impl Appearance {
     /// Measures the whole tags of a photo; covered and cut ones say nothing of focus.
     pub fn measure(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
         let whole = || tags.iter().filter(|tag| tag.is_whole);
-        let (mut across, mut along) = (Vec::new(), Vec::new());
-        for tag in whole() {
-            for side in 0..4 {
-                let (a, b) = (tag.corners_px[side], tag.corners_px[(side + 1) % 4]);
-                let is_upright = (b[1] - a[1]).abs() > (b[0] - a[0]).abs();
-                let blurs = if is_upright { &mut across } else { &mut along };
-                blurs.extend(side_blur(grey, tag, side));
-            }
-        }
+        let edges = whole().flat_map(|tag| (0..4).filter_map(|side| side_blur(grey, tag, side)));
         Appearance {
-            blur_px: [across, along].iter().filter_map(|b| upper_median(b)).reduce(f64::max),
+            blur_px: blur::worst_px(&Vec::from_iter(edges)),
             white_level: upper_median(&whole().filter_map(|tag| white(grey, tag)).collect::<Vec<_>>()),
         }
     }
@@ -58,7 +51,7 @@ pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
 }
 
 /// `None` where the side's cells are too small, or it touches the image's border.
-fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
+fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<EdgeBlur> {
     let cells = tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);
     let cell = refine::cell_px(&homography, side, cells);
@@ -67,7 +60,10 @@ fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
     }
     let end = END_CELLS / cells;
     let [from, to] = [end, 1.0 - end].map(|share| homography.pixel_at(side, share, 0.0));
-    refine::edge_blur(grey, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))
+    let px = refine::edge_blur(grey, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))?;
+    let length = distance(from, to);
+    let normal = [(from[1] - to[1]) / length, (to[0] - from[0]) / length];
+    Some(EdgeBlur { normal, px })
 }
 
 /// The lighter of the rings half a cell inside and outside the outline: families differ in which that is.

@@ -37,7 +37,7 @@ mod worn;
 pub use cache::Cache;
 pub use compare::{
     ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Expected, Finding, PlanCheck,
-    SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare, compare_with, decide_together,
+    PlanError, SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare, compare_with, decide_together,
     most_telling, moved_drops, paired, paired_photos, pairs_needed, places_needed, places_needed_among, power,
     power_by_place, sequential, sequential_plan, smallest_drop_by_place,
 };
@@ -63,7 +63,7 @@ pub use run::{TimedPhoto, merge, observe, score, timed_photos};
 pub use scaleproof_core::ap::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use scores::ScoredSet;
 pub use scores::Scores;
-pub use sealed::{SealedDetector, SealedFile, SealedPlan, Stopping};
+pub use sealed::{Aim, Endpoint, SealedDetector, SealedFile, SealedPlan, Stopping};
 pub use settings::{AppliedSettings, Settings};
 pub use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};

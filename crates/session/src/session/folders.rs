@@ -141,11 +141,7 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
     }
     let listing = Listing::of(&folder)?;
     if listing.photos.is_empty() {
-        let hint = match (listing.other_images.first(), listing.folders.first()) {
-            (Some(other), _) => format!(" (convert {other} and the like to JPEG)"),
-            (None, Some(inner)) => format!(" (those in folders inside it, as {inner}, are not read: name these)"),
-            (None, None) => String::new(),
-        };
+        let hint = listing.instead(&folder);
         return Err(FoldersError::NoPhotos { variant, folder, hint });
     }
     Ok(Listed {
@@ -188,6 +184,15 @@ impl Listing {
         Ok(listing)
     }
 
+    /// What a folder without photos has instead, in brackets; empty where it has nothing.
+    pub fn instead(&self, folder: &Path) -> String {
+        match (self.other_images.first(), self.folders.first()) {
+            (Some(other), _) => format!(" (it has {other}{})", not_read(&folder.join(other))),
+            (None, Some(inner)) => format!(" (those in folders inside it, as {inner}, are not read: name these)"),
+            (None, None) => String::new(),
+        }
+    }
+
     /// A HEIC file beside a JPEG or PNG of its name is the same photo: it counts once.
     fn drop_twins(&mut self) {
         let parts = |name: &str| {
@@ -208,6 +213,17 @@ impl Listing {
     /// Whether a file is taken for a photo, by its name.
     pub fn is_photo(path: &Path) -> bool {
         is_readable(&path.extension().unwrap_or_default().to_string_lossy().to_lowercase())
+    }
+}
+
+/// What to do with an image that is not read, after its name; empty for one that would be read.
+pub fn not_read(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match ending.as_str() {
+        _ if is_readable(&ending) => String::new(),
+        "heic" | "heif" => format!(": {}", photo::heif_remedy(path, "HEIC")),
+        "avif" => format!(": {}", photo::heif_remedy(path, "AVIF")),
+        _ => ": convert it to JPEG".to_owned(),
     }
 }
 

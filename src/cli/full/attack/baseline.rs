@@ -113,7 +113,7 @@ pub(super) fn run(method: Method, out: &mut dyn Write) -> CommandResult {
             }
             let mut on = on.clone();
             on.cells = Some(columns);
-            on.looking.tile_mm = Some(on.tile_mm_of(&[(path, &pattern)])?);
+            on.looking.tile_mm = on.own_tile_mm(path, &pattern)?;
             finished("import", &on, &of_pattern(&pattern), out)
         }
         Method::Er(args) => searched("er", args, out),

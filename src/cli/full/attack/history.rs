@@ -49,10 +49,11 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
                 format!("the history of {folder} has no figures of held-out views: make the pattern again").into(),
             );
         }
-        if !history.is_comparable(&histories[0]) {
+        let differences = histories[0].differences(history).join(" and ");
+        if !differences.is_empty() {
             let first = args.results[0].display();
             return Err(format!(
-                "{first} and {folder} were made with other frames, detectors or classes, so their figures cannot stand on one chart"
+                "{first} and {folder} were made with {differences}: their figures cannot stand on one chart"
             )
             .into());
         }

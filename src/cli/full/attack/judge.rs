@@ -1,5 +1,6 @@
 //! `scaleproof attack judge`: patterns on every view of frames, as the surrogate renderer predicts them.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -31,23 +32,53 @@ pub(in crate::cli) struct JudgeArgs {
 }
 
 pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
-    let (columns, tile_mm, patterns) = args.asked()?;
-    let on = Looking {
-        tile_mm: Some(tile_mm),
-        ..args.on.clone()
+    let (columns, normal, by_tile) = args.asked()?;
+    let (mut views, mut rows) = (0, Vec::<JudgedPattern>::new());
+    // A pattern lies on the views as its width says, so each width has views of its own.
+    for (tile_mm, patterns) in &by_tile {
+        let on = Looking {
+            tile_mm: Some(*tile_mm),
+            ..args.on.clone()
+        };
+        let setup = on.open(columns, false, &Eot::NONE)?;
+        views = setup.view_set.views.len();
+        let patterns: Vec<NamedCells> = std::iter::once(&normal).chain(patterns).cloned().collect();
+        let judged = progress::frames("looking", views * patterns.len())
+            .during(|bar| judged(&setup, &patterns, || bar.inc(1)))?;
+        // The plain model is the same in all of them.
+        let new = judged
+            .into_iter()
+            .filter(|row| row.pattern != normal.0 || rows.iter().all(|r| r.detector != row.detector));
+        let new: Vec<JudgedPattern> = new.collect();
+        rows.extend(new);
+    }
+    let order = |name: &str| {
+        args.patterns
+            .iter()
+            .position(|text| named(text).0 == name)
+            .map_or(0, |at| at + 1)
     };
-    let setup = on.open(columns, false, &Eot::NONE)?;
-    let views = setup.view_set.views.len();
-    let rows =
-        progress::frames("looking", views * patterns.len()).during(|bar| judged(&setup, &patterns, || bar.inc(1)))?;
+    let detectors: Vec<String> = rows.iter().map(|row| row.detector.clone()).collect();
+    rows.sort_by_key(|row| {
+        (
+            detectors.iter().position(|name| *name == row.detector),
+            order(&row.pattern),
+        )
+    });
+    let tile_of = |(tile_mm, patterns): &(f64, Vec<NamedCells>)| -> Vec<(String, f64)> {
+        patterns.iter().map(|(name, _)| (name.clone(), *tile_mm)).collect()
+    };
     let judgement = Judgement {
         views,
-        tile_mm,
+        tile_mm: by_tile.iter().flat_map(tile_of).collect(),
         classes: &args.on.class,
         results: &rows,
     };
     told(args.on.json, &judgement, table(&judgement), out)
 }
+
+/// Patterns by the width of one repeat, mm.
+type ByTile = Vec<(f64, Vec<NamedCells>)>;
 
 impl JudgeArgs {
     /// What each pattern is called, where it lies, and the pattern.
@@ -70,17 +101,20 @@ impl JudgeArgs {
         Ok(loaded)
     }
 
-    /// How many cells the patterns have along each side, the width of one repeat of all of them, and their names and cells, the plain colour
-    /// first.
-    fn asked(&self) -> Result<(u32, f64, Vec<NamedCells>)> {
+    /// How many cells the patterns have along each side, the plain colour, and the patterns by the width of one repeat: as asked for, else as their
+    /// cards say; those without a card are repeated as the first with one.
+    fn asked(&self) -> Result<(u32, NamedCells, ByTile)> {
         let loaded = self.loaded()?;
-        let files: Vec<(&Path, &Pattern)> = loaded.iter().map(|(_, path, pattern)| (*path, pattern)).collect();
-        let tile_mm = self.on.tile_mm_of(&files)?;
+        let own = loaded
+            .iter()
+            .map(|(_, path, pattern)| self.on.own_tile_mm(path, pattern));
+        let own: Vec<Option<f64>> = own.collect::<Result<_, _>>()?;
+        let usual = own.iter().copied().flatten().next().unwrap_or(self.on.tile_mm());
         let columns = loaded.first().map_or(1, |(_, _, pattern)| pattern.columns());
         let grid = self.on.mapping.grid(columns);
         let normal = vec![hex(&self.normal)?; columns as usize * grid[1] as usize];
-        let mut patterns = vec![(self.normal.clone(), srgb(&normal))];
-        for (name, path, pattern) in loaded {
+        let mut by_tile = ByTile::new();
+        for ((name, path, pattern), own) in loaded.into_iter().zip(own) {
             let size = [pattern.columns(), pattern.rows()];
             if size != grid {
                 return Err(format!(
@@ -94,9 +128,14 @@ impl JudgeArgs {
                 )
                 .into());
             }
-            patterns.push((name, of_pattern(&pattern)));
+            let tile_mm = own.unwrap_or(usual);
+            let pattern = (name, of_pattern(&pattern));
+            match by_tile.iter_mut().find(|(known, _)| *known == tile_mm) {
+                Some((_, patterns)) => patterns.push(pattern),
+                None => by_tile.push((tile_mm, vec![pattern])),
+            }
         }
-        Ok((columns, tile_mm, patterns))
+        Ok((columns, (self.normal.clone(), srgb(&normal)), by_tile))
     }
 }
 
@@ -105,8 +144,8 @@ impl JudgeArgs {
 pub(in crate::cli) struct Judgement<'a> {
     /// How many were looked at.
     views: usize,
-    /// The width of one repeat of all patterns.
-    tile_mm: f64,
+    /// The width of one repeat of each pattern, by its name.
+    tile_mm: BTreeMap<String, f64>,
     /// The labels that count as the model.
     classes: &'a Classes,
     /// Detector by detector, the plain model first.
@@ -118,12 +157,23 @@ fn table(judgement: &Judgement) -> String {
         let names = judgement.results.iter().map(|row| name(row).chars().count());
         names.fold(least, usize::max)
     };
+    let mut tiles: Vec<String> = judgement.tile_mm.values().map(f64::to_string).collect();
+    tiles.sort();
+    tiles.dedup();
+    let tiles = match &tiles[..] {
+        [one] => one.clone(),
+        _ => judgement
+            .tile_mm
+            .iter()
+            .map(|(name, mm)| format!("{mm} ({name})"))
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
     let (detectors, patterns) = (longest(|row| &row.detector, 14), longest(|row| &row.pattern, 20));
     let mut text = format!(
-        "predicted, not rendered, on {}, tile {} mm; drop: of the mean confidence, with its 95 % interval over the views\n\
+        "predicted, not rendered, on {}, tile {tiles} mm; drop: of the mean confidence, with its 95 % interval over the views\n\
          {:<detectors$} {:<patterns$} {:>7} {:>9} {:>11} {:>18}  drop",
         count(judgement.views, "view"),
-        judgement.tile_mm,
         "detector",
         "pattern",
         "AP@0.5",

@@ -104,34 +104,17 @@ impl Looking {
         self.tile_mm.unwrap_or(TILE_MM)
     }
 
-    /// Width of one repeat of patterns that are there already, mm: as asked for, else as their cards say. Those without a card are repeated as
-    /// the others are.
+    /// Width of one repeat of a pattern that is there already, mm: as asked for, else as its card says, if it has one.
     ///
     /// # Errors
-    /// Cards that say different widths; a damaged card, or one of another pattern.
-    pub(super) fn tile_mm_of(&self, patterns: &[(&Path, &Pattern)]) -> Result<f64, String> {
-        if let Some(given) = self.tile_mm {
-            return Ok(given);
+    /// A damaged card, or one of another pattern.
+    pub(super) fn own_tile_mm(&self, path: &Path, pattern: &Pattern) -> Result<Option<f64>, String> {
+        match (self.tile_mm, card::card(path, pattern)) {
+            (Some(given), _) => Ok(Some(given)),
+            (None, Ok(card)) => Ok(Some(card.tile_mm)),
+            (None, Err(CardError::None { .. })) => Ok(None),
+            (None, Err(e)) => Err(card_fault(&e)),
         }
-        let mut known: Option<(&Path, f64)> = None;
-        for (path, pattern) in patterns {
-            let tile_mm = match card::card(path, pattern) {
-                Ok(card) => card.tile_mm,
-                Err(CardError::None { .. }) => continue,
-                Err(e) => return Err(card_fault(&e)),
-            };
-            match known {
-                Some((first, other)) if other != tile_mm => {
-                    return Err(format!(
-                        "{} repeats every {other} mm (so says its card) and {} every {tile_mm} mm: judge them apart, or give --tile-mm for both",
-                        first.display(),
-                        path.display()
-                    ));
-                }
-                _ => known = Some((path, tile_mm)),
-            }
-        }
-        Ok(known.map_or(TILE_MM, |(_, tile_mm)| tile_mm))
     }
 
     /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.

@@ -12,6 +12,7 @@ use crate::cli::answer::told;
 use crate::cli::full::model::{paint_of, painted};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
+use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::light;
 use scaleproof_frames::frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
@@ -95,7 +96,7 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     }
     files::replace_all_atomically(&made.files)?;
     let (path, views) = (list.display(), made.views.len());
-    let words = format!("{path}: {} frames of {views} views", made.frames);
+    let words = format!("{path}: {} of {}", count(made.frames, "frame"), count(views, "view"));
     left_out.extend(made.left_out);
     let framed = FramesOfPhotos {
         file: &list,

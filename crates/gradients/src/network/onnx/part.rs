@@ -82,7 +82,7 @@ pub(super) struct Segment {
     /// For each step, the slots that no later one and no output reads.
     last_uses: Vec<BTreeSet<Slot>>,
     constants: BTreeMap<Slot, Value>,
-    /// Whether a derivative by an input is wanted.
+    /// Whether the derivative by an input is computed.
     inputs: BTreeMap<Slot, bool>,
     outputs: Vec<Slot>,
 }

@@ -167,7 +167,7 @@ struct Plane<'a> {
     size: [usize; 2],
     /// Three groups of rows in turn.
     kept: Vec<u8>,
-    /// Where a row is enlarged, and on the way there.
+    /// A row while it is enlarged, and after.
     enlarged_row: Vec<u8>,
     sums: Vec<u16>,
 }

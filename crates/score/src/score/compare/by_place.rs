@@ -19,6 +19,7 @@ pub fn power_by_place(places: usize, bins: usize, base_rate: f64, drop: f64) -> 
     power_at(LEVEL, places, bins, [base_rate, drop])
 }
 
+/// At another level, as that of Holm's correction for several comparisons at its strictest.
 fn power_at(level: f64, places: usize, bins: usize, [base_rate, drop]: [f64; 2]) -> f64 {
     if places < FEWEST_CLUSTERS || bins == 1 {
         power(places * bins, base_rate, drop, level)
@@ -45,10 +46,9 @@ pub fn places_needed_among(
     [base_rate, drop]: [f64; 2],
     target: f64,
 ) -> Result<usize, PlanError> {
-    let level = LEVEL / tests.max(1) as f64;
     /// Single numbers at which it falls back are passed over.
     const AHEAD: usize = 2;
-    let bins = bins.max(1);
+    let (bins, level) = (bins.max(1), LEVEL / tests.max(1) as f64);
     // Clusters never show more than the pairs that they are made of.
     let least = pairs_needed(base_rate, drop, target, level)?.div_ceil(bins);
     let most = (MOST_PAIRS / bins).max(MANY_PLACES) + AHEAD;

@@ -13,7 +13,7 @@ pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_
 pub(super) use decide::decide;
 pub use decide::decide_together;
 pub use moved::moved_drops;
-pub use plan::{pairs_needed, power};
+pub use plan::{PlanError, pairs_needed, power};
 pub use result::{
     BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
     SequentialFinding,

@@ -4,4 +4,4 @@ mod deviations;
 mod plan;
 mod views;
 
-pub use plan::{SealedDetector, SealedFile, SealedPlan, Stopping};
+pub use plan::{Aim, Endpoint, SealedDetector, SealedFile, SealedPlan, Stopping};

@@ -43,6 +43,36 @@ pub struct SealedPlan {
     /// How many places are photographed.
     pub places: u16,
     pub stopping: Stopping,
+    /// What the experiment is to show; `null` in plans of versions that did not state it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aim: Option<Aim>,
+}
+
+/// What an experiment is to show, and how surely.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Aim {
+    /// The figure that decides; others are beside it.
+    pub primary_endpoint: Endpoint,
+    /// The drop of the primary endpoint that shall be shown.
+    pub drop: f64,
+    /// The hit rate that is expected of the base.
+    pub base_rate: f64,
+    /// How often such a drop shall be shown.
+    pub power: f64,
+    /// Detectors × textures that are held against the base: the primary endpoint's p is corrected for so many (Holm).
+    pub comparisons: usize,
+    /// How many places show the drop so often in one comparison. With a single look: at the strictest level of the correction; with a sequential
+    /// stop: uncorrected, by simulation. `null` where no number of photos that anyone takes does.
+    pub places_needed: Option<usize>,
+}
+
+/// What a comparison is decided by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Endpoint {
+    /// Share of the photos with a detection of the model at the plan's confidence and IoU.
+    HitRate,
 }
 
 /// What a detector is known by.

@@ -11,6 +11,7 @@ use crate::cli::full::attack::device::{OnDevice, by_name};
 use crate::cli::full::attack::render::hexes;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
+use scaleproof_core::spelling::count;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
@@ -129,9 +130,9 @@ pub(in crate::cli) struct TrainedNetwork<'a> {
 
 fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> String {
     let mut text = format!(
-        "{}: {} views to learn from, {} to validate on ({})\n{:>8} {:>9} {:>8} {:>15}\n",
+        "{}: {} to learn from, {} to validate on ({})\n{:>8} {:>9} {:>8} {:>15}\n",
         trainer.network().architecture.name(),
-        set.training.len(),
+        count(set.training.len(), "view"),
         set.validation.len(),
         set.split,
         "step",
