@@ -33,6 +33,7 @@ mod schemas;
 mod score;
 mod session;
 mod sessions;
+mod taken;
 mod units;
 
 use std::error::Error;
