@@ -33,6 +33,7 @@ mod schemas;
 mod score;
 mod session;
 mod sessions;
+#[cfg_attr(not(feature = "full"), allow(dead_code))]
 mod taken;
 mod units;
 
