@@ -26,7 +26,7 @@ impl SceneMesh {
         false
     }
 
-    pub(super) fn take(&self, _: super::scene::Wanted) -> Result<super::scene::Taken> {
+    pub(super) fn take(&self, _: super::taken::Wanted) -> Result<super::taken::Taken> {
         Err("give --model-size-mm".into())
     }
 }

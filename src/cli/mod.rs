@@ -34,6 +34,8 @@ mod schemas;
 mod score;
 mod session;
 mod sessions;
+#[cfg_attr(not(feature = "full"), allow(dead_code))]
+mod taken;
 mod units;
 
 use std::error::Error;

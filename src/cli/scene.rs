@@ -3,7 +3,7 @@
 mod show;
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Subcommand, ValueEnum};
 use schemars::JsonSchema;
@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::answer::{told, written};
 use super::full::SceneMesh;
+use super::taken::{Taken, Wanted};
 use super::{CommandResult, units};
 use scaleproof_core::geometry::length::parse_sides_mm;
 use scaleproof_core::{files, spelling};
@@ -108,25 +109,6 @@ pub(super) fn family(text: &str) -> Result<TagFamily, String> {
 fn model_size(text: &str) -> Result<[f64; 3], String> {
     let sizes = parse_sides_mm(text);
     sizes.ok_or_else(|| "write length, width and height, as in 455x186x128".to_owned())
-}
-
-/// What a mesh is to become the model of.
-pub(super) struct Wanted<'a> {
-    pub class: &'a Classes,
-    pub scale: f64,
-    /// The scene file that will be written.
-    pub output: &'a Path,
-}
-
-/// What was found of a model's mesh.
-pub(super) struct Taken {
-    pub size_mm: [f64; 3],
-    pub envelope: Envelope,
-    pub mesh: MeshFacts,
-    /// The image of its six views, to be written beside the scene.
-    pub preview: (PathBuf, Vec<u8>),
-    /// What was found, by what, and how to say otherwise: a line each.
-    pub words: Vec<String>,
 }
 
 /// Runs `scaleproof scene …`.

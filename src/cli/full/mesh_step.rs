@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::scene::{Taken, Wanted};
+use crate::cli::taken::{Taken, Wanted};
 use crate::cli::{Result, units};
 use scaleproof_core::files;
 use scaleproof_core::geometry::SignedAxis;

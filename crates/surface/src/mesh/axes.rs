@@ -2,7 +2,7 @@
 //!
 //! Four findings decide, each held against a margin below which there is no answer: a vehicle is longest from front to rear; its left side mirrors
 //! its right side; it stands on wheels, with air between the axles; its nose is lower than its tail, with the cabin behind the middle. On 19 cars
-//! (`tests/mesh_step.rs` names them) each margin is passed by half as much again.
+//! (docs/guide/reference/measured.md) every margin was passed.
 
 use nalgebra::Point3;
 
