@@ -178,7 +178,7 @@ fn classes_that_count_from_0_are_stated_and_else_noted() {
         (figures, stderr(&output))
     };
     let (truth, said) = scored(3, &[]);
-    assert!(!said.contains("counts as the model"), "{said}");
+    assert!(!said.contains("the label of the model"), "{said}");
     assert_eq!(scored(2, &["--first-label", "0"]).0, truth);
     assert_eq!(
         scored(1, &["--first-label", "0", "--categories", text(&names)]).0,
@@ -186,7 +186,7 @@ fn classes_that_count_from_0_are_stated_and_else_noted() {
     );
     // A car that is counted from 0 is COCO's bicycle.
     let (other, said) = scored(2, &[]);
-    assert!(other != truth && said.contains("most are read as `bicycle`"), "{said}");
+    assert!(other != truth && said.contains("most often “bicycle”"), "{said}");
     let given = format!("mine={}", results(0).display());
     let output = run(&[
         "score",

@@ -8,7 +8,6 @@ mod coco;
 mod photo_names;
 mod yolo;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::foreign::{check_score, placed, turned_hint};
@@ -179,24 +178,6 @@ impl OutsideResults {
             by_photo: read.by_photo,
             are_shares: is_folder,
         })
-    }
-
-    /// Notes that no detection has one of the labels that count as the model: classes that count from 0 and are read as COCO's are all others.
-    pub fn note_unless_any(&mut self, counted: &[usize]) {
-        let mut by_label: BTreeMap<usize, usize> = BTreeMap::new();
-        for found in self.by_photo.iter().flat_map(|photo| &photo.boxes) {
-            *by_label.entry(found.label).or_default() += 1;
-        }
-        let most = by_label
-            .iter()
-            .max_by_key(|(_, count)| **count)
-            .and_then(|(label, _)| self.card.labels.name(*label));
-        if let (Some(most), false) = (most, counted.iter().any(|label| by_label.contains_key(label))) {
-            self.card.notes.push(format!(
-                "no detection in the results of {} counts as the model, and most are read as `{most}`: do its classes count from another number, such as 0?",
-                self.card.name
-            ));
-        }
     }
 
     pub fn card(&self) -> &ForeignCard {

@@ -78,8 +78,7 @@ impl EvaluatedDetector {
     }
 
     /// A detector whose detections another program wrote into files.
-    pub fn outside(mut results: OutsideResults, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
-        results.note_unless_any(&Manifest::of_foreign(results.card()).counted(class.labels())?);
+    pub fn outside(results: OutsideResults, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(results.card());
         EvaluatedDetector::new(manifest, DetectionSource::Outside(Arc::new(results)), class)
     }
