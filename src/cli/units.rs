@@ -100,6 +100,10 @@ pub(crate) fn lies_as_a_vehicle([length, width, height]: [f64; 3]) -> Option<Str
     // A box on its side is as good as a box; meshes are not exact.
     let exceeds = |a: f64, b: f64| a > 1.001 * b;
     let [length_text, width_text, height_text] = [length, width, height].map(|mm| number(mm.round()));
+    // A wall or a sheet is no vehicle.
+    if width.min(height).min(length) < 0.01 * width.max(height).max(length) {
+        return None;
+    }
     if exceeds(width, length) {
         Some(format!("{length_text} mm long and {width_text} mm wide"))
     } else {
