@@ -26,6 +26,7 @@ pub enum Head {
         labels: Option<AnchorLabels>,
     },
     Rfdetr {},
+    Detr {},
     TfOd(ListHead),
     SsdResnet34(FirstLabel),
     Rcnn(FirstLabel),

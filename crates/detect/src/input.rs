@@ -39,6 +39,10 @@ impl InputPlacement {
                 let size = truncated(ratio);
                 ([ratio; 2], size, size.map(|side| side.next_multiple_of(32)))
             }
+            Resize::ShortestEdge => {
+                let size = shortest_edge(photo_px, net);
+                (per_axis(size), size, size)
+            }
             Resize::LetterboxCentre => (per_axis(truncated(ratio)), truncated(ratio), net),
             Resize::LetterboxCentreRounded => {
                 let size = photo.map(|side| ((side * ratio).round() as u32).max(1));
@@ -70,17 +74,37 @@ impl InputPlacement {
     }
 }
 
+/// The size of a photo whose shorter side is brought to a length, unless the longer would exceed the most it may have. Source: `get_size_with_aspect_ratio`
+/// of Transformers, whose truncations and one rounding (of halves to even) these are.
+fn shortest_edge(photo: [u32; 2], [shorter, most]: [u32; 2]) -> [u32; 2] {
+    let [low, high] = [photo[0].min(photo[1]), photo[0].max(photo[1])].map(f64::from);
+    let (shorter, most) = (f64::from(shorter), f64::from(most));
+    let is_limited = high / low * shorter > most;
+    let raw = if is_limited { most * low / high } else { shorter };
+    let side = raw.round_ties_even();
+    if low == side {
+        return photo;
+    }
+    let longer = (raw * high / low) as u32;
+    let (side, longer) = ((side as u32).max(1), longer.max(1));
+    if photo[0] < photo[1] {
+        [side, longer]
+    } else {
+        [longer, side]
+    }
+}
+
 impl Manifest {
     /// The least width and height in pixels to which a photo of this size may be reduced before it is resized for the network: twice what
-    /// the network sees of it, or all where the network resizes by itself. A kernel then never has to enlarge, and still averages over the
-    /// reduced pixels.
+    /// the network sees of it, so that a kernel that averages still has pixels to average. OpenCV's linear kernel takes four pixels of the whole photo
+    /// and skips the rest: of a reduced one it would take others. That photo, and one that the network resizes by itself, must stay whole.
     pub fn least_px(&self, photo_width: u32, photo_height: u32) -> [u32; 2] {
-        let size = InputPlacement::new(&self.input, photo_width, photo_height).size;
-        if self.input.resize == Resize::Original {
-            size
-        } else {
-            size.map(|side| side.saturating_mul(2))
+        let Input { resize, kernel, .. } = self.input;
+        if resize == Resize::Original || kernel == Kernel::OpencvLinear {
+            return [photo_width, photo_height];
         }
+        let placement = InputPlacement::new(&self.input, photo_width, photo_height);
+        placement.size.map(|side| side.saturating_mul(2))
     }
 }
 

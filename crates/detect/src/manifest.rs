@@ -54,7 +54,7 @@ pub struct Weights {
     /// The raw file at a pinned commit; empty when there is none to fetch.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub url: String,
-    /// SHA-256, 64 lower-case hex digits.
+    /// SHA-256, 64 lower-case hex digits: of the file, followed by the files that it keeps its tensors in, if any, in the order of their names.
     pub sha256: String,
 }
 
@@ -62,7 +62,8 @@ pub struct Weights {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
-    /// Width, height. For `short_side` both are the length of the photo's shorter side; `original` has none.
+    /// Width, height. For `short_side` both are the length of the photo's shorter side; for `shortest_edge` they are its length and the most that
+    /// the longer one may have; `original` has none.
     #[serde(default, skip_serializing_if = "is_default")]
     pub size_px: [u32; 2],
     #[serde(default, skip_serializing_if = "is_default")]
@@ -110,6 +111,8 @@ pub enum Resize {
     LetterboxCentreRounded,
     /// Aspect ratio kept, the shorter side given; zeros right and below up to the next multiple of 32.
     ShortSide,
+    /// Aspect ratio kept, and no border: the shorter side as the first of `size_px`, but the longer at most the second.
+    ShortestEdge,
     /// The photo as it is: the network resizes.
     Original,
 }
@@ -323,11 +326,13 @@ impl Manifest {
         let size_is_good = match self.input.resize {
             Resize::Original => size_px == [0, 0],
             Resize::ShortSide => size_px[0] == size_px[1] && SIDES_PX.contains(&size_px[0]),
+            Resize::ShortestEdge => size_px[0] <= size_px[1] && size_px.iter().all(|side| SIDES_PX.contains(side)),
             _ => size_px.iter().all(|side| SIDES_PX.contains(side)),
         };
         if !size_is_good {
             return Err(format!(
-                "input.size_px is {size_px:?}: give width and height from 32 to 8192, twice the same for `short_side`, and \
+                "input.size_px is {size_px:?}: give width and height from 32 to 8192, twice the same for `short_side`, no \
+                 larger first one for `shortest_edge`, and \
                  leave it out for `original`"
             ));
         }

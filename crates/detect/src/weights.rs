@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Manifest;
+use super::onnx::external_files;
 use scaleproof_core::files;
 
 /// Why a detector's weights cannot be used.
@@ -11,11 +12,13 @@ use scaleproof_core::files;
 pub enum WeightsError {
     #[error("no weights for {name}: {remedy}")]
     Missing { name: String, file: String, remedy: String },
-    #[error("{path} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}", path = path.display())]
+    #[error("{path}{beside} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}", path = path.display())]
     WrongHash {
         name: String,
         remedy: String,
         path: PathBuf,
+        /// The files beside it that hold its tensors, as a clause.
+        beside: String,
         found: String,
         expected: String,
     },
@@ -77,12 +80,19 @@ impl WeightFolders {
         let Some(found) = other_hash(manifest, &path)? else {
             return Ok(path);
         };
+        let bytes = files::read(&path)?;
+        let names: Vec<&str> = external_files(&bytes).into_iter().collect();
+        let beside = match names.is_empty() {
+            true => String::new(),
+            false => format!(" with {} beside it", names.join(", ")),
+        };
         let by_hand = "put the right file there, or describe this one with `scaleproof detectors add`";
         let twelve = |hash: &str| hash.chars().take(12).collect();
         Err(WeightsError::WrongHash {
             name,
             remedy: remedy(by_hand.to_owned(), "remove it and run"),
             path,
+            beside,
             found: twelve(&found),
             expected: twelve(&manifest.weights.sha256),
         })
@@ -91,8 +101,19 @@ impl WeightFolders {
 
 /// The SHA-256 of a file that is not the one that a manifest describes.
 pub(super) fn other_hash(manifest: &Manifest, path: &Path) -> Result<Option<String>, files::FileError> {
-    let found = files::sha256_hex(&files::read(path)?);
+    let found = network_sha256(path, files::read(path)?)?;
     Ok((found != manifest.weights.sha256).then_some(found))
+}
+
+/// The SHA-256 of a network: of its file's bytes and then of those of the files beside it that hold its tensors, in the order of their names.
+/// `cat network.onnx network.onnx.data | sha256sum` prints it, too.
+pub(super) fn network_sha256(path: &Path, mut bytes: Vec<u8>) -> Result<String, files::FileError> {
+    let own_names = |name: &str| files::folder_of(path).join(name);
+    let beside: Vec<PathBuf> = external_files(&bytes).into_iter().map(own_names).collect();
+    for file in beside {
+        bytes.extend(files::read(&file)?);
+    }
+    Ok(files::sha256_hex(&bytes))
 }
 
 fn user_cache() -> Option<PathBuf> {

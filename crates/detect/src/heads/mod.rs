@@ -203,6 +203,7 @@ pub fn candidates(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Re
     let mut candidates = match &manifest.head {
         Head::Yolov10 {} => queries::yolov10(outputs, labels)?,
         Head::Rfdetr {} => queries::rfdetr(outputs, size, labels)?,
+        Head::Detr {} => queries::detr(outputs, size, labels)?,
         Head::Deim {} => deim(outputs)?.candidates(0, labels, BoxPx::from)?,
         // Boxes y1 x1 y2 x2 as shares of the photo; classes are floats, counted from 1. Source: the API's `exporter`.
         Head::TfOd(head) => {

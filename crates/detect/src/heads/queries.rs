@@ -1,7 +1,7 @@
 //! Networks that choose their boxes by themselves and give them as numbers: RF-DETR's pairs, YOLOv10's rows.
 
 use super::listed::strange_label;
-use super::{Anchor, Anchors, HeadError, SCORE_FLOOR, Tensor, centred, from_corners, misfit, scaled, sigmoid};
+use super::{Anchor, Anchors, HeadError, SCORE_FLOOR, Tensor, best, centred, from_corners, misfit, scaled, sigmoid};
 use crate::nms::CandidateBox;
 
 /// RF-DETR, and RT-DETR and D-FINE as Transformers exports them: boxes 1×n×4 (centre and size as shares of the input) and logits
@@ -19,6 +19,30 @@ pub(super) fn rfdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Resul
         labelled.filter_map(move |(label, logit)| from_corners(label, sigmoid(*logit), b))
     });
     Ok(pairs.collect())
+}
+
+/// DETR and YOLOS: boxes 1×n×4 (centre and size as shares of the input) and logits 1×n×(labels + 1), of which the last is for "no object".
+///
+/// score = softmax over all columns; a box is of its best label, "no object" left out, and nothing is suppressed. Source: Carion et al. 2020, and
+/// `post_process_object_detection` of Transformers' `DetrImageProcessor`.
+pub(super) fn detr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
+    let columns = labels + 1;
+    let logits = Tensor::shaped(
+        outputs,
+        |shape| matches!(shape, [1, _, c] if *c == columns && columns != 4),
+    );
+    let boxes = logits.and_then(|(i, _)| Tensor::shaped(outputs, |shape| *shape == [1, outputs[i].shape[1], 4]));
+    let (Some((_, logits)), Some((_, boxes))) = (logits, boxes) else {
+        return Err(misfit("detr", format!("boxes 1×n×4 and logits 1×n×{columns}"), outputs));
+    };
+    let rows = boxes.as_chunks::<4>().0.iter().zip(logits.chunks_exact(columns));
+    let found = rows.filter_map(|(b, logits)| {
+        let highest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let sum: f32 = logits.iter().map(|logit| (logit - highest).exp()).sum();
+        let (label, logit) = best(logits[..labels].iter().copied());
+        from_corners(label, (logit - highest).exp() / sum, scaled(centred(*b), size))
+    });
+    Ok(found.collect())
 }
 
 /// RF-DETR's boxes with the logits of all labels each: the pairs of [`rfdetr`], for a gradient.

@@ -11,6 +11,8 @@ pub(crate) struct OnnxFile {
     pub made_by: String,
     /// What the first nodes do with each channel of the image before anything looks at it; `None` where they do nothing of that kind.
     pub prepares: Option<Affine>,
+    /// Whether it looks at places of its features that it computes itself (`GridSample`), as deformable attention does.
+    pub samples: bool,
 }
 
 /// value · scale + offset; of all channels, in the order of the network's input, the first.
@@ -66,6 +68,7 @@ impl OnnxFile {
         constants.extend(nodes.iter().filter_map(|node| Some((node.output, node.constant?))));
         OnnxFile {
             made_by: made_by.to_lowercase(),
+            samples: nodes.iter().any(|node| node.operator == "GridSample"),
             prepares: prepares(&nodes, &constants, image),
         }
     }

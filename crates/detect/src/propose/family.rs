@@ -45,6 +45,8 @@ pub enum Family {
     Rfdetr,
     /// RT-DETR, RT-DETRv2 and D-FINE as Transformers exports them.
     HfDetr,
+    /// DETR and YOLOS, with a softmax over labels and "no object".
+    Detr,
     /// Before its postprocessing.
     Efficientdet,
     TfOd,
@@ -120,6 +122,7 @@ impl Family {
         usual.size_px = size_px.unwrap_or_default();
         match (self, size_px) {
             (Family::TfOd | Family::Torchvision, None) => usual.resize = Resize::Original,
+            (Family::Detr, None) => (usual.resize, usual.size_px) = (Resize::ShortestEdge, [800, 1333]),
             (Family::ZooRcnn, None) => (usual.resize, usual.size_px) = (Resize::ShortSide, [800, 800]),
             _ => {}
         }
@@ -128,7 +131,10 @@ impl Family {
 
     /// True for families whose networks take images of any size, where the file does not fix one.
     pub(super) fn takes_any_size(self) -> bool {
-        matches!(self, Family::TfOd | Family::Torchvision | Family::ZooRcnn)
+        matches!(
+            self,
+            Family::TfOd | Family::Torchvision | Family::ZooRcnn | Family::Detr
+        )
     }
 
     /// How its outputs are usually read.

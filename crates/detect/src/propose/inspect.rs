@@ -115,6 +115,14 @@ fn image(input: &Outlet) -> Option<(Layout, i64, [i64; 2])> {
     }
 }
 
+/// An image where the file leaves the number of its channels open, as exports whose every axis is open do; three then run, or nothing does.
+fn open_image(input: &Outlet) -> Option<(Layout, i64, [i64; 2])> {
+    match shape(input)[..] {
+        [n, -1, h @ -1, w @ -1] => Some((Layout::Nchw, n, [w, h])),
+        _ => None,
+    }
+}
+
 /// The inputs as a person writes them.
 fn listed(inputs: &[Outlet]) -> String {
     let side = |d: i64| if d < 0 { "?".to_owned() } else { d.to_string() };
@@ -143,7 +151,11 @@ impl Required {
     /// Reads it from the inputs of a network: one image, or an image and the photo's size.
     fn from_inputs(inputs: &[Outlet]) -> Result<Required, ProposeError> {
         let all = listed(inputs);
-        let images: Vec<_> = inputs.iter().filter_map(|input| Some((input, image(input)?))).collect();
+        let all_images = |of: fn(&Outlet) -> Option<_>| -> Vec<_> {
+            inputs.iter().filter_map(|input| Some((input, of(input)?))).collect()
+        };
+        let images = Some(all_images(image)).filter(|images| !images.is_empty());
+        let images = images.unwrap_or_else(|| all_images(open_image));
         let (image_input, (layout, batch, sides)) = match images[..] {
             [] => return Err(ProposeError::NoImage { inputs: all }),
             [only] => only,
@@ -159,7 +171,7 @@ impl Required {
         };
         let takes_photo_size = match inputs {
             [_] => false,
-            [first, size] if image(first).is_some() && is_photo_size(size) => true,
+            [first, size] if first.name() == image_input.name() && is_photo_size(size) => true,
             _ => return Err(ProposeError::OtherInputs { inputs: all }),
         };
         if !matches!(batch, -1 | 1) {

@@ -16,6 +16,7 @@ pub use metadata::{height_and_width, python_names};
 
 use super::heads::{self, HeadError, Tensor};
 use super::manifest::{Head, Input, Resize, SIDES_PX, Values};
+use super::weights::network_sha256;
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use inspect::Inspected;
 use recognise::FamilyCandidate;
@@ -84,7 +85,10 @@ pub enum ProposeError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Manifest(#[from] ManifestError),
-    #[error("no input is an image of three channels (inputs: {inputs}): this is no detector for photos")]
+    #[error(
+        "no input is an image of three channels (inputs: {inputs}): this is no detector for photos, or it \
+         must be exported with three channels fixed"
+    )]
     NoImage { inputs: String },
     #[error("several inputs could be the image ({inputs}): only networks that look at one image can be used")]
     SeveralImages { inputs: String },
@@ -190,9 +194,9 @@ pub fn propose(
     hints: Hints,
 ) -> Result<Proposal, ProposeError> {
     let bytes = files::read(path)?;
-    let sha256 = files::sha256_hex(&bytes);
     let time_limit = hints.time_limit.unwrap_or(TRIAL_LIMIT);
     let network = inspect::inspect(runtime, path, &bytes, hints.size_px, time_limit)?;
+    let sha256 = network_sha256(path, bytes)?;
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
     }
@@ -322,6 +326,10 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
     if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
         return Err(ProposeError::NotDecoded { outputs });
     }
+    // Conditional DETR, which has the shapes of DETR, is rare and must be named.
+    if fitting.iter().any(|c| c.family == Family::Detr) {
+        fitting.retain(|c| c.family == Family::Detr);
+    }
     // Labels that fit none of them are another mistake than numbers that do not.
     if let Some(labels) = labels {
         let (families, given) = (titles(&fitting), labels.count());
@@ -445,7 +453,7 @@ fn notes(
 fn usual_settings(manifest: &Manifest) -> String {
     let (input, head) = (&manifest.input, &manifest.head);
     let is_resized = input.resize != Resize::Original;
-    let has_border = is_resized && !matches!(input.resize, Resize::Stretch | Resize::ShortSide);
+    let has_border = is_resized && !matches!(input.resize, Resize::Stretch | Resize::ShortSide | Resize::ShortestEdge);
     let has_labels = manifest.head.with_other_labels().is_some();
     let all = [
         ("input.resize", true),

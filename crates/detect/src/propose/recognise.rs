@@ -76,10 +76,16 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
         return found;
     }
     let is_of_transformers = is_named("logits") && is_named("pred_boxes");
+    let is_detr = is_of_transformers || is_named("pred_logits") && is_named("pred_boxes");
+    let is_sampling = network.file.samples || is_named("enc_topk_logits");
     let pair = Pair::find(outputs, |columns| columns > 0);
     match pair {
-        // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
-        Some(pair) if is_of_transformers && pair.columns == 92 => Vec::new(),
+        // RT-DETR, D-FINE and Deformable DETR score by a sigmoid and sample their features; DETR and YOLOS score by a softmax over their labels and
+        // "no object", and Conditional DETR by a sigmoid. Neither of these samples, and no number tells them apart.
+        Some(pair) if is_detr && !is_sampling => {
+            let softmax = FamilyCandidate::new(Family::Detr, pair.columns.checked_sub(1), &[]);
+            vec![softmax, FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])]
+        }
         Some(pair) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])],
         // Queries are a few hundred, prior boxes and cells more.
         Some(pair) if pair.rows <= MOST_QUERIES && outputs[pair.boxes].shape.len() == 3 => {
