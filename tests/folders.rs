@@ -208,7 +208,7 @@ fn one_texture_may_have_several_folders_and_each_bin_several_photos() {
         let again = desk.at("round 2").join(path.file_name().unwrap());
         std::fs::write(again, [bytes, vec![0]].concat()).unwrap();
     }
-    let more = ["normal=round 2", "-o", "out", "--detector", "made.toml"];
+    let more = ["normal@yard=round 2", "-o", "out", "--detector", "made.toml"];
     let output = desk.on_folders(&["score"], &more);
     assert!(output.status.success(), "{}", stderr(&output));
     let summary = read_json(&desk.at("out/summary.json"));
@@ -412,8 +412,10 @@ fn a_new_session_is_scored_as_its_folders_are() {
         );
         desk.succeeds(&[&["score", name, "-o", "report"][..], &MADE].concat());
         assert_eq!(read_json(&desk.at("report/summary.json"))["results"], wanted, "{name}");
-        let refused = desk.on_folders(&["session", "new", name], &[]);
-        assert_refused(&refused, &[name, "already: each photo counts once"]);
+        if name == "named" {
+            let refused = desk.on_folders(&["session", "new", name], &[]);
+            assert_refused(&refused, &[name, "already: each photo counts once"]);
+        }
     }
     let list = |name: &str| read_json(&desk.at(name).join("session.json"));
     assert_eq!(
@@ -514,11 +516,11 @@ fn a_folder_of_folders_becomes_a_session_in_its_place() {
     assert!(output.status.success(), "{}", stderr(&output));
     let made: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(
-        (&made["photos"], &made["variants"], &made["place"], &made["copied"]),
+        (&made["photos"], &made["variants"], &made["places"], &made["copied"]),
         (
             &16.into(),
             &serde_json::json!({"normal": 8, "random": 8}),
-            &"garden".into(),
+            &serde_json::json!(["garden"]),
             &false.into()
         )
     );

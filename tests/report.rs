@@ -64,7 +64,7 @@ const GREEN: [u8; 3] = [0x2e, 0x8b, 0x57];
 fn the_page_shows_tables_charts_and_bordered_photos() {
     let out = tempfile::tempdir().unwrap();
     let url = report(out.path());
-    let picture = screenshot(&url, out.path(), 1280, 5600);
+    let picture = screenshot(&url, out.path(), 1280, 6400);
     // YOLOX-Nano, the detector that is chosen first: 10 photos found, 6 missed. A border is about 1000 pixels or more.
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     let unbordered = ["misclassified", "disappeared"]
@@ -74,7 +74,7 @@ fn the_page_shows_tables_charts_and_bordered_photos() {
             page.replace(&format!("class=\"photo {class}\""), "class=\"photo none\"")
         });
     std::fs::write(out.path().join("unbordered.html"), unbordered).unwrap();
-    let unbordered = screenshot(&url.replace("report.html", "unbordered.html"), out.path(), 1280, 5600);
+    let unbordered = screenshot(&url.replace("report.html", "unbordered.html"), out.path(), 1280, 6400);
     // Bars have these colours too.
     let missed: Vec<usize> = MISSED
         .map(|colour| count(&picture, colour) - count(&unbordered, colour))
@@ -90,7 +90,7 @@ fn the_page_shows_tables_charts_and_bordered_photos() {
         page.replace("data:image/jpeg;base64,", "data:,"),
     )
     .unwrap();
-    let bare = screenshot(&url.replace("report.html", "bare.html"), out.path(), 1280, 5600);
+    let bare = screenshot(&url.replace("report.html", "bare.html"), out.path(), 1280, 6400);
     let changed = picture.pixels().zip(bare.pixels()).filter(|(a, b)| a != b).count();
     assert!(changed > 250_000, "only {changed} pixels come from the embedded photos");
     // The polar charts: the dots of `random` in its colour, and the curves.
@@ -541,7 +541,7 @@ fn of_many_photos_the_worst_are_shown_and_the_others_counted() {
         let truths = exact["photos"].as_array().unwrap();
         let truth = truths.iter().find(|t| t["file"] == original).unwrap();
         serde_json::json!({"file": name, "variant": &original[..6], "box_xyxy_px": truth["box_xyxy_px"],
-            "viewpoint": {"azimuth_deg": 0.0, "pitch_deg": 15.0, "distance_mm": 850.0}})
+            "viewpoint": {"azimuth_deg": 0.8 * f64::from(i), "pitch_deg": 15.0, "distance_mm": 850.0}})
     });
     file["photos"] = entries.collect();
     std::fs::write(&path, file.to_string()).unwrap();

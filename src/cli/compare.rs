@@ -106,11 +106,11 @@ fn places<'a>(variant: &str, sessions: &'a [Session]) -> BTreeSet<&'a str> {
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.detectors.recorded)?;
+    opened.check_output(&args.output)?;
     let plan = args.plan.as_deref().map(SealedPlan::read).transpose()?;
     let named = args.base.as_deref().or_else(|| Some(plan.as_ref()?.0.base.as_str()));
     let base = checked_base(named, &opened.sessions)?;
     let detectors = args.detectors.evaluated(&opened.sessions)?;
-    opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = args.reading.criteria()?;
     let patterns = args.patterns.of(&opened.sessions)?;

@@ -59,14 +59,15 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// What was found, in a sentence; in what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+/// In what it differs from its plan; what was found, in a sentence; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
-    let mut lines = verdict::sentences(scores, &comparison.results);
-    lines.push(String::new());
+    let mut lines = Vec::new();
     if let Some(plan) = &comparison.plan {
         lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
     }
+    lines.extend(verdict::sentences(scores, &comparison.results));
+    lines.push(String::new());
     if let Some(protocol) = scores.criteria.protocol {
         lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
     }
