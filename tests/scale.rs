@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
-use scaleproof_detect::{Detection, Detector, Manifest, Runtime, WeightFolders};
+use scaleproof_detect::{Detection, Detector, Kernel, Manifest, Runtime, WeightFolders};
 use scaleproof_photo::photo::Photo;
 use scaleproof_score::score::{self, Cache, EvaluatedDetector, Options, Scores};
 use scaleproof_session::session::Session;
