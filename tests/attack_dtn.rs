@@ -314,7 +314,7 @@ fn trained_by_the_program_and_charted_beside_the_closed_forms() {
     let trained = command(&[&[frames][..], &small, &["60"]].concat(), &one);
     let text = stdout(&trained);
     assert!(
-        text.contains("convnet k=2: 1 views to learn from, 1 to validate on (unseen azimuths"),
+        text.contains("convnet k=2: 1 view to learn from, 1 to validate on (unseen azimuths"),
         "{text}"
     );
     // Trained already: only what is known of it.

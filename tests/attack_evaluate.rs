@@ -377,7 +377,7 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     let mut of_trucks = read_json(&path);
     of_trucks["classes"] = "truck".into();
     std::fs::write(&path, of_trucks.to_string()).unwrap();
-    assert_refused(&history(&["quick", "slow"]), &["frames, detectors or classes"]);
+    assert_refused(&history(&["quick", "slow"]), &["other classes (not stated; truck)"]);
 
     // Figures that no run has are not drawn.
     for (name, value) in [("wall_s", -5.0), ("wall_s", 1e300)] {

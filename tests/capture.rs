@@ -668,7 +668,7 @@ fn what_goes_missing_or_is_misnamed_is_one_sentence() {
     refused("watch:/no/such/folder", &[], &["/no/such/folder", "no such file"]);
     refused("replay:/no/such/session", &[], &["/no/such/session"]);
     let stored = replay(&skyline());
-    refused(&stored, &["--pitch-deg", "20"], &["--pitch-deg 20 is no bin", "15"]);
+    refused(&stored, &["--pitch-deg", "20"], &["the pitch 20 is no bin", "15"]);
     refused(&stored, &["--azimuth-tolerance-deg", "0"], &["above 0"]);
     refused(&stored, &["--pair-with", "/no/such"], &["/no/such"]);
     // A watched folder that is removed while it is watched: what was taken is kept.

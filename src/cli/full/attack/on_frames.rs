@@ -213,7 +213,7 @@ impl OnFrames {
         let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
         let ([columns, rows], tile_mm) = (self.mapping.grid(self.cells()), self.tile_mm());
         let figures = figures_in_words(setup, &history, &self.class);
-        let random = (method == super::run::METHOD).then(|| self.random(setup)).transpose()?;
+        let random = config.is_some().then(|| self.random(setup)).transpose()?;
         let (beside, next) = random.map_or(Default::default(), |figures| {
             (beside(&figures), self.next_command(&path))
         });
