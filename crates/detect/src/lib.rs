@@ -43,8 +43,8 @@ pub use input::{InputPlacement, tensor};
 pub use labels::{Labels, LabelsError};
 pub use manifest::{
     AnchorHead, AnchorLabels, Channels, EfficientdetHead, FirstLabel, GridAnchors, GridsHead, Head, Input, Kernel,
-    Layout, ListHead, Manifest, ManifestError, Resize, Scores, SsdBoxes, SsdHead, StridesHead, TableHead, Unit, Values,
-    Weights,
+    Layout, ListHead, Manifest, ManifestError, Pad, Resize, Scores, SsdBoxes, SsdHead, StridesHead, TableHead, Unit,
+    Values, Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};
