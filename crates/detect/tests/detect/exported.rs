@@ -45,17 +45,16 @@ fn distance(label: usize, score: f64, b: &BoxPx, others: &[Found]) -> Option<(f6
 
 #[test]
 fn exported_networks_find_what_their_frameworks_find() {
-    // With the largest difference of a score: that of RT-DETR is the last bit of PIL's resized photo, which torchvision's differs in, too.
     let cases = [
-        ("yolo26", Family::Yolov8, 1e-3),
-        ("yolo26_end2end", Family::Yolov10, 1e-3),
-        ("detr", Family::Detr, 1e-3),
-        ("rtdetr_v2", Family::HfDetr, 1e-3),
-        ("torchvision_ssd", Family::Torchvision, 1e-3),
-        ("effdet_grids", Family::Efficientdet, 1e-3),
+        ("yolo26", Family::Yolov8),
+        ("yolo26_end2end", Family::Yolov10),
+        ("detr", Family::Detr),
+        ("rtdetr_v2", Family::HfDetr),
+        ("torchvision_ssd", Family::Torchvision),
+        ("effdet_grids", Family::Efficientdet),
     ];
     let truth = read_json(&stored("detections.json"));
-    for (name, family, most) in cases {
+    for (name, family) in cases {
         let network = stored(&format!("{name}.onnx"));
         let names_itself = truth[name]["labels"].is_null();
         let hints = if names_itself {
@@ -111,7 +110,7 @@ fn exported_networks_find_what_their_frameworks_find() {
                 theirs.len()
             );
             assert!(
-                worst_score <= most && worst_px <= 0.5,
+                worst_score <= 1e-3 && worst_px <= 0.5,
                 "{name}, {photo}: {worst_score}, {worst_px} px"
             );
         }
