@@ -1,6 +1,7 @@
 //! Weights that are nowhere, and weights in two files.
 
 use crate::exported::{LABELS, labelled, stored};
+use proptest::prelude::*;
 use scaleproof_core::files::sha256_hex;
 use scaleproof_detect::{Manifest, Runtime, WeightFolders, propose};
 
@@ -54,4 +55,21 @@ fn weights_beside_the_graph_count() {
     std::fs::remove_file(&data).unwrap();
     let error = folders.checked(&manifest).unwrap_err().to_string();
     assert!(error.contains("detr.onnx.data"), "{error}");
+}
+
+proptest! {
+    /// Whatever a file called `.onnx` holds, it is looked through for files beside it.
+    #[test]
+    fn a_file_of_any_bytes_is_another_file(bytes in prop::collection::vec(any::<u8>(), 0..200), around in 0..4000_usize) {
+        // Graphs within attributes within nodes, thousands deep: fields 7, 1, 5, 6, 1, 5, 6, …
+        let nested = (0..around).rev().fold(bytes, |inner, depth| {
+            let field = if depth == 0 { 7 } else { [6_u8, 1, 5][depth % 3] };
+            let length = inner.len();
+            [vec![field << 3 | 2, (length & 0x7F) as u8 | 0x80, (length >> 7) as u8 | 0x80, (length >> 14) as u8], inner].concat()
+        });
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("yolox_nano.onnx"), nested).unwrap();
+        let folders = WeightFolders { named: None, folders: vec![folder.path().to_owned()] };
+        prop_assert!(folders.checked(&Manifest::named("yolox_nano").unwrap()).is_err());
+    }
 }
