@@ -241,6 +241,7 @@ fn families_that_list_their_boxes_are_told_by_inputs_and_names() {
         [
             filled("logits", &[1, 300, columns], -4.0),
             filled("pred_boxes", &[1, 300, 4], 0.3),
+            filled("enc_topk_logits", &[1, 300, columns], -4.0),
         ]
     };
     let plain = [
@@ -250,9 +251,19 @@ fn families_that_list_their_boxes_are_told_by_inputs_and_names() {
         "labels = \"coco80\"",
     ];
     is(Family::HfDetr, Hints::default(), &[picture()], &hf(80), &plain);
-    // DETR's own scores are a softmax: nothing here reads them, and what reads the same shapes would read them wrongly.
-    let error = proposed(&onnx::network(&[picture()], &hf(92)), Hints::default()).unwrap_err();
-    assert!(error.contains("are of no known family"), "{error}");
+    // DETR and YOLOS have neither that output nor sampled features; their last column is "no object".
+    for logits in ["logits", "pred_logits"] {
+        let detr = [
+            filled(logits, &[1, 100, 92], -4.0),
+            filled("pred_boxes", &[1, 100, 4], 0.3),
+        ];
+        let lines = [
+            "kind = \"detr\"",
+            "labels = \"coco91\"",
+            "std = [58.395, 57.12, 57.375]",
+        ];
+        is(Family::Detr, Hints::default(), &[picture()], &detr, &lines);
+    }
     let rfdetr = [filled("dets", &[1, 300, 4], 0.3), filled("labels", &[1, 300, 91], -4.0)];
     let imagenet = ["mean = [123.675, 116.28, 103.53]", "labels = \"coco91\""];
     is(Family::Rfdetr, Hints::default(), &[picture()], &rfdetr, &imagenet);

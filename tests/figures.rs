@@ -156,7 +156,7 @@ fn the_charts_are_files_that_look_like_the_page() {
     for words in [
         "Drop of the hit rate<",
         "Drop of AP@0.5<",
-        "Filled: a difference is shown at 5 %",
+        "Filled: a difference is shown after correction",
         "6 findings are tested",
     ] {
         assert!(drops.contains(words), "{words}");

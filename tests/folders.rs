@@ -271,7 +271,7 @@ fn folders_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
         ),
         (
             &["normal=phone"],
-            "no JPEG or PNG files (convert a.heic and the like to JPEG)",
+            "no JPEG or PNG files (it has a.heic: set the iPhone to",
         ),
         (&[&normal, &again], "is given twice: each photo counts once"),
         (

@@ -131,7 +131,7 @@ pub fn tensor(photo: &RgbImage, input: &Input, placement: &InputPlacement) -> Ve
         };
         let to = &mut tensor[first..];
         if input.resize != Resize::ShortSide {
-            let border = (f32::from(input.pad) - mean) / std;
+            let border = (f32::from(input.pad.level(channel)) - mean) / std;
             to.iter_mut().step_by(step).take(plane).for_each(|to| *to = border);
         }
         for (y, row) in resized.chunks_exact(3 * width).enumerate() {

@@ -43,7 +43,7 @@ pub use input::{InputPlacement, tensor};
 pub use labels::{Labels, LabelsError};
 pub use manifest::{
     AnchorHead, AnchorLabels, Channels, EfficientdetHead, FirstLabel, GridAnchors, GridsHead, Head, Input, Kernel,
-    Layout, ListHead, Manifest, ManifestError, NetworkFormat, Resize, Scores, SsdBoxes, SsdHead, StridesHead,
+    Layout, ListHead, Manifest, ManifestError, NetworkFormat, Pad, Resize, Scores, SsdBoxes, SsdHead, StridesHead,
     TableHead, Unit, Values, Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};

@@ -72,9 +72,9 @@ pub struct Input {
     pub values: Values,
     pub resize: Resize,
     pub kernel: Kernel,
-    /// Grey level (0–255) around a letterboxed photo.
+    /// What is around a letterboxed photo.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub pad: u8,
+    pub pad: Pad,
     pub channels: Channels,
     /// Each channel becomes (value − mean) / std, in the order of `channels`, on values 0–255.
     pub mean: [f32; 3],
@@ -90,10 +90,34 @@ impl Input {
             values,
             resize: Resize::Original,
             kernel: Kernel::OpencvLinear,
-            pad: 0,
+            pad: Pad::default(),
             channels: Channels::Rgb,
             mean: [0.0; 3],
             std: [1.0; 3],
+        }
+    }
+}
+
+/// The colour around a letterboxed photo: a grey level (0–255), or a level for each channel, in the order of `channels`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(untagged)]
+pub enum Pad {
+    Grey(u8),
+    Colour([u8; 3]),
+}
+
+impl Default for Pad {
+    fn default() -> Pad {
+        Pad::Grey(0)
+    }
+}
+
+impl Pad {
+    /// The level of a channel of the input.
+    pub fn level(self, channel: usize) -> u8 {
+        match self {
+            Pad::Grey(level) => level,
+            Pad::Colour(levels) => levels[channel],
         }
     }
 }

@@ -14,8 +14,8 @@ use ort::value::{DynValue, Tensor as OrtTensor};
 
 use super::heads::{self, Data, HeadError, Tensor};
 use super::input::{self, InputPlacement};
-use super::manifest::{Input, Layout, Values};
-use super::nms::BestFirst;
+use super::manifest::{Head, Input, Layout, Values};
+use super::nms::{BestFirst, CandidateBox};
 use super::{Detection, HIGHEST_SCORE, MAX_DETECTIONS, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
@@ -154,6 +154,10 @@ impl Detector {
             HeadError::NotFinite { what } => not_a_number(what),
             e => failed(e.to_string()),
         })?;
+        let candidates = match self.manifest.head {
+            Head::Efficientdet(_) => within_photo(candidates, &placement),
+            _ => candidates,
+        };
         let candidates = BestFirst::new(candidates, self.manifest.head.nms_iou());
         if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
             return Err(DetectError::NotAScore {
@@ -172,6 +176,20 @@ impl Detector {
         let detections = candidates.filter_map(|c| Detection::new(c.label, c.score.min(1.0), to_photo(c.b)));
         Ok(detections.take(MAX_DETECTIONS).collect())
     }
+}
+
+/// Candidates in input pixels, cut at the photo's border, without those outside it. Source: effdet's `generate_detections`, which cuts boxes before it
+/// suppresses them (`clip_boxes_xyxy`); cut afterwards, others would overlap.
+fn within_photo(candidates: Vec<CandidateBox>, placement: &InputPlacement) -> Vec<CandidateBox> {
+    let [width, height] = [0, 1].map(|i| placement.photo[i] * placement.scale[i]);
+    let [left, top] = placement.offset;
+    let cut = |c: CandidateBox| {
+        let [x1, y1, x2, y2] = c.b.into();
+        let moved = BoxPx::new(x1 - left, y1 - top, x2 - left, y2 - top).clipped(width, height);
+        let b = BoxPx::new(moved.x1 + left, moved.y1 + top, moved.x2 + left, moved.y2 + top);
+        b.is_solid().then_some(CandidateBox { b, ..c })
+    };
+    candidates.into_iter().filter_map(cut).collect()
 }
 
 /// A network, loaded for one inference thread.

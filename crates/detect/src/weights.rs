@@ -12,13 +12,12 @@ use scaleproof_core::files;
 pub enum WeightsError {
     #[error("no weights for {name}: {remedy}")]
     Missing { name: String, file: String, remedy: String },
-    #[error("{path}{beside} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}", path = path.display())]
+    #[error("{files} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}")]
     WrongHash {
         name: String,
         remedy: String,
-        path: PathBuf,
-        /// The files beside it that hold its tensors, as a clause.
-        beside: String,
+        /// The path, and which files beside it hold its tensors.
+        files: String,
         found: String,
         expected: String,
     },
@@ -82,17 +81,16 @@ impl WeightFolders {
         };
         let bytes = files::read(&path)?;
         let names: Vec<&str> = external_files(&bytes).into_iter().collect();
-        let beside = match names.is_empty() {
-            true => String::new(),
-            false => format!(" with {} beside it", names.join(", ")),
+        let files = match names.is_empty() {
+            true => path.display().to_string(),
+            false => format!("{} with {} beside it", path.display(), names.join(", ")),
         };
         let by_hand = "put the right file there, or describe this one with `scaleproof detectors add`";
         let twelve = |hash: &str| hash.chars().take(12).collect();
         Err(WeightsError::WrongHash {
             name,
             remedy: remedy(by_hand.to_owned(), "remove it and run"),
-            path,
-            beside,
+            files,
             found: twelve(&found),
             expected: twelve(&manifest.weights.sha256),
         })

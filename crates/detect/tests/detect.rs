@@ -13,6 +13,8 @@ mod detector_heads;
 #[cfg(feature = "full")]
 #[path = "detect/download.rs"]
 mod download;
+#[path = "detect/exported.rs"]
+mod exported;
 #[path = "detect/heads.rs"]
 mod heads;
 #[path = "detect/input.rs"]

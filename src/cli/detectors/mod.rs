@@ -168,7 +168,7 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
         } else {
             let place = match checked {
                 Ok(path) => path.display().to_string(),
-                Err(WeightsError::WrongHash { path, .. }) => format!("not the described file: {}", path.display()),
+                Err(WeightsError::WrongHash { files, .. }) => format!("not the described file: {files}"),
                 Err(e) if m.weights.url.is_empty() => advice::sentence(&e),
                 Err(_) => "not here: scaleproof detectors fetch".into(),
             };

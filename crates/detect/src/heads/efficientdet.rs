@@ -1,10 +1,12 @@
-//! EfficientDet before its postprocessing: offsets 1×n×4 (y, x, height, width) and scores or logits 1×n×labels, one row an anchor.
+//! EfficientDet before its postprocessing: offsets 1×n×4 (y, x, height, width) and scores or logits 1×n×labels, one row an anchor; or, as effdet's network gives
+//! them before it joins them, a pair of grids for each stride, 1×(9·labels)×rows×columns and 1×36×rows×columns.
 //!
 //! Nine anchors a cell at strides 8 to 128: sides of `anchor_scale` · stride · 2^(0, ⅓, ⅔), each as wide as high, 1.4 × 0.7 and 0.7 × 1.4; centre = anchor's centre
 //! + offset · anchor's side, side = exp(offset) · anchor's side. Source: Tan et al. 2020, and `anchors.py` of google/automl's EfficientDet.
 
 use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
 use crate::manifest::{EfficientdetHead, Scores};
+use scaleproof_core::geometry::BoxPx;
 
 const STRIDES: [u32; 5] = [8, 16, 32, 64, 128];
 
@@ -24,6 +26,96 @@ pub(super) fn anchors(
     head: EfficientdetHead,
     labels: usize,
 ) -> Result<Anchors, HeadError> {
+    let found = match grids(outputs, size) {
+        Some(grids) if grids.labels == labels || (grids.labels, labels) == (90, 91) => {
+            of_grids(outputs, size, head, &grids)
+        }
+        _ => of_tables(outputs, size, head, labels)?,
+    };
+    Ok(Anchors {
+        are_logits: head.scores == Scores::Logits,
+        first_scored: labels - found.1,
+        ..Anchors::new(found.0)
+    })
+}
+
+/// The outputs of one stride.
+struct Grid {
+    scores: usize,
+    offsets: usize,
+    /// Columns · rows.
+    cells: usize,
+}
+
+/// Pairs of grids, by stride.
+pub struct Grids {
+    of: Vec<Grid>,
+    /// Labels that they have scores for.
+    pub labels: usize,
+}
+
+impl Grids {
+    /// Which outputs are scores.
+    pub fn scores(&self) -> impl Iterator<Item = usize> {
+        self.of.iter().map(|grid| grid.scores)
+    }
+}
+
+/// The pairs of grids among some outputs. With four labels both of a pair are alike; scores come first then, as effdet gives them.
+pub fn grids(outputs: &[Tensor], size: [u32; 2]) -> Option<Grids> {
+    let of_stride = |stride: u32| {
+        let [columns, rows] = size.map(|side| side.div_ceil(stride) as usize);
+        let is_grid =
+            |t: &Tensor| matches!(t.shape[..], [1, c, h, w] if [w, h] == [columns, rows] && c % 9 == 0 && c > 0);
+        let has_grid = |i: &usize| is_grid(&outputs[*i]) && outputs[*i].floats().is_some();
+        let both: Vec<usize> = (0..outputs.len()).filter(has_grid).collect();
+        let [first, second] = both[..] else { return None };
+        let (scores, offsets) = if outputs[second].shape[1] == 36 {
+            (first, second)
+        } else {
+            (second, first)
+        };
+        let cells = columns * rows;
+        (outputs[offsets].shape[1] == 36).then_some(Grid { scores, offsets, cells })
+    };
+    let of: Vec<Grid> = STRIDES.into_iter().map(of_stride).collect::<Option<_>>()?;
+    let labels = |grid: &Grid| outputs[grid.scores].shape[1] / 9;
+    let first = labels(of.first()?);
+    let is_one_network = of.iter().all(|grid| labels(grid) == first) && outputs.len() == 2 * of.len();
+    is_one_network.then_some(Grids { of, labels: first })
+}
+
+/// Anchors, and how many labels they have scores for.
+type Found = (Vec<Anchor>, usize);
+
+/// Of each cell's channels the offsets are four for each of nine anchors, the scores one for each label of each.
+fn of_grids(outputs: &[Tensor], size: [u32; 2], head: EfficientdetHead, grids: &Grids) -> Found {
+    let mut own = own_boxes(size, head.anchor_scale as f32);
+    let mut found = Vec::new();
+    for Grid { scores, offsets, cells } in &grids.of {
+        let numbers = outputs[*offsets].floats().unwrap_or_default();
+        let of_anchor = |(i, own): (usize, [f32; 4])| {
+            let (cell, nth) = (i / 9, i % 9);
+            let offsets = [0, 1, 2, 3].map(|k| numbers[(4 * nth + k) * cells + cell]);
+            Anchor::new(
+                moved(own, offsets),
+                *scores,
+                None,
+                nth * grids.labels * cells + cell,
+                *cells,
+            )
+        };
+        found.extend(own.by_ref().take(9 * cells).enumerate().map(of_anchor));
+    }
+    (found, grids.labels)
+}
+
+/// The box that offsets (y, x, height, width) make of an anchor's own.
+fn moved([cx, cy, w, h]: [f32; 4], o: [f32; 4]) -> BoxPx {
+    centred([cx + o[1] * w, cy + o[0] * h, o[3].exp() * w, o[2].exp() * h])
+}
+
+fn of_tables(outputs: &[Tensor], size: [u32; 2], head: EfficientdetHead, labels: usize) -> Result<Found, HeadError> {
     let rows = count(size);
     let find = || {
         let is_table = |t: &Tensor| !t.name.contains("anchor") && t.floats().is_some();
@@ -37,21 +129,14 @@ pub(super) fn anchors(
         (labels != 4 || is_named).then_some((outputs[at].floats()?, output, scores.shape[2]))
     };
     let (offsets, output, columns) = find().ok_or_else(|| {
-        let expected = format!("1×{rows}×4 and 1×{rows}×{labels}");
+        let expected = format!("1×{rows}×4 and 1×{rows}×{labels}, or ten grids");
         misfit("efficientdet", expected, outputs)
     })?;
-    let boxes = own_boxes(size, head.anchor_scale as f32)
-        .zip(offsets.chunks_exact(4))
-        .enumerate();
-    let anchors = boxes.map(|(i, ([cx, cy, w, h], o))| {
-        let b = centred([cx + o[1] * w, cy + o[0] * h, o[3].exp() * w, o[2].exp() * h]);
-        Anchor::new(b, output, None, i * columns, 1)
-    });
-    Ok(Anchors {
-        are_logits: head.scores == Scores::Logits,
-        first_scored: labels - columns,
-        ..Anchors::new(anchors.collect())
-    })
+    let boxes = own_boxes(size, head.anchor_scale as f32).zip(offsets.as_chunks::<4>().0);
+    let of_row = |(i, (own, offsets)): (usize, ([f32; 4], &[f32; 4]))| {
+        Anchor::new(moved(own, *offsets), output, None, i * columns, 1)
+    };
+    Ok((boxes.enumerate().map(of_row).collect(), columns))
 }
 
 /// The anchors' centres and sizes in input pixels: by stride, row, column, size, aspect. Where a last row or column is cut, all cells of its

@@ -45,11 +45,12 @@ fn text(bytes: &[u8]) -> &str {
 impl OnnxFile {
     /// Reads the bytes of a file, of which `image` is the input that photos go into. What is no ONNX file says nothing.
     pub(crate) fn read(bytes: &[u8], image: &str) -> OnnxFile {
-        let (mut made_by, mut graph) = (String::new(), &[][..]);
+        let (mut made_by, mut graph, mut functions) = (String::new(), &[][..], Vec::new());
         for field in Fields(bytes) {
             match field {
                 (2, Field::Bytes(name)) => made_by += text(name),
                 (7, Field::Bytes(bytes)) => graph = bytes,
+                (25, Field::Bytes(function)) => functions.push(function),
                 _ => {}
             }
         }
@@ -65,10 +66,20 @@ impl OnnxFile {
                 _ => {}
             }
         }
+        let of_functions = functions.iter().flat_map(|function| Fields(function));
+        let of_functions: Vec<Node> = of_functions
+            .filter_map(|field| match field {
+                (7, Field::Bytes(node)) => Some(Node::read(node)),
+                _ => None,
+            })
+            .collect();
         constants.extend(nodes.iter().filter_map(|node| Some((node.output, node.constant?))));
         OnnxFile {
             made_by: made_by.to_lowercase(),
-            samples: nodes.iter().any(|node| node.operator == "GridSample"),
+            samples: nodes
+                .iter()
+                .chain(&of_functions)
+                .any(|node| node.operator == "GridSample"),
             prepares: prepares(&nodes, &constants, image),
         }
     }

@@ -87,8 +87,13 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
 pub(super) fn scores(network: &Inspected) -> Scores {
     let rows = efficientdet::count(network.size_px);
     let is_scores = |t: &&Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && columns != 4);
-    let tables = network.answers.iter().flatten().filter(is_scores);
-    if no_score(tables.flat_map(floats)).is_some() {
+    let scores_of = |outputs: &'_ [Tensor]| -> Vec<f32> {
+        match efficientdet::grids(outputs, network.size_px) {
+            Some(grids) => grids.scores().flat_map(|i| floats(&outputs[i])).collect(),
+            None => outputs.iter().filter(is_scores).flat_map(floats).collect(),
+        }
+    };
+    if no_score(network.answers.iter().flat_map(|outputs| scores_of(outputs))).is_some() {
         Scores::Logits
     } else {
         Scores::Probabilities

@@ -204,6 +204,9 @@ fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
 }
 
 fn efficientdet(outputs: &[Tensor], size: [u32; 2]) -> Option<usize> {
+    if let Some(grids) = efficientdet::grids(outputs, size) {
+        return Some(if grids.labels == 90 { 91 } else { grids.labels });
+    }
     let rows = efficientdet::count(size);
     let columns = |t: &Tensor| match t.shape[..] {
         [1, n, columns] if n == rows => Some(columns),
@@ -298,7 +301,7 @@ pub(super) fn needs(size: [u32; 2]) -> String {
             "NanoDet and PicoDet n×labels and n×{} for each stride ({cells} cells in all)",
             4 * BINS
         ),
-        format!("EfficientDet 1×{anchors}×4 and 1×{anchors}×labels"),
+        format!("EfficientDet 1×{anchors}×4 and 1×{anchors}×labels, or ten grids of 9·labels and 36 channels"),
         format!("SSDs boxes 1×n×4 and scores 1×n×labels of more than {MOST_QUERIES} rows, and DETRs of fewer"),
         format!("TensorFlow's API {}", TENSORFLOW[..3].join(", ")),
         "and R-CNNs, DEIM and torchvision boxes n×4, scores n and labels n as whole numbers".to_owned(),

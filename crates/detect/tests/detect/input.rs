@@ -1,8 +1,10 @@
 //! From photos to input tensors, and boxes back.
 
 use image::RgbImage;
+
+use crate::common::home;
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_detect::{Channels, Input, InputPlacement, Kernel, Layout, Resize, Values, tensor};
+use scaleproof_detect::{Channels, Input, InputPlacement, Kernel, Layout, Manifest, Pad, Resize, Values, tensor};
 use scaleproof_photo::photo::{opencv_linear, shrunk};
 
 use proptest::prelude::*;
@@ -14,7 +16,7 @@ fn input(resize: Resize) -> Input {
         values: Values::F32,
         resize,
         kernel: Kernel::OpencvLinear,
-        pad: 114,
+        pad: Pad::Grey(114),
         channels: Channels::Bgr,
         mean: [0.0; 3],
         std: [1.0; 3],
@@ -69,6 +71,41 @@ fn the_antialiased_kernel_averages_what_linear_skips() {
         |image: RgbImage| image.as_raw().iter().map(|b| f64::from(*b)).sum::<f64>() / image.as_raw().len() as f64;
     assert!((mean(shrunk(&photo, [64, 16])) - 63.75).abs() < 2.0);
     assert!(mean(opencv_linear(&photo, [64, 16])) < 40.0);
+}
+
+/// OpenCV's linear kernel takes four pixels for one: of a reduced photo it would take others.
+#[test]
+fn only_a_kernel_that_averages_may_see_a_reduced_photo() {
+    let photo = scaleproof_photo::photo::Photo::open(&home().join("captures/skyline/normal_000.jpg")).unwrap();
+    for resize in [
+        Resize::Stretch,
+        Resize::LetterboxTopLeft,
+        Resize::LetterboxCentreRounded,
+    ] {
+        let mut manifest = Manifest::named("yolox_nano").unwrap();
+        manifest.input = Input {
+            size_px: [160, 160],
+            ..input(resize)
+        };
+        let least = |manifest: &Manifest| manifest.least_px(photo.width, photo.height);
+        assert_eq!(photo.reduction(least(&manifest)), 1, "{resize:?}");
+        manifest.input.kernel = Kernel::Antialiased;
+        assert!(photo.reduction(least(&manifest)) > 1, "{resize:?}");
+    }
+}
+
+/// effdet's colour, for red, green and blue.
+#[test]
+fn a_border_may_have_a_colour() {
+    let photo = RgbImage::from_pixel(416, 100, image::Rgb([1, 2, 3]));
+    let input = Input {
+        pad: Pad::Colour([124, 116, 104]),
+        channels: Channels::Rgb,
+        ..input(Resize::LetterboxTopLeft)
+    };
+    let tensor = tensor(&photo, &input, &InputPlacement::new(&input, 416, 100));
+    let last = |channel: usize| tensor[(channel + 1) * 416 * 320 - 1];
+    assert_eq!([last(0), last(1), last(2), tensor[0]], [124.0, 116.0, 104.0, 1.0]);
 }
 
 proptest! {

@@ -354,6 +354,74 @@ fn tables_of_shares_are_read_as_such() {
     );
 }
 
+/// YOLO26's distances are plain numbers: where it sees nothing, some boxes are turned round. Most of them are only where the numbers mean something else.
+#[test]
+fn most_boxes_decide_whether_they_are_decoded() {
+    let table = |every: usize| -> Vec<f32> {
+        let size = |i: usize| if i.is_multiple_of(every) { -3.0 } else { 20.0 };
+        let value = |k: usize, i: usize| [(i * 7 % 96) as f32, (i * 5 % 64) as f32, size(i), size(i)][k];
+        (0..84 * 126)
+            .map(|i| if i / 126 < 4 { value(i / 126, i % 126) } else { 0.2 })
+            .collect()
+    };
+    let rows = |every: usize| -> Vec<f32> {
+        let row = |i: usize| {
+            if i.is_multiple_of(every) {
+                [20.0, 20.0, 9.0, 9.0, 0.4, 3.0]
+            } else {
+                [2.0, 2.0, 9.0, 9.0, 0.5, 7.0]
+            }
+        };
+        (0..300).flat_map(row).collect()
+    };
+    let of = |shape: &[usize], data: Vec<f32>| {
+        let hints = Hints {
+            labels: Some(Labels::Coco80),
+            ..Hints::default()
+        };
+        of_made(&[picture()], &[Output::floats("output0", shape, data)], hints)
+    };
+    assert_eq!(of(&[1, 84, 126], table(8)).unwrap().family, Family::Yolov8);
+    let error = of(&[1, 84, 126], table(1)).unwrap_err();
+    assert!(
+        error.contains("a box's size is -3: its boxes are not decoded"),
+        "{error}"
+    );
+    assert_eq!(of(&[1, 300, 6], rows(8)).unwrap().family, Family::Yolov10);
+    let error = of(&[1, 300, 6], rows(1)).unwrap_err();
+    assert!(error.contains("a box ends before it begins"), "{error}");
+}
+
+/// Transformers' `OnnxConfig(dynamic=True)` leaves all axes open.
+#[test]
+fn an_image_may_leave_its_channels_open() {
+    let outputs = || {
+        [
+            filled("logits", &[1, 300, 80], -4.0),
+            filled("pred_boxes", &[1, 300, 4], 0.3),
+            filled("enc_topk_logits", &[1, 300, 80], -4.0),
+        ]
+    };
+    let proposal = of_made(&[Input::floats("pixel_values", &[-1; 4])], &outputs(), Hints::default()).unwrap();
+    assert_eq!(
+        (proposal.family, proposal.manifest.input.size_px),
+        (Family::HfDetr, [640, 640])
+    );
+    assert!(
+        proposal
+            .notes
+            .iter()
+            .any(|note| note.to_string().contains("leaves the input's size open"))
+    );
+    let error = of_made(
+        &[Input::floats("pixel_values", &[1, 5, 64, 64])],
+        &outputs(),
+        Hints::default(),
+    )
+    .unwrap_err();
+    assert!(error.contains("exported with three channels fixed"), "{error}");
+}
+
 /// PicoDet and NanoDet have the same tables.
 #[test]
 fn four_strides_of_distances_are_paddles_or_asked_about() {

@@ -132,7 +132,10 @@ impl OnnxDetector {
 /// The shape of the network's input, which must be the same for all images.
 fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, WhiteBoxError> {
     let input = &manifest.input;
-    if matches!(input.resize, Resize::ShortSide | Resize::Original) {
+    if matches!(
+        input.resize,
+        Resize::ShortSide | Resize::ShortestEdge | Resize::Original
+    ) {
         return Err(WhiteBoxError::InputOfAnySize);
     }
     if input.values == Values::U8 {

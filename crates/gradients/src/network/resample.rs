@@ -42,7 +42,7 @@ impl Resampler {
         let mut tensor = vec![0.0; 3 * plane];
         for channel in 0..3 {
             let (mean, std) = self.normalisation(channel);
-            let border = (f64::from(self.input.pad) - mean) / std;
+            let border = (f64::from(self.input.pad.level(channel)) - mean) / std;
             (0..plane).for_each(|at| tensor[self.index(channel, at)] = border as f32);
             let source = self.source(channel);
             for (at, rgb) in self.inside().zip(&resized) {

@@ -1,7 +1,7 @@
 //! Images as the tensors that scoring uses, and derivatives back.
 
 use rand::{RngExt, SeedableRng};
-use scaleproof_detect::{Channels, Input, Kernel, Layout, Resize, Values};
+use scaleproof_detect::{Channels, Input, Kernel, Layout, Pad, Resize, Values};
 use scaleproof_gradients::network::resample::Resampler;
 
 fn input(kernel: Kernel, resize: Resize, layout: Layout) -> Input {
@@ -11,7 +11,7 @@ fn input(kernel: Kernel, resize: Resize, layout: Layout) -> Input {
         values: Values::F32,
         resize,
         kernel,
-        pad: 114,
+        pad: Pad::Grey(114),
         channels: Channels::Bgr,
         mean: [10.0, 20.0, 30.0],
         std: [50.0, 60.0, 70.0],

@@ -1,6 +1,6 @@
 //! The commonest ways in which a manifest feeds or reads a network otherwise than its origin.
 
-use scaleproof_detect::{Channels, Kernel, Manifest, Resize, wants_photo_size};
+use scaleproof_detect::{Channels, Kernel, Manifest, Pad, Resize, wants_photo_size};
 
 /// A manifest changed in one thing.
 pub struct Feeding {
@@ -66,11 +66,12 @@ pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
             m.input.resize = resize;
             // A stretched photo has no border; most programs fill theirs with this.
             if was_stretched {
-                m.input.pad = 114;
+                m.input.pad = Pad::Grey(114);
             }
         });
     }
     for (pad, what) in [(0, "pad 0"), (114, "pad 114"), (128, "pad 128")] {
+        let pad = Pad::Grey(pad);
         if is_tried && !was_stretched && pad != input.pad {
             with(what, 0, &|m| m.input.pad = pad);
         }
