@@ -140,7 +140,7 @@ fn two_folders_have_the_figures_of_the_stored_session() {
     assert!(scored.status.success(), "{}", stderr(&scored));
     assert!(
         stderr(&scored).contains(
-            "note: 1 image in Fotos März = normal is left out, being neither JPEG nor PNG or there in JPEG too (the first: IMG_9.HEIC)"
+            "note: 1 image in Fotos März = normal is left out, being neither JPEG nor PNG or there in JPEG too (the first: IMG_9.HEIC: set the iPhone to"
         ),
         "{}",
         stderr(&scored)

@@ -410,7 +410,8 @@ fn memory_stays_bounded_over_two_thousand_photos_and_a_chatty_program() {
             image::RgbImage::from_pixel(64, 48, image::Rgb([i as u8, (i >> 8) as u8, 7]))
                 .save(folder.join(&file))
                 .unwrap();
-            let viewpoint = json!({"azimuth_deg": i % 360, "pitch_deg": 15, "distance_mm": 850});
+            // Each from a direction of its own: images of one colour in one place are copies of each other.
+            let viewpoint = json!({"azimuth_deg": i % 360, "pitch_deg": 10 + 5 * (i / 360), "distance_mm": 850});
             json!({"file": file, "variant": "normal", "box_xyxy_px": [1, 2, 30, 40], "viewpoint": viewpoint})
         })
         .collect();

@@ -167,8 +167,8 @@ fn threads_and_kept_results_change_no_byte() {
     let set = Set::new();
     let first = set.outputs("first", &["--threads", "1"]);
     let entries = set.cache_entries().len();
-    // Tags of six photos (one of them has none), detections and a preview of five.
-    assert_eq!(entries, 16);
+    // Tags of six photos (one of them has none); detections, a preview and a perceptual hash of five.
+    assert_eq!(entries, 21);
     assert_same(&first, &set.outputs("again", &["--threads", "3"]));
     assert_eq!(set.cache_entries().len(), entries);
     std::fs::remove_dir_all(set.path("cache")).unwrap();
@@ -206,7 +206,7 @@ fn damaged_entries_are_reported_and_computed_again() {
         .map(str::to_owned)
         .collect();
     assert!(
-        said.len() == 1 && said[0].starts_with("note: 16 damaged entries of the cache"),
+        said.len() == 1 && said[0].starts_with("note: 21 damaged entries of the cache"),
         "{said:?}"
     );
     assert_same(&first, &contents(&set.path("again")));
@@ -225,7 +225,7 @@ fn an_interrupted_run_is_taken_up_again() {
     );
     let kept = set.cache_entries();
     assert!(
-        (3..16).contains(&kept.len()) && !set.path("out").exists(),
+        (3..21).contains(&kept.len()) && !set.path("out").exists(),
         "{}",
         kept.len()
     );
@@ -501,7 +501,7 @@ fn of_many_photos_a_thousand_are_kept_as_pictures_and_the_worst_shown() {
         .map(|i| {
             let file = format!("{i}.png");
             std::fs::hard_link(set.path("small.png"), set.path(&file)).unwrap();
-            let viewpoint = serde_json::json!({"azimuth_deg": f64::from(i % 360), "pitch_deg": 15.0, "distance_mm": 900.0});
+            let viewpoint = serde_json::json!({"azimuth_deg": f64::from(i % 360), "pitch_deg": f64::from(10 + 5 * (i / 360)), "distance_mm": 900.0});
             serde_json::json!({"file": file, "variant": "normal", "box_xyxy_px": [5, 5, 60, 40], "viewpoint": viewpoint})
         })
         .collect();

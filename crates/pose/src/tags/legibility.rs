@@ -13,9 +13,9 @@ const FEW_LEVELS: f64 = 64.0;
 /// Noise per pixel, as a share of those levels, from which half the size shows more. Real photos have up to 0.013.
 const MUCH_NOISE: f64 = 0.03;
 
-/// The sharpest 0.1 % of edges change by less than this share of those levels from a pixel to the next where a Gaussian of 1.6 px or wider blurs them. Sharp
+/// The sharpest 0.1 % of edges change by less than this share of those levels from a pixel to the next where a Gaussian of 2 px or wider blurs them. Sharp
 /// photos have 0.33 and more.
-const DULL_EDGE: f64 = 0.25;
+const DULL_EDGE: f64 = 0.2;
 
 /// Every so many pixels, across and down, four neighbours are measured.
 const STRIDE: usize = 4;
