@@ -8,7 +8,7 @@ use scaleproof_core::geometry::Rigid;
 
 /// The share by which fx and fy are off, each by itself, although a camera was measured without error: focus and temperature move the lens, and a photo that was
 /// made smaller has whole pixels. Photos made smaller 2 to 8 times and enlarged again are off by up to 0.2 % (`benches/pose_speed.py`).
-const FOCAL_SHARE: f64 = 1e-3;
+pub const FOCAL_SHARE: f64 = 1e-3;
 
 /// Covariance of the step (ω in rad, υ in mm) from a pose at its least squared residuals to the true one, by the camera alone. `None` when the corners leave
 /// the pose open.

@@ -35,6 +35,7 @@ use solver::PoseCandidate;
 
 pub use abstention::Abstention;
 pub use alike::{LocateFiles, MOST_LISTED};
+pub use camera_doubt::FOCAL_SHARE;
 pub use diagnosis::Diagnosis;
 pub use factor::spread;
 pub use lone_tag::{BinProbability, LoneTag, Rival};

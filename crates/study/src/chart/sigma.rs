@@ -15,7 +15,7 @@ use scaleproof_core::statistics::{Interval, normal, wilson_95};
 use scaleproof_core::workers;
 use scaleproof_plot::{PlotAxis, PlotLine, PlotPanel, Scale, distinct, panels};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Located, Sigma, area_px, locate, locate_luma};
+use scaleproof_pose::locate::{FOCAL_SHARE, Located, Sigma, area_px, locate, locate_luma};
 use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
 use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
@@ -205,10 +205,14 @@ fn one_view(scene: &Scene, camera: &Camera, (bow_mm, share): (f64, f64), tags: u
     }
     let mut all = subsets(&view.seen, scene, tags, &mut rng);
     let seen = (!all.is_empty()).then(|| all.swap_remove(rng.random_range(0..all.len())))?;
+    // The camera file is as far off as σ takes it for.
+    let mut camera = camera.clone();
+    camera.fx *= 1.0 + FOCAL_SHARE * normal::draw(&mut rng);
+    camera.fy *= 1.0 + FOCAL_SHARE * normal::draw(&mut rng);
     Some(SigmaView {
         scene: of_tags(scene, &seen),
         seen,
-        camera: camera.clone(),
+        camera,
         truth: viewpoint,
         truth_sigma: truth::EXACT,
     })
