@@ -3,7 +3,7 @@
 use super::*;
 
 /// Commands that write no file, or only into a folder that is their input.
-const WITHOUT: [&str; 15] = [
+const WITHOUT: [&str; 16] = [
     "locate",
     "camera show",
     "session import",
@@ -16,6 +16,7 @@ const WITHOUT: [&str; 15] = [
     "detectors remove",
     "session new",
     "session show",
+    "scene show",
     "attack check",
     "attack judge",
     "completions",
