@@ -116,17 +116,9 @@ fn corners() -> [[f64; 3]; 8] {
 
 /// All six faces, outwards.
 fn box_stl() -> String {
-    let faces = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
     let points = corners();
     let mut text = String::from("solid box\n");
-    for [a, b, c, d] in faces {
+    for [a, b, c, d] in common::BOX_FACES {
         for triangle in [[a, b, c], [a, c, d]] {
             text += "facet normal 0 0 0\nouter loop\n";
             for i in triangle {

@@ -82,17 +82,9 @@ fn obj() -> String {
     for solid in [BODY, CABIN] {
         (0..8).for_each(|i| text += &corner(solid, i));
     }
-    let faces = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
     for (first, material) in [(1, "Paint"), (9, "Glass")] {
         text += &format!("usemtl {material}\n");
-        for [a, b, c, d] in faces {
+        for [a, b, c, d] in common::BOX_FACES {
             text += &format!("f {} {} {} {}\n", a + first, b + first, c + first, d + first);
         }
     }

@@ -5,7 +5,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, program, read_json, skyline, stderr, stdout, write};
 use nalgebra::Point3;
 use opencv::core::{FileStorage, FileStorage_Mode, Mat};
 use opencv::prelude::*;
@@ -18,12 +18,6 @@ fn parse(text: &str) -> Result<Camera, String> {
 
 fn corpus(name: &str) -> String {
     std::fs::read_to_string(common::home().join("fuzz/corpus/camera").join(name)).unwrap()
-}
-
-fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, text).unwrap();
-    path
 }
 
 fn camera(arguments: &[&str], paths: &[&Path]) -> Output {
@@ -153,7 +147,7 @@ fn opencv_reads_what_we_write_and_we_read_what_opencv_writes() {
     ] {
         let mut camera = ours.clone().with_distortion(coefficients);
         camera.guess = Some(Guess { focal_percent: 6.5 });
-        let path = write(folder.path(), "ours.yaml", &camera.write(CameraFormat::OpenCv).unwrap());
+        let path = write(folder.path(), "ours.yaml", camera.write(CameraFormat::OpenCv).unwrap());
         let storage = FileStorage::new_def(path.to_str().unwrap(), FileStorage_Mode::READ as i32).unwrap();
         let matrix = |name: &str| storage.get(name).unwrap().mat().unwrap();
         let k = matrix("camera_matrix");
@@ -312,7 +306,7 @@ fn fisheyes_of_every_program_are_read_and_written() {
         "{refused}"
     );
     let folder = tempfile::tempdir().unwrap();
-    let file = write(folder.path(), "fisheye.yaml", &corpus("opencv_fisheye.yaml"));
+    let file = write(folder.path(), "fisheye.yaml", corpus("opencv_fisheye.yaml"));
     let shown = stdout(&camera(&["show"], &[&file]));
     assert!(
         shown.contains("fisheye (Kannala–Brandt) with k1 0.02, k2 -0.004, k3 0.0015, k4 -0.0004"),
@@ -423,10 +417,10 @@ fn convert_writes_each_format_and_refuses_what_it_cannot_say() {
         &camera(&["convert", "-o", path_text], &[&input]),
         &["out.yaml", "--format"],
     );
-    let copy = write(folder.path(), "copy.yaml", &corpus("opencv.yaml"));
+    let copy = write(folder.path(), "copy.yaml", corpus("opencv.yaml"));
     let onto_itself = camera(&["convert", "--format", "ros", "-o", copy.to_str().unwrap()], &[&copy]);
     assert_refused(&onto_itself, &["copy.yaml is an input"]);
-    let rational = write(folder.path(), "rational.yaml", &corpus("opencv_rational.yaml"));
+    let rational = write(folder.path(), "rational.yaml", corpus("opencv_rational.yaml"));
     let output = camera(&["convert", "--format", "kalibr", "-o", path_text], &[&rational]);
     assert_refused(&output, &["cannot be written as kalibr", "k1, k2, p1 and p2"]);
     assert!(!path.exists());
@@ -723,7 +717,7 @@ fn photos_of_another_size_or_turned_by_exif_are_located_or_refused() {
     let upright = write(
         folder.path(),
         "upright.yaml",
-        &sideways.write(CameraFormat::OpenCv).unwrap(),
+        sideways.write(CameraFormat::OpenCv).unwrap(),
     );
     save(&original, 6);
     let (line, _) = locate(&path, &upright);
@@ -759,7 +753,7 @@ fn only_rounding_may_change_an_aspect_ratio() {
 #[test]
 fn a_guessed_camera_is_never_taken_for_a_measured_one() {
     let folder = tempfile::tempdir().unwrap();
-    let guessed = write(folder.path(), "guess.yaml", &corpus("guess.yaml"));
+    let guessed = write(folder.path(), "guess.yaml", corpus("guess.yaml"));
     let (line, output) = locate(&skyline().join("normal_000.jpg"), &guessed);
     assert_eq!(line["status"], "located");
     assert!(

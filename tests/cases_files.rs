@@ -5,24 +5,10 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, program, read_json, run, skyline, stderr, stdout, text, write};
 use image::{DynamicImage, RgbImage};
 use scaleproof_pose::scene::Scene;
 use serde_json::{Value, json};
-
-fn run(arguments: &[&str]) -> Output {
-    program().args(arguments).output().unwrap()
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, content).unwrap();
-    path
-}
 
 /// `locate --json` of photos, by a scene of one's own or the stored one.
 fn located(photos: &[PathBuf], scene: &Path) -> (Output, Vec<Value>) {

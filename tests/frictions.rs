@@ -5,22 +5,8 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, copy_of_skyline, home, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, copy_of_skyline, home, program, read_json, run, skyline, stderr, stdout, text, write};
 use serde_json::Value;
-
-fn run(arguments: &[&str]) -> Output {
-    program().args(arguments).output().unwrap()
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, content).unwrap();
-    path
-}
 
 /// A detector program that finds one car in every photo.
 fn car_program(folder: &Path) -> String {

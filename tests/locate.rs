@@ -5,7 +5,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, program, read_json, skyline, stderr, stdout, write};
 use scaleproof_core::geometry::angle::turn;
 
 fn locate(photos: &[PathBuf], scene: &Path, camera: &Path, more: &[&str]) -> Output {
@@ -35,12 +35,6 @@ fn lines(output: &Output) -> Vec<serde_json::Value> {
         .lines()
         .map(|l| serde_json::from_str(l).unwrap())
         .collect()
-}
-
-fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, bytes).unwrap();
-    path
 }
 
 #[test]

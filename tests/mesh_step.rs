@@ -38,14 +38,7 @@ fn obj(boxes: &[(&str, [f64; 3], [f64; 3])], turn: Matrix3<f64>, unit_m: f64) ->
             writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
         }
         writeln!(text, "usemtl {material}").unwrap();
-        for face in [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ] {
+        for face in common::BOX_FACES {
             let [a, b, c, d] = face.map(|corner| corner + 1 + 8 * i);
             writeln!(text, "f {a} {b} {c} {d}").unwrap();
         }

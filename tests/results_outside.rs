@@ -6,23 +6,15 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, read_json, run, skyline, stderr, stdout, text};
 use serde_json::{Value, json};
 
 const DETECTORS: [&str; 5] = ["yolox_nano", "nanodet_m", "fastestdet", "deimv2_femto", "deimv2_atto"];
-
-fn run(arguments: &[&str]) -> Output {
-    program().args(arguments).output().unwrap()
-}
 
 fn done(arguments: &[&str]) -> Output {
     let output = run(arguments);
     assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
     output
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
 }
 
 /// A folder with the report of the recorded detections.

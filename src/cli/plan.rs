@@ -282,7 +282,7 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
         "{bins} views of {} in the scene's bins, as `capture` takes them (--pitch-deg and --distance-mm take others); one photo of each texture at each place and view; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05, all views \
          together).\nPhotos of one place are alike, and from six places on `compare` takes each as one cluster, as is counted here: rather more places than \
          more views.",
-        scene.bins.azimuth_centres().len() * scene.bins.pitch_deg.len() * scene.bins.distance_mm.len(),
+        scene.bins.count(),
         args.base_rate,
         args.power
     )?;

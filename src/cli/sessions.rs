@@ -1,5 +1,6 @@
 //! Which photos a command is about: those of stored sessions, or of folders with one texture each.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::{Result, photos};
@@ -161,21 +162,16 @@ impl OpenedPhotos {
 
     /// Nothing is written among the user's photos.
     pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
-        let sessions = self.sessions.iter().filter(|_| self.folders.is_empty());
-        let photos = sessions.flat_map(|s| {
-            s.photos
-                .iter()
-                .filter_map(|photo| s.photo_path(photo).parent()?.canonicalize().ok())
+        let is_among = output.canonicalize().is_ok_and(|real| {
+            let is_it = |folder: &PathBuf| folder.canonicalize().is_ok_and(|folder| folder == real);
+            match &self.folders[..] {
+                [] => self
+                    .sessions
+                    .iter()
+                    .any(|session| folders_of(session).iter().any(is_it)),
+                folders => folders.contains(&real),
+            }
         });
-        let own = self
-            .sessions
-            .iter()
-            .filter_map(|s| s.folder.canonicalize().ok())
-            .filter(|_| self.folders.is_empty());
-        let mut taken = self.folders.iter().cloned().chain(photos).chain(own);
-        let is_among = output
-            .canonicalize()
-            .is_ok_and(|real| taken.any(|folder| folder == real));
         let among = || {
             format!(
                 "the report would be written among the photos in {}: name another folder with -o",
@@ -184,6 +180,13 @@ impl OpenedPhotos {
         };
         if is_among { Err(among()) } else { Ok(()) }
     }
+}
+
+/// A session's own folder, and those that its photos lie in.
+fn folders_of(session: &Session) -> BTreeSet<PathBuf> {
+    let photos = session.photos.iter().map(|photo| session.photo_path(photo));
+    let theirs = photos.filter_map(|path| path.parent().map(Path::to_owned));
+    theirs.chain([session.folder.clone()]).collect()
 }
 
 /// `VARIANT=DIR` or `VARIANT@PLACE=DIR`; none for what names a session, which may have an equal sign in its name.

@@ -1,12 +1,13 @@
 //! Lengths that were probably meant in another unit, or in another order: a note, never a refusal.
 
+use std::ops::RangeInclusive;
+
 use scaleproof_plot::lettering::number;
-#[cfg(feature = "full")]
-use scaleproof_pose::scene::Classes;
 
 /// The longest vehicle on a road, an articulated bus, is 25 m long.
 const LONGEST_VEHICLE_MM: f64 = 25_000.0;
-const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
+/// The labels of road vehicles.
+pub(super) const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
 /// No template is smaller than a stamp.
 const STAMP_MM: f64 = 10.0;
 
@@ -51,50 +52,6 @@ pub(crate) fn model(labels: &[String], size_mm: [f64; 3], scale: f64) -> Option<
     doubts.collect::<Option<Vec<String>>>()?.into_iter().next()
 }
 
-/// About a mesh of this size that may lie on its side. Buses and lorries are taller than wide.
-#[cfg(feature = "full")]
-pub(crate) fn on_its_side(class: Option<&Classes>, size_mm: [f64; 3]) -> Option<String> {
-    let is_car = class.is_none_or(|class| class.labels().iter().all(|label| label == "car"));
-    let odd = lies_as_a_vehicle(size_mm).filter(|_| is_car)?;
-    Some(format!(
-        "the model is {odd}: are its front and its top right (--mesh-front, --mesh-up)?"
-    ))
-}
-
-/// About a mesh of this length, 1:`scale`, whichever of the labels it is.
-#[cfg(feature = "full")]
-pub(crate) fn meshed(class: &Classes, length_mm: f64, scale: f64) -> Option<String> {
-    let real_mm = length_mm * scale;
-    let is_usual = class
-        .labels()
-        .iter()
-        .any(|label| (usual_mm(label).0..=usual_mm(label).1).contains(&real_mm));
-    (!is_usual).then(|| {
-        format!(
-            "the {class} would be {} long in reality: are --length-mm and --scale right?",
-            metres(real_mm)
-        )
-    })
-}
-
-/// Whether each of the labels is of a road vehicle.
-#[cfg(feature = "full")]
-pub(crate) fn is_vehicle(class: &Classes) -> bool {
-    class.labels().iter().all(|label| VEHICLES.contains(&&**label))
-}
-
-/// Whether nobody would wonder at one of this length, mm: what a mesh's unit is recognised by.
-#[cfg(feature = "full")]
-pub(crate) fn is_clearly_usual(class: &Classes, real_mm: f64) -> bool {
-    class.labels().iter().any(|label| {
-        let (least, most) = match &**label {
-            "car" => (3_300.0, 5_700.0),
-            other => usual_mm(other),
-        };
-        (least..=most).contains(&real_mm)
-    })
-}
-
 /// How a length, width and height are odd for a vehicle that lies as it should.
 pub(crate) fn lies_as_a_vehicle([length, width, height]: [f64; 3]) -> Option<String> {
     // A box on its side is as good as a box; meshes are not exact.
@@ -121,8 +78,8 @@ fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
         return Some(format!("the {class} is {odd}: the order is length x width x height"));
     }
     let real_mm = size_mm.into_iter().fold(0.0, f64::max) * scale;
-    let (least, most) = usual_mm(class);
-    let is_usual = |mm: f64| (least..=most).contains(&mm);
+    let usual_mm = usual_mm(class);
+    let is_usual = |mm: f64| usual_mm.contains(&mm);
     if is_usual(real_mm) {
         return None;
     }
@@ -149,12 +106,12 @@ fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
 }
 
 /// How long real ones are.
-fn usual_mm(class: &str) -> (f64, f64) {
+pub(super) fn usual_mm(class: &str) -> RangeInclusive<f64> {
     match class {
-        "car" => (2_000.0, 8_000.0),
-        "truck" | "bus" => (3_000.0, LONGEST_VEHICLE_MM),
+        "car" => 2_000.0..=8_000.0,
+        "truck" | "bus" => 3_000.0..=LONGEST_VEHICLE_MM,
         // From a cup to a train.
-        _ => (50.0, 500_000.0),
+        _ => 50.0..=500_000.0,
     }
 }
 
@@ -163,7 +120,12 @@ pub(crate) fn sides(sides: &[f64], between: &str) -> String {
     sides.join(between)
 }
 
-fn metres(mm: f64) -> String {
+/// The size of the real thing: `4.57 × 1.97 × 1.4 m`.
+pub(crate) fn real(size_mm: [f64; 3], scale: f64) -> String {
+    format!("{} m", sides(&size_mm.map(|mm| mm * scale / 1000.0), " × "))
+}
+
+pub(super) fn metres(mm: f64) -> String {
     format!("{} m", number((mm / 10.0).round() / 100.0))
 }
 

@@ -81,9 +81,10 @@ impl WeightFolders {
         };
         let bytes = files::read(&path)?;
         let names: Vec<&str> = external_files(&bytes).into_iter().collect();
-        let files = match names.is_empty() {
-            true => path.display().to_string(),
-            false => format!("{} with {} beside it", path.display(), names.join(", ")),
+        let files = if names.is_empty() {
+            path.display().to_string()
+        } else {
+            format!("{} with {} beside it", path.display(), names.join(", "))
         };
         let by_hand = "put the right file there, or describe this one with `scaleproof detectors add`";
         let twelve = |hash: &str| hash.chars().take(12).collect();

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 use crate::cli::taken::{Taken, Wanted};
 use crate::cli::{Result, units};
 use scaleproof_core::files;
-use scaleproof_core::geometry::SignedAxis;
+use scaleproof_core::geometry::{SignedAxis, extent};
 use scaleproof_core::spelling::quoted;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_frames::frames::six_views::{seen_shares, six_views};
 use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::{Envelope, MeshFacts, Paint};
-use scaleproof_surface::mesh::{AxesDoubt, AxesProposal, Mesh, MeshPlacement, propose_axes, propose_paint};
+use scaleproof_surface::mesh::{AxesDoubt, AxesProposal, Mesh, MeshPlacement, is_gltf, propose_axes, propose_paint};
 
 use super::model::painted;
+use super::vehicle;
 
 /// A unit is recognised where the given length agrees with it to this factor.
 const UNIT_TOLERANCE: f64 = 1.05;
@@ -55,9 +56,7 @@ impl SceneMesh {
         let raw = Mesh::load(file, &MeshPlacement::default())?;
         let axes = self.axes(file, &raw, &wanted)?;
         let along = raw.points().iter().map(|p| raw.in_file(p)[axes.front.index()]);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+        let (low, high) = extent(along);
         let length_mm = match self.length_mm {
             Some(length) => length,
             None => usual_length(file, high - low, &wanted)?,
@@ -69,8 +68,8 @@ impl SceneMesh {
         };
         let mesh = Mesh::load(file, &placement)?;
         mesh.check_is_model()?;
-        units::note(units::on_its_side(Some(wanted.class), mesh.size_mm()));
-        units::note(units::meshed(wanted.class, length_mm, wanted.scale));
+        units::note(vehicle::on_its_side(Some(wanted.class), mesh.size_mm()));
+        units::note(vehicle::meshed(wanted.class, length_mm, wanted.scale));
         let (paint, paint_because) = self.paint(&mesh, file)?;
         let (mesh, materials) = match &paint {
             Paint::All => (mesh, Vec::new()),
@@ -82,8 +81,8 @@ impl SceneMesh {
         let words = [
             format!(
                 "size   {} mm (length × width × height), {} of the real thing at 1:{}",
-                triple(size_mm, 1.0),
-                real(size_mm, wanted.scale),
+                units::sides(&size_mm.map(|mm| (mm * 10.0).round() / 10.0), " × "),
+                units::real(size_mm, wanted.scale),
                 number(wanted.scale)
             ),
             format!("unit   {}", unit(length_mm / (high - low), wanted.scale)),
@@ -122,19 +121,16 @@ impl SceneMesh {
                 up_because: "as given",
             });
         }
-        let found = if units::is_vehicle(wanted.class) {
+        let found = if vehicle::is_vehicle(wanted.class) {
             propose_axes(mesh, given).map_err(Some)
         } else {
             Err(None)
         };
-        let is_gltf = file
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("glb"));
         let [front, up] = MeshPlacement::usual(file);
         let [front, up] = [self.mesh_front.unwrap_or(front), self.mesh_up.unwrap_or(up)];
         match found {
             Ok(found) => Ok(found),
-            Err(_) if is_gltf && front.index() != up.index() => {
+            Err(_) if is_gltf(file) && front.index() != up.index() => {
                 let because = "as glTF says, since its shape does not tell";
                 Ok(AxesProposal {
                     front,
@@ -215,7 +211,7 @@ fn usual_length(file: &Path, length: f64, wanted: &Wanted) -> Result<f64> {
         .iter()
         .flat_map(|(_, mm)| [length * mm, length * mm / wanted.scale])
         .collect();
-    lengths.retain(|mm| units::is_clearly_usual(wanted.class, mm * wanted.scale));
+    lengths.retain(|mm| vehicle::is_clearly_usual(wanted.class, mm * wanted.scale));
     lengths.sort_by(f64::total_cmp);
     lengths.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * *b);
     let (file, length) = (file.display(), number((1000.0 * length).round() / 1000.0));
@@ -242,15 +238,6 @@ fn unit(mm: f64, scale: f64) -> String {
         (None, Some(name)) => format!("{shown}: {name} of the real thing"),
         (None, None) => format!("{shown}: no known unit, so the length alone says how large it is"),
     }
-}
-
-fn triple(size_mm: [f64; 3], unit_mm: f64) -> String {
-    let decimals = if unit_mm == 1.0 { 10.0 } else { 100.0 };
-    units::sides(&size_mm.map(|mm| (mm / unit_mm * decimals).round() / decimals), " × ")
-}
-
-fn real(size_mm: [f64; 3], scale: f64) -> String {
-    format!("{} m", triple(size_mm.map(|mm| mm * scale), 1000.0))
 }
 
 /// The image of the six views, beside the scene.

@@ -16,6 +16,7 @@ mod pieces;
 mod survey;
 mod texture;
 mod textures;
+mod vehicle;
 mod wrap;
 
 use std::io::Write;

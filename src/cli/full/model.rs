@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Matrix3;
 
+use super::vehicle;
 use crate::cli::{Result, units};
 use scaleproof_core::spelling::{count, quoted};
-use scaleproof_pose::scene::{Paint, ScaleModel, Scene};
+use scaleproof_pose::scene::{ScaleModel, Scene};
 use scaleproof_print::print::template::check_scale;
 use scaleproof_print::print::wrap::check_size;
 use scaleproof_session::envelope;
@@ -53,6 +54,8 @@ pub(crate) struct Model {
     pub turn: Matrix3<f64>,
     pub materials: Vec<usize>,
     pub scale: f64,
+    /// The options, with what the scene says where nothing is given.
+    pub said: ModelArgs,
 }
 
 impl Model {
@@ -97,7 +100,7 @@ impl ModelArgs {
         }
         if file.is_some() {
             let class = scene.as_ref().map(|scene| &scene.model.class);
-            units::note(units::on_its_side(class, mesh.size_mm()));
+            units::note(vehicle::on_its_side(class, mesh.size_mm()));
         }
         let (mesh, materials) = painted(mesh, &filled.material, filled.faces.as_deref())?;
         let file = file.map(Path::to_owned);
@@ -107,6 +110,7 @@ impl ModelArgs {
             turn,
             materials,
             scale,
+            said: filled,
         })
     }
 
@@ -168,11 +172,8 @@ impl ModelArgs {
 
 /// The materials and the list of triangles that a scene's file names as paint.
 pub(crate) fn paint_of(model: &ScaleModel, scene_file: &Path) -> (Vec<String>, Option<PathBuf>) {
-    match &model.mesh.paint {
-        Paint::All => (Vec::new(), None),
-        Paint::Materials(names) => (names.clone(), None),
-        Paint::Faces(path) => (Vec::new(), Some(scene_file.with_file_name(path))),
-    }
+    let (materials, faces) = model.mesh.paint.named();
+    (materials.to_vec(), faces.map(|path| scene_file.with_file_name(path)))
 }
 
 /// The mesh and which of its materials are paint; none stands for all.

@@ -159,7 +159,13 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     let shaded = ShadedModel {
         mesh: &model.mesh,
         textures: materials
-            .map(|m| if is_paint(&m) { &texture } else { &rest[m] })
+            .map(|m| {
+                if is_paint(&m) {
+                    &texture
+                } else {
+                    rest.get(m).unwrap_or(&rest[0])
+                }
+            })
             .collect(),
     };
     let (views, distance_mm) = progress::steps("drawing", azimuths.len())
@@ -209,22 +215,18 @@ pub(in crate::cli) struct Shown {
     field_of_view_deg: f64,
 }
 
-/// What is not paint, for each material: as the mesh's file has it, else grey. A material without an image takes none away from the others.
+/// What is not paint: as the mesh's file has it, one texture for all; where a material has no image, a texture for each material, grey for these.
 fn rest(model: &Model) -> Vec<Texture> {
     let images = |materials: &[usize]| {
         MappedImages::from_mesh(&model.mesh, materials).map(|mapped| Texture::Images(mapped.images))
     };
     let all = 0..model.mesh.materials().len();
-    let rest: Vec<usize> = all
-        .clone()
-        .filter(|material| !model.materials.contains(material))
-        .collect();
-    let whole = images(&rest).ok();
-    let one = |material: usize| {
-        whole
-            .clone()
-            .or_else(|| images(&[material]).ok())
-            .unwrap_or(Texture::Flat(GREY))
-    };
-    all.map(one).collect()
+    let is_rest = |material: &usize| !model.materials.contains(material);
+    let rest: Vec<usize> = all.clone().filter(is_rest).collect();
+    match images(&rest) {
+        Ok(whole) => vec![whole],
+        Err(_) => all
+            .map(|material| images(&[material]).unwrap_or(Texture::Flat(GREY)))
+            .collect(),
+    }
 }

@@ -11,7 +11,7 @@ use crate::cli::answer::told;
 use crate::cli::{CommandResult, units};
 use scaleproof_core::spelling::{choose, count, list};
 use scaleproof_plot::lettering::number;
-use scaleproof_pose::scene::{Paint, Scene};
+use scaleproof_pose::scene::Scene;
 use scaleproof_session::envelope::EnvelopeShape;
 
 #[derive(clap::Args)]
@@ -60,12 +60,7 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     for tag in &scene.tags {
         tags.entry(tag.family.name()).or_default().push(tag.id);
     }
-    let (paint_materials, paint_faces) = match &model.mesh.paint {
-        Paint::All => (Vec::new(), None),
-        Paint::Materials(names) => (names.clone(), None),
-        Paint::Faces(path) => (Vec::new(), Some(folder.join(path))),
-    };
-    let azimuths = (360.0 / bins.azimuth_deg).round() as usize;
+    let (paint_materials, paint_faces) = model.mesh.paint.named();
     let shown = Shown {
         name: model.name.clone(),
         scale: model.scale,
@@ -74,10 +69,10 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         envelope: model.envelope.name(),
         mesh: model.envelope.mesh().map(|mesh| folder.join(mesh)),
         mesh_axes: model.mesh.axes.map(|axes| axes.map(|axis| axis.to_string())),
-        paint_materials,
-        paint_faces,
+        paint_materials: paint_materials.to_vec(),
+        paint_faces: paint_faces.map(|path| folder.join(path)),
         tags: tags.iter().map(|(family, ids)| (*family, ids.len())).collect(),
-        bins: azimuths * bins.pitch_deg.len() * bins.distance_mm.len(),
+        bins: bins.count(),
     };
     let words = in_words(&shown, &scene, &tags);
     units::note(units::model(model.class.labels(), model.size_mm, model.scale));
@@ -85,10 +80,7 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
 }
 
 fn in_words(shown: &Shown, scene: &Scene, tags: &BTreeMap<&str, Vec<u32>>) -> String {
-    let (bins, real) = (
-        &scene.bins,
-        shown.size_mm.map(|mm| (mm * shown.scale / 10.0).round() / 100.0),
-    );
+    let bins = &scene.bins;
     let mut lines = vec![
         format!(
             "model  {}, 1:{}, counts as {}",
@@ -97,9 +89,9 @@ fn in_words(shown: &Shown, scene: &Scene, tags: &BTreeMap<&str, Vec<u32>>) -> St
             scene.model.class
         ),
         format!(
-            "size   {} mm (length × width × height), {} m of the real thing",
+            "size   {} mm (length × width × height), {} of the real thing",
             units::sides(&shown.size_mm, " × "),
-            units::sides(&real, " × ")
+            units::real(shown.size_mm, shown.scale)
         ),
     ];
     match (&shown.mesh, &shown.mesh_axes) {

@@ -11,8 +11,7 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, locate_luma};
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{
-    Appearance, BLUR_LONG_SIDE_PX, HOPELESS_BLUR_PX, SeenTag, StartError, TagDetector, TagDetectorChoice,
-    sharpest_edges_px,
+    Appearance, HOPELESS_BLUR_PX, SeenTag, StartError, TagDetector, TagDetectorChoice, limit_scale, sharpest_edges_px,
 };
 
 /// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
@@ -234,12 +233,7 @@ impl Judge {
 }
 
 fn enlarged(grey: &GrayImage) -> f64 {
-    enlargement([grey.width(), grey.height()])
-}
-
-/// How many times longer an image is than the one the limits in px are for; small ones have the same limits.
-pub fn enlargement(size_px: [u32; 2]) -> f64 {
-    (f64::from(size_px[0].max(size_px[1])) / BLUR_LONG_SIDE_PX).max(1.0)
+    limit_scale([grey.width(), grey.height()])
 }
 
 /// The target that a viewpoint fills, or the way to one.

@@ -32,9 +32,7 @@ use scaleproof_pose::tags::SeenTag;
 use scaleproof_session::session::{Conditions, PhotoEntry};
 
 pub use advice::Advice;
-pub use gates::{
-    FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
-};
+pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
 pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance};
 pub use live::{CameraSettings, LiveCamera};
 pub use replay::Replay;

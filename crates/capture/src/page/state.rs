@@ -5,11 +5,9 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::dial::{DialRing, DialRings};
-use crate::capture::{
-    FrameAnswer, Guidance, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Target, enlargement,
-};
+use crate::capture::{FrameAnswer, Guidance, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Target};
 use scaleproof_pose::scene::{Bin, Viewpoint};
-use scaleproof_pose::tags::SeenTag;
+use scaleproof_pose::tags::{SeenTag, limit_scale};
 
 /// What stays the same while a capture runs.
 #[derive(Debug, Clone, Serialize)]
@@ -218,14 +216,14 @@ pub(super) struct Meter {
 
 /// The meters of a frame; steadiness is measured in a stream alone.
 fn meters(answer: &FrameAnswer, is_stream: bool) -> [Meter; 3] {
-    let (measures, enlargement) = (&answer.measures, enlargement(answer.size_px));
+    let (measures, scale) = (&answer.measures, limit_scale(answer.size_px));
     let steadiness = if is_stream {
-        let limit_px = MAX_MOVED_PX * enlargement;
+        let limit_px = MAX_MOVED_PX * scale;
         up_to("steadiness", measures.moved_px, limit_px, ["steady", "moving"])
     } else {
         unmeasured("steadiness", "single photos")
     };
-    let limit_px = MAX_BLUR_PX * enlargement;
+    let limit_px = MAX_BLUR_PX * scale;
     let focus = up_to("focus", measures.blur_px, limit_px, ["sharp", "blurred"]);
     [focus, light(answer), steadiness]
 }

@@ -1,6 +1,6 @@
 //! How far a pose is off because the camera's focal lengths and principal point are.
 
-use nalgebra::{Matrix2x5, Matrix6, SMatrix};
+use nalgebra::{Matrix2x5, Matrix6, RowVector5, SMatrix};
 
 use super::matches::Corners;
 use crate::camera::Camera;
@@ -30,18 +30,10 @@ pub(super) fn covariance(pose: &Rigid, corners: &Corners, camera: &Camera) -> Op
 fn by_number([u, v]: [f64; 2], camera: &Camera) -> Matrix2x5<f64> {
     let both = focal_share(camera);
     let [cx, cy] = camera.sigma_px.map_or([0.0; 2], |[_, _, cx, cy]| [cx, cy]);
-    Matrix2x5::new(
-        FOCAL_SHARE * u,
-        0.0,
-        both * u,
-        cx,
-        0.0, //
-        0.0,
-        FOCAL_SHARE * v,
-        both * v,
-        0.0,
-        cy,
-    )
+    Matrix2x5::from_rows(&[
+        RowVector5::new(FOCAL_SHARE * u, 0.0, both * u, cx, 0.0),
+        RowVector5::new(0.0, FOCAL_SHARE * v, both * v, 0.0, cy),
+    ])
 }
 
 /// The standard deviation of the focal length that the camera file states, as a share of it.

@@ -91,7 +91,7 @@ pub fn are_bad(photos: &[&LocatedPhoto]) -> bool {
 /// The one cause, if there is one.
 pub fn diagnose(photos: &[&LocatedPhoto], others: &OtherLooks, scene: &Scene) -> Option<Diagnosis> {
     if !are_bad(photos) {
-        // Outvoted by the others, tags of wrong size are left out, and the photos are located.
+        // Where they are fewer than the others, tags of a wrong size are rejected as outliers, and the photos are located.
         let doubtful: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p) || has_outlier(p)).collect();
         let are_many = doubtful.len() >= FEWEST && 2 * doubtful.len() >= photos.len();
         return are_many
@@ -112,11 +112,10 @@ pub fn diagnose(photos: &[&LocatedPhoto], others: &OtherLooks, scene: &Scene) ->
     if let Some(found) = mirrored(&others.mirrored, scene) {
         return Some(found);
     }
-    if is_most(photos, |p| matches!(p.result, Err(Abstention::Blurred { .. }))) {
-        let photos_of = |is: fn(&LocatedPhoto) -> bool| photos.iter().filter(|p| is(p)).count();
-        let photos_blurred = photos_of(|p| matches!(p.result, Err(Abstention::Blurred { .. })));
+    let is_blurred = |p: &LocatedPhoto| matches!(p.result, Err(Abstention::Blurred { .. }));
+    if is_most(photos, is_blurred) {
         return Some(Diagnosis::Blurred {
-            photos: photos_blurred,
+            photos: photos.iter().filter(|p| is_blurred(p)).count(),
             of: photos.len(),
         });
     }

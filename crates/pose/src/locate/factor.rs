@@ -9,13 +9,16 @@ use crate::camera::Camera;
 use crate::scene::{Scene, Tag, TagFamily};
 use crate::tags::SeenTag;
 
+/// Tags by family and id.
+pub(super) type TagSet = BTreeSet<(TagFamily, u32)>;
+
 /// What a factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FactorKind<'a> {
     /// Every tag's `size_mm`, about its centre.
     TagSize,
-    /// The same of some tags.
-    PartSize(&'a BTreeSet<(TagFamily, u32)>),
+    /// The `size_mm` of some tags, about their centres.
+    PartSize(&'a TagSet),
     /// fx and fy.
     Focal,
 }

@@ -3,12 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::LocatedPhoto;
-use super::factor::{self, Factor, FactorKind};
+use super::factor::{self, Factor, FactorKind, TagSet};
 use super::matches::Ignored;
 use crate::scene::{Scene, Tag, TagFamily};
-
-/// Tags by family and id.
-pub(super) type TagSet = BTreeSet<(TagFamily, u32)>;
 
 /// A factor of the sizes of some of the tags.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use super::plain_view::still_missing;
 use super::{Abstention, Located, locate};
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::scene::Scene;
-use crate::tags::{BLUR_LONG_SIDE_PX, HOPELESS_BLUR_PX, SeenTag, TagDetector, sharpest_edges_px};
+use crate::tags::{HOPELESS_BLUR_PX, SeenTag, TagDetector, limit_scale, sharpest_edges_px};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::photo::{Luma, Photo, PhotoError};
 
@@ -73,8 +73,7 @@ pub fn locate_luma(
 
 /// The blur (σ, px) of an image without a sharp edge across it or along it: motion leaves those along its way sharp.
 fn blur_px(luma: &dyn Luma) -> Option<f64> {
-    let longest = luma.size().into_iter().max().unwrap_or(0);
-    let limit = HOPELESS_BLUR_PX * (f64::from(longest) / BLUR_LONG_SIDE_PX).max(1.0);
+    let limit = HOPELESS_BLUR_PX * limit_scale(luma.size());
     let [across, along] = sharpest_edges_px(luma.whole());
     let blur_px = across?.max(along?);
     (blur_px > limit).then_some(blur_px)

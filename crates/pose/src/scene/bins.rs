@@ -75,6 +75,11 @@ impl Bins {
         (0..count).map(|i| i as f64 * self.azimuth_deg).collect()
     }
 
+    /// How many bins there are.
+    pub fn count(&self) -> usize {
+        self.azimuth_centres().len() * self.pitch_deg.len() * self.distance_mm.len()
+    }
+
     /// How far an azimuth is from the edge of its bin, in degrees.
     pub fn azimuth_to_edge_deg(&self, azimuth_deg: f64) -> f64 {
         let centre = (azimuth_deg / self.azimuth_deg).round() * self.azimuth_deg;

@@ -107,6 +107,17 @@ pub enum Paint {
     Faces(PathBuf),
 }
 
+impl Paint {
+    /// The names of the materials, and the file that lists triangles; neither where all is paint.
+    pub fn named(&self) -> (&[String], Option<&Path>) {
+        match self {
+            Paint::All => (&[], None),
+            Paint::Materials(names) => (names, None),
+            Paint::Faces(path) => (&[], Some(path)),
+        }
+    }
+}
+
 impl ScaleModel {
     /// Gives the mesh and the list of its painted triangles other paths, each made from its path so far.
     #[must_use]
@@ -120,10 +131,7 @@ impl ScaleModel {
 
     /// The files that the scene names, with paths from its folder: the mesh, and the list of its painted triangles.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let faces = match &self.mesh.paint {
-            Paint::Faces(path) => Some(&**path),
-            _ => None,
-        };
+        let (_, faces) = self.mesh.paint.named();
         self.envelope.mesh().into_iter().chain(faces)
     }
 

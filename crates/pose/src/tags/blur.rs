@@ -95,8 +95,13 @@ fn eigenvalues(s: &Vector3<f64>) -> [f64; 2] {
     [values.min(), values.max()]
 }
 
-/// The long side that limits of blur in px are for; larger images may be more blurred in proportion, since they are seen reduced.
-pub const BLUR_LONG_SIDE_PX: f64 = 1280.0;
+/// The long side that limits in px are for; larger images may be blurred and moved more in proportion, since they are seen reduced.
+const LIMITS_FOR_PX: f64 = 1280.0;
+
+/// How many times longer an image is than the one that limits in px are for; small ones have the same limits.
+pub fn limit_scale(size_px: [u32; 2]) -> f64 {
+    (f64::from(size_px[0].max(size_px[1])) / LIMITS_FOR_PX).max(1.0)
+}
 
 /// An image whose steepest edges are as wide as this blur (σ, px of 1280) shows no tag.
 pub const HOPELESS_BLUR_PX: f64 = 3.5;

@@ -12,7 +12,7 @@ use super::expected::{self, StillMissing};
 use super::fit::{TagFit, fitted};
 use super::legibility::Legibility;
 use super::merge::MergedTags;
-use super::search::{Found, Search, Strength, enlarged, reduced_by};
+use super::search::{Found, Search, Strength, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::{Luma, REDUCTIONS};
@@ -113,11 +113,7 @@ impl Stage {
     /// `None` where it would be shown what others have been shown.
     fn search(&mut self, shown: &Shown) -> Option<Vec<Found>> {
         let factor = shown.factor(self.view)?;
-        let mut found = self.search.search(&shown.reduced(factor));
-        for tag in &mut found {
-            tag.corners_px = tag.corners_px.map(|corner| enlarged(corner, factor));
-        }
-        Some(found)
+        Some(reduced_by(shown, factor, |small| self.search.search(small)))
     }
 }
 
@@ -136,27 +132,31 @@ impl Shown<'_> {
         let factor = first.factor(width.max(height), None).unwrap_or(1);
         let measured = luma.reduced(factor);
         let legibility = Legibility::new(&measured);
-        if legibility.is_dark() {
-            let luma = legibility.stretched(luma.whole());
-            let measured = luma.reduced(factor);
-            let measured = (factor, measured.as_ref());
-            return then(&Shown {
-                luma: &luma,
-                legibility,
-                measured,
-            });
-        }
-        let measured = (factor, measured.as_ref());
+        let stretched = legibility.is_dark().then(|| legibility.stretched(luma.whole()));
+        let (luma, measured) = match &stretched {
+            Some(stretched) => (stretched as &dyn Luma, stretched.reduced(factor)),
+            None => (luma, measured),
+        };
         then(&Shown {
             luma,
             legibility,
-            measured,
+            measured: (factor, &measured),
         })
     }
 
     fn factor(&self, view: View) -> Option<u32> {
-        let [width, height] = self.luma.size();
+        let [width, height] = self.size();
         view.factor(width.max(height), Some(&self.legibility))
+    }
+}
+
+impl Luma for Shown<'_> {
+    fn size(&self) -> [u32; 2] {
+        self.luma.size()
+    }
+
+    fn whole(&self) -> &GrayImage {
+        self.luma.whole()
     }
 
     fn reduced(&self, factor: u32) -> Cow<'_, GrayImage> {
@@ -166,6 +166,10 @@ impl Shown<'_> {
         } else {
             self.luma.reduced(factor)
         }
+    }
+
+    fn part(&self, start: [u32; 2], size: [u32; 2]) -> GrayImage {
+        self.luma.part(start, size)
     }
 }
 
@@ -196,7 +200,7 @@ impl TagDetector for Cascade {
             let mut tags = MergedTags::default();
             for need in [Need::MissingTags, Need::NoPose] {
                 for stage in self.stages.iter_mut().filter(|stage| stage.need == need) {
-                    tags.add(stage.search(shown).unwrap_or_default(), shown.luma);
+                    tags.add(stage.search(shown).unwrap_or_default(), shown);
                 }
                 if tags.seen().iter().filter(|tag| tag.is_whole).count() >= ENOUGH_TAGS {
                     break;
@@ -209,7 +213,7 @@ impl TagDetector for Cascade {
     fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
         Shown::with(luma, self.first, |shown| {
             let mut tags = MergedTags::default();
-            let (mut seen, mut left) = looked(&mut tags, shown.luma, missing);
+            let (mut seen, mut left) = looked(&mut tags, shown, missing);
             for stage in &mut self.stages {
                 // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
                 let is_lone = seen.iter().filter(|tag| tag.is_whole).count() < 2;
@@ -220,8 +224,8 @@ impl TagDetector for Cascade {
                     continue;
                 }
                 if let Some(found) = stage.search(shown) {
-                    tags.add(found, shown.luma);
-                    (seen, left) = looked(&mut tags, shown.luma, missing);
+                    tags.add(found, shown);
+                    (seen, left) = looked(&mut tags, shown, missing);
                 }
             }
             seen

@@ -34,7 +34,7 @@ use scaleproof_photo::photo::Luma;
 
 pub use appearance::{Appearance, paper_levels};
 pub use apriltag_c::AprilTagC;
-pub use blur::{BLUR_LONG_SIDE_PX, HOPELESS_BLUR_PX, sharpest_edges_px};
+pub use blur::{HOPELESS_BLUR_PX, limit_scale, sharpest_edges_px};
 pub use cascade::{Cascade, CoarseToFine};
 pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 pub use expected::{ExpectedTag, StillMissing};

@@ -17,7 +17,7 @@ use nalgebra::Point3;
 use scaleproof_core::geometry::{BoxPx, Rigid, convex_hull};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Envelope, ScaleModel};
-use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement};
+use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement, is_gltf};
 use visible::Pieces;
 
 /// The mesh's box may differ from the scene's by this share of each side, as it may when panels are printed.
@@ -159,12 +159,11 @@ fn flat_hull(points: impl Iterator<Item = Point3<f64>>) -> Result<Pieces<'static
 /// How a scene's mesh comes from its file into the model frame. Where the scene states the axes, and of a `.glb`, which is in metres of the
 /// full-size car as often as of the model, it is scaled to the scene's length and put on the ground; others are taken as they lie.
 pub fn placement(path: &Path, model: &ScaleModel) -> MeshPlacement {
-    let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     let axes = model.mesh.axes;
     MeshPlacement {
         front: axes.map(|[front, _]| front),
         up: axes.map(|[_, up]| up),
-        length_mm: (is_gltf || axes.is_some()).then_some(model.size_mm[0]),
+        length_mm: (is_gltf(path) || axes.is_some()).then_some(model.size_mm[0]),
     }
 }
 

@@ -123,7 +123,7 @@ impl Contents {
                 size_mm: model.size_mm,
                 truth_envelope: model.envelope.name(),
                 bins: BinsInShort {
-                    count: bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len(),
+                    count: bins.count(),
                     azimuth_deg: bins.azimuth_deg,
                     pitch_deg: bins.pitch_deg.clone(),
                     distance_mm: bins.distance_mm.clone(),

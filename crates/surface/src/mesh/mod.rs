@@ -23,7 +23,7 @@ pub use axes::{AxesDoubt, AxesProposal, propose_axes};
 pub use faces::FaceList;
 pub use image::{ImageSource, Look, Wrap};
 pub use paint::{PaintDoubt, propose_paint};
-pub use placement::MeshPlacement;
+pub use placement::{MeshPlacement, is_gltf};
 pub use scaleproof_core::geometry::SignedAxis;
 
 use std::collections::HashMap;

@@ -12,7 +12,7 @@ use scaleproof_core::geometry::length::is_size;
 const LEAST_LENGTH: f64 = 1e-9;
 
 /// Whether the file's name says glTF.
-fn is_gltf(file: &Path) -> bool {
+pub fn is_gltf(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
 }
 

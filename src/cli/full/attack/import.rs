@@ -128,7 +128,7 @@ impl ImportArgs {
                 Some(text) => FramePaint::FlatRgb(hex(text)?),
                 None => FramePaint::Original,
             },
-            made_by: self.made_by(&self.model.filled()?, model.scale),
+            made_by: self.made_by(&model.said, model.scale),
         })
     }
 

@@ -135,7 +135,7 @@ impl RenderArgs {
             seed: self.seed,
             factor: self.position_factor,
             threads: self.threads,
-            made_by: self.made_by(&mesh_file, &self.model.filled()?),
+            made_by: self.made_by(&mesh_file, &model.said),
             mesh_file,
         })
     }
