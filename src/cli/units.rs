@@ -71,7 +71,7 @@ pub(crate) fn lies_as_a_vehicle([length, width, height]: [f64; 3]) -> Option<Str
 fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
     // Buses and lorries are taller than wide.
     let [length, width, height] = size_mm;
-    let height = if class == "car" { height } else { 0.0 };
+    let height = if class == "car" { height } else { height.min(width) };
     if VEHICLES.contains(&class)
         && let Some(odd) = lies_as_a_vehicle([length, width, height])
     {

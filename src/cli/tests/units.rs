@@ -80,4 +80,8 @@ fn lengths_in_another_unit_are_noticed() {
         said(model_of("car", [186.0, 455.0, 128.0], 10.0)),
         "the car is 186 mm long and 455 mm wide: the order is length x width x height"
     );
+    assert_eq!(
+        said(model_of("truck", [255.0, 1200.0, 380.0], 10.0)),
+        "the truck is 255 mm long and 1200 mm wide: the order is length x width x height"
+    );
 }
