@@ -283,13 +283,31 @@ fn what_a_program_does_wrong_ends_with_one_sentence_and_with_the_program() {
         ),
         (
             "kill -9 $$".into(),
-            vec!["was ended (signal: 9", "before it answered about"],
+            vec!["was ended by signal 9", "before it answered about"],
+        ),
+        // What it started holds its output open, also outside its group.
+        (
+            "echo 'out of memory' >&2; sleep 700 & kill -9 $$".into(),
+            vec!["was ended by signal 9", "its last words: out of memory"],
+        ),
+        (
+            "setsid sleep 700 & echo $! > \"$desk/child\"; exit 9".into(),
+            vec!["ended with exit code 9 before it answered about"],
+        ),
+        (
+            "printf '{\"id\": %d, \"detections\": [{\"label\"' $id; exit 0".into(),
+            vec!["ended with exit code 0 before it answered about"],
+        ),
+        (
+            "printf '{\"id\": %d, \"detections\": []}' $id; exit 3".into(),
+            vec!["ended with exit code 3 before it answered about"],
         ),
     ] {
         refused(&desk.script(HELLO, &answer), &[], &words);
     }
+    assert!(!runs(&desk.at("child")));
     // A program that hangs is stopped, and so is what it has started.
-    let hang = "echo $$ > \"$desk/pid\"; sleep 1000 & echo $! > \"$desk/child\"; wait";
+    let hang = "echo $$ > \"$desk/pid\"; setsid sleep 1000 & echo $! > \"$desk/child\"; wait";
     refused(
         &desk.script(HELLO, hang),
         &["--detector-timeout", "1", "--threads", "1"],

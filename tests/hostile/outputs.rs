@@ -247,6 +247,11 @@ fn what_a_killed_run_left_half_written_is_removed_by_a_later_one() {
     let yesterday = std::time::SystemTime::now() - Duration::from_secs(86_400);
     let partial = std::fs::File::options().write(true).open(out.join(&left[0])).unwrap();
     partial.set_modified(yesterday).unwrap();
+    // A folder that was being filled, as `session new --copy` does.
+    let half = out.join(".session.4711_0.partial");
+    std::fs::create_dir(&half).unwrap();
+    std::fs::write(half.join("photo.jpg"), "photo").unwrap();
+    std::fs::File::open(&half).unwrap().set_modified(yesterday).unwrap();
     // Somebody else's hidden file is none of ours.
     std::fs::write(out.join(".mine.7.partial"), "").unwrap();
     assert!(run(COMMANDS[1], &out.join("p.png")).status.success());

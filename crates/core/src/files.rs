@@ -259,11 +259,15 @@ pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError
         return Err(FileError::cannot_write(path, "it is not a folder's name"));
     }
     std::fs::create_dir_all(folder_of(path)).map_err(failed)?;
+    journal::tidy(folder_of(path));
     let (temporary, ()) = new_beside(path, |at| std::fs::create_dir(at)).map_err(failed)?;
+    // Its lock says that this program is at work on it; where folders have no locks, nobody removes what is left behind.
+    let lock = File::open(&temporary).ok().filter(|folder| folder.try_lock().is_ok());
     let made = fill(&temporary).and_then(|()| std::fs::rename(&temporary, path).map_err(failed));
     if made.is_err() {
         let _ = std::fs::remove_dir_all(&temporary);
     }
+    drop(lock);
     made
 }
 

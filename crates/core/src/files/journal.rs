@@ -6,7 +6,7 @@
 //! rename anything outside.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -110,18 +110,24 @@ fn tidy_now(folder: &Path) {
     }
     for name in names.iter().filter(|name| name_of(name).is_some()) {
         let path = folder.join(name);
-        let is_old = |about: Metadata| about.modified().ok()?.elapsed().ok();
-        let age = std::fs::symlink_metadata(&path).ok().and_then(is_old);
+        let Ok(about) = std::fs::symlink_metadata(&path) else {
+            continue;
+        };
+        let age = about.modified().ok().and_then(|time| time.elapsed().ok());
         if age.is_some_and(|age| age >= AT_WORK) && left_behind(&path).is_some() {
-            let _ = std::fs::remove_file(&path);
+            let _ = if about.is_dir() {
+                std::fs::remove_dir_all(&path)
+            } else {
+                std::fs::remove_file(&path)
+            };
         }
     }
 }
 
-/// A regular file that no running program is at work on.
+/// A regular file or a folder that no running program is at work on.
 fn left_behind(path: &Path) -> Option<File> {
-    let is_file = std::fs::symlink_metadata(path).ok()?.is_file();
-    let file = is_file.then(|| File::open(path).ok())??;
+    let about = std::fs::symlink_metadata(path).ok()?;
+    let file = (about.is_file() || about.is_dir()).then(|| File::open(path).ok())??;
     file.try_lock().ok()?;
     Some(file)
 }

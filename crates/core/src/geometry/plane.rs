@@ -136,22 +136,45 @@ impl PlaneTriangle {
 
     /// The unit cells along an axis that the box around the triangle meets, of those in a range.
     pub fn cells(&self, axis: usize, within: Range<usize>) -> Range<usize> {
-        let (low, high) = extent(self.corners.map(|p| p[axis]));
-        let clamped = |v: f64| v.clamp(within.start as f64, within.end as f64) as usize;
-        clamped(low.floor())..clamped(high.floor() + 1.0)
+        cells_between(extent(self.corners.map(|p| p[axis])), within)
+    }
+
+    /// The unit cells of a row that the part of the triangle in this row meets, of those in a range: what a sliver crosses, and not the box around it.
+    /// None is missing in which [`Self::barycentric`] takes a point for inside.
+    pub fn cells_of_row(&self, row: usize, within: Range<usize>) -> Range<usize> {
+        // By the tolerance of the edges, a point may lie as far outside as a billionth of the triangle's size.
+        const MARGIN: f64 = 1e-3;
+        let (bottom, top) = (row as f64 - MARGIN, row as f64 + 1.0 + MARGIN);
+        let [a, b, c] = self.corners;
+        let sides = [(a, b), (b, c), (c, a)].into_iter();
+        let in_row = sides.filter(|(p, q)| p[1].min(q[1]) <= top && p[1].max(q[1]) >= bottom);
+        let ends = in_row.flat_map(|(p, q)| {
+            [p, q].map(|end| match end[1].clamp(bottom, top) {
+                y if y == end[1] => end[0],
+                y => p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]),
+            })
+        });
+        let (low, high) = extent(ends);
+        cells_between((low - MARGIN, high + MARGIN), within)
     }
 
     /// Calls with column, row and barycentric coordinates of each cell of a grid in which the triangle covers the place that lies `offset`
     /// right of and above the cell's corner: 0.5 is its centre.
     pub fn draw(&self, [width, height]: [usize; 2], offset: f64, mut each: impl FnMut(usize, usize, [f64; 3])) {
         for row in self.cells(1, 0..height) {
-            for column in self.cells(0, 0..width) {
+            for column in self.cells_of_row(row, 0..width) {
                 if let Some(shares) = self.barycentric([column as f64 + offset, row as f64 + offset]) {
                     each(column, row, shares);
                 }
             }
         }
     }
+}
+
+/// The unit cells that an interval meets, of those in a range.
+fn cells_between((low, high): (f64, f64), within: Range<usize>) -> Range<usize> {
+    let clamped = |v: f64| v.clamp(within.start as f64, within.end as f64) as usize;
+    clamped(low.floor())..clamped(high.floor() + 1.0)
 }
 
 /// Sets that are united step by step (union–find). Each is named by its smallest member.

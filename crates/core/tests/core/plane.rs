@@ -38,6 +38,26 @@ fn united_sets_have_their_smallest_member_as_root() {
 }
 
 proptest! {
+    /// A row of a sliver is short, and no cell in which a point counts as inside is left out of it.
+    #[test]
+    fn a_row_of_a_triangle_has_every_cell_that_it_covers(
+        corners in prop::array::uniform3(prop::array::uniform2(-10.0..50.0_f64)), thin in prop::sample::select(vec![1.0, 1e-3, 1e-9]),
+    ) {
+        let [a, b, c] = corners;
+        let Some(triangle) = PlaneTriangle::new([a, b, between(between(a, b, 0.3), c, thin)]) else {
+            return Ok(());
+        };
+        for row in 0..40_usize {
+            let cells = triangle.cells_of_row(row, 0..40);
+            for (column, point) in (0..40_usize).flat_map(|column| (0..25).map(move |point| (column, point))) {
+                let at = |i: usize| (i as f64) / 4.0;
+                let p = [column as f64 + at(point % 5), row as f64 + at(point / 5)];
+                let is_last = point % 5 == 4 || point / 5 == 4; // these lie in the next cell
+                prop_assert!(is_last || triangle.barycentric(p).is_none() || cells.contains(&column), "{column} {row} {cells:?}");
+            }
+        }
+    }
+
     /// Both halves of a rectangle together draw each of its cells: no gap along the diagonal, and nothing outside.
     #[test]
     fn halves_of_a_rectangle_leave_no_gap(width in 1..20_usize, height in 1..20_usize) {

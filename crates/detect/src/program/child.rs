@@ -4,9 +4,10 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child as Process, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::groups::Group;
+use super::groups::{Group, lock};
 
 /// No line of an answer is longer: ten thousand boxes have a megabyte.
 const LONGEST_LINE: u64 = 8 << 20;
@@ -14,6 +15,8 @@ const LONGEST_LINE: u64 = 8 << 20;
 const LONGEST_WORDS: u64 = 2000;
 /// What a program gets to end by itself when it is not needed any more.
 const GRACE: Duration = Duration::from_secs(2);
+/// How often it is looked at whether a silent program still runs: one that it started may hold its output open after its end.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// Why a program gave no line.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,7 +38,7 @@ pub(super) struct Child {
     /// Asks for so many bytes, or for a line, which `from` gives.
     wanted: SyncSender<Option<usize>>,
     from: Receiver<Result<Vec<u8>, Silence>>,
-    words: Receiver<String>,
+    words: Words,
     group: Group,
 }
 
@@ -85,10 +88,18 @@ impl Child {
     /// So many bytes behind a line, or the next line, waited for.
     pub(super) fn read(&mut self, count: Option<usize>, limit: Duration) -> Result<Vec<u8>, Silence> {
         let _ = self.wanted.send(count);
-        self.from.recv_timeout(limit).unwrap_or_else(|e| match e {
-            RecvTimeoutError::Timeout => Err(Silence::TooLong),
-            RecvTimeoutError::Disconnected => Err(Silence::Ended),
-        })
+        let (start, mut has_ended) = (Instant::now(), false);
+        loop {
+            let left = limit.saturating_sub(start.elapsed());
+            match self.from.recv_timeout(left.min(LOOK)) {
+                Ok(heard) => return heard,
+                Err(RecvTimeoutError::Disconnected) => return Err(Silence::Ended),
+                // What it wrote before its end has had a whole turn to arrive.
+                Err(RecvTimeoutError::Timeout) if has_ended => return Err(Silence::Ended),
+                Err(RecvTimeoutError::Timeout) if left <= LOOK => return Err(Silence::TooLong),
+                Err(RecvTimeoutError::Timeout) => has_ended = matches!(self.process.try_wait(), Ok(Some(_))),
+            }
+        }
     }
 
     /// Ends the program at once, and returns how it ended and the last line of its standard error.
@@ -97,8 +108,7 @@ impl Child {
         let status = self.wait(GRACE / 4);
         self.group.kill();
         let status = status.or_else(|| self.process.kill().and_then(|()| self.process.wait()).ok());
-        let words = self.words.recv_timeout(GRACE).ok();
-        (status, words.filter(|words| !words.is_empty()))
+        (status, self.words.last(GRACE / 4))
     }
 
     fn wait(&mut self, at_most: Duration) -> Option<ExitStatus> {
@@ -151,8 +161,10 @@ fn reader(stdout: impl Read + Send + 'static) -> Reading {
                 None => (&mut stdout).take(LONGEST_LINE + 1).read_until(b'\n', &mut read),
             };
             let heard = match (wanted, count) {
-                (_, Err(_)) | (None, Ok(0)) => return,
+                (_, Err(_)) => return,
                 (None, Ok(count)) if count as u64 > LONGEST_LINE => Err(Silence::HugeLine),
+                // It ended in the middle of a line, or before one.
+                (None, Ok(_)) if read.last() != Some(&b'\n') => return,
                 _ => Ok(read),
             };
             if tell.send(heard).is_err() {
@@ -163,12 +175,31 @@ fn reader(stdout: impl Read + Send + 'static) -> Reading {
     (want, heard)
 }
 
-/// Reads standard error to its end, and then sends its last line that is not empty.
-fn listener(stderr: impl Read + Send + 'static) -> Receiver<String> {
-    let (tell, words) = sync_channel(1);
+/// What a program writes to standard error.
+#[derive(Debug)]
+struct Words {
+    /// The last line that is not empty.
+    last: Arc<Mutex<String>>,
+    end: Receiver<()>,
+}
+
+impl Words {
+    /// The last line once all is read; what has come so far where something else holds standard error open for longer.
+    fn last(&self, at_most: Duration) -> Option<String> {
+        let _ = self.end.recv_timeout(at_most);
+        Some(lock(&self.last).clone()).filter(|words| !words.is_empty())
+    }
+}
+
+/// Reads standard error to its end.
+fn listener(stderr: impl Read + Send + 'static) -> Words {
+    let ((at_end, end), last) = (sync_channel(1), Arc::default());
+    let words = Words {
+        last: Arc::clone(&last),
+        end,
+    };
     std::thread::spawn(move || {
         let mut stderr = BufReader::new(stderr);
-        let mut last = String::new();
         let mut line = Vec::new();
         // The rest of a longer line is one of its own.
         while (&mut stderr)
@@ -178,10 +209,10 @@ fn listener(stderr: impl Read + Send + 'static) -> Receiver<String> {
         {
             let line = String::from_utf8_lossy(&std::mem::take(&mut line)).trim().to_owned();
             if !line.is_empty() {
-                last = line;
+                *lock(&last) = line;
             }
         }
-        let _ = tell.send(last);
+        let _ = at_end.send(());
     });
     words
 }

@@ -9,6 +9,7 @@ mod spec;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::ExitStatus;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
@@ -348,7 +349,7 @@ fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration
         (Silence::Ended, None) => "ended".to_owned(),
         (Silence::Ended, Some(status)) => match status.code() {
             Some(code) => format!("ended with exit code {code}"),
-            None => format!("was ended ({status})"),
+            None => format!("was {}", signalled(status)),
         },
     };
     let words = words.map_or_else(String::new, |words| format!("; its last words: {words}"));
@@ -358,6 +359,15 @@ fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration
         when,
         words,
     }
+}
+
+/// How a program without an exit code ended.
+fn signalled(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return format!("ended by signal {signal}");
+    }
+    format!("ended ({status})")
 }
 
 /// What is known of a program: what it says, what its manifest says, and the files of both.

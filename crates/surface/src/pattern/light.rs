@@ -1,5 +1,7 @@
 //! Between 8-bit sRGB and linear light (IEC 61966-2-1): values 0 to 1, 1 is white.
 
+use std::sync::LazyLock;
+
 use palette::encoding::{FromLinear, IntoLinear, Srgb};
 
 /// Linear light of an sRGB value.
@@ -23,7 +25,8 @@ pub fn decode_derivative(srgb: f64) -> f64 {
 
 /// An 8-bit sRGB colour in linear light.
 pub fn linear_of(rgb: [u8; 3]) -> [f64; 3] {
-    rgb.map(|v| decode(f64::from(v) / 255.0))
+    static OF_BYTE: LazyLock<[f64; 256]> = LazyLock::new(|| std::array::from_fn(|v| decode(v as f64 / 255.0)));
+    rgb.map(|v| OF_BYTE[usize::from(v)])
 }
 
 /// Y of linear light in the primaries of sRGB (IEC 61966-2-1).

@@ -47,10 +47,11 @@ pub(super) fn fill(mesh: &Mesh, texture: &Texture, charts: &[Vec<BakedFace>], [w
     let faces = placed(charts, [width, height]);
     let (width, height) = (width as usize, height as usize);
     let tops: Vec<usize> = (0..height).step_by(BAND).collect();
-    let bands = workers::each(&tops, |top| {
+    let bands: Vec<(usize, Vec<Facet>)> = tops.into_iter().zip(by_band(&faces, height)).collect();
+    let bands = workers::each(&bands, |(top, faces)| {
         let mut band = Band::new(width, *top..(*top + BAND).min(height));
-        band.claim(&faces);
-        band.gather(mesh, texture, &faces);
+        band.claim(faces);
+        band.gather(mesh, texture, faces);
         band.colours()
     });
     let mut texels = bands.concat();
@@ -81,6 +82,21 @@ fn placed(charts: &[Vec<BakedFace>], [width, height]: [u32; 2]) -> Vec<Placed<'_
     placed
 }
 
+/// A face that has an area in the image.
+type Facet<'a> = (&'a Placed<'a>, &'a PlaneTriangle);
+
+/// The faces that reach into each band of rows, in their order.
+fn by_band<'a>(faces: &'a [Placed], height: usize) -> Vec<Vec<Facet<'a>>> {
+    let mut bands = vec![Vec::new(); height.div_ceil(BAND)];
+    for (face, flat) in faces.iter().filter_map(|face| Some((face, face.flat.as_ref()?))) {
+        let rows = flat.cells(1, 0..height);
+        if !rows.is_empty() {
+            (rows.start / BAND..=(rows.end - 1) / BAND).for_each(|band| bands[band].push((face, flat)));
+        }
+    }
+    bands
+}
+
 impl Band {
     fn new(width: usize, rows: Range<usize>) -> Self {
         Self {
@@ -91,7 +107,7 @@ impl Band {
     }
 
     /// A texel belongs to the chart that its centre lies in.
-    fn claim(&mut self, faces: &[Placed]) {
+    fn claim(&mut self, faces: &[Facet]) {
         self.each_texel(faces, |texel, face, flat, [x, y]| {
             if texel.owner == 0 && flat.barycentric([x + 0.5, y + 0.5]).is_some() {
                 texel.owner = face.chart;
@@ -100,7 +116,7 @@ impl Band {
     }
 
     /// Adds the colours of each texel's points in its chart. A texel whose centre lies in no chart belongs to the first with a point in it.
-    fn gather(&mut self, mesh: &Mesh, texture: &Texture, faces: &[Placed]) {
+    fn gather(&mut self, mesh: &Mesh, texture: &Texture, faces: &[Facet]) {
         self.each_texel(faces, |texel, face, flat, [x, y]| {
             if ![0, face.chart].contains(&texel.owner) {
                 return;
@@ -118,11 +134,11 @@ impl Band {
         });
     }
 
-    /// Visits every texel that the box around a face meets, face by face, with the texel's top left corner.
-    fn each_texel(&mut self, faces: &[Placed], mut visit: impl FnMut(&mut Texel, &Placed, &PlaneTriangle, [f64; 2])) {
-        for (face, flat) in faces.iter().filter_map(|face| Some((face, face.flat.as_ref()?))) {
+    /// Visits every texel that a face meets, face by face, with the texel's top left corner.
+    fn each_texel(&mut self, faces: &[Facet], mut visit: impl FnMut(&mut Texel, &Placed, &PlaneTriangle, [f64; 2])) {
+        for (face, flat) in faces {
             for y in flat.cells(1, self.rows.clone()) {
-                for x in flat.cells(0, 0..self.width) {
+                for x in flat.cells_of_row(y, 0..self.width) {
                     let texel = &mut self.texels[(y - self.rows.start) * self.width + x];
                     visit(texel, face, flat, [x as f64, y as f64]);
                 }

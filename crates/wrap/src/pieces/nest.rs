@@ -89,6 +89,16 @@ struct Turned {
     /// The place of its first cell's lower left corner in the turned plane.
     low: Point,
     cells: Cells,
+    /// Its runs of cells, the longest first: those block the most places.
+    runs: Vec<Run>,
+}
+
+/// Neighbouring cells of one row of a shape.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    row: usize,
+    column: usize,
+    length: usize,
 }
 
 fn turned(shape: &Region) -> Vec<Turned> {
@@ -100,7 +110,8 @@ fn turned(shape: &Region) -> Vec<Turned> {
         let turned = around.moved(|p| Pose { turn, by }.at(p));
         let (low, high) = turned.bounds().unwrap_or_default();
         let cells = Cells::covered(&turned, low, high);
-        Turned { turn, low, cells }
+        let runs = cells.runs();
+        Turned { turn, low, cells, runs }
     };
     (0..(360.0 / TURN_DEG) as usize).map(by_step).collect()
 }
@@ -109,7 +120,6 @@ fn turned(shape: &Region) -> Vec<Turned> {
 #[derive(Debug, Clone)]
 struct Cells {
     columns: usize,
-    words: usize,
     rows: Vec<Vec<u64>>,
 }
 
@@ -126,7 +136,6 @@ impl Cells {
         let words = columns.div_ceil(64).max(1);
         Self {
             columns,
-            words,
             rows: vec![vec![0; words]; rows],
         }
     }
@@ -194,26 +203,50 @@ impl Cells {
             let Some(feet) = (highest + 1).checked_sub(cells.rows.len()) else {
                 continue;
             };
-            let spots = (0..feet).flat_map(|row| (0..=self.columns - cells.columns).map(move |column| (row, column)));
-            let mut free = spots.filter(|(row, column)| !self.meets(cells, *column, *row));
-            if let Some((row, column)) = free.next() {
+            let mut spots = (0..feet).filter_map(|row| Some((row, self.free_column(shape, row)?)));
+            if let Some((row, column)) = spots.next() {
                 best = Some((row + cells.rows.len(), Spot { turn, column, row }));
             }
         }
         best.map(|(_, spot)| spot)
     }
 
-    /// Whether a shape's cells at a place are taken.
-    fn meets(&self, shape: &Self, column: usize, row: usize) -> bool {
-        let (first, bit) = (column / 64, column % 64);
-        shape.rows.iter().enumerate().any(|(i, cells)| {
-            let mine = &self.rows[row + i];
-            (0..shape.words).any(|w| {
-                let word = |at: usize| u128::from(mine.get(at).copied().unwrap_or(0));
-                let here = (word(first + w) | word(first + w + 1) << 64) >> bit;
-                here as u64 & cells[w] != 0
-            })
-        })
+    /// The leftmost column at which a shape with its foot on a row meets nothing that is taken.
+    ///
+    /// All columns are tried at once, a bit each: a run of the shape blocks every column from which it would reach a taken cell.
+    fn free_column(&self, shape: &Turned, row: usize) -> Option<usize> {
+        let columns = self.columns - shape.cells.columns + 1;
+        let is_free = |blocked: &[u64], column: usize| blocked[column / 64] >> (column % 64) & 1 == 0;
+        let mut blocked = vec![0; self.rows[row].len()];
+        let mut first = 0;
+        for run in &shape.runs {
+            let mut reach = self.rows[row + run.row].clone();
+            let mut length = 1;
+            while length < run.length {
+                let more = length.min(run.length - length);
+                or_shifted(&mut reach, more);
+                length += more;
+            }
+            for (word, blocked) in blocked.iter_mut().enumerate() {
+                *blocked |= shifted(&reach, word, run.column);
+            }
+            first = (first..columns).find(|column| is_free(&blocked, *column))?;
+        }
+        Some(first)
+    }
+
+    fn runs(&self) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::new();
+        for (row, cells) in self.rows.iter().enumerate() {
+            for column in (0..self.columns).filter(|c| cells[c / 64] >> (c % 64) & 1 == 1) {
+                match runs.last_mut() {
+                    Some(run) if run.row == row && run.column + run.length == column => run.length += 1,
+                    _ => runs.push(Run { row, column, length: 1 }),
+                }
+            }
+        }
+        runs.sort_by_key(|run| std::cmp::Reverse(run.length));
+        runs
     }
 
     fn take(&mut self, shape: &Self, column: usize, row: usize) {
@@ -231,5 +264,19 @@ impl Cells {
             .iter()
             .rposition(|row| row.iter().any(|word| *word != 0))
             .map_or(0, |row| row + 1)
+    }
+}
+
+/// A word of a row of bits that is moved down by some columns.
+fn shifted(row: &[u64], word: usize, by: usize) -> u64 {
+    let at = |word: usize| u128::from(row.get(word).copied().unwrap_or(0));
+    let from = word + by / 64;
+    ((at(from) | at(from + 1) << 64) >> (by % 64)) as u64
+}
+
+/// Each bit or the one so many columns further.
+fn or_shifted(row: &mut [u64], by: usize) {
+    for word in 0..row.len() {
+        row[word] |= shifted(row, word, by);
     }
 }

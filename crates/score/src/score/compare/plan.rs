@@ -114,8 +114,18 @@ impl Tails {
 }
 
 /// The probabilities of 0 to `n` successes; not finite when `p` is no probability.
+///
+/// From the likeliest number outwards, each by the ratio to its neighbour, P(k) = P(k − 1) · (n − k + 1) / k · p / (1 − p): each factor is below 1, so that rounding does not grow.
 pub(super) fn binomial(n: usize, p: f64) -> Vec<f64> {
-    let distribution = Binomial::new(p, n as u64);
-    let chance = |k| distribution.as_ref().map_or(f64::NAN, |b| b.pmf(k));
-    (0..=n as u64).map(chance).collect()
+    let (mode, odds) = ((((n + 1) as f64 * p) as usize).min(n), p / (1.0 - p));
+    let likeliest = Binomial::new(p, n as u64).map_or(f64::NAN, |b| b.pmf(mode as u64));
+    let mut chances = vec![likeliest; n + 1];
+    let ratio = |k: usize| (n - k + 1) as f64 / k as f64 * odds;
+    for k in mode + 1..=n {
+        chances[k] = chances[k - 1] * ratio(k);
+    }
+    for k in (0..mode).rev() {
+        chances[k] = chances[k + 1] / ratio(k + 1);
+    }
+    chances
 }
