@@ -1,0 +1,334 @@
+//! The frames of a video, one after another.
+
+use std::io::Read;
+use std::process::ChildStdout;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::time::Duration;
+
+use image::{GrayImage, RgbImage};
+
+use crate::log::{Said, listen, plain};
+use crate::probe::{MOST_MEGAPIXELS, Range};
+use crate::program::{Running, command, every_frame_option};
+use crate::{Video, VideoError};
+
+/// So many frames wait between ffmpeg and whoever takes them, besides those that ffmpeg holds itself.
+const AHEAD: usize = 1;
+/// A header's length and the last frame's time differ by less than this, s, in a whole video: a second, and a fiftieth of the length.
+const SHORT_S: f64 = 1.0;
+const SHORT_SHARE: f64 = 0.02;
+
+/// Which frames of a video, and how large.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// The first time, s since the start.
+    pub from_s: f64,
+    /// The last time, s since the start; `None` for the end.
+    pub to_s: Option<f64>,
+    /// Every so-manieth frame, counted from the first of the video.
+    pub every: u64,
+    /// Only frames of these numbers, where given.
+    pub numbers: Option<Vec<u64>>,
+    /// Reduced to this height, px; `None` for the full size.
+    pub height: Option<u32>,
+    /// How long to wait for a frame before giving up.
+    pub patience: Duration,
+    /// Whether a video that breaks off is an error. A stream is not one: it ends when it ends.
+    pub is_whole: bool,
+}
+
+impl Default for Selection {
+    fn default() -> Selection {
+        Selection {
+            from_s: 0.0,
+            to_s: None,
+            every: 1,
+            numbers: None,
+            height: None,
+            patience: Duration::from_secs(60),
+            is_whole: true,
+        }
+    }
+}
+
+impl Selection {
+    /// Whether a frame is one of them.
+    fn has(&self, number: u64, time_s: f64) -> bool {
+        let is_named = self.numbers.as_ref().is_none_or(|numbers| numbers.contains(&number));
+        is_named && number.is_multiple_of(self.every.max(1)) && time_s >= self.from_s && !self.is_past(number, time_s)
+    }
+
+    /// Whether neither this frame nor a later one is one of them.
+    fn is_past(&self, number: u64, time_s: f64) -> bool {
+        let last = self
+            .numbers
+            .as_ref()
+            .map(|numbers| numbers.iter().max().copied().unwrap_or(0));
+        self.to_s.is_some_and(|to| time_s > to) || last.is_some_and(|last| number > last)
+    }
+
+    /// The size of a frame of these, px.
+    fn size(&self, video: &Video) -> [u32; 2] {
+        let full = [video.width, video.height];
+        let reduced = self.height.filter(|height| (1..video.height).contains(height));
+        reduced.map_or(full, |height| {
+            let width = f64::from(video.width) * f64::from(height) / f64::from(video.height);
+            [(width.round() as u32).max(1), height]
+        })
+    }
+
+    /// The choice as an expression of ffmpeg's filter `select`, by the same numbers as [`Selection::has`]; `None` for all frames.
+    fn expression(&self) -> Option<String> {
+        let mut terms = Vec::new();
+        if self.every > 1 {
+            terms.push(format!("not(mod(n\\,{}))", self.every));
+        }
+        if self.from_s > 0.0 {
+            terms.push(format!("gte(t\\,{})", self.from_s));
+        }
+        terms.extend(self.to_s.map(|to| format!("lte(t\\,{to})")));
+        terms.extend(self.numbers.as_ref().map(|numbers| {
+            let equal: Vec<String> = numbers.iter().map(|number| format!("eq(n\\,{number})")).collect();
+            format!(
+                "({})",
+                if equal.is_empty() {
+                    "0".to_owned()
+                } else {
+                    equal.join("+")
+                }
+            )
+        }));
+        (!terms.is_empty()).then(|| terms.join("*"))
+    }
+}
+
+/// One frame of a video.
+#[derive(Debug, Clone)]
+pub struct Frame<P> {
+    /// Its number in the video in the order of presentation; the first is 0.
+    pub number: u64,
+    /// When it is shown, s since the start of the video.
+    pub time_s: f64,
+    pub image: P,
+}
+
+/// What ffmpeg can write a frame as.
+pub trait Pixels: Sized + Send + 'static {
+    /// ffmpeg's name of the format.
+    const FORMAT: &'static str;
+    /// Bytes of a pixel.
+    const BYTES: usize;
+    /// The image of a width and height; `None` when the bytes are not as many.
+    fn from_bytes(size: [u32; 2], bytes: Vec<u8>) -> Option<Self>;
+}
+
+impl Pixels for GrayImage {
+    const FORMAT: &'static str = "gray";
+    const BYTES: usize = 1;
+    fn from_bytes([width, height]: [u32; 2], bytes: Vec<u8>) -> Option<GrayImage> {
+        GrayImage::from_raw(width, height, bytes)
+    }
+}
+
+impl Pixels for RgbImage {
+    const FORMAT: &'static str = "rgb24";
+    const BYTES: usize = 3;
+    fn from_bytes([width, height]: [u32; 2], bytes: Vec<u8>) -> Option<RgbImage> {
+        RgbImage::from_raw(width, height, bytes)
+    }
+}
+
+/// Frames as ffmpeg decodes them. ffmpeg is ended when this is dropped; a few frames are held at a time, however long the video is.
+pub struct Frames<P> {
+    name: String,
+    selection: Selection,
+    /// Length of what is to come by the header, s.
+    expected_s: Option<f64>,
+    said: Receiver<Said>,
+    images: Receiver<P>,
+    running: Running,
+    last_s: Option<f64>,
+    given: u64,
+    complaint: Option<String>,
+    is_over: bool,
+}
+
+impl Video {
+    /// Luma of the frames, from black (0) to white (255). That of an HDR video is its signal as it is.
+    ///
+    /// # Errors
+    /// No ffmpeg. What is wrong with the video shows while it is decoded.
+    pub fn luma(&self, selection: &Selection) -> Result<Frames<GrayImage>, VideoError> {
+        Frames::start(self, selection, &self.scaled(selection))
+    }
+
+    /// Colours of the frames in sRGB. Those of an HDR video are converted: white paper (203 cd/m², ITU-R BT.2408) stays white, and what is
+    /// brighter is compressed.
+    ///
+    /// # Errors
+    /// No ffmpeg; an HDR video that it cannot convert. What is wrong with the video shows while it is decoded.
+    pub fn rgb(&self, selection: &Selection) -> Result<Frames<RgbImage>, VideoError> {
+        self.check_colours()?;
+        let scaled = self.scaled(selection);
+        let filter = match self.range {
+            Range::Standard => scaled,
+            Range::Hlg | Range::Pq => format!(
+                "zscale=t=linear:npl=203,format=gbrpf32le,zscale=p=bt709,tonemap=mobius:desat=0,zscale=t=bt709:m=bt709:r=pc,format=gbrp,{scaled}"
+            ),
+        };
+        Frames::start(self, selection, &filter)
+    }
+
+    /// The filter for size and colours.
+    fn scaled(&self, selection: &Selection) -> String {
+        let [width, height] = selection.size(self);
+        let (matrix, way) = match self.range {
+            Range::Standard => (
+                format!(":in_color_matrix={}", self.matrix),
+                if selection.height.is_some() { "area" } else { "bicubic" },
+            ),
+            _ => (String::new(), "bicubic"),
+        };
+        format!("scale={width}:{height}{matrix}:flags={way}+accurate_rnd+full_chroma_int")
+    }
+}
+
+impl<P: Pixels> Frames<P> {
+    /// Starts ffmpeg; `filter` gives frames their size and colours.
+    fn start(video: &Video, selection: &Selection, filter: &str) -> Result<Frames<P>, VideoError> {
+        let name = video.input.name.clone();
+        let choice = selection.expression().map_or(String::new(), |e| format!(",select={e}"));
+        let mut command = command("ffmpeg", &name)?;
+        command
+            .args(["-nostdin", "-hide_banner", "-nostats", "-loglevel", "level+info"])
+            .args(["-max_pixels", &(MOST_MEGAPIXELS * 1_000_000).to_string()])
+            .args(&video.input.arguments)
+            .args(["-map", &format!("0:{}", video.stream), "-an", "-sn", "-dn"])
+            .args(["-vf", &format!("showinfo=checksum=0{choice},{filter}")])
+            .args([
+                every_frame_option(),
+                "passthrough",
+                "-pix_fmt",
+                P::FORMAT,
+                "-f",
+                "rawvideo",
+                "pipe:1",
+            ]);
+        let mut running = Running::start(command, "ffmpeg", &name)?;
+        let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
+            let reason = "it has no output".to_owned();
+            let program = "ffmpeg";
+            return Err(VideoError::NotStarted { name, program, reason });
+        };
+        let end_s = selection.to_s.into_iter().chain(video.duration_s).reduce(f64::min);
+        Ok(Frames {
+            expected_s: end_s
+                .filter(|_| selection.is_whole && selection.numbers.is_none() && video.duration_s.is_some()),
+            said: listen(stderr),
+            images: images(stdout, selection.size(video)),
+            running,
+            name,
+            selection: selection.clone(),
+            last_s: None,
+            given: 0,
+            complaint: None,
+            is_over: false,
+        })
+    }
+
+    fn following(&mut self) -> Result<Option<Frame<P>>, VideoError> {
+        loop {
+            match self.said.recv_timeout(self.selection.patience) {
+                Ok(Said::Error(line)) => {
+                    let line = plain(&line, &self.name);
+                    self.complaint.get_or_insert(line);
+                }
+                Ok(Said::Frame { number, time_s }) if self.selection.is_past(number, time_s) => return Ok(None),
+                Ok(Said::Frame { number, time_s }) => {
+                    self.last_s = Some(time_s);
+                    if !self.selection.has(number, time_s) {
+                        continue;
+                    }
+                    match self.images.recv_timeout(self.selection.patience) {
+                        Ok(image) => {
+                            self.given += 1;
+                            return Ok(Some(Frame { number, time_s, image }));
+                        }
+                        Err(RecvTimeoutError::Timeout) => return Err(self.silent()),
+                        Err(RecvTimeoutError::Disconnected) => return Err(self.damaged()),
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => return Err(self.silent()),
+                Err(RecvTimeoutError::Disconnected) => return self.end().map(|()| None),
+            }
+        }
+    }
+
+    /// What the end of ffmpeg's words means.
+    fn end(&mut self) -> Result<(), VideoError> {
+        let is_well = self.running.ended_well(self.selection.patience) == Some(true);
+        let Some(last_s) = self.last_s else {
+            let name = self.name.clone();
+            return Err(match &self.complaint {
+                Some(_) => self.damaged(),
+                None => VideoError::NoFrames { name },
+            });
+        };
+        let is_short = |expected: f64| last_s + SHORT_S.max(SHORT_SHARE * expected) < expected;
+        if is_well && !self.expected_s.is_some_and(is_short) {
+            return Ok(());
+        }
+        self.complaint
+            .get_or_insert("its header says that more follows".to_owned());
+        Err(self.damaged())
+    }
+
+    fn damaged(&self) -> VideoError {
+        VideoError::Damaged {
+            name: self.name.clone(),
+            after_s: self.last_s.unwrap_or(0.0),
+            reason: self.complaint.clone().unwrap_or("ffmpeg ended early".to_owned()),
+        }
+    }
+
+    fn silent(&self) -> VideoError {
+        VideoError::Silent {
+            name: self.name.clone(),
+            waited_s: self.selection.patience.as_secs_f64(),
+        }
+    }
+}
+
+impl<P: Pixels> Iterator for Frames<P> {
+    type Item = Result<Frame<P>, VideoError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.is_over {
+            return None;
+        }
+        let following = self.following();
+        self.is_over = !matches!(following, Ok(Some(_)));
+        following.transpose()
+    }
+}
+
+/// Reads frames of a size until the pipe ends; it is full while nobody takes them, which makes ffmpeg wait.
+fn images<P: Pixels>(mut stdout: ChildStdout, size: [u32; 2]) -> Receiver<P> {
+    let (give, images) = sync_channel(AHEAD);
+    std::thread::spawn(move || {
+        let length = size[0] as usize * size[1] as usize * P::BYTES;
+        loop {
+            let mut bytes = vec![0; length];
+            if stdout.read_exact(&mut bytes).is_err() {
+                return;
+            }
+            let Some(image) = P::from_bytes(size, bytes) else {
+                return;
+            };
+            if give.send(image).is_err() {
+                return;
+            }
+        }
+    });
+    images
+}

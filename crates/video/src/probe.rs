@@ -1,0 +1,304 @@
+//! What a video is, before a frame of it is decoded: `ffprobe`'s description, checked.
+
+use std::time::Duration;
+
+use serde::Deserialize;
+
+use crate::program::{Running, command, drain, has_zscale};
+use crate::{Input, VideoError};
+use scaleproof_photo::photo::{Budget, DecodeCost};
+
+/// ffprobe reads a few megabytes; a file on a slow disk takes seconds.
+const PROBED_WITHIN: Duration = Duration::from_secs(60);
+/// A description of one stream has a few kilobytes.
+const MOST_SAID: u64 = 1 << 20;
+/// Larger than 8K (8192 × 4320): ffmpeg holds some twenty frames.
+pub(crate) const MOST_MEGAPIXELS: u64 = 36;
+const FRAME: Budget = Budget {
+    megapixels: MOST_MEGAPIXELS,
+    memory: 256 << 20,
+    ..Budget::FILE
+};
+
+/// The range of light that a video stores.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Range {
+    /// As photos.
+    Standard,
+    /// HDR: hybrid log-gamma (ARIB STD-B67).
+    Hlg,
+    /// HDR: perceptual quantiser (SMPTE ST 2084), as HDR10 and Dolby Vision.
+    Pq,
+}
+
+impl Range {
+    /// Its name among people who film.
+    pub fn name(self) -> &'static str {
+        match self {
+            Range::Standard => "SDR",
+            Range::Hlg => "HLG",
+            Range::Pq => "PQ",
+        }
+    }
+}
+
+/// A video that can be decoded, as its header says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Video {
+    pub input: Input,
+    /// Width of an upright frame, px.
+    pub width: u32,
+    /// Height of an upright frame, px.
+    pub height: u32,
+    /// How far the container turns frames clockwise to make them upright: 0, 90, 180 or 270.
+    pub turned_deg: u32,
+    /// The codec, as ffmpeg calls it: `h264`, `hevc`, `vp9`, `av1`.
+    pub codec: String,
+    /// Length by the header, s; `None` where it does not say, as of streams. It may lie.
+    pub duration_s: Option<f64>,
+    /// Number of frames by the header; `None` where it does not say. It may lie.
+    pub frames: Option<u64>,
+    /// Mean frames per second by the header; `None` where it does not say.
+    pub frames_per_s: Option<f64>,
+    /// Bits of a sample: 8, 10 or 12.
+    pub bits: u32,
+    pub range: Range,
+    /// Which of the input's video streams it is.
+    pub(crate) stream: u32,
+    /// The matrix from luma and chroma to colours, as ffmpeg's filter `scale` calls it.
+    pub(crate) matrix: &'static str,
+}
+
+#[derive(Deserialize)]
+struct Description {
+    #[serde(default)]
+    streams: Vec<Stream>,
+    #[serde(default)]
+    format: Format,
+}
+
+#[derive(Deserialize, Default)]
+struct Format {
+    duration: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Stream {
+    index: u32,
+    codec_type: Option<String>,
+    codec_name: Option<String>,
+    codec_tag_string: Option<String>,
+    width: Option<u32>,
+    height: Option<u32>,
+    pix_fmt: Option<String>,
+    bits_per_raw_sample: Option<String>,
+    color_transfer: Option<String>,
+    color_space: Option<String>,
+    sample_aspect_ratio: Option<String>,
+    avg_frame_rate: Option<String>,
+    duration: Option<String>,
+    nb_frames: Option<String>,
+    #[serde(default)]
+    disposition: Disposition,
+    #[serde(default)]
+    side_data_list: Vec<SideData>,
+}
+
+#[derive(Deserialize, Default)]
+struct Disposition {
+    #[serde(default)]
+    attached_pic: u8,
+}
+
+#[derive(Deserialize)]
+struct SideData {
+    side_data_type: Option<String>,
+    rotation: Option<f64>,
+}
+
+impl Video {
+    /// Describes a file.
+    ///
+    /// # Errors
+    /// No ffprobe; a file that is no video, or none that can be decoded within bounds.
+    pub fn open(path: &std::path::Path) -> Result<Video, VideoError> {
+        use scaleproof_core::files::FileError;
+        let about = std::fs::metadata(path).map_err(|e| FileError::read(path, &e))?;
+        if !about.is_file() {
+            return Err(FileError::cannot_read(path, "it is not a file").into());
+        }
+        let input = Input::file(path);
+        if about.len() == 0 {
+            return Err(VideoError::Empty { name: input.name });
+        }
+        Video::of(input)
+    }
+
+    /// Describes any input.
+    ///
+    /// # Errors
+    /// As [`Video::open`].
+    pub fn of(input: Input) -> Result<Video, VideoError> {
+        let name = || input.name.clone();
+        let description = described(&input)?;
+        let is_picture = |s: &&Stream| s.codec_type.as_deref() == Some("video") && s.disposition.attached_pic == 0;
+        let Some(stream) = description.streams.iter().find(is_picture) else {
+            return Err(match description.streams.is_empty() {
+                true => VideoError::NotAVideo {
+                    name: name(),
+                    reason: "it has no stream".to_owned(),
+                },
+                false => VideoError::NoPicture { name: name() },
+            });
+        };
+        if stream.is_encrypted() {
+            return Err(VideoError::Encrypted { name: name() });
+        }
+        let (Some(width @ 1..), Some(height @ 1..), Some(codec)) = (stream.width, stream.height, &stream.codec_name)
+        else {
+            return Err(VideoError::NoFrames { name: name() });
+        };
+        if stream.nb_frames.as_deref() == Some("0") {
+            return Err(VideoError::NoFrames { name: name() });
+        }
+        let turned_deg = stream.turned_deg();
+        let cost = DecodeCost::of_png([width, height], 3, turned_deg != 0);
+        FRAME.check(&cost).map_err(|_| VideoError::TooLarge {
+            name: name(),
+            size: format!("{width} × {height} px, more than the {MOST_MEGAPIXELS} megapixels that are read"),
+        })?;
+        if let Some(ratio) = stream
+            .sample_aspect_ratio
+            .as_ref()
+            .filter(|r| !["1:1", "0:1", "N/A"].contains(&r.as_str()))
+        {
+            return Err(VideoError::NotSquare {
+                name: name(),
+                ratio: ratio.clone(),
+            });
+        }
+        let [width, height] = if turned_deg % 180 == 0 {
+            [width, height]
+        } else {
+            [height, width]
+        };
+        let number = |text: &Option<String>| text.as_ref()?.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
+        Ok(Video {
+            width,
+            height,
+            turned_deg,
+            codec: codec.clone(),
+            duration_s: number(&stream.duration).or_else(|| number(&description.format.duration)),
+            frames: stream.nb_frames.as_ref().and_then(|text| text.parse().ok()),
+            frames_per_s: stream.frames_per_s(),
+            bits: stream.bits(),
+            range: stream.range(),
+            stream: stream.index,
+            matrix: stream.matrix(height.min(width)),
+            input,
+        })
+    }
+
+    /// What to know of its colours before they are believed, as a sentence.
+    pub fn colour_note(&self) -> Option<String> {
+        let name = &self.input.name;
+        match self.range {
+            Range::Standard if self.bits > 8 => {
+                Some(format!("{name} has {} bits a sample, of which 8 are kept", self.bits))
+            }
+            Range::Standard => None,
+            hdr => Some(format!(
+                "{name} is an HDR video ({}), whose colours are converted to SDR: what is brighter than white paper is compressed; film with HDR switched off where colours matter",
+                hdr.name()
+            )),
+        }
+    }
+
+    /// Refuses HDR whose colours nothing here can convert.
+    pub(crate) fn check_colours(&self) -> Result<(), VideoError> {
+        if self.range == Range::Standard || has_zscale() {
+            return Ok(());
+        }
+        Err(VideoError::Hdr {
+            name: self.input.name.clone(),
+            transfer: self.range.name(),
+        })
+    }
+}
+
+impl Stream {
+    /// By the sample entry `encv` (ISO 14496-12), or by the data that a player needs for decryption.
+    fn is_encrypted(&self) -> bool {
+        let is_key_data = |data: &SideData| {
+            data.side_data_type
+                .as_ref()
+                .is_some_and(|kind| kind.contains("ncryption"))
+        };
+        self.codec_tag_string.as_deref() == Some("encv") || self.side_data_list.iter().any(is_key_data)
+    }
+
+    /// ffprobe counts counter-clockwise.
+    fn turned_deg(&self) -> u32 {
+        let rotation = self.side_data_list.iter().find_map(|data| data.rotation).unwrap_or(0.0);
+        ((-rotation / 90.0).round() as i64).rem_euclid(4) as u32 * 90
+    }
+
+    fn frames_per_s(&self) -> Option<f64> {
+        let (over, under) = self.avg_frame_rate.as_ref()?.split_once('/')?;
+        let rate = over.parse::<f64>().ok()? / under.parse::<f64>().ok()?;
+        (rate.is_finite() && rate > 0.0).then_some(rate)
+    }
+
+    fn bits(&self) -> u32 {
+        let said = self.bits_per_raw_sample.as_ref().and_then(|bits| bits.parse().ok());
+        let format = self.pix_fmt.as_deref().unwrap_or_default();
+        let of_format = [("p16", 16), ("p12", 12), ("p10", 10), ("p010", 10)];
+        let named = of_format
+            .iter()
+            .find(|(part, _)| format.contains(part))
+            .map(|(_, bits)| *bits);
+        named.or(said).unwrap_or(8)
+    }
+
+    fn range(&self) -> Range {
+        match self.color_transfer.as_deref() {
+            Some("smpte2084") => Range::Pq,
+            Some("arib-std-b67") => Range::Hlg,
+            _ => Range::Standard,
+        }
+    }
+
+    /// A video that does not say is BT.709 from 720 lines on, and BT.601 below, as players take it.
+    fn matrix(&self, lines: u32) -> &'static str {
+        match self.color_space.as_deref() {
+            Some("bt709") => "bt709",
+            Some("bt470bg" | "smpte170m") => "bt601",
+            Some("bt2020nc" | "bt2020c") => "bt2020",
+            Some("smpte240m") => "smpte240m",
+            _ if lines >= 720 => "bt709",
+            _ => "bt601",
+        }
+    }
+}
+
+/// ffprobe's answer.
+fn described(input: &Input) -> Result<Description, VideoError> {
+    let mut command = command("ffprobe", &input.name)?;
+    command
+        .args(["-v", "error", "-of", "json", "-show_streams", "-show_format"])
+        .args(&input.arguments);
+    let mut running = Running::start(command, "ffprobe", &input.name)?;
+    let answer = drain(running.0.stdout.take(), MOST_SAID);
+    let complaint = drain(running.0.stderr.take(), MOST_SAID);
+    let name = input.name.clone();
+    let Some(is_done) = running.ended_well(PROBED_WITHIN) else {
+        let waited_s = PROBED_WITHIN.as_secs_f64();
+        return Err(VideoError::Silent { name, waited_s });
+    };
+    let [answer, complaint] = [answer, complaint].map(|read| read.join().unwrap_or_default());
+    let reason = || crate::log::last_words(&String::from_utf8_lossy(&complaint), &name);
+    match serde_json::from_slice(&answer) {
+        Ok(description) if is_done => Ok(description),
+        _ => Err(VideoError::NotAVideo { reason: reason(), name }),
+    }
+}

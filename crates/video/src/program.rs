@@ -1,0 +1,131 @@
+//! The programs `ffmpeg` and `ffprobe`: where they are, what they can, and one that runs.
+
+use std::ffi::OsStr;
+use std::io::Read;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use scaleproof_core::files::environment;
+
+use crate::VideoError;
+
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
+/// What a program says of itself in less than this; some builds take a second to load.
+const SAYS_WITHIN: Duration = Duration::from_secs(20);
+/// More than the longest list of filters.
+const MOST_SAID: u64 = 1 << 20;
+
+/// Whether the system has the programs that videos are read with.
+pub fn reads_video() -> bool {
+    ["ffmpeg", "ffprobe"].iter().all(|name| find(name).is_some())
+}
+
+/// A program's file in the folders of `PATH`.
+fn find(name: &str) -> Option<PathBuf> {
+    let folders = environment::variable("PATH")?;
+    let mut places = std::env::split_paths(&folders).map(|folder| folder.join(name));
+    places.find(|place| place.is_file())
+}
+
+/// A command that reads nothing from the terminal; `name` is the video's.
+pub(crate) fn command(program: &'static str, name: &str) -> Result<Command, VideoError> {
+    let missing = || VideoError::NoDecoder {
+        name: name.to_owned(),
+        program,
+    };
+    let mut command = Command::new(find(program).ok_or_else(missing)?);
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    // Ctrl-C is for this program, which ends the decoder when it is done with it.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    Ok(command)
+}
+
+/// A process that is killed when dropped.
+#[derive(Debug)]
+pub(crate) struct Running(pub Child);
+
+impl Running {
+    /// Starts a command.
+    pub fn start(mut command: Command, program: &'static str, name: &str) -> Result<Running, VideoError> {
+        let started = command.spawn().map_err(|e| VideoError::NotStarted {
+            name: name.to_owned(),
+            program,
+            reason: scaleproof_core::files::plain(&e),
+        });
+        started.map(Running)
+    }
+
+    /// Whether it ended well; `None` when it did not end in time.
+    pub fn ended_well(&mut self, within: Duration) -> Option<bool> {
+        let began = Instant::now();
+        loop {
+            match self.0.try_wait() {
+                Ok(Some(status)) => return Some(status.success()),
+                Ok(None) if began.elapsed() < within => std::thread::sleep(LOOK_AGAIN),
+                _ => return None,
+            }
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Everything that comes, up to a limit, read by a thread of its own: a full pipe would stop the program that writes.
+pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> std::thread::JoinHandle<Vec<u8>> {
+    std::thread::spawn(move || {
+        let mut read = Vec::new();
+        if let Some(mut from) = from {
+            let _ = (&mut from).take(most).read_to_end(&mut read);
+            let _ = std::io::copy(&mut from, &mut std::io::sink());
+        }
+        read
+    })
+}
+
+/// What ffmpeg says to an argument; nothing where it does not start.
+fn said(argument: &str) -> String {
+    let answer = || {
+        let mut command = command("ffmpeg", "").ok()?;
+        command.args([OsStr::new("-hide_banner"), OsStr::new(argument)]);
+        let mut running = Running::start(command, "ffmpeg", "").ok()?;
+        let words = drain(running.0.stdout.take(), MOST_SAID);
+        running.ended_well(SAYS_WITHIN)?;
+        drop(running);
+        words.join().ok()
+    };
+    String::from_utf8_lossy(&answer().unwrap_or_default()).into_owned()
+}
+
+/// The option that keeps every frame with its own time: `-fps_mode` since ffmpeg 5.1, `-vsync` before.
+pub(crate) fn every_frame_option() -> &'static str {
+    static OPTION: OnceLock<&str> = OnceLock::new();
+    OPTION.get_or_init(|| {
+        let said = said("-version");
+        let version = said.strip_prefix("ffmpeg version ").unwrap_or_default();
+        // Builds from the repository are called otherwise, and are newer.
+        let mut parts = version
+            .split(['.', '-', ' '])
+            .map(|part| part.trim_start_matches('n').parse::<u32>().ok());
+        match (parts.next().flatten(), parts.next().flatten()) {
+            (Some(major), minor) if (major, minor.unwrap_or(0)) < (5, 1) => "-vsync",
+            _ => "-fps_mode",
+        }
+    })
+}
+
+/// Whether ffmpeg has the filter zscale, which converts HDR.
+pub(crate) fn has_zscale() -> bool {
+    static HAS: OnceLock<bool> = OnceLock::new();
+    *HAS.get_or_init(|| said("-filters").contains(" zscale "))
+}
