@@ -72,6 +72,10 @@ function draw_dial(state, next) {
     (from ? ` The camera is at ${Math.round(from.azimuth_deg)}°.` : "");
 }
 
+// The newest frame of the state, and the number of the last one that was shown.
+let newest = null;
+let last_frame = 0;
+
 // --- the preview: the newest frame that has arrived; what has become old meanwhile is never asked for ---------------
 
 let loading = false;
@@ -101,8 +105,9 @@ function load_wanted() {
 // Words in place of an image.
 function note(sentence) {
   const svg = $("preview").querySelector("svg");
+  svg.setAttribute("viewBox", "0 0 4 3");
   svg.setAttribute("aria-label", sentence);
-  svg.querySelector("text").textContent = sentence;
+  svg.replaceChildren(make("text", { x: 2, y: 1.5 }, sentence));
 }
 
 // Without an image (`href`) over what this device films.
@@ -110,7 +115,7 @@ function draw_frame(frame, href, width, height, ground = []) {
   has_image = Boolean(href);
   const svg = $("preview").querySelector("svg");
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  svg.setAttribute("aria-label", `The newest photo, with ${frame.tags.length} tags outlined`);
+  svg.setAttribute("aria-label", `The newest picture, with ${frame.tags.length} tags outlined`);
   const outline = (kind) => (tag) => make("polygon", { points: tag.corners_px.join(" "), class: kind(tag) });
   svg.replaceChildren(
     ...(href ? [make("image", { href, width, height })] : ground),
@@ -130,6 +135,7 @@ const SMALL_PX = 1280;
 const LEAST_MS = 100;
 
 let film = null;
+let outdated = null;
 let camera_px = [1280, 960];
 
 const NO_CAMERA = {
@@ -181,7 +187,9 @@ function show_film() {
   $("film").textContent = is_on ? "End filming" : "Film with this device's camera";
   $("shoot").disabled = !is_on;
   has_image = false;
-  note("");
+  $("caption").textContent = "";
+  if (!is_on && newest) show_frame(newest);
+  else note(is_on ? "" : "no photo yet");
 }
 
 // A picture that the camera has made since the last one: of a film that stands still, nothing is sent.
@@ -255,6 +263,9 @@ function draw_film(state, next) {
   // The border of the next lies above its neighbours'.
   ground.sort((a, b) => a.classList.contains("next") - b.classList.contains("next"));
   draw_frame(state.frame, null, width, height, ground);
+  // What is drawn belongs to a picture that is soon past.
+  clearTimeout(outdated);
+  outdated = setTimeout(() => { if (film) note(""); }, 1500);
 }
 
 let kept = 0;
@@ -371,7 +382,6 @@ function shutter() {
 
 // --- news and buttons -----------------------------------------------------------------------------------------------
 
-let last_frame = 0;
 
 function show(state) {
   const { about, frame } = state;
@@ -396,6 +406,7 @@ function show(state) {
       : `${state.pairs.sentence}${to_tell}`;
   }
   draw_dial(state, next);
+  newest = frame;
   const is_new = frame && frame.number !== last_frame;
   // The newest photo is asked for before the small ones of the list.
   if (is_new && !film) show_frame(frame);

@@ -341,8 +341,8 @@ impl<'a> CaptureWorker<'a> {
         }
         let response = ActionReply {
             status: match shown.photo {
-                // Most frames of a film are not taken, and none of them is at fault.
-                None if !is_filmed => StatusCode::UNPROCESSABLE_ENTITY,
+                // Most frames of a film are not taken, and are not at fault.
+                None if !is_filmed || shown.size_px == [0, 0] => StatusCode::UNPROCESSABLE_ENTITY,
                 _ => StatusCode::OK,
             },
             sentence: shown.advice.clone(),
