@@ -2,7 +2,7 @@
 
 use crate::common;
 
-mod browser;
+pub(super) mod browser;
 pub(super) mod http;
 pub(super) mod running;
 
@@ -28,11 +28,11 @@ fn replay() -> String {
     format!("replay:{}", skyline().display())
 }
 
-fn photo(number: u32) -> Vec<u8> {
+pub(super) fn photo(number: u32) -> Vec<u8> {
     std::fs::read(skyline().join(format!("normal_{number:03}.jpg"))).unwrap()
 }
 
-fn jpeg(picture: &RgbImage) -> Vec<u8> {
+pub(super) fn jpeg(picture: &RgbImage) -> Vec<u8> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, 95)
         .encode_image(picture)
@@ -371,8 +371,8 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// A body of which half comes and then nothing, a head that never ends, and a sender that leaves in the middle: how each ends.
-fn slow(host: &str) -> [String; 3] {
-    let upload = upload("image/jpeg", &photo(2));
+fn slow(host: &str, path: &str) -> [String; 3] {
+    let upload = upload("image/jpeg", &photo(2)).to(path);
     let head = upload.head.replace("{host}", host) + "\r\n";
     let mut half = http::connect(host);
     half.get_mut()
@@ -398,7 +398,9 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
     let start = Instant::now();
     let mut statuses = std::collections::BTreeMap::<u16, usize>::new();
     std::thread::scope(|scope| {
-        let slow = scope.spawn(|| slow(&host));
+        // What is filmed gets what a photo gets.
+        let paths = ["/upload", "/film/1/preview", "/film/1/whole"];
+        let slow = paths.map(|path| scope.spawn(|| slow(&host, path)));
         let threads: Vec<_> = (0..8)
             .map(|thread| {
                 let (host, done, closed) = (&host, &done, &closed);
@@ -407,7 +409,7 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
                     let mut client = Client::new(host);
                     let mut statuses = Vec::new();
                     for number in 0..1250 {
-                        let request = malformed(number, &mut rng);
+                        let request = malformed(number, &mut rng).to(paths[thread as usize % 3]);
                         match client.try_to_send(&request) {
                             Some(answer) => statuses.push(answer.status),
                             None => drop(closed.fetch_add(1, Ordering::Relaxed)),
@@ -425,9 +427,11 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
                 .into_iter()
                 .for_each(|status| *statuses.entry(status).or_default() += 1);
         }
-        let [half, endless, left] = slow.join().unwrap();
-        assert_eq!((half.as_str(), left.as_str()), ("408", "400"));
-        assert!(matches!(endless.as_str(), "408" | "closed"), "{endless}");
+        for slow in slow {
+            let [half, endless, left] = slow.join().unwrap();
+            assert_eq!((half.as_str(), left.as_str()), ("408", "400"));
+            assert!(matches!(endless.as_str(), "408" | "closed"), "{endless}");
+        }
     });
     println!(
         "{} malformed uploads in {:.1} s: answers {statuses:?}, {} connections closed without one",
@@ -504,7 +508,7 @@ fn what_another_site_asks_is_refused() {
 }
 
 /// The address of this machine in its network, if it is in one.
-fn in_network() -> Option<IpAddr> {
+pub(super) fn in_network() -> Option<IpAddr> {
     let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
     socket.connect("192.0.2.1:9").ok()?;
     Some(socket.local_addr().unwrap().ip()).filter(|ip| !ip.is_loopback())
@@ -527,16 +531,21 @@ fn in_the_network_nobody_gets_in_without_a_token_and_a_token_lets_one_browser_in
         .map(Result::unwrap)
         .take_while(|line| !line.starts_with("warning"))
         .collect();
-    let (code, phone) = (&said[..said.len() - 1], said.last().unwrap());
-    let phone = phone.strip_prefix("phone: http://").unwrap();
+    let [code @ .., phone, certificate] = &*said else {
+        panic!("{said:?}");
+    };
+    let phone = phone.strip_prefix("phone: https://").unwrap();
     assert!(phone.starts_with(&format!("{network}:")), "{phone}");
     assert_eq!(
         code_read(code),
-        format!("http://{phone}"),
+        format!("https://{phone}"),
         "the QR code says the address"
     );
+    assert!(certificate.starts_with("certificate (SHA-256): ") && certificate.len() == 23 + 95);
     let (host, join) = phone.split_once('/').unwrap();
-    let mut client = Client::new(host);
+    // Unencrypted from this machine alone.
+    assert_eq!(Client::new(host).get(&format!("/{join}")).status, 400);
+    let mut client = running.client();
     for path in [
         "/",
         "/page.js",
@@ -553,6 +562,7 @@ fn in_the_network_nobody_gets_in_without_a_token_and_a_token_lets_one_browser_in
         post("/redo/0"),
         post("/finish"),
         upload("image/jpeg", &photo(0)),
+        upload("image/jpeg", &photo(0)).to("/film/1/whole"),
     ] {
         assert_eq!(client.send(&request).status, 401, "{}", request.head);
     }

@@ -22,6 +22,7 @@ mod camera;
 mod capture;
 mod capture_camera;
 mod capture_decided;
+mod capture_film;
 mod capture_page;
 mod cases_detectors;
 mod cases_files;

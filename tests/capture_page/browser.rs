@@ -26,8 +26,13 @@ pub struct Browser {
 
 impl Browser {
     pub fn start() -> Browser {
+        Browser::start_with(&[])
+    }
+
+    /// With more options of the command line.
+    pub fn start_with(options: &[String]) -> Browser {
         let profile = tempfile::tempdir().unwrap();
-        let child = spawn(profile.path());
+        let child = spawn(profile.path(), options);
         let port = debugging_port(profile.path());
         let host = format!("127.0.0.1:{port}");
         let tabs = Client::new(&host).get("/json/list").json();
@@ -139,9 +144,10 @@ impl Drop for Browser {
     }
 }
 
-fn spawn(profile: &Path) -> Child {
+fn spawn(profile: &Path, options: &[String]) -> Child {
     with_chromium(profile, |command| {
         command
+            .args(options)
             .args(["--remote-debugging-port=0", "about:blank"])
             .stdout(Stdio::null())
             .stderr(Stdio::null())

@@ -31,6 +31,14 @@ pub fn upload(kind: &str, body: &[u8]) -> Request {
     }
 }
 
+impl Request {
+    /// An upload sent to another path.
+    pub fn to(self, path: &str) -> Request {
+        let head = self.head.replace("POST /upload", &format!("POST {path}"));
+        Request { head, ..self }
+    }
+}
+
 #[derive(Debug)]
 pub struct Answer {
     pub status: u16,

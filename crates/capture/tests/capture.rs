@@ -10,6 +10,8 @@ mod connections;
 mod device;
 #[path = "capture/dial.rs"]
 mod dial;
+#[path = "capture/encrypted.rs"]
+mod encrypted;
 #[path = "capture/guidance.rs"]
 mod guidance;
 #[path = "capture/motion.rs"]

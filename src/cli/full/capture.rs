@@ -219,7 +219,11 @@ fn guide(
     files::inputs::own(&args.output.join("session.json"));
     let question = decided.question(args.output.clone(), &args.variant, &args.place)?;
     let store = Store::open(&args.output, &args.scene, &args.camera, &args.variant)?;
+    let camera_px = [camera.width, camera.height];
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
+    if browser.page && !is_stream {
+        capture = capture.with_film(Judge::new(&scene, TagDetectorChoice::default(), true)?);
+    }
     take_back(args, &scene, &mut capture, out)?;
     begin(args, &capture, out)?;
     let is_decided = match (page, source) {
@@ -230,6 +234,7 @@ fn guide(
                 source: args.source.as_ref().map_or("none", SourceName::kind),
                 is_stream,
                 is_paired: wanted.pair_with.is_some(),
+                camera_px,
             };
             page::introduce(&page, args.json, out)?;
             let terminal = TerminalLog::new(args.json, is_stream, out);
@@ -350,7 +355,7 @@ fn follow(
             capture.set_camera_settings(settings.clone());
         }
         let answer = capture.see(&frame)?;
-        terminal.seen(&frame.name, &answer, capture.guidance())?;
+        terminal.seen(&frame.name, &answer, capture.guidance(), false)?;
         if answer.verdict.is_ok() {
             is_decided = asked(question, capture, &mut terminal)?;
         }

@@ -78,6 +78,8 @@ pub struct Judge {
     /// Tags of the frame that was judged last, and of the one before it.
     last: Vec<SeenTag>,
     before: Vec<SeenTag>,
+    /// Of the frame that was judged last, px: of a film, small frames come before one that is kept.
+    last_width: u32,
     /// Where the camera stood in the frame before, and how many frames have followed it.
     pose: Option<Rigid>,
     tracked: u32,
@@ -103,6 +105,7 @@ impl Judge {
             is_stream,
             last: Vec::new(),
             before: Vec::new(),
+            last_width: 0,
             pose: None,
             tracked: 0,
             unanswered: 0,
@@ -120,6 +123,15 @@ impl Judge {
     /// camera gets the way first, as walking blurs.
     pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> FrameJudgement {
         self.before = std::mem::take(&mut self.last);
+        let scale = f64::from(luma.width()) / f64::from(self.last_width.max(1));
+        self.last_width = luma.width();
+        for corner in self
+            .before
+            .iter_mut()
+            .flat_map(|tag| tag.corners_px.iter_mut().flatten())
+        {
+            *corner = (*corner + 0.5) * scale - 0.5;
+        }
         let scene = &self.scene;
         let live = self.live.as_mut();
         let at_once = live.map(|live| {

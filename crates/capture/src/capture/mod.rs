@@ -23,7 +23,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use scaleproof_core::files;
-use scaleproof_core::geometry::rigid;
+use scaleproof_core::geometry::{Rigid, rigid};
 use scaleproof_photo::photo::{Budget, Photo};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Located;
@@ -46,6 +46,8 @@ pub struct FrameAnswer {
     /// Width and height of the upright frame; zeros when it could not be read.
     pub size_px: [u32; 2],
     pub viewpoint: Option<Viewpoint>,
+    /// `T_camera_model`.
+    pub pose: Option<Rigid>,
     pub measures: Measures,
     /// The name of the accepted photo and its target's index, or what to do.
     pub verdict: Result<(String, usize), Advice>,
@@ -100,16 +102,29 @@ impl FrameAnswer {
 }
 
 /// What is said of a damaged image of a running camera.
-const DAMAGED: &str = "the camera sent a damaged image: check its cable";
+const DAMAGED: &str = "the camera sent a damaged image: check its connection";
 
 /// In a stream, so many frames in a row must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
 /// second.
 const HELD_FRAMES: u32 = 4;
 
+/// How a frame comes to be taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Taking {
+    /// When all gates hold.
+    ByItself,
+    /// Whatever its light, focus and steadiness.
+    ByHand,
+    /// Not at all: it is a small picture of what a device films.
+    Never,
+}
+
 /// A capture of one variant at one place.
 pub struct Capture {
     guidance: Guidance,
     judge: Judge,
+    /// Judges what a browser films, beside the photos of the source.
+    film: Option<Judge>,
     store: Store,
     camera: Camera,
     variant: String,
@@ -127,6 +142,7 @@ impl Capture {
         let mut capture = Capture {
             guidance,
             judge,
+            film: None,
             store,
             camera,
             variant: variant.to_owned(),
@@ -137,6 +153,17 @@ impl Capture {
         };
         capture.fill_from_store();
         capture
+    }
+
+    /// With a judge of streams for what a browser films.
+    pub fn with_film(self, judge: Judge) -> Capture {
+        let film = Some(judge);
+        Capture { film, ..self }
+    }
+
+    /// The camera file's.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
     }
 
     pub fn guidance(&self) -> &Guidance {
@@ -175,7 +202,7 @@ impl Capture {
     /// # Errors
     /// The photo cannot be written. Frames are never errors.
     pub fn see(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
-        self.look(frame, false)
+        self.look(frame, Taking::ByItself)
     }
 
     /// Takes a frame by hand: it need only be located and on a target, whatever its light, focus and steadiness; its sidecar says so. Of a
@@ -184,10 +211,27 @@ impl Capture {
     /// # Errors
     /// As [`Capture::see`].
     pub fn shoot(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
-        self.look(frame, true)
+        self.look(frame, Taking::ByHand)
     }
 
-    pub(crate) fn look(&mut self, frame: &SourceFrame, is_by_hand: bool) -> Result<FrameAnswer, StoreError> {
+    /// Judges a frame that a browser films as those of a stream are. One of the small ones is never taken. Whether the next should come
+    /// whole, since it would be taken if all gates still hold.
+    pub(crate) fn filmed(&mut self, frame: &SourceFrame, taking: Taking) -> Result<(FrameAnswer, bool), StoreError> {
+        // The judge of films stands in for that of photos.
+        let swap = |capture: &mut Capture| {
+            if let Some(film) = &mut capture.film {
+                std::mem::swap(&mut capture.judge, film);
+            }
+        };
+        swap(self);
+        let answer = self.look(frame, taking);
+        swap(self);
+        let wants_whole = self.held.is_some_and(|(_, frames)| frames + 1 >= HELD_FRAMES);
+        Ok((answer?, wants_whole))
+    }
+
+    pub(crate) fn look(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
+        let is_by_hand = taking == Taking::ByHand;
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => {
@@ -195,6 +239,7 @@ impl Capture {
                 return Ok(FrameAnswer {
                     size_px: [0, 0],
                     viewpoint: None,
+                    pose: None,
                     measures: Measures::default(),
                     verdict: Err(advice),
                     cautions: Vec::new(),
@@ -203,7 +248,7 @@ impl Capture {
             }
         };
         let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
-        let held = self.hold(&judgement.verdict);
+        let held = self.hold(&judgement.verdict, taking);
         if is_by_hand || held.is_ok() {
             let (camera, guidance) = (&self.camera, &self.guidance);
             judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
@@ -220,10 +265,16 @@ impl Capture {
         };
         Ok(FrameAnswer {
             size_px: luma.dimensions().into(),
-            viewpoint: judgement.located.map(|located| located.viewpoint),
+            viewpoint: judgement.located.as_ref().map(|located| located.viewpoint),
+            pose: judgement.located.map(|located| located.pose),
             measures: judgement.measures,
             verdict,
-            cautions: judgement.cautions,
+            // That a small picture is small is no news.
+            cautions: if taking == Taking::Never {
+                Vec::new()
+            } else {
+                judgement.cautions
+            },
             tags: judgement.seen,
         })
     }
@@ -252,7 +303,7 @@ impl Capture {
     }
 
     /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.
-    fn hold(&mut self, verdict: &Result<usize, Advice>) -> Result<(), Advice> {
+    fn hold(&mut self, verdict: &Result<usize, Advice>, taking: Taking) -> Result<(), Advice> {
         let before = self.held.take();
         let target = *verdict.as_ref().map_err(Advice::clone)?;
         if !self.judge.is_stream() {
@@ -262,7 +313,7 @@ impl Capture {
             return Err(Advice::Ready);
         }
         let frames = 1 + before.filter(|(of, _)| *of == target).map_or(0, |(_, frames)| frames);
-        if frames >= HELD_FRAMES {
+        if frames >= HELD_FRAMES && taking != Taking::Never {
             return Ok(());
         }
         self.held = Some((target, frames));

@@ -10,6 +10,24 @@ use rand::rngs::{SysError, SysRng};
 
 use scaleproof_core::files;
 
+/// How a request came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scheme {
+    Http,
+    /// Over TLS.
+    Https,
+}
+
+impl Scheme {
+    /// What an address begins with.
+    fn prefix(self) -> &'static str {
+        match self {
+            Scheme::Http => "http://",
+            Scheme::Https => "https://",
+        }
+    }
+}
+
 /// What the page's server asks of a request before anything else.
 #[derive(Debug)]
 pub struct Access {
@@ -51,8 +69,14 @@ impl Access {
         Ok((access, tokens))
     }
 
-    /// Refuses names that are no address (a hostile site's name may be made to mean this machine), and what another site's page asks.
-    pub fn check_site(&self, method: &Method, headers: &HeaderMap) -> Result<(), (StatusCode, &'static str)> {
+    /// Refuses names that are no address (a hostile site's name may be made to mean this machine), and what another site's page asks; by
+    /// http a page of https is another site, and the reverse.
+    pub fn check_site(
+        &self,
+        method: &Method,
+        headers: &HeaderMap,
+        scheme: Scheme,
+    ) -> Result<(), (StatusCode, &'static str)> {
         let text = |name: &str| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
         let host = text(HOST.as_str()).unwrap_or_default();
         if !self.is_own(host) {
@@ -60,7 +84,7 @@ impl Access {
             return Err((StatusCode::MISDIRECTED_REQUEST, sentence));
         }
         let is_other_site = text("sec-fetch-site").is_some_and(|site| !matches!(site, "same-origin" | "none"));
-        let is_own_origin = text(ORIGIN.as_str()).map(|origin| origin == format!("http://{host}"));
+        let is_own_origin = text(ORIGIN.as_str()).map(|origin| origin == format!("{}{host}", scheme.prefix()));
         // Browsers name the origin of whatever changes something.
         let is_foreign = is_own_origin == Some(false) || (is_own_origin.is_none() && method != Method::GET);
         if is_other_site || is_foreign {
@@ -100,15 +124,16 @@ impl Access {
             .find(|hash| keys.sessions.contains(hash))
     }
 
-    /// Exchanges a token for a cookie, the whole `Set-Cookie` value. A token is good once.
-    pub fn join(&self, token: &str) -> Option<String> {
+    /// Exchanges a token for a cookie, the whole `Set-Cookie` value. A token is good once; what came encrypted is never sent otherwise.
+    pub fn join(&self, token: &str, scheme: Scheme) -> Option<String> {
         let mut keys = self.keys.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner);
         let token = hash(token);
         let at = keys.tokens.iter().position(|known| *known == token)?;
         let (name, cookie) = (&self.cookie_name, secret().ok()?);
         keys.tokens.remove(at);
         keys.sessions.push(hash(&cookie));
-        Some(format!("{name}={cookie}; Path=/; HttpOnly; SameSite=Strict"))
+        let secure = if scheme == Scheme::Https { "; Secure" } else { "" };
+        Some(format!("{name}={cookie}; Path=/; HttpOnly; SameSite=Strict{secure}"))
     }
 }
 

@@ -7,10 +7,12 @@
 pub mod access;
 pub mod connections;
 pub mod dial;
+mod ground;
 mod previews;
 mod routes;
 mod server;
 mod state;
+mod tls;
 mod upload;
 mod worker;
 
@@ -71,17 +73,19 @@ pub struct Page {
 /// How a phone in the local network gets to the page.
 pub struct Lan {
     pub address: String,
+    /// SHA-256 of the certificate, as browsers show it.
+    pub fingerprint: String,
     /// The address as a QR code, drawn with characters that are half as wide as high.
     pub code: String,
 }
 
 impl Page {
-    /// Serves on 127.0.0.1, or with `lan` on all networks of this machine to whoever brings a one-time token: one for a browser on this
-    /// machine, one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown. The first Ctrl-C finishes
+    /// Serves on 127.0.0.1, or with `lan` on all networks of this machine, encrypted, to whoever brings a one-time token: one for a browser on
+    /// this machine, which needs no encryption, one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown. The first Ctrl-C finishes
     /// the capture; `hurry` is what a second one does.
     ///
     /// # Errors
-    /// A port that is in use; no network.
+    /// A port that is in use; no network; no certificate.
     pub fn open(
         port: u16,
         lan: bool,
@@ -102,16 +106,27 @@ impl Page {
         })?;
         let port = listener.local_addr().map_err(not_served)?.port();
         let here = format!("http://{}:{port}/", Ipv4Addr::LOCALHOST);
-        let (access, address, lan) = match network {
-            None => (Access::local(), here, None),
+        let (access, address, lan, tls) = match network {
+            None => (Access::local(), here, None, None),
             Some(ip) => {
                 let tokens = Access::by_token(port).map_err(|e| unserved(e.to_string()))?;
                 let (access, [for_here, for_phone]) = tokens;
-                let address = format!("http://{ip}:{port}/join/{for_phone}");
+                let address = format!("https://{ip}:{port}/join/{for_phone}");
                 let code = QrCode::new(&address).map_err(|e| unserved(e.to_string()))?;
                 // With its quiet zone, two rows of modules to a line, for dark characters on a light ground.
                 let code = code.render::<Dense1x2>().build();
-                (access, format!("{here}join/{for_here}"), Some(Lan { address, code }))
+                let identity = tls::identity(ip).map_err(unserved)?;
+                let lan = Lan {
+                    address,
+                    fingerprint: identity.fingerprint,
+                    code,
+                };
+                (
+                    access,
+                    format!("{here}join/{for_here}"),
+                    Some(lan),
+                    Some(identity.acceptor),
+                )
             }
         };
         let (own, events) = channel();
@@ -128,7 +143,8 @@ impl Page {
             uploads: Arc::new(Semaphore::new(MAX_UPLOADS)),
             previews: Arc::new(Semaphore::new(1)),
         };
-        let server = Server::start(listener, site.router(), own.clone(), Box::new(hurry)).map_err(not_served)?;
+        let site = (site.router(), tls);
+        let server = Server::start(listener, site, own.clone(), Box::new(hurry)).map_err(not_served)?;
         Ok(Page {
             server,
             own,

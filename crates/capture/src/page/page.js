@@ -72,6 +72,10 @@ function draw_dial(state, next) {
     (from ? ` The camera is at ${Math.round(from.azimuth_deg)}°.` : "");
 }
 
+// The newest frame of the state, and the number of the last one that was shown.
+let newest = null;
+let last_frame = 0;
+
 // --- the preview: the newest frame that has arrived; what has become old meanwhile is never asked for ---------------
 
 let loading = false;
@@ -101,18 +105,20 @@ function load_wanted() {
 // Words in place of an image.
 function note(sentence) {
   const svg = $("preview").querySelector("svg");
+  svg.setAttribute("viewBox", "0 0 4 3");
   svg.setAttribute("aria-label", sentence);
-  svg.querySelector("text").textContent = sentence;
+  svg.replaceChildren(make("text", { x: 2, y: 1.5 }, sentence));
 }
 
-function draw_frame(frame, href, width, height) {
-  has_image = true;
+// Without an image (`href`) over what this device films.
+function draw_frame(frame, href, width, height, ground = []) {
+  has_image = Boolean(href);
   const svg = $("preview").querySelector("svg");
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  svg.setAttribute("aria-label", `The newest photo, with ${frame.tags.length} tags outlined`);
+  svg.setAttribute("aria-label", `The newest picture, with ${frame.tags.length} tags outlined`);
   const outline = (kind) => (tag) => make("polygon", { points: tag.corners_px.join(" "), class: kind(tag) });
   svg.replaceChildren(
-    make("image", { href, width, height }),
+    ...(href ? [make("image", { href, width, height })] : ground),
     ...frame.tags.map(outline(() => "under")),
     ...frame.tags.map(outline((tag) => (tag.is_whole ? "whole" : "covered"))),
   );
@@ -121,6 +127,155 @@ function draw_frame(frame, href, width, height) {
     `${(from.distance_mm / 10).toFixed(0)} cm away` : "";
   $("caption").textContent = `${frame.name} · ${frame.tags.length} tags${where}`;
 }
+
+// --- filming: pictures of this device's camera, one on its way at a time -----------------------------------------------
+
+// Longest side of the small pictures that are sent until one is wanted whole.
+const SMALL_PX = 1280;
+const LEAST_MS = 100;
+
+let film = null;
+let outdated = null;
+let camera_px = [1280, 960];
+
+const NO_CAMERA = {
+  NotAllowedError: "The browser may not use the camera: allow it for this page",
+  NotFoundError: "This device has no camera",
+  NotReadableError: "Another program is using the camera: close it",
+};
+
+$("film").onclick = () => (film ? end_film("") : begin_film());
+
+async function begin_film() {
+  const is_secure = window.isSecureContext && navigator.mediaDevices;
+  if (!is_secure) { refuse("Browsers film only on a page with https://, or on the machine of the capture"); return; }
+  const [width, height] = camera_px;
+  // Only sizes that the camera has: a browser would cut others out of them.
+  const video = { facingMode: "environment", width: { ideal: width }, height: { ideal: height }, resizeMode: { exact: "none" } };
+  try {
+    const stream = await navigator.mediaDevices.getUserMedia({ video });
+    film = { stream, device: crypto.getRandomValues(new Uint32Array(1))[0], is_by_hand: false };
+    stream.getVideoTracks()[0].onended = () => end_film("The camera has ended");
+    $("video").srcObject = stream;
+    await $("video").play();
+  } catch (e) {
+    end_film("");
+    refuse(NO_CAMERA[e.name] || `The camera cannot be used (${e.name})`);
+    return;
+  }
+  show_film();
+  send_film(film);
+}
+
+function refuse(sentence) {
+  say(`${sentence}. Photos can be sent all the same`, "todo");
+  speak(sentence);
+}
+
+function end_film(sentence) {
+  if (film) for (const track of film.stream.getTracks()) track.stop();
+  film = null;
+  $("video").srcObject = null;
+  show_film();
+  if (sentence) refuse(sentence);
+}
+
+function show_film() {
+  const is_on = Boolean(film);
+  document.querySelector("main").classList.toggle("filming", is_on);
+  $("video").hidden = $("keep").hidden = !is_on;
+  $("film").textContent = is_on ? "End filming" : "Film with this device's camera";
+  $("shoot").disabled = !is_on;
+  has_image = false;
+  $("caption").textContent = "";
+  if (!is_on && newest) show_frame(newest);
+  else note(is_on ? "" : "no photo yet");
+}
+
+// A picture that the camera has made since the last one: of a film that stands still, nothing is sent.
+function new_picture(video) {
+  return new Promise((seen) => {
+    if (video.requestVideoFrameCallback) { video.requestVideoFrameCallback(seen); return; }
+    const before = video.currentTime;
+    const look = () => (video.currentTime === before ? requestAnimationFrame(look) : seen());
+    look();
+  });
+}
+
+function picture(is_whole) {
+  const video = $("video");
+  const [width, height] = [video.videoWidth, video.videoHeight];
+  const scale = is_whole ? 1 : Math.min(1, SMALL_PX / Math.max(width, height));
+  const canvas = make("canvas", { width: Math.round(width * scale), height: Math.round(height * scale) });
+  canvas.getContext("2d").drawImage(video, 0, 0, canvas.width, canvas.height);
+  return new Promise((made) => canvas.toBlob(made, "image/jpeg", is_whole ? 0.95 : 0.7));
+}
+
+// Why what this device films cannot be located, or nothing.
+function misfit() {
+  const own = [$("video").videoWidth, $("video").videoHeight];
+  if (own.join() === camera_px.join()) return "";
+  if (own.join() === [...camera_px].reverse().join()) return "Turn the device on its side, as it was when its camera file was made";
+  return `This film is ${own.join("×")} and the camera file for ${camera_px.join("×")}: save pictures of a board, and calibrate with them`;
+}
+
+async function send_film(own) {
+  let is_whole = false;
+  while (film === own) {
+    const wait = new Promise((after) => setTimeout(after, LEAST_MS));
+    await new_picture($("video"));
+    if (film !== own) return;
+    const fault = misfit();
+    if (fault) {
+      is_whole = false;
+      note("");
+      say(fault, "todo");
+      await wait;
+      continue;
+    }
+    const is_by_hand = own.is_by_hand;
+    own.is_by_hand = false;
+    const body = await picture(is_whole || is_by_hand);
+    const kind = is_whole || is_by_hand ? "whole" : "preview";
+    try {
+      const headers = { "Content-Type": "image/jpeg" };
+      const response = await fetch(`/film/${own.device}/${kind}`, { method: "POST", body, headers });
+      const told = await response.json();
+      if (!response.ok) { if (film === own) end_film(told.sentence); return; }
+      is_whole = told.wants_whole;
+      if (is_by_hand && !told.photo) await post("/shoot");
+    } catch (e) {
+      is_whole = false;
+      say("The film could not be sent: is the capture still running?", "todo");
+      await new Promise((after) => setTimeout(after, 1000));
+    }
+    await wait;
+  }
+}
+
+// Over what this device films: the views on the ground about the model, and the tags.
+function draw_film(state, next) {
+  const [width, height] = state.frame.size_px;
+  if (!width) return;
+  const ground = state.frame.film.ground_px.map((points, index) => make("polygon", {
+    points: points.join(" "), class: `ground ${state.sectors[index].state}${next && next.sector === index ? " next" : ""}`,
+  }));
+  // The border of the next lies above its neighbours'.
+  ground.sort((a, b) => a.classList.contains("next") - b.classList.contains("next"));
+  draw_frame(state.frame, null, width, height, ground);
+  // What is drawn belongs to a picture that is soon past.
+  clearTimeout(outdated);
+  outdated = setTimeout(() => { if (film) note(""); }, 1500);
+}
+
+let kept = 0;
+
+$("keep").onclick = async () => {
+  const href = URL.createObjectURL(await picture(true));
+  kept += 1;
+  make("a", { href, download: `film_${String(kept).padStart(3, "0")}.jpg` }).click();
+  setTimeout(() => URL.revokeObjectURL(href), 60000);
+};
 
 // --- meters and the list of views -----------------------------------------------------------------------------------
 
@@ -227,7 +382,6 @@ function shutter() {
 
 // --- news and buttons -----------------------------------------------------------------------------------------------
 
-let last_frame = 0;
 
 function show(state) {
   const { about, frame } = state;
@@ -236,12 +390,15 @@ function show(state) {
   document.title = `${state.filled} of ${state.views.length} · ${about.variant} · scaleproof capture`;
   $("count").textContent = `${state.filled} of ${state.views.length} views`;
   $("source").textContent = state.source_ended && !state.ended ? `· the ${about.source} has ended` : "";
-  $("file").hidden = $("send").hidden = about.is_stream || Boolean(state.ended);
+  camera_px = about.camera_px;
+  $("file").hidden = $("send").hidden = $("film").hidden = about.is_stream || Boolean(state.ended);
   $("undo").disabled = $("finish").disabled = Boolean(state.ended);
   // By hand, whatever its light, focus and steadiness.
   const is_decided = Boolean(state.pairs && state.pairs.is_decided);
   $("file").disabled = is_decided;
-  $("shoot").disabled = Boolean(state.ended) || is_decided || !frame || !frame.viewpoint || Boolean(frame.photo);
+  if (film && (state.ended || is_decided)) end_film("");
+  const can_shoot = film || (frame && !frame.film && frame.viewpoint && !frame.photo);
+  $("shoot").disabled = Boolean(state.ended) || is_decided || !can_shoot;
   $("pairs").hidden = !state.pairs;
   if (state.pairs) {
     const to_tell = next ? `; tells most next: ${next.name}` : "";
@@ -249,9 +406,11 @@ function show(state) {
       : `${state.pairs.sentence}${to_tell}`;
   }
   draw_dial(state, next);
+  newest = frame;
   const is_new = frame && frame.number !== last_frame;
   // The newest photo is asked for before the small ones of the list.
-  if (is_new) show_frame(frame);
+  if (is_new && !film) show_frame(frame);
+  if (is_new && film && frame.film && frame.film.device === film.device) draw_film(state, next);
   draw_views(state, next);
   if (is_new) {
     last_frame = frame.number;
@@ -297,7 +456,8 @@ async function post(path, body = null) {
   }
 }
 
-$("shoot").onclick = () => post("/shoot");
+// Of a film the next picture, whole.
+$("shoot").onclick = () => { if (film) film.is_by_hand = true; else post("/shoot"); };
 $("undo").onclick = () => post("/undo");
 $("finish").onclick = () => post("/finish");
 $("file").onchange = async () => {

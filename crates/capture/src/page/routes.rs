@@ -15,9 +15,9 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 
-use super::access::Access;
+use super::access::{Access, Scheme};
 use super::connections::Connection;
-use super::worker::{Action, ActionReply, Published, WorkerEvent};
+use super::worker::{Action, ActionReply, FilmKind, Published, WorkerEvent};
 use super::{previews, upload};
 
 const PAGE: &str = include_str!("page.html");
@@ -72,7 +72,8 @@ impl PageContext {
             .route("/state/{seen}", get(state))
             .route("/preview/{number}", get(preview))
             .route("/photo/{name}", get(photo))
-            .route("/upload", post(receive))
+            .route("/upload", post(|site, request| receive(site, request, Action::Upload)))
+            .route("/film/{device}/{kind}", post(film))
             .route("/shoot", post(|site| ask(site, Action::Shoot)))
             .route("/undo", post(|site| ask(site, Action::Undo)))
             .route(
@@ -89,7 +90,10 @@ impl PageContext {
 
 /// The first check of every request, and the headers of every answer.
 async fn from_here(State(site): State<PageContext>, request: Request, next: Next) -> Response {
-    let mut response = match site.access.check_site(request.method(), request.headers()) {
+    let mut response = match site
+        .access
+        .check_site(request.method(), request.headers(), scheme(&request))
+    {
         Ok(()) => next.run(request).await,
         Err((status, sentence)) => stranger(status, sentence),
     };
@@ -98,6 +102,10 @@ async fn from_here(State(site): State<PageContext>, request: Request, next: Next
         header.or_insert(HeaderValue::from_static(value));
     }
     response
+}
+
+fn scheme(request: &Request) -> Scheme {
+    request.extensions().get().copied().unwrap_or(Scheme::Http)
 }
 
 async fn known(State(site): State<PageContext>, request: Request, next: Next) -> Response {
@@ -113,7 +121,7 @@ async fn known(State(site): State<PageContext>, request: Request, next: Next) ->
 
 async fn join(State(site): State<PageContext>, Path(token): Path<String>, request: Request) -> Response {
     let to_page = [(LOCATION, "/")];
-    match site.access.join(&token) {
+    match site.access.join(&token, scheme(&request)) {
         Some(cookie) => (StatusCode::SEE_OTHER, to_page, [(SET_COOKIE, cookie)]).into_response(),
         // The same browser once more: it has its cookie.
         None if site.access.browser(request.headers()).is_some() => (StatusCode::SEE_OTHER, to_page).into_response(),
@@ -175,7 +183,23 @@ async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>>
     }
 }
 
-async fn receive(site: State<PageContext>, request: Request) -> Response {
+/// A picture of what a device films; the page made up its number.
+async fn film(site: State<PageContext>, Path((device, kind)): Path<(u32, FilmKind)>, request: Request) -> Response {
+    let filmed = |bytes, place| Action::Filmed {
+        device,
+        kind,
+        bytes,
+        place,
+    };
+    receive(site, request, filmed).await
+}
+
+/// Reads a picture within the bounds of an upload, and hands it to the worker as the action that `of` makes of it.
+async fn receive(
+    site: State<PageContext>,
+    request: Request,
+    of: impl FnOnce(Vec<u8>, OwnedSemaphorePermit) -> Action,
+) -> Response {
     let (parts, body) = request.into_parts();
     if let Err((status, sentence)) = upload::check_length(&parts.headers) {
         return response(ActionReply::new(status, sentence));
@@ -186,7 +210,7 @@ async fn receive(site: State<PageContext>, request: Request) -> Response {
     // Read in any case: a browser shows no answer that comes while it is still sending.
     let read = upload::read(body).await;
     match upload::check_kind(&parts.headers).and(read) {
-        Ok(bytes) => ask(site, Action::Upload(bytes, place)).await,
+        Ok(bytes) => ask(site, of(bytes, place)).await,
         Err((status, sentence)) => response(ActionReply::new(status, sentence)),
     }
 }
@@ -217,6 +241,12 @@ fn has_ended() -> Response {
         StatusCode::SERVICE_UNAVAILABLE,
         "The capture has ended",
     ))
+}
+
+/// What a connection of the network that is not encrypted gets, whatever it asks: the code in its address, if it has one, was seen by others.
+pub(super) fn unencrypted() -> Router {
+    let sentence = "this page is encrypted: open the address that the terminal shows, which begins with https://";
+    Router::new().fallback(move || async move { stranger(StatusCode::BAD_REQUEST, sentence) })
 }
 
 /// The answer to an unknown client; the connection closes after it.

@@ -1,8 +1,8 @@
 //! The HTTP server: one thread, a bounded number of connections, and none that stays open without saying or hearing anything.
 
 use std::io;
-use std::net::{Ipv4Addr, TcpListener};
-use std::pin::pin;
+use std::net::{IpAddr, Ipv4Addr, TcpListener};
+use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
@@ -12,17 +12,22 @@ use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpSocket, TcpStream};
 use tokio::sync::{Semaphore, watch};
 use tokio_io_timeout::TimeoutStream;
+use tokio_rustls::TlsAcceptor;
+use tokio_rustls::server::TlsStream;
 
+use super::access::Scheme;
 use super::connections::{Connection, Connections};
 use super::worker::WorkerEvent;
+use super::{routes, tls};
 
 /// With those that are about to leave; a process may have some 1000 files open. Further connections wait.
 const MAX_CONNECTIONS: usize = 512;
 
-/// A connection that sends no whole request head for so long is closed.
+/// A connection that sends no whole request head for so long is closed, and before that one that has not agreed on TLS.
 const HEAD: Duration = Duration::from_secs(10);
 
 /// A connection that takes no byte of an answer for this long is closed, too.
@@ -64,13 +69,13 @@ pub(super) struct Server {
 }
 
 impl Server {
-    /// Serves `router` until it is ended; Ctrl-C asks the worker to finish, and a second one does `hurry`.
+    /// Serves `site` until it is ended, with a certificate to other machines only by TLS; Ctrl-C asks the worker to finish, and a second one does `hurry`.
     ///
     /// # Errors
     /// The system gives no thread or sockets.
     pub(super) fn start(
         listener: TcpListener,
-        router: Router,
+        site: Site,
         events: Sender<WorkerEvent>,
         hurry: Box<dyn FnOnce() + Send>,
     ) -> io::Result<Server> {
@@ -83,7 +88,7 @@ impl Server {
                     return;
                 };
                 tokio::spawn(interrupted(events, hurry));
-                accept(listener, router, ended).await;
+                accept(listener, site, ended).await;
             });
         };
         let thread = std::thread::Builder::new().name("page".into()).spawn(work)?;
@@ -108,7 +113,10 @@ async fn interrupted(events: Sender<WorkerEvent>, hurry: Box<dyn FnOnce() + Send
     }
 }
 
-async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: watch::Receiver<bool>) {
+/// What is served, and with whose certificate.
+type Site = (Router, Option<TlsAcceptor>);
+
+async fn accept(listener: tokio::net::TcpListener, site: Site, mut ended: watch::Receiver<bool>) {
     let sockets = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let connections = Arc::new(Connections::default());
     loop {
@@ -123,7 +131,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: wa
         match stream {
             Ok((stream, from)) => {
                 let place = Arc::new(connections.enter(from.ip()));
-                let work = connection(stream, router.clone(), place, ended.clone());
+                let work = connection((stream, from.ip()), site.clone(), place, ended.clone());
                 tokio::spawn(async move {
                     work.await;
                     drop(socket);
@@ -137,16 +145,71 @@ async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: wa
     let _ = tokio::time::timeout(FAREWELL, all_left).await; // who has not left by now is left behind
 }
 
-async fn connection(stream: TcpStream, router: Router, place: Arc<Connection>, mut ended: watch::Receiver<bool>) {
+/// A connection from an address.
+async fn connection(
+    (stream, from): (TcpStream, IpAddr),
+    (router, acceptor): Site,
+    place: Arc<Connection>,
+    mut ended: watch::Receiver<bool>,
+) {
     let _ = stream.set_nodelay(true); // only slower without
+    let Some(acceptor) = acceptor else {
+        return serve(bounded(stream), router, Scheme::Http, place, ended).await;
+    };
+    let begin = async {
+        let is_tls = tls::is_begun(&stream).await;
+        let stream = bounded(stream);
+        if is_tls {
+            acceptor
+                .accept(stream)
+                .await
+                .ok()
+                .map(|stream| Begun::Encrypted(Box::new(stream)))
+        } else {
+            Some(Begun::Plain(stream))
+        }
+    };
+    let begun = tokio::select! {
+        begun = tokio::time::timeout(HEAD, begin) => begun,
+        () = place.asked_to_leave() => return,
+        _ = ended.wait_for(|ended| *ended) => return,
+    };
+    match begun {
+        Ok(Some(Begun::Encrypted(stream))) => serve(*stream, router, Scheme::Https, place, ended).await,
+        // What stays on this machine nobody else hears, and its browser trusts it.
+        Ok(Some(Begun::Plain(stream))) if from.is_loopback() => serve(stream, router, Scheme::Http, place, ended).await,
+        Ok(Some(Begun::Plain(stream))) => serve(stream, routes::unencrypted(), Scheme::Http, place, ended).await,
+        Ok(None) | Err(_) => {}
+    }
+}
+
+/// A connection whose peer must take what it is sent.
+type Bounded = Pin<Box<TimeoutStream<TcpStream>>>;
+
+enum Begun {
+    Plain(Bounded),
+    Encrypted(Box<TlsStream<Bounded>>),
+}
+
+fn bounded(stream: TcpStream) -> Bounded {
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(TAKES_NOTHING));
+    Box::pin(stream)
+}
+
+async fn serve(
+    stream: impl AsyncRead + AsyncWrite + Unpin,
+    router: Router,
+    scheme: Scheme,
+    place: Arc<Connection>,
+    mut ended: watch::Receiver<bool>,
+) {
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(HEAD);
     builder.max_buf_size(MAX_BUFFERED);
     // Every request carries the connection on which it came.
-    let guest = TowerToHyperService::new(router.layer(Extension(place.clone())));
-    let mut serving = pin!(builder.serve_connection(TokioIo::new(Box::pin(stream)), guest));
+    let guest = TowerToHyperService::new(router.layer(Extension(place.clone())).layer(Extension(scheme)));
+    let mut serving = pin!(builder.serve_connection(TokioIo::new(stream), guest));
     // What goes wrong on a connection is its peer's concern alone.
     tokio::select! {
         _ = serving.as_mut() => return,

@@ -20,6 +20,8 @@ pub struct CaptureInfo {
     pub is_stream: bool,
     /// Targets are the viewpoints of another session.
     pub is_paired: bool,
+    /// Width and height of the images that the camera file is for: what a device films must have them.
+    pub camera_px: [u32; 2],
 }
 
 /// What the pairs of a session that grows say so far.
@@ -90,6 +92,16 @@ pub(super) struct ShownFrame {
     pub code: &'static str,
     pub advice: String,
     pub meters: [Meter; 3],
+    pub film: Option<FilmedView>,
+}
+
+/// What is drawn over the picture that a device films.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct FilmedView {
+    /// The number that its page made up.
+    pub device: u32,
+    /// For each sector its outline on the ground about the model, as `TagOutline::corners_px`; empty without a pose.
+    pub ground_px: Vec<Vec<[f64; 2]>>,
 }
 
 /// A tag's border.
@@ -169,6 +181,7 @@ impl ShownFrame {
             advice: said(answer, guidance),
             photo,
             meters: meters(answer, is_stream),
+            film: None,
         }
     }
 }
@@ -193,13 +206,16 @@ fn said(answer: &FrameAnswer, guidance: &Guidance) -> String {
 }
 
 fn outline(tag: &SeenTag) -> TagOutline {
-    // Our pixel (0, 0) is the centre of the top-left one.
-    let from_corner = |v: f64| ((v + 0.5) * 10.0).round() / 10.0;
     TagOutline {
         id: tag.id,
         is_whole: tag.is_whole,
-        corners_px: tag.corners_px.map(|corner| corner.map(from_corner)),
+        corners_px: tag.corners_px.map(from_corner),
     }
+}
+
+/// A pixel as the page draws it: ours, (0, 0), is the centre of the top-left one.
+pub(super) fn from_corner(px: [f64; 2]) -> [f64; 2] {
+    px.map(|v| ((v + 0.5) * 10.0).round() / 10.0)
 }
 
 /// One meter. Positions are shares of its length, and more is better up to the end of the good zone.

@@ -11,6 +11,7 @@ use tokio::time::{Instant, timeout_at};
 
 use crate::capture::{Original, SourceFrame};
 use scaleproof_photo::photo::{Budget, IPHONE_TO_JPEG, Photo};
+use scaleproof_pose::camera::Camera;
 
 /// Of one photo.
 pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
@@ -80,11 +81,26 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
     }
 }
 
-/// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
-pub(super) fn frame(number: u64, bytes: Vec<u8>) -> SourceFrame {
-    let name = format!("upload {number}");
+/// The frame of this name that bytes are; its pixels are not decoded here. One that claims to be huge is unreadable.
+pub(super) fn frame(name: String, bytes: Vec<u8>) -> SourceFrame {
     let photo = Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD).map(Photo::into_bytes);
     SourceFrame::untimed(name, Original::from_file(photo))
+}
+
+/// A whole picture of a film must have the size of the camera file's image: the video mode of phones crops and steadies, so that a camera file
+/// of photos fits no film even when it has its shape.
+pub(super) fn whole_frame(frame: SourceFrame, camera: &Camera) -> SourceFrame {
+    let (Original::Encoded(bytes), own) = (&frame.original, [camera.width, camera.height]) else {
+        return frame;
+    };
+    let size = match Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::UPLOAD) {
+        Ok(photo) if [photo.width, photo.height] != own => [photo.width, photo.height],
+        _ => return frame,
+    };
+    let [film, file] = [size, own].map(|[width, height]| format!("{width}×{height}"));
+    let sentence =
+        format!("the film is {film} and the camera file for {file}: calibrate with pictures saved from this film");
+    SourceFrame::untimed(frame.name, Original::Unreadable(sentence))
 }
 
 fn too_large() -> Refusal {

@@ -4,17 +4,18 @@ use std::collections::BTreeSet;
 use std::io;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::dial::DialRings;
-use super::state::{self, CaptureInfo, PageState, PairsSoFar, ShownFrame};
-use super::{PageError, upload};
+use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFrame};
+use super::{PageError, ground, upload};
 use crate::capture::{
-    CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError,
+    CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError, Taking,
 };
 use scaleproof_pose::scene::{Bin, Scene};
 
@@ -31,12 +32,32 @@ pub(super) enum WorkerEvent {
 pub(super) enum Action {
     /// A photo's bytes, and the place in memory they take until they are judged.
     Upload(Vec<u8>, OwnedSemaphorePermit),
+    /// A picture of what the device with this number films.
+    Filmed {
+        device: u32,
+        kind: FilmKind,
+        bytes: Vec<u8>,
+        place: OwnedSemaphorePermit,
+    },
     /// Take the newest frame by hand.
     Shoot,
     Undo,
     /// Of the sector with this index.
     Redo(usize),
 }
+
+/// A picture of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FilmKind {
+    /// Small and quickly sent; never taken.
+    Preview,
+    /// Of the size of the film.
+    Whole,
+}
+
+/// After so long without a picture of the device that films, another may.
+const FILMING: Duration = Duration::from_secs(2);
 
 pub(super) type ReplySender = oneshot::Sender<ActionReply>;
 
@@ -49,6 +70,8 @@ pub(super) struct ActionReply {
     /// As in the terminal's JSON; absent for buttons.
     pub code: Option<&'static str>,
     pub photo: Option<String>,
+    /// Of a film, whether the next picture should be a whole one.
+    pub wants_whole: bool,
 }
 
 impl ActionReply {
@@ -59,6 +82,7 @@ impl ActionReply {
             sentence: sentence.into(),
             code: None,
             photo: None,
+            wants_whole: false,
         }
     }
 }
@@ -78,6 +102,8 @@ pub(super) struct Published {
 pub(super) struct NewestFrame {
     pub number: u64,
     pub frame: Arc<SourceFrame>,
+    /// A small picture of a film, which is not taken by hand either.
+    pub is_preview: bool,
 }
 
 /// What the terminal reports.
@@ -86,6 +112,8 @@ pub enum CaptureNotice<'a> {
         frame: &'a str,
         answer: &'a FrameAnswer,
         guidance: &'a Guidance,
+        /// One of many a second.
+        is_filmed: bool,
     },
     TakenBack {
         photo: &'a str,
@@ -111,6 +139,8 @@ pub(super) struct CaptureWorker<'a> {
     newest: Option<Arc<NewestFrame>>,
     frames: u64,
     uploads: u64,
+    /// The device that films, and when it was heard last.
+    filming: Option<(u32, Instant)>,
     source_ended: bool,
     settings: Option<CameraSettings>,
     ask: Option<AskPairs<'a>>,
@@ -140,6 +170,7 @@ impl<'a> CaptureWorker<'a> {
             newest: None,
             frames: 0,
             uploads: 0,
+            filming: None,
             source_ended: false,
             settings: None,
             ask,
@@ -197,7 +228,7 @@ impl<'a> CaptureWorker<'a> {
             }
             if let Some((frame, settings)) = held.take_if(|_| !self.is_decided()) {
                 self.set(settings)?;
-                self.judge(frame.into(), false)?;
+                self.judge(frame.into(), Taking::ByItself, None)?;
                 self.publish(None);
                 // Asked for only now, so that none waits here and grows old.
                 if let Some(more) = &wants_frame {
@@ -212,16 +243,39 @@ impl<'a> CaptureWorker<'a> {
         let refused = |sentence: &str| Ok(ActionReply::new(StatusCode::CONFLICT, sentence));
         match action {
             // A running camera's calibration does not fit a phone's photos.
-            Action::Upload(..) if self.about.is_stream => refused("The running camera takes the photos"),
-            Action::Upload(..) | Action::Shoot if self.is_decided() => {
+            Action::Upload(..) | Action::Filmed { .. } if self.about.is_stream => {
+                refused("The running camera takes the photos")
+            }
+            Action::Upload(..) | Action::Filmed { .. } | Action::Shoot if self.is_decided() => {
                 refused("It is decided, and no photo is needed: press Finish")
             }
             Action::Upload(bytes, _place) => {
                 self.uploads += 1;
-                self.judge(upload::frame(self.uploads, bytes).into(), false)
+                let frame = upload::frame(format!("upload {}", self.uploads), bytes);
+                self.judge(frame.into(), Taking::ByItself, None)
+            }
+            Action::Filmed { device, .. } if self.films_elsewhere(device) => {
+                refused("Another device is filming: end it there first")
+            }
+            Action::Filmed {
+                device,
+                kind,
+                bytes,
+                place: _place,
+            } => {
+                self.filming = Some((device, Instant::now()));
+                let frame = upload::frame(format!("film {}", self.frames + 1), bytes);
+                match kind {
+                    FilmKind::Preview => self.judge(frame.into(), Taking::Never, Some(device)),
+                    FilmKind::Whole => {
+                        let whole = upload::whole_frame(frame, self.capture.camera());
+                        self.judge(whole.into(), Taking::ByItself, Some(device))
+                    }
+                }
             }
             Action::Shoot => match self.newest.clone() {
-                Some(newest) => self.judge(newest.frame.clone(), true),
+                Some(newest) if newest.is_preview => refused("A device is filming: take the photo there"),
+                Some(newest) => self.judge(newest.frame.clone(), Taking::ByHand, None),
                 None => refused("There is no photo yet"),
             },
             Action::Undo => self.taken_back(|capture| Ok(capture.undo()?.into_iter().collect())),
@@ -243,16 +297,42 @@ impl<'a> CaptureWorker<'a> {
         Ok(())
     }
 
-    fn judge(&mut self, frame: Arc<SourceFrame>, is_by_hand: bool) -> Result<ActionReply, PageError> {
-        let answer = self.capture.look(&frame, is_by_hand)?;
+    /// Whether another device than this one films now.
+    fn films_elsewhere(&self, device: u32) -> bool {
+        (self.filming).is_some_and(|(filming, heard)| filming != device && heard.elapsed() < FILMING)
+    }
+
+    /// What is drawn over the picture that a device films.
+    fn filmed_view(&self, device: u32, answer: &FrameAnswer) -> FilmedView {
+        let [width, height] = answer.size_px;
+        let camera = self.capture.camera().for_photo(width, height, 0).ok();
+        let bins = (&*self.bins, self.capture.guidance().azimuth_step_deg(), &self.rings);
+        let seen = answer.pose.as_ref().zip(camera);
+        let ground_px = seen.map(|(pose, fitted)| ground::outlines_px(bins, self.scene, &fitted.camera, pose));
+        FilmedView {
+            device,
+            ground_px: ground_px.unwrap_or_default(),
+        }
+    }
+
+    /// Shows the capture a frame, which the device of this number films, if one does.
+    fn judge(&mut self, frame: Arc<SourceFrame>, taking: Taking, film: Option<u32>) -> Result<ActionReply, PageError> {
+        let (answer, wants_whole) = match film {
+            Some(_) => self.capture.filmed(&frame, taking)?,
+            None => (self.capture.look(&frame, taking)?, false),
+        };
+        let film = film.map(|device| self.filmed_view(device, &answer));
+        let is_filmed = film.is_some();
         let guidance = self.capture.guidance();
         self.frames += 1;
-        let (number, is_stream) = (self.frames, self.about.is_stream);
-        let shown = ShownFrame::new((number, &frame.name), &answer, guidance, &self.rings, is_stream);
+        let (number, is_stream) = (self.frames, self.about.is_stream || is_filmed);
+        let mut shown = ShownFrame::new((number, &frame.name), &answer, guidance, &self.rings, is_stream);
+        shown.film = film;
         let news = CaptureNotice::Seen {
             frame: &frame.name,
             answer: &answer,
             guidance,
+            is_filmed,
         };
         (self.notify)(news).map_err(PageError::Output)?;
         self.redo.retain(|target| guidance.targets()[*target].photo.is_none());
@@ -261,15 +341,22 @@ impl<'a> CaptureWorker<'a> {
         }
         let response = ActionReply {
             status: match shown.photo {
-                Some(_) => StatusCode::OK,
-                None => StatusCode::UNPROCESSABLE_ENTITY,
+                // Most frames of a film are not taken, and are not at fault.
+                None if !is_filmed || shown.size_px == [0, 0] => StatusCode::UNPROCESSABLE_ENTITY,
+                _ => StatusCode::OK,
             },
             sentence: shown.advice.clone(),
             code: Some(shown.code),
             photo: shown.photo.clone(),
+            wants_whole,
         };
+        let is_preview = taking == Taking::Never;
         self.shown = Some(shown);
-        self.newest = Some(Arc::new(NewestFrame { number, frame }));
+        self.newest = Some(Arc::new(NewestFrame {
+            number,
+            frame,
+            is_preview,
+        }));
         Ok(response)
     }
 

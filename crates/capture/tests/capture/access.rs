@@ -1,7 +1,7 @@
 //! Who may ask the page for something.
 
 use axum::http::{HeaderMap, Method};
-use scaleproof_capture::page::access::Access;
+use scaleproof_capture::page::access::{Access, Scheme};
 
 fn headers(pairs: &[(&'static str, &str)]) -> HeaderMap {
     pairs
@@ -26,7 +26,8 @@ fn only_addresses_of_this_machine_are_answered_and_under_lan_any_address_but_no_
     ];
     for (host, locally, in_lan) in cases {
         let headers = headers(&[("host", host)]);
-        let answers = [&Access::local(), &lan].map(|access| access.check_site(&Method::GET, &headers).is_ok());
+        let answers =
+            [&Access::local(), &lan].map(|access| access.check_site(&Method::GET, &headers, Scheme::Http).is_ok());
         assert_eq!(answers, [locally, in_lan], "{host}");
     }
 }
@@ -36,7 +37,10 @@ fn what_another_site_asks_is_refused() {
     let access = Access::local();
     let host = ("host", "127.0.0.1:8710");
     let own = ("origin", "http://127.0.0.1:8710");
-    let allowed = |method: Method, pairs: &[(&'static str, &str)]| access.check_site(&method, &headers(pairs)).is_ok();
+    let came = |scheme: Scheme, method: Method, pairs: &[(&'static str, &str)]| {
+        access.check_site(&method, &headers(pairs), scheme).is_ok()
+    };
+    let allowed = |method: Method, pairs: &[(&'static str, &str)]| came(Scheme::Http, method, pairs);
     assert!(allowed(Method::POST, &[host, own, ("sec-fetch-site", "same-origin")]));
     assert!(allowed(Method::GET, &[host, ("sec-fetch-site", "none")]));
     assert!(!allowed(Method::GET, &[host, ("sec-fetch-site", "cross-site")]));
@@ -53,16 +57,22 @@ fn what_another_site_asks_is_refused() {
     ] {
         assert!(!allowed(Method::POST, &[host, ("origin", origin)]), "{origin}");
     }
+    // What came over TLS, a page of TLS asked for.
+    assert!(!came(Scheme::Https, Method::POST, &[host, own]));
+    let own = ("origin", "https://127.0.0.1:8710");
+    assert!(came(Scheme::Https, Method::POST, &[host, own]));
 }
 
 #[test]
 fn a_token_is_good_once_and_its_cookie_lasts() {
     let (access, tokens) = Access::by_token(8710).unwrap();
     let (other, _) = Access::by_token(8711).unwrap();
-    assert!(access.join("guess").is_none());
-    let cookie = access.join(&tokens[0]).unwrap();
-    assert!(access.join(&tokens[0]).is_none());
+    assert!(access.join("guess", Scheme::Http).is_none());
+    let cookie = access.join(&tokens[0], Scheme::Http).unwrap();
+    assert!(access.join(&tokens[0], Scheme::Http).is_none());
     assert!(cookie.ends_with("; HttpOnly; SameSite=Strict"));
+    let encrypted = access.join(&tokens[1], Scheme::Https).unwrap();
+    assert!(encrypted.ends_with("; HttpOnly; SameSite=Strict; Secure"));
     let pair = cookie.split(';').next().unwrap();
     let knows = |access: &Access, cookie: String| access.browser(&headers(&[("cookie", &cookie)])).is_some();
     assert!(knows(&access, format!("a=b; {pair}")));

@@ -62,9 +62,10 @@ fn invite(lan: &Lan) {
         }
     }
     say!("phone: {}", lan.address);
+    say!("certificate (SHA-256): {}", lan.fingerprint);
     say!(
-        "warning: --lan opens this port to every machine in the network, and the connection is not encrypted: use a network you \
-         trust. Each of the two addresses lets one browser in, once"
+        "warning: --lan opens this port to every machine in the network. The phone's browser warns of a certificate that nobody vouches for: \
+         go on when the one it shows has this fingerprint. Each of the two addresses lets one browser in, once"
     );
 }
 
@@ -87,7 +88,8 @@ pub(super) fn follow(
             frame,
             answer,
             guidance,
-        } => terminal.borrow_mut().seen(frame, answer, guidance),
+            is_filmed,
+        } => terminal.borrow_mut().seen(frame, answer, guidance, is_filmed),
         CaptureNotice::TakenBack { photo } => terminal.borrow_mut().taken_back(photo),
         CaptureNotice::Set(settings) => {
             terminal.borrow_mut().set(settings);

@@ -47,14 +47,22 @@ impl TerminalLog<'_> {
         }
     }
 
-    pub(super) fn seen(&mut self, frame: &str, answer: &FrameAnswer, guidance: &Guidance) -> io::Result<()> {
+    /// What became of a frame; `is_filmed` by a browser, many times a second.
+    pub(super) fn seen(
+        &mut self,
+        frame: &str,
+        answer: &FrameAnswer,
+        guidance: &Guidance,
+        is_filmed: bool,
+    ) -> io::Result<()> {
+        let is_stream = self.is_stream || is_filmed;
         for caution in answer.cautions.iter().filter(|caution| self.said.is_new(caution)) {
             say!("note: {caution}");
         }
         match self.json {
             true => writeln!(self.out, "{}", serde_json::to_string(&answer.line(frame, guidance))?)?,
-            false if self.is_stream && !self.said.is_worth_saying(answer) => return Ok(()),
-            false if self.is_stream => writeln!(self.out, "{}", answer.sentence(guidance))?,
+            false if is_stream && !self.said.is_worth_saying(answer) => return Ok(()),
+            false if is_stream => writeln!(self.out, "{}", answer.sentence(guidance))?,
             false => writeln!(self.out, "{frame}: {}", answer.sentence(guidance))?,
         }
         self.out.flush()
