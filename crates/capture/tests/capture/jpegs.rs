@@ -46,7 +46,7 @@ fn cut(bytes: Vec<u8>, length: usize) -> Vec<Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn whole_files_are_given_byte_for_byte_whatever_lies_between_them(

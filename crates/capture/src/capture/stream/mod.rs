@@ -41,17 +41,18 @@ pub fn open(address: &StreamAddress, camera: &Camera) -> Result<LiveCamera, Sour
     })?;
     let (of_connection, camera) = (address.clone(), camera.clone());
     let connect = move || connection::connect(&of_connection, scheme);
-    start(&address.to_string(), connect, move |size| {
+    start(&address.to_string(), &BACK_OFF, connect, move |size| {
         camera.scaled_to(size[0], size[1]).is_ok()
     })
 }
 
-/// Frames of whatever connects; `is_of_use` says whether images of a size can be.
+/// Frames of whatever connects; `is_of_use` says whether images of a size can be. After a loss it connects again, as often as `back_off` has waits.
 ///
 /// # Errors
 /// As [`open`].
 pub fn start(
     address: &str,
+    back_off: &'static [Duration],
     mut connect: impl FnMut() -> Result<Box<dyn Connection>, String> + Send + 'static,
     is_of_use: impl Fn([u32; 2]) -> bool + Send + 'static,
 ) -> Result<LiveCamera, SourceError> {
@@ -71,6 +72,7 @@ pub fn start(
             connection: Some(connection),
             since: Instant::now(),
             connect: Box::new(connect),
+            back_off,
             lost: 0,
         }))
     };
@@ -86,6 +88,7 @@ struct Stream {
     connection: Option<Box<dyn Connection>>,
     since: Instant,
     connect: Box<dyn FnMut() -> Result<Box<dyn Connection>, String>>,
+    back_off: &'static [Duration],
     /// How often it was lost in a row.
     lost: usize,
 }
@@ -97,7 +100,8 @@ impl Stream {
             Some(connection) => connection,
             None => {
                 // The wait was told when it was lost.
-                std::thread::sleep(BACK_OFF[self.lost.clamp(1, BACK_OFF.len()) - 1]);
+                let wait = self.lost.checked_sub(1).and_then(|last| self.back_off.get(last));
+                std::thread::sleep(wait.copied().unwrap_or_default());
                 let made = (self.connect)()?;
                 self.since = Instant::now();
                 self.connection.insert(made)
@@ -128,10 +132,10 @@ impl Device for Stream {
             self.lost = 0;
         }
         self.lost += 1;
-        let Some(wait) = BACK_OFF.get(self.lost - 1) else {
+        let Some(wait) = self.back_off.get(self.lost - 1) else {
             return Err(LiveCameraError::Ended(format!(
                 "{reason}, after {} tries",
-                BACK_OFF.len()
+                self.back_off.len()
             )));
         };
         Err(LiveCameraError::Waiting(format!(
@@ -139,7 +143,7 @@ impl Device for Stream {
             self.address,
             wait.as_secs_f64(),
             self.lost,
-            BACK_OFF.len()
+            self.back_off.len()
         )))
     }
 
