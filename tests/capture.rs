@@ -776,11 +776,7 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let mut capture = live_capture(out.path(), &scene, 850.0);
     let mut see = |rgb: &RgbImage| {
-        let frame = SourceFrame {
-            name: "live".into(),
-            taken: None,
-            original: Original::Pixels(rgb.clone()),
-        };
+        let frame = SourceFrame::untimed("live".into(), Original::Pixels(rgb.clone()));
         let verdict = capture.see(&frame).unwrap().verdict;
         verdict.map(|(photo, _)| photo).map_err(|advice| advice.to_string())
     };
@@ -816,11 +812,7 @@ fn a_photo_is_taken_by_hand_on_target_only() {
     let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
     capture.is_auto = false;
     let shown = Photo::open(&photo(1)).unwrap().rgb(1).unwrap();
-    let frame = |rgb: &RgbImage| SourceFrame {
-        name: "live".into(),
-        taken: None,
-        original: Original::Pixels(rgb.clone()),
-    };
+    let frame = |rgb: &RgbImage| SourceFrame::untimed("live".into(), Original::Pixels(rgb.clone()));
     let said = |answer: FrameAnswer| {
         answer
             .verdict
@@ -875,10 +867,11 @@ fn a_write_that_fails_takes_no_view_twice() {
     let session = out.path().join("session");
     let mut capture = live_capture(&session, &scene, 850.0);
     let filled = |capture: &Capture| 8 - capture.guidance().open().count();
-    let frame = |i| SourceFrame {
-        name: format!("photo {i}"),
-        taken: None,
-        original: Original::Encoded(std::fs::read(photo(i)).unwrap()),
+    let frame = |i| {
+        SourceFrame::untimed(
+            format!("photo {i}"),
+            Original::Encoded(std::fs::read(photo(i)).unwrap()),
+        )
     };
     // The list cannot be written, then a sidecar: folders are in their places.
     for (blocked, name, left) in [(0, "session.json", 1), (1, "normal_001.capture.json", 1)] {
@@ -917,11 +910,7 @@ fn latency_from_frame_to_advice() {
     frames.push(jpeg(&covered(&rgb, &tags, &[])));
     let (mut ms, mut located) = (Vec::new(), 0);
     for bytes in frames.iter().cycle().take(90) {
-        let frame = SourceFrame {
-            name: "frame".into(),
-            taken: None,
-            original: Original::Encoded(bytes.clone()),
-        };
+        let frame = SourceFrame::untimed("frame".into(), Original::Encoded(bytes.clone()));
         let start = thread_ms();
         let answer = capture.see(&frame).unwrap();
         let advice = answer.verdict.unwrap_err().to_string();

@@ -14,5 +14,15 @@ mod dial;
 mod encrypted;
 #[path = "capture/guidance.rs"]
 mod guidance;
+#[path = "capture/jpegs.rs"]
+mod jpegs;
 #[path = "capture/motion.rs"]
 mod motion;
+#[path = "capture/served.rs"]
+mod served;
+#[path = "capture/stored.rs"]
+mod stored;
+#[path = "capture/stream.rs"]
+mod stream;
+#[path = "capture/tether.rs"]
+mod tether;

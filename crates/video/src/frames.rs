@@ -148,6 +148,8 @@ pub struct Frames<P> {
     images: Receiver<P>,
     running: Running,
     last_s: Option<f64>,
+    /// Width and height of the frames before they are scaled.
+    decoded: Option<[u32; 2]>,
     given: u64,
     complaint: Option<String>,
     is_over: bool,
@@ -230,6 +232,7 @@ impl<P: Pixels> Frames<P> {
             name,
             selection: selection.clone(),
             last_s: None,
+            decoded: None,
             given: 0,
             complaint: None,
             is_over: false,
@@ -243,8 +246,13 @@ impl<P: Pixels> Frames<P> {
                     let line = plain(&line, &self.name);
                     self.complaint.get_or_insert(line);
                 }
-                Ok(Said::Frame { number, time_s }) if self.selection.is_past(number, time_s) => return Ok(None),
-                Ok(Said::Frame { number, time_s }) => {
+                // ffmpeg would stretch them to the size of the first, and no camera file would fit.
+                Ok(Said::Frame { size: Some(size), .. }) if *self.decoded.get_or_insert(size) != size => {
+                    self.complaint = Some("its frames change their size".to_owned());
+                    return Err(self.damaged());
+                }
+                Ok(Said::Frame { number, time_s, .. }) if self.selection.is_past(number, time_s) => return Ok(None),
+                Ok(Said::Frame { number, time_s, .. }) => {
                     self.last_s = Some(time_s);
                     if !self.selection.has(number, time_s) {
                         continue;

@@ -10,7 +10,12 @@ const LONGEST_LINE: u64 = 4096;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Said {
     /// A decoded frame, in the order of presentation.
-    Frame { number: u64, time_s: f64 },
+    Frame {
+        number: u64,
+        time_s: f64,
+        /// Before it is scaled, px.
+        size: Option<[u32; 2]>,
+    },
     /// Of the level error or worse.
     Error(String),
 }
@@ -59,7 +64,9 @@ fn understood(line: &str, time_base: Option<f64>) -> Option<Said> {
         let number = field(line, " n:")?.parse().ok()?;
         let pts: f64 = field(line, " pts:")?.parse().ok()?;
         let time_s = pts * time_base?;
-        return time_s.is_finite().then_some(Said::Frame { number, time_s });
+        let size = field(line, " s:").and_then(|size| size.split_once('x'));
+        let size = size.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+        return time_s.is_finite().then_some(Said::Frame { number, time_s, size });
     }
     let (_, error) = ["[error] ", "[fatal] ", "[panic] "]
         .iter()

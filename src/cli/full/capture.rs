@@ -20,7 +20,7 @@ use crate::cli::choice::completing;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
     BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
-    Target, Tolerance, Watch, live::list_cameras, pair,
+    Target, Tether, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream, tether::found_cameras,
 };
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_core::files;
@@ -64,9 +64,10 @@ struct ListArgs {
 
 #[derive(clap::Args)]
 struct GuidedArgs {
-    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
+    /// Where photos come from: camera or camera:N (see list-cameras), http://… or rtsp://… (a camera that streams), gphoto2 or
+    /// gphoto2:PORT (a tethered camera), watch:DIR (a folder that a phone or camera copies into),
     /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
-    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "watch:", "replay:", "upload"]), hide_possible_values = true)]
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "gphoto2", "http://", "rtsp://", "watch:", "replay:", "upload"]), hide_possible_values = true)]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
     #[arg(long)]
@@ -163,7 +164,15 @@ fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
         name: camera.name,
         description: camera.description,
     });
-    let cameras: Vec<NamedCamera> = cameras.collect();
+    let mut cameras: Vec<NamedCamera> = cameras.collect();
+    match found_cameras() {
+        Ok(found) => cameras.extend(found.unwrap_or_default().into_iter().map(|camera| NamedCamera {
+            source: format!("gphoto2:{}", camera.port),
+            name: camera.model,
+            description: "tethered, by gphoto2".to_owned(),
+        })),
+        Err(e) => say!("note: tethered cameras are not listed: {e}"),
+    }
     let lines = cameras
         .iter()
         .map(|c| format!("{}  {}  ({})", c.source, c.name, c.description));
@@ -183,7 +192,7 @@ pub(in crate::cli) struct Cameras {
 
 #[derive(Serialize, JsonSchema)]
 struct NamedCamera {
-    /// What `--source` takes, such as `camera:0`.
+    /// What `--source` takes, such as `camera:0` or `gphoto2:usb:001,005`.
     source: String,
     /// As the camera calls itself.
     name: String,
@@ -197,6 +206,8 @@ fn guide(
     out: &mut dyn Write,
 ) -> CommandResult {
     check_names(args)?;
+    // However this ends: the threads that own them are left behind.
+    let _programs = Interrupting;
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
     let guidance = wanted.guidance(&scene.bins)?;
@@ -210,7 +221,10 @@ fn guide(
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
     let page = if browser.page {
-        let at_once = || std::process::exit(130);
+        let at_once = || {
+            interrupt_programs();
+            std::process::exit(130)
+        };
         Some(Page::open(browser.port, browser.lan, &args.output, at_once).map_err(page::advised)?)
     } else {
         None
@@ -225,7 +239,8 @@ fn guide(
         capture = capture.with_film(Judge::new(&scene, TagDetectorChoice::default(), true)?);
     }
     take_back(args, &scene, &mut capture, out)?;
-    begin(args, &capture, out)?;
+    let instructions = source.as_ref().and_then(|source| source.instructions());
+    begin(args, &capture, instructions, out)?;
     let is_decided = match (page, source) {
         (Some(page), source) => {
             let about = CaptureInfo {
@@ -295,7 +310,18 @@ fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<
         }
         SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
         SourceName::Camera(number) => Ok(Some(Box::new(LiveCamera::open(*number, camera)?))),
+        SourceName::Stream(address) => Ok(Some(Box::new(stream::open(address, camera)?))),
+        SourceName::Tethered(port) => Ok(Some(Box::new(Tether::open(port.as_deref(), camera)?))),
         SourceName::Upload => Ok(None),
+    }
+}
+
+/// Asks the programs that read for a source to end, when it is dropped.
+struct Interrupting;
+
+impl Drop for Interrupting {
+    fn drop(&mut self) {
+        interrupt_programs();
     }
 }
 
@@ -314,7 +340,12 @@ fn take_back(args: &GuidedArgs, scene: &Scene, capture: &mut Capture, out: &mut 
 }
 
 /// Says what the capture waits for, before anything happens; programs read it in the summary.
-fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
+fn begin(
+    args: &GuidedArgs,
+    capture: &Capture,
+    instructions: Option<String>,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
     let guidance = capture.guidance();
     let (Some(first), Some(source), false) = (guidance.open().next(), &args.source, args.json) else {
         return Ok(());
@@ -330,9 +361,12 @@ fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::
         SourceName::Watch(folder) if args.headless => format!("looking at the photos in {}", folder.display()),
         SourceName::Watch(folder) => format!("copy photos into {}; Ctrl-C ends", folder.display()),
         SourceName::Replay(folder) => format!("replaying the photos of {}", folder.display()),
-        SourceName::Camera(_) => "walk round the model with the camera; Ctrl-C ends".to_owned(),
+        SourceName::Camera(_) | SourceName::Stream(_) | SourceName::Tethered(_) => {
+            "walk round the model with the camera; Ctrl-C ends".to_owned()
+        }
         SourceName::Upload => "send photos to the page".to_owned(),
     };
+    let how = instructions.unwrap_or(how);
     writeln!(out, "{views}; {how}")?;
     out.flush()
 }

@@ -54,6 +54,17 @@ pub struct Measures {
     pub moved_px: Option<f64>,
 }
 
+/// What a frame is judged as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameKind {
+    /// A photo that somebody took on purpose.
+    Photo,
+    /// One of a running camera, that may be taken.
+    Live,
+    /// One of a live view, whose light and focus are not the photo's: only where it is and whether it holds still count.
+    Preview,
+}
+
 /// What a frame shows, and what follows from it.
 #[derive(Debug, Clone)]
 pub struct FrameJudgement {
@@ -122,6 +133,27 @@ impl Judge {
     /// A photo that somebody took on purpose gets first the advice about what would spoil it anywhere. Somebody who walks with a running
     /// camera gets the way first, as walking blurs.
     pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> FrameJudgement {
+        let kind = if self.is_stream {
+            FrameKind::Live
+        } else {
+            FrameKind::Photo
+        };
+        self.judge_as(kind, luma, turned_deg, camera, guidance)
+    }
+
+    /// As [`Judge::judge`], of a frame of a given kind: a source of previews gives photos between them.
+    pub fn judge_as(
+        &mut self,
+        kind: FrameKind,
+        luma: &GrayImage,
+        turned_deg: u32,
+        camera: &Camera,
+        guidance: &Guidance,
+    ) -> FrameJudgement {
+        if kind == FrameKind::Photo {
+            let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
+            return self.weigh(photo, luma, guidance, kind);
+        }
         self.before = std::mem::take(&mut self.last);
         let scale = f64::from(luma.width()) / f64::from(self.last_width.max(1));
         self.last_width = luma.width();
@@ -143,7 +175,7 @@ impl Judge {
         let photo = at_once
             .filter(|_| is_answered || !self.unanswered.is_multiple_of(UNANSWERED))
             .unwrap_or_else(|| locate_luma(luma, turned_deg, None, scene, camera, self.tags.as_mut()));
-        let judgement = self.weigh(photo, luma, guidance);
+        let judgement = self.weigh(photo, luma, guidance, kind);
         self.pose = judgement.located.as_ref().map(|located| located.pose);
         self.tracked = (self.tracked + 1) % (MOST_TRACKED + 1);
         self.last.clone_from(&judgement.seen);
@@ -163,11 +195,11 @@ impl Judge {
             return first;
         }
         let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
-        self.weigh(photo, luma, guidance)
+        self.weigh(photo, luma, guidance, FrameKind::Live)
     }
 
     /// What follows from what a frame shows.
-    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> FrameJudgement {
+    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance, kind: FrameKind) -> FrameJudgement {
         let (seen, located) = (photo.seen, photo.result);
         let fitted = match photo.fitted {
             Ok(fitted) => fitted,
@@ -190,7 +222,7 @@ impl Judge {
             blur_px: appearance.blur_px.filter(|px| px.is_finite()),
             white_level: appearance.white_level,
             clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, &fitted.camera)),
-            moved_px: self.is_stream.then(|| moved_px(&self.before, &seen)).flatten(),
+            moved_px: moved_px(&self.before, &seen).filter(|_| kind != FrameKind::Photo),
         };
         let light = light(&measures, &seen, grey);
         let focus = focus(&appearance, &seen, grey);
@@ -204,11 +236,12 @@ impl Judge {
             }
             Ok(located) => {
                 let place = place(located, guidance);
-                let still = self.unsteady(&measures, grey);
-                let order = if self.is_stream {
-                    [model, light, place.clone().err(), focus, still]
-                } else {
-                    [model, light, focus, place.clone().err(), None]
+                let still = unsteady(&measures, grey);
+                let way = place.clone().err();
+                let order = match kind {
+                    FrameKind::Live => [model, light, way, focus, still],
+                    FrameKind::Photo => [model, light, focus, way, None],
+                    FrameKind::Preview => [model, way, still, None, None],
                 };
                 (place, order.into_iter().flatten().next())
             }
@@ -221,12 +254,6 @@ impl Judge {
             verdict: first_fault.map_or_else(|| place.clone(), Err),
             place,
         }
-    }
-
-    fn unsteady(&self, measures: &Measures, grey: &GrayImage) -> Option<Advice> {
-        // The first frame of a stream has none to be compared with.
-        let moves = measures.moved_px.is_none_or(|px| px > MAX_MOVED_PX * enlarged(grey));
-        (self.is_stream && moves).then_some(Advice::Moving)
     }
 
     fn not_located(&self, abstention: Abstention, seen: &[SeenTag]) -> Advice {
@@ -242,6 +269,12 @@ impl Judge {
             _ => Advice::NotLocated(abstention),
         }
     }
+}
+
+fn unsteady(measures: &Measures, grey: &GrayImage) -> Option<Advice> {
+    // The first frame of a stream has none to be compared with.
+    let moves = measures.moved_px.is_none_or(|px| px > MAX_MOVED_PX * enlarged(grey));
+    moves.then_some(Advice::Moving)
 }
 
 fn enlarged(grey: &GrayImage) -> f64 {

@@ -2,17 +2,20 @@
 //!
 //! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); what
 //! holds is taken at once by `store`, and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
-//! numbers.
+//! numbers. A tethered camera's previews go the same way, and release its shutter instead of being taken.
 
 mod advice;
 mod gates;
 mod guidance;
 pub mod live;
 pub mod pair;
+mod programs;
 mod recover;
 mod replay;
 mod source;
 mod store;
+pub mod stream;
+pub mod tether;
 mod watch;
 
 use std::io::Cursor;
@@ -21,6 +24,8 @@ use std::path::Path;
 use image::{GrayImage, ImageFormat};
 use schemars::JsonSchema;
 use serde::Serialize;
+
+use tether::camera_of_view;
 
 use scaleproof_core::files;
 use scaleproof_core::geometry::{Rigid, rigid};
@@ -32,12 +37,16 @@ use scaleproof_pose::tags::SeenTag;
 use scaleproof_session::session::PhotoEntry;
 
 pub use advice::Advice;
-pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
+pub use gates::{
+    FrameJudgement, FrameKind, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures,
+};
 pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance};
 pub use live::{CameraSettings, LiveCamera};
+pub use programs::interrupt_programs;
 pub use replay::Replay;
-pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
+pub use source::{FrameSource, Original, Purpose, Shutter, SourceError, SourceFrame, SourceName};
 pub use store::{Sidecar, Store, StoreError};
+pub use tether::Tether;
 pub use watch::Watch;
 
 /// What became of a frame.
@@ -133,6 +142,8 @@ pub struct Capture {
     pub is_auto: bool,
     /// The target that the last frames of a stream were fit for, and how many were.
     held: Option<(usize, u32)>,
+    /// Why the last photo of a tethered camera was refused, until the camera is moved: another would be refused, too.
+    refused: Option<Advice>,
     camera_settings: Option<CameraSettings>,
 }
 
@@ -149,6 +160,7 @@ impl Capture {
             place: place.to_owned(),
             is_auto: true,
             held: None,
+            refused: None,
             camera_settings: None,
         };
         capture.fill_from_store();
@@ -231,7 +243,14 @@ impl Capture {
     }
 
     pub(crate) fn look(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
-        let is_by_hand = taking == Taking::ByHand;
+        let answer = self.answer(frame, taking)?;
+        if matches!(frame.purpose, Purpose::Released { .. }) {
+            self.refused = answer.verdict.clone().err();
+        }
+        Ok(answer)
+    }
+
+    fn answer(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => {
@@ -247,9 +266,17 @@ impl Capture {
                 });
             }
         };
-        let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
-        let held = self.hold(&judgement.verdict, taking);
-        if is_by_hand || held.is_ok() {
+        let kind = match frame.purpose {
+            Purpose::Preview(_) => FrameKind::Preview,
+            Purpose::Photo if self.judge.is_stream() => FrameKind::Live,
+            Purpose::Photo | Purpose::Released { .. } => FrameKind::Photo,
+        };
+        let of_view = (kind == FrameKind::Preview).then(|| camera_of_view(&self.camera, luma.dimensions().into()));
+        let camera = of_view.as_ref().unwrap_or(&self.camera);
+        let mut judgement = self.judge.judge_as(kind, &luma, turned_deg, camera, &self.guidance);
+        let is_by_hand = taking == Taking::ByHand || matches!(frame.purpose, Purpose::Released { is_by_hand: true });
+        let held = self.hold(&judgement.verdict, kind, taking);
+        if kind == FrameKind::Live && (is_by_hand || held.is_ok()) {
             let (camera, guidance) = (&self.camera, &self.guidance);
             judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
         }
@@ -258,10 +285,11 @@ impl Capture {
             (false, Ok(())) => judgement.verdict,
             (false, Err(advice)) => Err(advice),
         };
-        let verdict = match (target, &judgement.located) {
-            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
-            (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
-            (Err(advice), _) => Err(advice),
+        let verdict = match (target, &judgement.located, &frame.purpose) {
+            (Ok(_), _, Purpose::Preview(shutter)) => Err(self.release(shutter, is_by_hand)),
+            (Ok(target), Some(located), _) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
+            (Ok(_), None, _) => Err(Advice::NoTags), // a frame on target is located
+            (Err(advice), ..) => Err(advice),
         };
         Ok(FrameAnswer {
             size_px: luma.dimensions().into(),
@@ -279,6 +307,17 @@ impl Capture {
         })
     }
 
+    /// Lets a tethered camera take a photo.
+    fn release(&mut self, shutter: &Shutter, is_by_hand: bool) -> Advice {
+        match &self.refused {
+            Some(reason) if !is_by_hand => Advice::RefusedHere(reason.to_string()),
+            _ => {
+                shutter.release(is_by_hand);
+                Advice::Released
+            }
+        }
+    }
+
     /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
@@ -290,8 +329,8 @@ impl Capture {
                     return Err(known);
                 }
                 let luma = photo.and_then(|photo| Ok((photo.luma()?, photo.turned_deg)));
-                let is_stream = self.judge.is_stream();
-                luma.map_err(|e| Advice::Unreadable(if is_stream { DAMAGED.into() } else { e.to_string() }))
+                let is_one_of_many = self.judge.is_stream() && !matches!(frame.purpose, Purpose::Released { .. });
+                luma.map_err(|e| Advice::Unreadable(if is_one_of_many { DAMAGED.into() } else { e.to_string() }))
             }
         }
     }
@@ -303,10 +342,13 @@ impl Capture {
     }
 
     /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.
-    fn hold(&mut self, verdict: &Result<usize, Advice>, taking: Taking) -> Result<(), Advice> {
+    fn hold(&mut self, verdict: &Result<usize, Advice>, kind: FrameKind, taking: Taking) -> Result<(), Advice> {
         let before = self.held.take();
+        if let (FrameKind::Preview, Err(Advice::Moving | Advice::Walk(_) | Advice::Filled { .. })) = (kind, verdict) {
+            self.refused = None;
+        }
         let target = *verdict.as_ref().map_err(Advice::clone)?;
-        if !self.judge.is_stream() {
+        if kind == FrameKind::Photo {
             return Ok(());
         }
         if !self.is_auto {

@@ -63,9 +63,8 @@ impl FrameSource for Replay {
         self.due = Some(Instant::now() + self.pace);
         let read = files::read(&self.session.photo_path(&photo));
         Ok(Some(SourceFrame {
-            name: photo.file,
             taken: photo.taken,
-            original: Original::from_file(read),
+            ..SourceFrame::untimed(photo.file, Original::from_file(read))
         }))
     }
 }

@@ -2,10 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::{Arc, Mutex};
 
 use image::RgbImage;
 
 use super::live::{CameraSettings, LiveCameraError};
+use super::programs::locked;
+use super::stream::StreamAddress;
+use super::tether::TetherError;
 use scaleproof_core::files::FileError;
 use scaleproof_session::session::SessionError;
 
@@ -17,6 +21,35 @@ pub struct SourceFrame {
     /// When it was taken, RFC 3339, where the source knows.
     pub taken: Option<String>,
     pub original: Original,
+    pub purpose: Purpose,
+}
+
+/// What a frame is for.
+#[derive(Debug, Clone, Default)]
+pub enum Purpose {
+    /// It may be taken as it is.
+    #[default]
+    Photo,
+    /// It shows where a camera stands. When that is right the shutter is released, and the photo is the source's next frame.
+    Preview(Shutter),
+    /// The photo that a shutter was released for, amid previews.
+    Released { is_by_hand: bool },
+}
+
+/// Asks the source of a preview for a photo.
+#[derive(Debug, Clone, Default)]
+pub struct Shutter(Arc<Mutex<Option<bool>>>);
+
+impl Shutter {
+    /// `is_by_hand`: the photo is taken whatever its light, focus and steadiness.
+    pub fn release(&self, is_by_hand: bool) {
+        *locked(&self.0) = Some(is_by_hand);
+    }
+
+    /// Whether it was released since this was asked last, and how.
+    pub(super) fn was_released(&self) -> Option<bool> {
+        locked(&self.0).take()
+    }
 }
 
 /// What a source has of a frame.
@@ -37,6 +70,7 @@ impl SourceFrame {
             name,
             taken: None,
             original,
+            purpose: Purpose::Photo,
         }
     }
 }
@@ -66,13 +100,18 @@ pub trait FrameSource {
     fn settings(&self) -> Option<CameraSettings> {
         None
     }
+
+    /// What the photographer has to do for the next frame, where the source alone knows.
+    fn instructions(&self) -> Option<String> {
+        None
+    }
 }
 
 /// Why a source gives no (more) frames.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
+        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, gphoto2 for a tethered one, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
     Unknown { text: String },
     #[error(transparent)]
@@ -95,6 +134,24 @@ pub enum SourceError {
         "the camera {number} gives no more images ({reason}): plug it in again and run this again; what was accepted is kept"
     )]
     CameraGone { number: u32, reason: LiveCameraError },
+    #[error("the stream {address} is not read: {reason}")]
+    BadAddress { address: String, reason: &'static str },
+    #[error(
+        "the stream {address} cannot be used ({reason}): see that the camera serves it and that a browser or player shows it"
+    )]
+    NoStream { address: String, reason: LiveCameraError },
+    #[error(
+        "the stream {address} gives no more images ({reason}): see to the camera and run this again; what was accepted is kept"
+    )]
+    StreamGone { address: String, reason: LiveCameraError },
+    #[error(transparent)]
+    NoTether(#[from] TetherError),
+    #[error(
+        "the tethered {model} gives no live view ({reason}): switch it off and on, and run this again; what was accepted is kept"
+    )]
+    NoLiveView { model: String, reason: LiveCameraError },
+    #[error("the tethered {model} gives no more photos ({reason}); run this again, what was accepted is kept")]
+    TetherGone { model: String, reason: TetherError },
 }
 
 /// A source as it is named on the command line.
@@ -106,6 +163,10 @@ pub enum SourceName {
     Watch(PathBuf),
     /// `camera:N`, or `camera` for the first.
     Camera(u32),
+    /// `http://…` or `rtsp://…`: a camera that streams.
+    Stream(StreamAddress),
+    /// `gphoto2`, or `gphoto2:PORT`: a tethered camera, the first or the one at a port as gphoto2 calls it.
+    Tethered(Option<String>),
     /// `upload`: only what browsers send to the page.
     Upload,
 }
@@ -115,7 +176,13 @@ impl FromStr for SourceName {
 
     fn from_str(text: &str) -> Result<SourceName, SourceError> {
         let unknown = || SourceError::Unknown { text: text.to_owned() };
+        // Any address is a stream's, so that one that is not read is refused without its password.
+        if StreamAddress::looks_like(text) {
+            return Ok(SourceName::Stream(StreamAddress::new(text)));
+        }
         match text.split_once(':') {
+            Some(("gphoto2", port)) if !port.is_empty() => Ok(SourceName::Tethered(Some(port.to_owned()))),
+            None if text == "gphoto2" => Ok(SourceName::Tethered(None)),
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
             Some(("camera", number)) => number.parse().map(SourceName::Camera).map_err(|_| unknown()),
@@ -131,7 +198,7 @@ impl SourceName {
     pub fn folder(&self) -> Option<&Path> {
         match self {
             SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
-            SourceName::Camera(_) | SourceName::Upload => None,
+            SourceName::Camera(_) | SourceName::Stream(_) | SourceName::Tethered(_) | SourceName::Upload => None,
         }
     }
 
@@ -141,6 +208,8 @@ impl SourceName {
             SourceName::Replay(_) => "replay",
             SourceName::Watch(_) => "watched folder",
             SourceName::Camera(_) => "camera",
+            SourceName::Stream(_) => "stream",
+            SourceName::Tethered(_) => "tethered camera",
             SourceName::Upload => "upload",
         }
     }

@@ -1,5 +1,7 @@
 //! Why a running camera gives nothing.
 
+use crate::capture::tether::TetherError;
+
 /// Why a running camera gives nothing, as a clause; the source says which camera it is.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LiveCameraError {
@@ -18,4 +20,21 @@ pub enum LiveCameraError {
     SlowToOpen { seconds: u64 },
     #[error("none came for {seconds} s")]
     NoImage { seconds: u64 },
+    #[error("its images are {} × {} px, of another shape than the camera file's", size[0], size[1])]
+    OtherShape { size: [u32; 2] },
+    #[error(transparent)]
+    Tethered(#[from] TetherError),
+    /// It will give no more, whatever is tried: why, as a clause.
+    #[error("{0}")]
+    Ended(String),
+    /// It may give images again: what it is about, as a sentence.
+    #[error("{0}")]
+    Waiting(String),
+}
+
+impl LiveCameraError {
+    /// Whether it is over at once, instead of after several tries.
+    pub(super) fn is_final(&self) -> bool {
+        matches!(self, LiveCameraError::Ended(_) | LiveCameraError::Tethered(_))
+    }
 }

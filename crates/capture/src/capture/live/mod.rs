@@ -2,6 +2,7 @@
 
 mod device;
 mod error;
+mod jpegs;
 mod pixels;
 mod settings;
 
@@ -14,7 +15,8 @@ use scaleproof_pose::camera::Camera;
 
 pub use device::{choose_format, list_cameras};
 pub use error::LiveCameraError;
-pub use pixels::{PixelFormat, RawImage};
+pub use jpegs::Jpegs;
+pub use pixels::{PixelFormat, RawImage, jpeg_size};
 pub use settings::{CameraSettings, Setting};
 
 /// Exposure, focus and white balance find their values within this time; they are then held, and frames are given from then on.
@@ -36,16 +38,60 @@ pub trait Device {
     /// The next image, waited for.
     ///
     /// # Errors
-    /// Why there is none.
+    /// Why there is none. [`LiveCameraError::Waiting`] is told to the photographer and asked again, without end; of any other, ten in a row end it.
     fn image(&mut self) -> Result<RawImage, LiveCameraError>;
 
     /// Holds exposure, focus and white balance where they are now, as far as the camera lets one.
     fn lock(&mut self) -> CameraSettings;
+
+    /// The time after which exposure, focus and white balance have found their values; no image is given before.
+    fn settling(&self) -> Duration {
+        SETTLING
+    }
+}
+
+/// What messages call a running camera.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum LiveName {
+    /// A camera of this machine.
+    Number(u32),
+    /// A stream, by its address without passwords.
+    Stream(String),
+    /// The live view of a tethered camera of this model.
+    Tethered(String),
+}
+
+impl LiveName {
+    fn unusable(&self, reason: LiveCameraError) -> SourceError {
+        match self.clone() {
+            LiveName::Number(number) => SourceError::NoCamera { number, reason },
+            LiveName::Stream(address) => SourceError::NoStream { address, reason },
+            LiveName::Tethered(model) => SourceError::NoLiveView { model, reason },
+        }
+    }
+
+    fn gone(&self, reason: LiveCameraError) -> SourceError {
+        match self.clone() {
+            LiveName::Number(number) => SourceError::CameraGone { number, reason },
+            LiveName::Stream(address) => SourceError::StreamGone { address, reason },
+            LiveName::Tethered(model) => SourceError::NoLiveView { model, reason },
+        }
+    }
+
+    fn frame(&self, count: u64) -> String {
+        match self {
+            LiveName::Number(number) => format!("camera {number} image {count}"),
+            LiveName::Stream(_) => format!("stream image {count}"),
+            LiveName::Tethered(_) => format!("live view {count}"),
+        }
+    }
 }
 
 /// The frames of a running camera, the newest one each time it is asked.
 pub struct LiveCamera {
-    number: u32,
+    name: LiveName,
+    /// One that gives nothing for so long is gone.
+    patience: Duration,
     shared: Arc<SharedState>,
 }
 
@@ -61,8 +107,8 @@ struct SharedState {
 #[derive(Default)]
 struct ReaderState {
     is_open: bool,
-    /// Its number since the camera was opened, and the image. A newer one takes its place.
-    newest: Option<(u64, RawImage)>,
+    /// Its number since the camera was opened, and the image, or why there is none at the moment. A newer one takes its place.
+    newest: Option<(u64, Result<RawImage, LiveCameraError>)>,
     settings: Option<CameraSettings>,
     /// Why there will be no more.
     ended: Option<LiveCameraError>,
@@ -87,6 +133,19 @@ impl LiveCamera {
         limit: Duration,
         open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
     ) -> Result<LiveCamera, SourceError> {
+        LiveCamera::start(LiveName::Number(number), limit, PATIENCE, open)
+    }
+
+    /// As [`LiveCamera::from_device`], for whatever gives images one after the other; one that gives nothing for `patience` is gone.
+    ///
+    /// # Errors
+    /// As [`LiveCamera::from_device`].
+    pub fn start(
+        name: LiveName,
+        limit: Duration,
+        patience: Duration,
+        open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
+    ) -> Result<LiveCamera, SourceError> {
         let shared = Arc::new(SharedState::default());
         let reading = ReaderThread(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
@@ -94,28 +153,26 @@ impl LiveCamera {
         let opened = shared.wait(limit, LiveCameraError::SlowToOpen { seconds }, |state| {
             state.is_open.then_some(())
         });
-        opened.map_err(|reason| SourceError::NoCamera { number, reason })?;
-        Ok(LiveCamera { number, shared })
+        opened.map_err(|reason| name.unusable(reason))?;
+        Ok(LiveCamera { name, patience, shared })
     }
 }
 
 impl FrameSource for LiveCamera {
     fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
-        let (number, seconds) = (self.number, PATIENCE.as_secs());
+        let seconds = self.patience.as_secs();
         // The image that came last, if it was not given before.
         let newest = self
             .shared
-            .wait(PATIENCE, LiveCameraError::NoImage { seconds }, |state| {
+            .wait(self.patience, LiveCameraError::NoImage { seconds }, |state| {
                 state.newest.take()
             });
-        let (count, image) = newest.map_err(|reason| SourceError::CameraGone { number, reason })?;
+        let (count, image) = newest.map_err(|reason| self.name.gone(reason))?;
         let original = image
-            .original()
-            .unwrap_or_else(|reason| Original::Unreadable(reason.into()));
-        Ok(Some(SourceFrame::untimed(
-            format!("camera {number} image {count}"),
-            original,
-        )))
+            .map_err(|reason| reason.to_string())
+            .and_then(|image| image.original().map_err(str::to_owned))
+            .unwrap_or_else(Original::Unreadable);
+        Ok(Some(SourceFrame::untimed(self.name.frame(count), original)))
     }
 
     fn is_stream(&self) -> bool {
@@ -180,15 +237,18 @@ impl ReaderThread {
             match device.image() {
                 Ok(image) => {
                     (count, failures) = (count + 1, 0);
-                    if !is_locked && since.elapsed() >= SETTLING {
+                    if !is_locked && since.elapsed() >= device.settling() {
                         is_locked = true;
                         let settings = device.lock();
                         shared.change(|state| state.settings = Some(settings));
                     } else if is_locked {
-                        shared.change(|state| state.newest = Some((count, image)));
+                        shared.change(|state| state.newest = Some((count, Ok(image))));
                     }
                 }
-                Err(reason) if failures + 1 == MAX_FAILURES => return end(reason),
+                Err(reason @ LiveCameraError::Waiting(_)) => {
+                    shared.change(|state| state.newest = Some((count, Err(reason))));
+                }
+                Err(reason) if reason.is_final() || failures + 1 == MAX_FAILURES => return end(reason),
                 Err(_) => {
                     failures += 1;
                     std::thread::sleep(AFTER_FAILURE);

@@ -115,6 +115,12 @@ struct Segments {
     scan: usize,
 }
 
+/// Width and height that a JPEG states.
+pub fn jpeg_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Jpeg);
+    reader.into_dimensions().ok().map(|(width, height)| [width, height])
+}
+
 impl Segments {
     fn read(bytes: &[u8]) -> Option<Segments> {
         if !bytes.starts_with(&[0xFF, START]) {

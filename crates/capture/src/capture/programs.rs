@@ -1,0 +1,137 @@
+//! Programs that run for a source and write images: asked to end as Ctrl-C does, so that a camera is let go, and ended when they do not.
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use scaleproof_core::files;
+
+/// What a program gets to end by itself: gphoto2 finishes what the camera is at, and closes the connection.
+const GRACE: Duration = Duration::from_secs(3);
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
+
+/// So much of what it says is kept, bytes; what follows is read and left.
+const MOST_SAID: u64 = 16 << 10;
+
+/// Ids of the programs that run.
+static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+
+/// Asks every program that runs for a source to end: to be called before this program does, as their owners are threads that are left behind.
+pub fn interrupt_programs() {
+    locked(&RUNNING).iter().for_each(|id| interrupt(*id));
+}
+
+/// A running program. Each clone may end it; it ends with the last.
+#[derive(Clone)]
+pub(super) struct RunningProgram(Arc<Process>);
+
+struct Process {
+    child: Mutex<Child>,
+    said: Arc<Mutex<Vec<u8>>>,
+}
+
+impl RunningProgram {
+    /// Starts a command with nothing on its standard input. It speaks English, by which its complaints are understood.
+    pub(super) fn start(command: &mut Command) -> std::io::Result<(RunningProgram, ChildStdout)> {
+        command.env("LC_ALL", "C").stdin(Stdio::null());
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        locked(&RUNNING).insert(child.id());
+        let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+        let said = Arc::new(Mutex::new(Vec::new()));
+        let program = RunningProgram(Arc::new(Process {
+            child: Mutex::new(child),
+            said: Arc::clone(&said),
+        }));
+        let (Some(stdout), Some(stderr)) = (stdout, stderr) else {
+            return Err(std::io::ErrorKind::BrokenPipe.into());
+        };
+        std::thread::spawn(move || listen(stderr, &said));
+        Ok((program, stdout))
+    }
+
+    /// How it ended, if it has.
+    pub(super) fn ended(&self) -> Option<ExitStatus> {
+        let mut child = locked(&self.0.child);
+        let status = child.try_wait().ok().flatten();
+        if status.is_some() {
+            locked(&RUNNING).remove(&child.id());
+        }
+        status
+    }
+
+    /// How it ended, waited for.
+    pub(super) fn ended_within(&self, limit: Duration) -> Option<ExitStatus> {
+        let began = Instant::now();
+        loop {
+            match self.ended() {
+                None if began.elapsed() < limit => std::thread::sleep(LOOK_AGAIN),
+                ended => return ended,
+            }
+        }
+    }
+
+    /// Ends it: as Ctrl-C does at first.
+    pub(super) fn stop(&self) {
+        self.0.stop();
+    }
+
+    /// What it has said on standard error.
+    pub(super) fn said(&self) -> String {
+        String::from_utf8_lossy(&locked(&self.0.said)).into_owned()
+    }
+}
+
+impl Process {
+    fn stop(&self) {
+        let mut child = locked(&self.child);
+        let id = child.id();
+        // The id of one that was waited for may be another's.
+        if !locked(&RUNNING).remove(&id) {
+            return;
+        }
+        interrupt(id);
+        let began = Instant::now();
+        while began.elapsed() < GRACE && matches!(child.try_wait(), Ok(None)) {
+            std::thread::sleep(LOOK_AGAIN);
+        }
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+fn interrupt(id: u32) {
+    #[cfg(unix)]
+    if let Some(id) = i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw) {
+        let _ = rustix::process::kill_process(id, rustix::process::Signal::INT);
+    }
+    #[cfg(not(unix))]
+    let _ = id;
+}
+
+fn listen(mut stderr: impl Read, said: &Mutex<Vec<u8>>) {
+    let mut some = [0; 1024];
+    while let Ok(count @ 1..) = stderr.read(&mut some) {
+        let mut said = locked(said);
+        let room = (MOST_SAID as usize).saturating_sub(said.len());
+        said.extend_from_slice(&some[..count.min(room)]);
+    }
+}
+
+/// Whether the system has a program of this name.
+pub(super) fn is_there(name: &str) -> bool {
+    let folders = files::environment::variable("PATH").unwrap_or_default();
+    std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
+}
+
+/// Locks what no thread leaves half written, even if it panics.
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

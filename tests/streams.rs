@@ -1,0 +1,166 @@
+//! Cameras that stream, through the program: motion JPEG over HTTP, served on loopback by a thread of the test. A photographer walks on in front
+//! of it when the session has another photo. RTSP stands in the tests of the crate `capture`.
+
+use crate::common;
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::Path;
+use std::process::Output;
+use std::time::{Duration, Instant};
+
+use common::{assert_refused, program, skyline, stderr, stdout};
+
+/// A photo of the stored session.
+fn photo(number: usize) -> Vec<u8> {
+    std::fs::read(skyline().join(format!("normal_{number:03}.jpg"))).unwrap()
+}
+
+/// How many photos a session has.
+fn taken(session: &Path) -> usize {
+    let there = std::fs::read_dir(session).into_iter().flatten().flatten();
+    there
+        .filter(|entry| entry.file_name().to_string_lossy().ends_with(".capture.json"))
+        .count()
+}
+
+/// A server at a free port of loopback. `answer` is given the number of each connection, the head of its request, and the connection.
+fn serve(answer: impl Fn(usize, &str, &mut TcpStream) -> std::io::Result<()> + Send + Sync + 'static) -> u16 {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let port = listener.local_addr().unwrap().port();
+    std::thread::spawn(move || {
+        for (number, connection) in listener.incoming().enumerate() {
+            let mut connection = connection.unwrap();
+            let mut head = String::new();
+            let mut reader = BufReader::new(connection.try_clone().unwrap());
+            while !head.ends_with("\r\n\r\n") && reader.read_line(&mut head).is_ok_and(|count| count > 0) {}
+            // A client that has left is no fault.
+            let _ = answer(number, &head, &mut connection);
+        }
+    });
+    port
+}
+
+const MULTIPART: &str = "HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n";
+
+fn part(connection: &mut TcpStream, jpeg: &[u8]) -> std::io::Result<()> {
+    write!(
+        connection,
+        "--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n",
+        jpeg.len()
+    )?;
+    connection.write_all(jpeg)?;
+    connection.write_all(b"\r\n")?;
+    std::thread::sleep(Duration::from_millis(40));
+    Ok(())
+}
+
+fn capture(source: &str, session: &Path) -> Output {
+    let mut command = program();
+    command.args(["capture", "--source", source, "--variant", "normal", "--place", "yard"]);
+    for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
+        command.arg(option).arg(skyline().join(name));
+    }
+    command.arg("-o").arg(session).output().unwrap()
+}
+
+/// The photos are those that the camera made, byte for byte: whatever is computed of them is what it is for the stored session.
+#[test]
+fn a_motion_jpeg_camera_fills_the_eight_views_with_its_own_files_and_its_password_is_nowhere() {
+    let out = tempfile::tempdir().unwrap();
+    let session = out.path().join("session");
+    let place = session.clone();
+    let port = serve(move |_, head, connection| {
+        // Of `admin:s3cret`, by RFC 7617. ffmpeg asks without it first.
+        if !head.contains("Authorization: Basic YWRtaW46czNjcmV0") {
+            let denied =
+                "HTTP/1.1 401 Unauthorized\r\nWWW-Authenticate: Basic realm=\"camera\"\r\nContent-Length: 0\r\n\r\n";
+            return connection.write_all(denied.as_bytes());
+        }
+        assert!(head.starts_with("GET /video?key=s3cret "), "{head}");
+        connection.write_all(MULTIPART.as_bytes())?;
+        loop {
+            part(connection, &photo(taken(&place).min(7)))?;
+        }
+    });
+    let output = capture(
+        &format!("http://admin:s3cret@127.0.0.1:{port}/video?key=s3cret"),
+        &session,
+    );
+    let told = format!("{}{}", stdout(&output), stderr(&output));
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    for number in 0..8 {
+        let kept = std::fs::read(session.join(format!("normal_{number:03}.jpg"))).unwrap();
+        assert!(kept == photo(number), "photo {number}");
+    }
+    let settings = format!(
+        "note: http://127.0.0.1:{port}/video?…, motion JPEG 1280 × 960: exposure, focus, white balance cannot be held"
+    );
+    assert!(told.contains(&settings), "{told}");
+    let mut written = told.into_bytes();
+    for entry in std::fs::read_dir(&session).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            written.extend(std::fs::read(path).unwrap());
+        }
+    }
+    assert!(!written.windows(6).any(|word| word == b"s3cret"));
+}
+
+#[test]
+fn what_is_no_camera_is_refused_in_a_sentence_and_nothing_is_left() {
+    let out = tempfile::tempdir().unwrap();
+    let session = out.path().join("session");
+    let port = serve(|_, head, connection| {
+        let path = head.split(' ').nth(1).unwrap_or_default();
+        let answer = match path {
+            "/silent" => {
+                // Until the client has left.
+                let _ = connection.read(&mut [0; 16]);
+                return Ok(());
+            }
+            "/page" => "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nContent-Length: 9\r\n\r\n<p>no</p>",
+            // A playlist and a redirection that name a file of this machine.
+            "/list" => {
+                "HTTP/1.1 200 OK\r\nContent-Type: application/vnd.apple.mpegurl\r\n\r\n#EXTM3U\n#EXTINF:1,\nfile:///etc/passwd\n"
+            }
+            "/away" => "HTTP/1.1 302 Found\r\nLocation: file:///etc/passwd\r\nContent-Length: 0\r\n\r\n",
+            _ => "HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n",
+        };
+        connection.write_all(answer.as_bytes())
+    });
+    let closed = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))
+        .unwrap()
+        .local_addr()
+        .unwrap()
+        .port();
+    let refused = [
+        (format!("http://u:s3cret@127.0.0.1:{port}/page"), "it is no motion JPEG"),
+        (format!("http://u:s3cret@127.0.0.1:{port}/list"), "it is no motion JPEG"),
+        (
+            format!("http://u:s3cret@127.0.0.1:{port}/away"),
+            "/away cannot be used (",
+        ),
+        (format!("http://u:s3cret@127.0.0.1:{port}/x?s3cret"), "404"),
+        (
+            format!("http://u:s3cret@127.0.0.1:{port}/silent"),
+            "/silent cannot be used (",
+        ),
+        (format!("http://u:s3cret@127.0.0.1:{closed}/"), "Connection refused"),
+        (format!("rtsp://u:s3cret@127.0.0.1:{closed}/"), "onnection refused"),
+        (
+            "file:///etc/passwd".into(),
+            "give an address that begins with http:// or rtsp://",
+        ),
+        ("http://u:s3cret@".into(), "it names no host"),
+    ];
+    let began = Instant::now();
+    for (source, sentence) in refused {
+        let output = capture(&source, &session);
+        assert_refused(&output, &[sentence]);
+        let told = stderr(&output);
+        assert!(!told.contains("s3cret") && !told.contains("root:"), "{told}");
+        assert!(!session.exists());
+    }
+    assert!(began.elapsed() < Duration::from_secs(25), "{:?}", began.elapsed());
+}
