@@ -30,14 +30,14 @@ pub enum FilmError {
 }
 
 /// Looks for the target in frames of a video, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that
-/// differ most. The frames that were looked at and have no part are counted in one sentence. `on_done` gets the share that is done.
+/// differ most. The frames that were looked at and have no part are counted in one sentence. `on_done` gets how many frames were looked at, and of how many.
 ///
 /// # Errors
 /// A video that cannot be decoded.
 pub fn look_at_video(
     path: &Path,
     target: Target,
-    on_done: impl Fn(f64),
+    on_done: impl Fn(u64, u64),
 ) -> Result<(Vec<BoardPhoto>, Vec<UnusedPhoto>), FilmError> {
     let video = Video::open(path)?;
     let by_length = video
@@ -71,7 +71,10 @@ pub fn look_at_video(
                 Err(reason) => reasons.push(reason),
             }
         }
-        on_done(frames.map_or(0.0, |frames| (looked_at * every) as f64 / frames as f64));
+        on_done(
+            looked_at,
+            frames.map_or(looked_at, |frames| frames.div_ceil(every)).max(looked_at),
+        );
     }
     let found = photos.len();
     let chosen = choose(photos);
