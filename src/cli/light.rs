@@ -15,6 +15,7 @@ pub(super) enum Command {}
 
 pub(super) type OnModelCommand = Command;
 pub(super) type PrintCommand = Command;
+pub(super) type SessionCommand = Command;
 pub(super) type DetectorsCommand = Command;
 
 /// No mesh is read here.
@@ -40,6 +41,7 @@ pub(super) fn run(command: Command, _: &mut dyn Write) -> CommandResult {
 pub(super) use run as print;
 pub(super) use run as print_on_model;
 pub(super) use run as detectors;
+pub(super) use run as session;
 
 pub(super) fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {
     let name = &manifest.name;

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use clap::Subcommand;
 
-use super::CommandResult;
+use super::{CommandResult, full};
 use crate::cli::answer::{Named, named};
 use scaleproof_core::spelling::{self, quoted};
 
@@ -21,6 +21,8 @@ pub(super) enum Command {
     Import(import::Args),
     New(new::Args),
     Show(show::Args),
+    #[command(flatten)]
+    Full(full::SessionCommand),
 }
 
 /// Runs `scaleproof session …`.
@@ -30,11 +32,12 @@ pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
         Command::Import(args) => import::run(&args, out),
         Command::New(args) => new::run(args, out),
         Command::Show(args) => show::run(&args, out),
+        Command::Full(command) => full::session(command, out),
     }
 }
 
 /// How many photos each texture has.
-fn by_variant<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
+pub(super) fn by_variant<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
     let mut variants = BTreeMap::new();
     for variant in photos {
         *variants.entry(variant).or_default() += 1;
@@ -43,7 +46,7 @@ fn by_variant<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, us
 }
 
 /// The session that was made, and what to do with it.
-fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usize>, folder: &Path) -> String {
+pub(super) fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usize>, folder: &Path) -> String {
     let variants: Vec<_> = variants.iter().map(|(name, count)| format!("{name} {count}")).collect();
     format!(
         "{}: {} ({}); score {} with `scaleproof score {} -o REPORT`",

@@ -80,6 +80,12 @@ impl Photos {
 }
 
 impl FolderFiles {
+    /// Of photos that are no folder's yet.
+    #[cfg_attr(not(feature = "full"), expect(dead_code))]
+    pub(super) fn new(scene: Option<PathBuf>, camera: Option<PathBuf>, place: String) -> FolderFiles {
+        FolderFiles { scene, camera, place }
+    }
+
     /// Makes a session of folders in memory, and notes the images that are passed over.
     pub(super) fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
         let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;

@@ -289,6 +289,21 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
+/// SHA-256 of a file of any length, in lower-case hex, read in parts.
+pub fn sha256_of_file(path: &Path) -> Result<String, FileError> {
+    let failed = |e| FileError::read(path, &e);
+    inputs::note(path);
+    let (mut file, mut hash) = (File::open(path).map_err(failed)?, Sha256::new());
+    let mut part = vec![0; 1 << 20];
+    loop {
+        match file.read(&mut part).map_err(failed)? {
+            0 => break,
+            count => hash.update(&part[..count]),
+        }
+    }
+    Ok(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
+}
+
 /// The last part of a path; a path without one stays whole.
 pub fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());

@@ -22,7 +22,7 @@ use scaleproof_core::spelling::quoted;
 
 pub use budget::{Budget, DecodeCost};
 pub use decode::open_png;
-pub use encode::{as_jpeg, preview_jpeg};
+pub use encode::{as_jpeg, preview_jpeg, sensor_jpeg, sensor_png};
 pub use exif_tags::{Lens, Shot};
 pub use heif::reads_heif;
 pub use jpeg::standard_huffman_tables;

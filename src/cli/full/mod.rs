@@ -7,6 +7,7 @@ mod calibrate;
 mod capture;
 mod chart;
 mod fetch;
+mod film;
 mod interrupt;
 mod mesh_step;
 mod model;
@@ -92,6 +93,17 @@ pub(super) fn print(command: PrintCommand, out: &mut dyn Write) -> CommandResult
     board::run(&args, out)
 }
 
+/// More of `scaleproof session …`.
+#[derive(Subcommand)]
+pub(super) enum SessionCommand {
+    FromVideo(film::FilmArgs),
+}
+
+pub(super) fn session(command: SessionCommand, out: &mut dyn Write) -> CommandResult {
+    let SessionCommand::FromVideo(args) = command;
+    film::run(args, out)
+}
+
 /// More of `scaleproof detectors …`.
 #[derive(Subcommand)]
 pub(super) enum DetectorsCommand {
@@ -117,6 +129,7 @@ pub(super) fn schemas() -> Vec<Named> {
         named::<Written<painted::Answer>>("print-wrap-paints"),
         named::<Written<wrap::PanelsAnswer>>("print-wrap-panels"),
         named::<survey::SurveyJson>("survey"),
+        named::<film::Answer>("session-from-video"),
         named::<Written<textures::Baked>>("texture-bake"),
         named::<Written<textures::Shown>>("texture-show"),
     ];

@@ -29,7 +29,7 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Located;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::SeenTag;
-use scaleproof_session::session::{Conditions, PhotoEntry};
+use scaleproof_session::session::PhotoEntry;
 
 pub use advice::Advice;
 pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
@@ -288,9 +288,7 @@ impl Capture {
                 variant: self.variant.clone(),
                 place: Some(self.place.clone()),
                 taken: frame.taken.clone(),
-                box_xyxy_px: None,
-                viewpoint: None,
-                conditions: Conditions::new(),
+                ..PhotoEntry::default()
             },
             sha256: sha256.clone(),
             source: frame.name.clone(),

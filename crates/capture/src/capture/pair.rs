@@ -11,7 +11,7 @@ use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, Session, SessionError};
 
 /// The variant that is paired with where a session has several.
-const NORMAL: &str = "normal";
+pub const NORMAL: &str = "normal";
 
 /// Why a session gives no targets.
 #[derive(Debug, thiserror::Error)]
@@ -61,7 +61,11 @@ pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpo
     }
 }
 
-fn viewpoint(session: &Session, photo: &PhotoEntry, tags: &mut dyn TagDetector) -> Result<Viewpoint, String> {
+/// The viewpoint of a session's photo: the one it names, or by its tags.
+///
+/// # Errors
+/// Why it has none, as a sentence.
+pub fn viewpoint(session: &Session, photo: &PhotoEntry, tags: &mut dyn TagDetector) -> Result<Viewpoint, String> {
     if let Some(known) = photo.viewpoint {
         return Ok(known);
     }

@@ -84,6 +84,23 @@ pub struct PhotoEntry {
         deserialize_with = "conditions::read"
     )]
     pub conditions: Conditions,
+    /// The frame of a video that it is, where it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<VideoFrame>,
+}
+
+/// Which frame of which video a photo is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VideoFrame {
+    /// The video's name.
+    pub video: String,
+    /// SHA-256 of the video, hex.
+    pub sha256: String,
+    /// The frame's number in the order in which frames are shown, from 0.
+    pub number: u64,
+    /// When it is shown, s since the start of the video.
+    pub time_s: f64,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -159,7 +159,7 @@ impl NewSession<'_> {
         let there = std::fs::read_dir(home).into_iter().flatten().flatten();
         let mut taken: BTreeSet<String> = there.map(|e| e.file_name().to_string_lossy().to_lowercase()).collect();
         let mut photos = Vec::new();
-        let mut places = self.photos.session.photos.iter().map(|photo| photo.place.clone());
+        let mut gathered = self.photos.session.photos.iter();
         for found in &self.photos.folders {
             let names = &found.listing.photos;
             let folder = if self.copy {
@@ -176,8 +176,7 @@ impl NewSession<'_> {
             photos.extend(names.iter().map(|name| PhotoEntry {
                 file: joined(&folder, name),
                 variant: found.given.variant.clone(),
-                place: places.next().flatten(),
-                ..PhotoEntry::default()
+                ..gathered.next().cloned().unwrap_or_default()
             }));
         }
         Ok(photos)

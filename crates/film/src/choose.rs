@@ -1,0 +1,241 @@
+//! Which frames are kept. Plain numbers in, frames out.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::look::{Look, Unplaced, View};
+use scaleproof_capture::capture::{MAX_BLUR_PX, Tolerance};
+use scaleproof_core::geometry::angle::turn;
+use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
+
+/// A frame blurred by more than this, px (standard deviation), is chosen only where no sharper one stands nearby.
+const SHARP_PX: f64 = MAX_BLUR_PX;
+/// What nearby means, in azimuth and in pitch.
+const NEARBY_DEG: f64 = 5.0;
+/// Frames whose blur differs by less, px, are equally sharp: among them the nearest to the middle of the bin is the best.
+const ALIKE_PX: f64 = 0.05;
+/// A bin that is less probable is not counted on.
+const SURE_BIN: f64 = 0.95;
+/// A frame further than this from another photo's viewpoint is no pair of it: directions to the camera, seen from the model.
+const MOST_APART_DEG: f64 = 5.0;
+
+/// Why a frame was not fit to be chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Refusal {
+    /// No tag was found.
+    NoTags,
+    /// Tags were found, and no pose that is beyond doubt.
+    Unsure,
+    /// Part of the model's box is outside the image.
+    ModelCut,
+    /// Blurred beyond the limit, or too blurred to be located.
+    Blurred,
+    /// No whole tag is large enough to tell how sharp it is.
+    BlurUnknown,
+    /// Too high or too low for the scene's bins.
+    Pitch,
+    /// Too near or too far for the scene's bins.
+    Distance,
+    /// So near to the edge of its bin that it may be in the next.
+    BinEdge,
+}
+
+impl Refusal {
+    /// All, in the order in which a frame is checked.
+    pub const ALL: [Refusal; 8] = [
+        Refusal::NoTags,
+        Refusal::Unsure,
+        Refusal::ModelCut,
+        Refusal::Blurred,
+        Refusal::BlurUnknown,
+        Refusal::Pitch,
+        Refusal::Distance,
+        Refusal::BinEdge,
+    ];
+
+    /// As people say it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Refusal::NoTags => "no tags",
+            Refusal::Unsure => "no sure pose",
+            Refusal::ModelCut => "model cut off",
+            Refusal::Blurred => "blurred",
+            Refusal::BlurUnknown => "sharpness unknown",
+            Refusal::Pitch => "wrong height",
+            Refusal::Distance => "wrong distance",
+            Refusal::BinEdge => "between two bins",
+        }
+    }
+}
+
+/// What is asked of frames.
+#[derive(Debug, Clone)]
+pub struct Wish<'a> {
+    pub bins: &'a Bins,
+    /// Blur beyond this, px, is too much.
+    pub most_blur_px: f64,
+    /// Frames of each bin.
+    pub per_bin: usize,
+    /// Seconds between two of one bin, at least.
+    pub apart_s: f64,
+}
+
+/// A chosen frame, by its place among those looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chosen {
+    pub at: usize,
+    pub bin: Bin,
+    /// The wanted viewpoint it was chosen for, by its place, and how far it is from that.
+    pub pair: Option<(usize, f64)>,
+}
+
+impl Wish<'_> {
+    /// What keeps a frame from being chosen.
+    pub fn refusal(&self, look: &Look) -> Option<Refusal> {
+        let view = match &look.shows {
+            Err(Unplaced::NoTags) => return Some(Refusal::NoTags),
+            Err(Unplaced::Blurred) => return Some(Refusal::Blurred),
+            Err(Unplaced::Unsure) => return Some(Refusal::Unsure),
+            Ok(view) => view,
+        };
+        let (v, bin) = (&view.viewpoint, self.bins.bin_of(&view.viewpoint));
+        let tolerance = Tolerance::of_bins(self.bins, &self.bins.distance_mm);
+        let checks = [
+            (!view.is_model_whole, Refusal::ModelCut),
+            (view.blur_px.is_some_and(|px| px > self.most_blur_px), Refusal::Blurred),
+            (view.blur_px.is_none(), Refusal::BlurUnknown),
+            (
+                (v.pitch_deg - bin.pitch_deg).abs() > tolerance.pitch_deg,
+                Refusal::Pitch,
+            ),
+            (
+                (v.distance_mm - bin.distance_mm).abs() > tolerance.distance_mm,
+                Refusal::Distance,
+            ),
+            (view.bin_probability < SURE_BIN, Refusal::BinEdge),
+        ];
+        checks.into_iter().find(|(is_so, _)| *is_so).map(|(_, refusal)| refusal)
+    }
+
+    /// The frames that may be chosen, each with its view and its blur.
+    fn fit<'a>(&self, looks: &'a [Look]) -> Vec<Fit<'a>> {
+        let fit = looks
+            .iter()
+            .enumerate()
+            .filter(|(_, look)| self.refusal(look).is_none());
+        let fit = fit.filter_map(|(at, look)| {
+            let view = look.shows.as_ref().ok()?;
+            Some(Fit {
+                at,
+                time_s: look.time_s,
+                view,
+                blur_px: view.blur_px?,
+                bin: self.bins.bin_of(&view.viewpoint),
+            })
+        });
+        let all: Vec<Fit> = fit.collect();
+        let is_blurred_beside = |one: &Fit| {
+            let beats = |other: &Fit| other.blur_px < one.blur_px && other.is_nearby(one);
+            one.blur_px > SHARP_PX && all.iter().any(beats)
+        };
+        all.iter().filter(|one| !is_blurred_beside(one)).copied().collect()
+    }
+
+    /// The sharpest frames of each bin, apart in time; among equally sharp ones those nearest to the middle of the bin.
+    pub fn best(&self, looks: &[Look]) -> Vec<Chosen> {
+        let mut bins: BTreeMap<Bin, Vec<Fit>> = BTreeMap::new();
+        for fit in self.fit(looks) {
+            bins.entry(fit.bin).or_default().push(fit);
+        }
+        let mut chosen = Vec::new();
+        for (bin, mut fits) in bins {
+            fits.sort_by(|a, b| {
+                let order = |fit: &Fit| ((fit.blur_px / ALIKE_PX).floor() as i64, fit.off_centre_deg());
+                let (a, b) = (order(a), order(b));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            });
+            let mut own: Vec<Fit> = Vec::new();
+            for fit in fits {
+                if own.len() < self.per_bin
+                    && own
+                        .iter()
+                        .all(|other| (other.time_s - fit.time_s).abs() >= self.apart_s)
+                {
+                    own.push(fit);
+                }
+            }
+            own.sort_by_key(|fit| fit.at);
+            let taken = own.iter().map(|fit| Chosen {
+                at: fit.at,
+                bin,
+                pair: None,
+            });
+            chosen.extend(taken);
+        }
+        chosen
+    }
+
+    /// For each of some viewpoints the frame that is nearest to it, of the same bin; the nearest pairs are joined first, and no frame twice.
+    pub fn nearest(&self, looks: &[Look], wanted: &[Viewpoint]) -> Vec<Chosen> {
+        let fits = self.fit(looks);
+        let mut all = Vec::new();
+        for (place, wanted) in wanted.iter().enumerate() {
+            let bin = self.bins.bin_of(wanted);
+            let same = fits.iter().filter(|fit| fit.bin == bin);
+            let near = same.map(|fit| (apart_deg(&fit.view.viewpoint, wanted), fit.at, place, bin));
+            all.extend(near.filter(|(apart, ..)| *apart <= MOST_APART_DEG));
+        }
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut chosen: Vec<Chosen> = Vec::new();
+        for (apart, at, place, bin) in all {
+            let is_free = |other: &Chosen| other.at != at && other.pair.is_none_or(|(taken, _)| taken != place);
+            if chosen.iter().all(is_free) {
+                let pair = Some((place, apart));
+                chosen.push(Chosen { at, bin, pair });
+            }
+        }
+        chosen.sort_by_key(|one| one.at);
+        chosen
+    }
+}
+
+/// A frame that may be chosen.
+#[derive(Debug, Clone, Copy)]
+struct Fit<'a> {
+    at: usize,
+    time_s: f64,
+    view: &'a View,
+    blur_px: f64,
+    bin: Bin,
+}
+
+impl Fit<'_> {
+    fn is_nearby(&self, other: &Fit) -> bool {
+        let (a, b) = (&self.view.viewpoint, &other.view.viewpoint);
+        turn(a.azimuth_deg, b.azimuth_deg).abs() <= NEARBY_DEG && (a.pitch_deg - b.pitch_deg).abs() <= NEARBY_DEG
+    }
+
+    fn off_centre_deg(&self) -> f64 {
+        turn(self.bin.azimuth_deg, self.view.viewpoint.azimuth_deg).abs()
+    }
+}
+
+/// How far two viewpoints are apart: the way between the camera centres as an angle at the farther one's distance, degrees. Other distances count as
+/// other directions do.
+pub fn apart_deg(a: &Viewpoint, b: &Viewpoint) -> f64 {
+    let [one, other] = [a, b].map(|v| v.camera_centre_mm(nalgebra::Point3::origin()));
+    let far_mm = a.distance_mm.max(b.distance_mm);
+    ((one - other).norm() / far_mm).to_degrees()
+}
+
+/// Refused frames by reason.
+pub fn refused(wish: &Wish, looks: &[Look]) -> BTreeMap<Refusal, usize> {
+    let mut counts = BTreeMap::new();
+    for refusal in looks.iter().filter_map(|look| wish.refusal(look)) {
+        *counts.entry(refusal).or_default() += 1;
+    }
+    counts
+}

@@ -1,0 +1,123 @@
+//! The coverage plot: where the camera stood, seen from above with the model's front up, and what became of each frame.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, html};
+
+use crate::choose::{Refusal, Wish};
+use crate::keep::Kept;
+use crate::look::Look;
+use scaleproof_plot::{Drawing, Explained, colour, figure};
+use scaleproof_pose::scene::Viewpoint;
+
+const RADIUS: f64 = 150.0;
+/// The farthest frame is drawn here, as a share of the radius.
+const FAR: f64 = 0.97;
+/// More dots than this tell no more.
+const MOST_DOTS: usize = 1500;
+const FIT: &str = "#9fb4c7";
+const CHOSEN: &str = "#000000";
+
+/// The plot as SVG.
+pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
+    let views: Vec<(&Viewpoint, Option<Refusal>)> = looks
+        .iter()
+        .filter_map(|look| Some((&look.shows.as_ref().ok()?.viewpoint, wish.refusal(look))))
+        .collect();
+    let mut counts: BTreeMap<Refusal, usize> = BTreeMap::new();
+    for look in looks {
+        if let Some(refusal) = wish.refusal(look) {
+            *counts.entry(refusal).or_default() += 1;
+        }
+    }
+    let fit = looks.len() - counts.values().sum::<usize>();
+    let mut legend = vec![
+        (CHOSEN.to_owned(), format!("chosen {}", kept.len())),
+        (FIT.to_owned(), format!("fit {fit}")),
+    ];
+    let drawn = counts
+        .iter()
+        .filter(|(refusal, _)| !matches!(refusal, Refusal::NoTags | Refusal::Unsure));
+    legend.extend(drawn.map(|(refusal, count)| (hue(*refusal).to_owned(), format!("{} {count}", refusal.name()))));
+    let unplaced = [Refusal::NoTags, Refusal::Unsure].map(|refusal| counts.get(&refusal).copied().unwrap_or(0));
+    let notes = vec![
+        "Where the camera stood, from above, the model's front up; spokes: edges of the bins.".to_owned(),
+        format!(
+            "{} frames looked at; not drawn as no pose is known: {} without tags, {} without a sure pose.",
+            looks.len(),
+            unplaced[0],
+            unplaced[1]
+        ),
+    ];
+    let drawing = Drawing {
+        area: [-190.0, -175.0, 380.0, 350.0],
+        label: title.to_owned(),
+        marks: marks(wish, &views, kept),
+    };
+    figure(title, &Explained { legend, notes }, 1, &[("", drawing)])
+}
+
+fn hue(refusal: Refusal) -> &'static str {
+    let place = Refusal::ALL.iter().position(|other| *other == refusal).unwrap_or(0);
+    // After the blues, which are near to that of fit frames.
+    match place {
+        0..=3 => colour(1),
+        4 => colour(8),
+        5 => colour(2),
+        6 => colour(4),
+        _ => colour(3),
+    }
+}
+
+fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) -> Markup {
+    let far_mm = views
+        .iter()
+        .map(|(v, _)| ground_mm(v))
+        .chain(wish.bins.distance_mm.iter().copied())
+        .fold(1.0, f64::max);
+    let at = |v: &Viewpoint| place(v.azimuth_deg, FAR * ground_mm(v) / far_mm);
+    let step = wish.bins.azimuth_deg;
+    let edges: Vec<f64> = wish
+        .bins
+        .azimuth_centres()
+        .iter()
+        .map(|centre| centre + step / 2.0)
+        .collect();
+    let every = views.len().div_ceil(MOST_DOTS).max(1);
+    let names = [("front", 0.0), ("left", 90.0), ("rear", 180.0), ("right", 270.0)];
+    html! {
+        circle r=(RADIUS) fill="none" stroke="#d7dce2" {}
+        @for edge in edges {
+            @let [x, y] = place(edge, 1.0);
+            line x2=(round(x)) y2=(round(y)) stroke="#d7dce2" {}
+        }
+        @for (name, azimuth) in names {
+            @let [x, y] = place(azimuth, 1.08);
+            text x=(round(x)) y=(round(y + 4.0)) font-size="11" text-anchor="middle" fill="#5b6573" { (name) }
+        }
+        polygon points="0,-12 7,8 -7,8" fill="#5b6573" {}
+        @for (v, refusal) in views.iter().step_by(every) {
+            @let [x, y] = at(v);
+            circle cx=(round(x)) cy=(round(y)) r="2" fill=(refusal.map_or(FIT, hue)) {}
+        }
+        @for one in kept {
+            @let [x, y] = at(&one.viewpoint);
+            circle cx=(round(x)) cy=(round(y)) r="4.5" fill=(CHOSEN) stroke="#fff" {}
+        }
+    }
+}
+
+/// How far the camera stood from the middle of the model, on the ground, mm.
+fn ground_mm(v: &Viewpoint) -> f64 {
+    v.distance_mm * v.pitch_deg.to_radians().cos()
+}
+
+/// Front up, counter-clockwise seen from above, so that the model's left side is on the left.
+fn place(azimuth_deg: f64, share: f64) -> [f64; 2] {
+    let a = azimuth_deg.to_radians();
+    [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]
+}
+
+fn round(v: f64) -> f64 {
+    (v * 10.0).round() / 10.0
+}

@@ -1,0 +1,288 @@
+//! Chosen frames become photos: decoded at full size, located once more the one way, and written with what was measured.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use image::RgbImage;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::choose::Chosen;
+use crate::look::Look;
+use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance};
+use scaleproof_core::files::{self, FileError};
+use scaleproof_core::geometry::rigid;
+use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::{Located, Sigma};
+use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
+use scaleproof_pose::tags::{StartError, TagDetectorChoice};
+use scaleproof_session::session::{PhotoEntry, VideoFrame};
+use scaleproof_video::{Frame, Selection, Video, VideoError};
+
+/// Quality of the JPEGs.
+const QUALITY: u8 = 95;
+/// The longer side of a frame on the contact sheet, px.
+const THUMBNAIL_PX: u32 = 320;
+/// So often at most, frames that turn out unfit at full size are replaced by others.
+const MOST_ROUNDS: usize = 4;
+
+/// Why frames could not be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum KeepError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error(transparent)]
+    Tags(#[from] StartError),
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What photos are made of.
+pub struct Keeper<'a> {
+    pub video: &'a Video,
+    /// The video's name and SHA-256.
+    pub hashed: (&'a str, &'a str),
+    pub scene: &'a Scene,
+    pub camera: &'a Camera,
+    pub detector: TagDetectorChoice,
+    pub variant: &'a str,
+    pub place: &'a str,
+    /// PNG instead of JPEG.
+    pub png: bool,
+    /// The viewpoints that frames were chosen for, where they were.
+    pub wanted: &'a [Viewpoint],
+}
+
+/// A frame that is a photo now.
+#[derive(Debug, Clone)]
+pub struct Kept {
+    /// Its name in the folder.
+    pub file: String,
+    /// Among those looked at.
+    pub at: usize,
+    pub frame: VideoFrame,
+    pub bin: Bin,
+    pub viewpoint: Viewpoint,
+    pub sigma: Sigma,
+    pub measures: Measures,
+    /// The wanted viewpoint it was chosen for, by its place, and how far its own is from that.
+    pub pair: Option<(usize, PairDifference)>,
+    /// What a photographer would be told, as a sentence, where its light is not right.
+    pub advice: Option<String>,
+    pub thumbnail: RgbImage,
+}
+
+/// How the viewpoints of a pair differ.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PairDifference {
+    /// The way between the two camera centres as an angle at the farther one's distance.
+    pub apart_deg: f64,
+    pub azimuth_deg: f64,
+    pub pitch_deg: f64,
+    pub distance_mm: f64,
+}
+
+impl PairDifference {
+    /// From one viewpoint to the other.
+    pub fn between(from: &Viewpoint, to: &Viewpoint) -> PairDifference {
+        PairDifference {
+            apart_deg: crate::choose::apart_deg(from, to),
+            azimuth_deg: scaleproof_core::geometry::angle::turn(from.azimuth_deg, to.azimuth_deg),
+            pitch_deg: to.pitch_deg - from.pitch_deg,
+            distance_mm: to.distance_mm - from.distance_mm,
+        }
+    }
+}
+
+impl Keeper<'_> {
+    /// Writes what is chosen into a new folder, whole or not at all; frames that turn out unfit are replaced as `choose` says without them. No folder
+    /// is made for no frame.
+    ///
+    /// # Errors
+    /// The video breaks off; the folder cannot be written; `goes_on`, which is asked after each frame, says no.
+    pub fn write(
+        &self,
+        folder: &Path,
+        looks: &[Look],
+        choose: impl Fn(&BTreeSet<usize>) -> Vec<Chosen>,
+        goes_on: impl Fn() -> bool,
+    ) -> Result<Vec<Kept>, KeepError> {
+        let mut outcome = Ok(Vec::new());
+        let made = files::make_folder(folder, |inside| {
+            outcome = self.fill(inside, looks, &choose, &goes_on);
+            let is_some = outcome.as_ref().is_ok_and(|kept| !kept.is_empty());
+            is_some
+                .then_some(())
+                .ok_or_else(|| FileError::cannot_write(folder, "nothing was chosen"))
+        });
+        match (outcome, made) {
+            (Ok(kept), Err(e)) if !kept.is_empty() => Err(e.into()),
+            (outcome, _) => outcome,
+        }
+    }
+
+    fn fill(
+        &self,
+        folder: &Path,
+        looks: &[Look],
+        choose: &impl Fn(&BTreeSet<usize>) -> Vec<Chosen>,
+        goes_on: &impl Fn() -> bool,
+    ) -> Result<Vec<Kept>, KeepError> {
+        let mut judge = Judge::new(self.scene, self.detector, false)?;
+        let (mut unfit, mut kept) = (BTreeSet::new(), BTreeMap::<usize, Kept>::new());
+        for _ in 0..MOST_ROUNDS {
+            let chosen: BTreeMap<usize, Chosen> = choose(&unfit).into_iter().map(|one| (one.at, one)).collect();
+            for (_, old) in kept.extract_if(.., |at, _| !chosen.contains_key(at)) {
+                self.remove(folder, &old.file)?;
+            }
+            let missing: BTreeMap<u64, Chosen> = chosen
+                .into_iter()
+                .filter(|(at, _)| !kept.contains_key(at))
+                .map(|(at, one)| (looks[at].number, one))
+                .collect();
+            if missing.is_empty() {
+                break;
+            }
+            let numbers = Some(missing.keys().copied().collect());
+            let selection = Selection {
+                numbers,
+                is_whole: false,
+                ..Selection::default()
+            };
+            for frame in self.video.rgb(&selection)? {
+                let frame = frame?;
+                let Some(one) = missing.get(&frame.number) else {
+                    continue;
+                };
+                match self.keep(folder, &frame, one, &mut judge)? {
+                    Some(photo) => drop(kept.insert(one.at, photo)),
+                    None => drop(unfit.insert(one.at)),
+                }
+                if !goes_on() {
+                    return Err(KeepError::Interrupted);
+                }
+            }
+        }
+        Ok(kept.into_values().collect())
+    }
+
+    fn remove(&self, folder: &Path, file: &str) -> Result<(), FileError> {
+        [file.to_owned(), sidecar_of(file)]
+            .iter()
+            .try_for_each(|name| files::remove(&folder.join(name)))
+    }
+
+    /// Writes one frame; `None` when at full size it is not what it was taken for.
+    fn keep(
+        &self,
+        folder: &Path,
+        frame: &Frame<RgbImage>,
+        one: &Chosen,
+        judge: &mut Judge,
+    ) -> Result<Option<Kept>, KeepError> {
+        let turned_deg = self.video.turned_deg;
+        let (bytes, ending) = match self.png {
+            true => (photo::sensor_png(&frame.image, turned_deg), "png"),
+            false => (photo::sensor_jpeg(&frame.image, turned_deg, QUALITY), "jpg"),
+        };
+        let file = format!("{}_{:06}.{ending}", slug(self.variant), frame.number);
+        let path = folder.join(&file);
+        let no_image = || FileError::cannot_write(&path, "a frame of this size makes no image file");
+        let photo = Photo::from_bytes(Path::new(&file), bytes.ok_or_else(no_image)?, Budget::FILE)?;
+        let target = self.target(one);
+        let bins = &self.scene.bins;
+        let guidance = Guidance::at(&[target], Tolerance::of_bins(bins, &bins.distance_mm), bins);
+        let judged = judge.judge(&photo.luma()?, photo.turned_deg, self.camera, &guidance);
+        let Some(located) = judged.located.filter(|located| located.bin == one.bin) else {
+            return Ok(None);
+        };
+        let light = judged.verdict.err().filter(|advice| {
+            use scaleproof_capture::capture::Advice::{TooBright, TooDark};
+            matches!(advice, TooBright | TooDark)
+        });
+        let video_frame = VideoFrame {
+            video: self.hashed.0.to_owned(),
+            sha256: self.hashed.1.to_owned(),
+            number: frame.number,
+            time_s: frame.time_s,
+        };
+        let kept = Kept {
+            at: one.at,
+            bin: one.bin,
+            viewpoint: located.viewpoint,
+            sigma: located.sigma,
+            measures: judged.measures,
+            pair: one
+                .pair
+                .map(|(place, _)| (place, PairDifference::between(&target, &located.viewpoint))),
+            advice: light.map(|advice| advice.to_string()),
+            thumbnail: photo::boxed(
+                &frame.image,
+                photo::fitting(frame.image.dimensions().into(), THUMBNAIL_PX),
+            ),
+            frame: video_frame,
+            file,
+        };
+        let sidecar = self.sidecar(&kept, &photo, &located, target);
+        let text = serde_json::to_string_pretty(&sidecar).map_err(|e| FileError::content(&path, e))?;
+        files::replace_atomically(&path, photo.bytes())?;
+        files::replace_atomically(&folder.join(sidecar_of(&kept.file)), (text + "\n").as_bytes())?;
+        Ok(Some(kept))
+    }
+
+    /// The viewpoint that a frame was chosen for: another photo's, or the middle of its bin.
+    fn target(&self, one: &Chosen) -> Viewpoint {
+        let wanted = one.pair.and_then(|(place, _)| self.wanted.get(place));
+        wanted.copied().unwrap_or(Viewpoint {
+            azimuth_deg: one.bin.azimuth_deg,
+            pitch_deg: one.bin.pitch_deg,
+            distance_mm: one.bin.distance_mm,
+        })
+    }
+
+    fn sidecar(&self, kept: &Kept, photo: &Photo, located: &Located, target: Viewpoint) -> Sidecar {
+        Sidecar {
+            photo: PhotoEntry {
+                file: kept.file.clone(),
+                variant: self.variant.to_owned(),
+                place: Some(self.place.to_owned()),
+                frame: Some(kept.frame.clone()),
+                ..PhotoEntry::default()
+            },
+            sha256: photo.sha256.clone(),
+            source: format!(
+                "{}, frame {} at {:.3} s",
+                kept.frame.video, kept.frame.number, kept.frame.time_s
+            ),
+            target,
+            viewpoint: located.viewpoint,
+            sigma: located.sigma,
+            T_camera_model: rigid::rows(&located.pose),
+            tags: located.tags.clone(),
+            rms_px: located.rms_px,
+            gates: kept.measures,
+            is_by_hand: false,
+            camera: None,
+        }
+    }
+}
+
+fn sidecar_of(file: &str) -> String {
+    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    format!("{stem}.capture.json")
+}
+
+/// A variant as the beginning of a file name: ASCII letters and digits, and dashes for all else, but none at the ends.
+pub fn slug(variant: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+    let dashed: String = variant.chars().map(plain).take(40).collect();
+    match dashed.trim_matches('-') {
+        "" => "photo".into(),
+        name => name.into(),
+    }
+}

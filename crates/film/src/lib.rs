@@ -1,0 +1,16 @@
+//! A video of a walk round the model becomes photos of a session.
+//!
+//! - [`look`]: where the camera stood in each frame, how sharp it is, and whether the whole model is in it; tracked from frame to frame;
+//! - [`journal`]: what was looked at, so that an interrupted run goes on;
+//! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
+//! - [`pairs`]: the viewpoints that frames are to be pairs of;
+//! - [`keep`]: chosen frames decoded at full size, located once more the one way, and written;
+//! - [`coverage`] and [`sheet`]: what was seen, chosen and refused, as pictures.
+
+pub mod choose;
+pub mod coverage;
+pub mod journal;
+pub mod keep;
+pub mod look;
+pub mod pairs;
+pub mod sheet;

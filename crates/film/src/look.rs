@@ -1,0 +1,183 @@
+//! What each frame of a video shows: fast, since most frames are never kept.
+//!
+//! The pose of the frame before says where tags are, and only there it is looked. Every so often, and when that fails, the whole image is
+//! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
+
+use image::GrayImage;
+use serde::{Deserialize, Serialize};
+
+use scaleproof_core::geometry::Rigid;
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::{Abstention, Located, locate_luma};
+use scaleproof_pose::scene::{Scene, Viewpoint};
+use scaleproof_pose::tags::{Appearance, StartError, TagDetector, TagDetectorChoice};
+
+/// After so many tracked frames one is searched as a whole, so that nothing that tracking believes lasts.
+const MOST_TRACKED: u32 = 25;
+/// Of frames in a row without a pose, each so-manieth is searched by every means.
+const SEARCHED_WELL: u32 = 12;
+
+/// One frame, looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Look {
+    /// Its number in the video, from 0.
+    pub number: u64,
+    /// When it is shown, s since the start of the video.
+    pub time_s: f64,
+    /// What it shows; `Err` where there is no pose.
+    pub shows: Result<View, Unplaced>,
+}
+
+/// What a frame with a pose shows.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    pub viewpoint: Viewpoint,
+    /// Standard deviation of the azimuth, degrees.
+    pub sigma_azimuth_deg: f64,
+    /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
+    pub blur_px: Option<f64>,
+    /// Whether the model's whole box lies in the image.
+    pub is_model_whole: bool,
+    /// The probability that the viewpoint's bin is the right one.
+    pub bin_probability: f64,
+}
+
+/// Why a frame has no pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unplaced {
+    NoTags,
+    Blurred,
+    Unsure,
+}
+
+/// Looks at the frames of one video in their order. Holds tag detectors.
+pub struct Looker<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    turned_deg: u32,
+    fast: Box<dyn TagDetector>,
+    thorough: Box<dyn TagDetector>,
+    /// Poses of the last two frames, the older first.
+    poses: [Option<Rigid>; 2],
+    tracked: u32,
+    lost: u32,
+}
+
+impl<'a> Looker<'a> {
+    /// `turned_deg`: how far the container turned the sensor's image clockwise.
+    ///
+    /// # Errors
+    /// The tag detector does not start.
+    pub fn new(
+        scene: &'a Scene,
+        camera: &'a Camera,
+        turned_deg: u32,
+        detector: TagDetectorChoice,
+    ) -> Result<Looker<'a>, StartError> {
+        let families = scene.families();
+        let fast = match detector.open_live(&families)? {
+            Some(fast) => fast,
+            None => detector.open(&families)?,
+        };
+        Ok(Looker {
+            scene,
+            camera,
+            turned_deg,
+            fast,
+            thorough: detector.open(&families)?,
+            poses: [None, None],
+            tracked: 0,
+            lost: 0,
+        })
+    }
+
+    /// Looks at the next frame.
+    pub fn look(&mut self, luma: &GrayImage, number: u64, time_s: f64) -> Look {
+        let guess = self.guess().filter(|_| self.tracked < MOST_TRACKED);
+        let mut photo = self.located(luma, guess.as_ref(), false);
+        if guess.is_some() && photo.result.is_err() {
+            photo = self.located(luma, None, false);
+        }
+        if photo.result.is_err() {
+            if self.lost.is_multiple_of(SEARCHED_WELL) {
+                photo = self.located(luma, None, true);
+            }
+            self.lost += 1;
+        }
+        self.tracked = if guess.is_some() { self.tracked + 1 } else { 0 };
+        let pose = photo.result.as_ref().ok().map(|located| located.pose);
+        self.poses = [self.poses[1], pose];
+        if pose.is_some() {
+            self.lost = 0;
+        }
+        let shows = match (&photo.result, &photo.fitted) {
+            (Ok(located), Ok(fitted)) => {
+                let blur_px = Appearance::measure(luma, &photo.seen).blur_px;
+                Ok(View::new(
+                    located,
+                    blur_px,
+                    self.is_model_whole(&located.pose, &fitted.camera),
+                ))
+            }
+            (Err(why), _) => Err(Unplaced::of(why)),
+            (_, Err(_)) => Err(Unplaced::Unsure),
+        };
+        Look { number, time_s, shows }
+    }
+
+    fn located(
+        &mut self,
+        luma: &GrayImage,
+        guess: Option<&Rigid>,
+        is_thorough: bool,
+    ) -> scaleproof_pose::locate::LocatedPhoto {
+        let tags = if is_thorough {
+            &mut self.thorough
+        } else {
+            &mut self.fast
+        };
+        locate_luma(luma, self.turned_deg, guess, self.scene, self.camera, tags.as_mut())
+    }
+
+    /// Where the camera would be if it moved on as it did.
+    fn guess(&self) -> Option<Rigid> {
+        match self.poses {
+            [Some(before), Some(last)] => Some(last * before.inverse() * last),
+            [None, last] => last,
+            [Some(_), None] => None,
+        }
+    }
+
+    fn is_model_whole(&self, pose: &Rigid, camera: &Camera) -> bool {
+        let is_inside = |[x, y]: [f64; 2]| {
+            (0.0..=f64::from(camera.width) - 1.0).contains(&x) && (0.0..=f64::from(camera.height) - 1.0).contains(&y)
+        };
+        let corners = self.scene.model.box_corners_mm();
+        corners
+            .iter()
+            .all(|corner| camera.project(&(pose * corner)).is_some_and(is_inside))
+    }
+}
+
+impl View {
+    fn new(located: &Located, blur_px: Option<f64>, is_model_whole: bool) -> View {
+        View {
+            viewpoint: located.viewpoint,
+            sigma_azimuth_deg: located.sigma.azimuth_deg,
+            blur_px: blur_px.filter(|px| px.is_finite()),
+            is_model_whole,
+            bin_probability: located.bin_probability,
+        }
+    }
+}
+
+impl Unplaced {
+    fn of(why: &Abstention) -> Unplaced {
+        match why {
+            Abstention::NoTags => Unplaced::NoTags,
+            Abstention::Blurred { .. } => Unplaced::Blurred,
+            _ => Unplaced::Unsure,
+        }
+    }
+}

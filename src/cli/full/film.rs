@@ -1,0 +1,628 @@
+//! `scaleproof session from-video`: the best frames of a walk round the model become photos of a session.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::interrupt::in_background;
+use crate::cli::answer::told;
+use crate::cli::session::{by_variant, in_words};
+use crate::cli::sessions::{self, FolderFiles};
+use crate::cli::{CommandResult, Result};
+use scaleproof_capture::capture::{MAX_BLUR_PX, Measures};
+use scaleproof_core::files;
+use scaleproof_core::spelling::count;
+use scaleproof_core::statistics::upper_median;
+use scaleproof_film::choose::{Chosen, Refusal, Wish, refused};
+use scaleproof_film::journal::{About, Journal};
+use scaleproof_film::keep::{KeepError, Keeper, Kept, PairDifference, slug};
+use scaleproof_film::look::{Look, Looker};
+use scaleproof_film::pairs::Wanted;
+use scaleproof_film::{coverage, sheet};
+use scaleproof_pose::camera::Camera;
+use scaleproof_pose::locate::Sigma;
+use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
+use scaleproof_pose::tags::{TagDetectorChoice, limit_scale};
+use scaleproof_session::session::folders::PhotoFolder;
+use scaleproof_session::session::{NewSession, PhotoEntry, Session};
+use scaleproof_terminal::progress::{self, Progress};
+use scaleproof_video::{Selection, Video, VideoError};
+
+/// Make photos of a video of a walk round the model: the best frames of each bin, in a session
+///
+/// Every frame is located by its tags; kept are the sharpest that show the whole model as the scene's bins ask. Where the session has photos of another
+/// texture at the same place, the frames nearest to their viewpoints are kept, so that pairs differ in the texture alone. The video is never changed. A
+/// run that was stopped goes on where it was when it is called again. Videos are read with ffmpeg.
+#[derive(clap::Args)]
+pub(in crate::cli) struct FilmArgs {
+    /// The video: MP4, MOV, MKV or WebM, as the camera wrote it
+    video: PathBuf,
+    /// What stands on the table, scene.toml [default: that of the session]
+    #[arg(long, value_name = "TOML")]
+    scene: Option<PathBuf>,
+    /// The camera file of this camera's videos, whose crop is another than that of its photos [default: that of the session]
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// The texture on the model; `normal` is the plain one
+    #[arg(long, value_name = "NAME")]
+    variant: String,
+    /// Where it was filmed; photos of one place are not independent
+    #[arg(long, value_name = "NAME")]
+    place: String,
+    /// The session's folder; one that is there gets the photos besides those it has
+    #[arg(short, long, value_name = "SESSION")]
+    output: PathBuf,
+    /// Frames of each bin; as many as there are photos to pair with, where the session has another texture
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    per_bin: u16,
+    /// Seconds between two frames of one bin, at least
+    #[arg(long, value_name = "S", default_value = "0.3", value_parser = seconds)]
+    apart: f64,
+    /// Begin at this time of the video, s
+    #[arg(long, value_name = "S", default_value = "0", value_parser = seconds)]
+    from: f64,
+    /// End at this time of the video, s
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    to: Option<f64>,
+    /// Look at every so-manieth frame only
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    every: u64,
+    /// Keep frames as PNG instead of JPEG of quality 95
+    #[arg(long)]
+    png: bool,
+    /// Print what was made as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s >= 0.0);
+    number.ok_or_else(|| "give seconds, 0 or more".into())
+}
+
+/// `session from-video --json`.
+#[derive(Serialize, JsonSchema)]
+pub(in crate::cli) struct Answer {
+    /// The session's folder.
+    session: PathBuf,
+    /// The `session.json` in it.
+    file: PathBuf,
+    video: VideoFacts,
+    /// How many frames were looked at.
+    frames: usize,
+    /// How many of them have a pose.
+    located: usize,
+    /// How many of them were fit to be chosen.
+    fit: usize,
+    /// The others by reason.
+    refused: BTreeMap<Refusal, usize>,
+    /// The photos that were made.
+    chosen: Vec<ChosenFrame>,
+    /// Bins of the scene without a photo of this video.
+    empty_bins: Vec<Bin>,
+    /// The texture whose photos frames were paired with; `null` where there is none.
+    paired_with: Option<String>,
+    /// Its photos without a pair in this video.
+    unpaired: Vec<String>,
+    /// The chosen frames, small, on one image.
+    contact_sheet: PathBuf,
+    /// Where the camera stood in all frames.
+    coverage: PathBuf,
+    /// What to know before the photos are believed, as sentences.
+    notes: Vec<String>,
+}
+
+/// A video, as its header says.
+#[derive(Serialize, JsonSchema)]
+struct VideoFacts {
+    name: String,
+    sha256: String,
+    /// Of an upright frame.
+    width_px: u32,
+    /// Of an upright frame.
+    height_px: u32,
+    /// Clockwise.
+    turned_deg: u32,
+    codec: String,
+    duration_s: Option<f64>,
+    /// SDR, HLG or PQ.
+    range: &'static str,
+}
+
+/// A frame that is a photo now.
+#[derive(Serialize, JsonSchema)]
+struct ChosenFrame {
+    /// From the session's folder.
+    file: String,
+    /// Its number in the video, from 0.
+    frame: u64,
+    time_s: f64,
+    bin: Bin,
+    viewpoint: Viewpoint,
+    sigma: Sigma,
+    gates: Measures,
+    pair: Option<Pair>,
+}
+
+/// The photo that a frame is a pair of.
+#[derive(Serialize, JsonSchema)]
+struct Pair {
+    file: String,
+    /// From the photo's viewpoint to the frame's.
+    difference: PairDifference,
+}
+
+/// What is read before a frame is looked at.
+struct Film {
+    video: Video,
+    name: String,
+    sha256: String,
+    scene: Scene,
+    camera: Camera,
+    wanted: Wanted,
+    files: FolderFiles,
+}
+
+pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult {
+    let film = opened(&args)?;
+    let stopped = interrupted();
+    let had_folder = args.output.exists();
+    std::fs::create_dir_all(&args.output).map_err(|e| files::FileError::write(&args.output, &e))?;
+    let journal = args.output.join(format!(".film-{}.journal", &film.sha256[..12]));
+    let made = make(&args, &film, &journal, &stopped);
+    if matches!(&made, Err(e) if !e.is::<Interruption>()) {
+        let _ = files::remove(&journal);
+        if !had_folder {
+            // Only when it is empty.
+            let _ = std::fs::remove_dir(&args.output);
+        }
+    }
+    match made {
+        Ok((answer, words)) => told(args.json, answer, words, out),
+        Err(e) if e.is::<Interruption>() => {
+            say!("{e}");
+            std::process::exit(130)
+        }
+        Err(e) => Err(e),
+    }
+}
+
+/// Ctrl-C: the run can go on later.
+#[derive(Debug, thiserror::Error)]
+#[error("stopped after {time_s:.1} s of the video: the same command goes on from there")]
+struct Interruption {
+    time_s: f64,
+}
+
+/// True from the first Ctrl-C on; the second ends the program at once.
+fn interrupted() -> Arc<AtomicBool> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let heard = stopped.clone();
+    in_background(async move {
+        if tokio::signal::ctrl_c().await.is_ok() {
+            heard.store(true, Ordering::Relaxed);
+            if tokio::signal::ctrl_c().await.is_ok() {
+                std::process::exit(130);
+            }
+        }
+    });
+    stopped
+}
+
+fn opened(args: &FilmArgs) -> Result<Film> {
+    if args.to.is_some_and(|to| to <= args.from) {
+        return Err("--to must be later than --from".into());
+    }
+    let mut files = FolderFiles::new(args.scene.clone(), args.camera.clone(), args.place.clone());
+    let list = args.output.join("session.json");
+    let session = list.exists().then(|| {
+        files::inputs::own(&list);
+        sessions::session(&args.output)
+    });
+    let session = session.transpose()?;
+    if let Some(session) = &session {
+        files.or_those_of(session)?;
+    }
+    let (scene, camera) = (Scene::open(files.scene()?)?, Camera::open(files.camera()?)?);
+    let video = Video::open(&args.video)?;
+    camera
+        .for_photo(video.width, video.height, video.turned_deg)
+        .map_err(|e| {
+            format!(
+                "{}: {e}; videos are cropped otherwise than photos, so the camera file must be of its videos",
+                args.video.display()
+            )
+        })?;
+    let sha256 = files::sha256_of_file(&args.video)?;
+    let wanted = match &session {
+        Some(session) => {
+            refuse_twice(session, args, &sha256)?;
+            Wanted::of(session, &args.variant, &args.place, TagDetectorChoice::default())?
+        }
+        None => Wanted::default(),
+    };
+    Ok(Film {
+        name: files::name_of(&args.video),
+        video,
+        sha256,
+        scene,
+        camera,
+        wanted,
+        files,
+    })
+}
+
+/// Each photo counts once.
+fn refuse_twice(session: &Session, args: &FilmArgs, sha256: &str) -> Result<()> {
+    let is_it = |photo: &&PhotoEntry| photo.frame.as_ref().is_some_and(|frame| frame.sha256 == sha256);
+    match session.photos.iter().find(is_it) {
+        Some(photo) => {
+            let (folder, video) = (args.output.display(), args.video.display());
+            Err(format!(
+                "{folder} has frames of {video} already, as {}: name a new session",
+                photo.file
+            )
+            .into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Looks, chooses, writes; the answer, and the answer in words.
+fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Answer, String)> {
+    let (journal, looks) = look(args, film, journal, stopped)?;
+    let wish = Wish {
+        bins: &film.scene.bins,
+        most_blur_px: MAX_BLUR_PX * limit_scale([film.video.width, film.video.height]),
+        per_bin: args.per_bin.into(),
+        apart_s: args.apart,
+    };
+    let folder = files::free_place(
+        &args
+            .output
+            .join(format!("{}_{}", slug(&args.variant), slug(&stem(&film.name)))),
+    );
+    let kept = keep(args, film, &looks, &wish, &folder, stopped)?;
+    if kept.is_empty() {
+        return Err(nothing(args, &wish, &looks).into());
+    }
+    let made = write(args, film, &looks, &wish, &folder, &kept);
+    if made.is_err() {
+        // Photos that no list names would be taken for photos of nobody knows what.
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+    let made = made?;
+    journal.remove()?;
+    Ok(made)
+}
+
+fn stem(name: &str) -> String {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
+}
+
+/// Why no frame was chosen, and what to do.
+fn nothing(args: &FilmArgs, wish: &Wish, looks: &[Look]) -> String {
+    let video = args.video.display();
+    let refused = refused(wish, looks);
+    let reasons: Vec<String> = refused
+        .iter()
+        .map(|(why, count)| format!("{} {count}", why.name()))
+        .collect();
+    if reasons.is_empty() {
+        return format!(
+            "{video}: no frame is near enough to a photo of the session to be its pair: film from the same height and distance"
+        );
+    }
+    format!(
+        "{video}: none of {} can be a photo ({}): see the guide, Film instead of photographs",
+        count(looks.len(), "frame"),
+        reasons.join(", ")
+    )
+}
+
+/// Looks at the frames that were not looked at yet.
+fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Journal, Vec<Look>)> {
+    let about = About {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        video: film.sha256.clone(),
+        scene: files::hashed(film.files.scene()?)?.1,
+        camera: files::hashed(film.files.camera()?)?.1,
+        from_s: args.from,
+        to_s: args.to,
+        every: args.every,
+    };
+    let (mut journal, mut looks) = Journal::open(journal, &about)?;
+    if let Some(last) = looks.last() {
+        progress::announce(&format!("{} goes on after {:.1} s", film.name, last.time_s));
+    }
+    let selection = Selection {
+        from_s: looks.last().map_or(args.from, |last| last.time_s.next_up()),
+        to_s: args.to,
+        every: args.every,
+        ..Selection::default()
+    };
+    let mut looker = Looker::new(
+        &film.scene,
+        &film.camera,
+        film.video.turned_deg,
+        TagDetectorChoice::default(),
+    )?;
+    let progress = progress::frames("looking at", expected(args, &film.video));
+    for frame in film.video.luma(&selection)? {
+        let frame = frame.map_err(|e| advised(e, !looks.is_empty()))?;
+        let look = looker.look(&frame.image, frame.number, frame.time_s);
+        journal.add(&look)?;
+        looks.push(look);
+        progress.set_position(looks.len() as u64);
+        if stopped.load(Ordering::Relaxed) {
+            journal.flush()?;
+            return Err(Interruption { time_s: frame.time_s }.into());
+        }
+    }
+    end(&progress);
+    if looks.is_empty() {
+        let to = args.to.map_or(String::new(), |to| format!(" and before {to} s"));
+        return Err(format!("{} has no frame after {} s{to}", args.video.display(), args.from).into());
+    }
+    Ok((journal, looks))
+}
+
+fn end(progress: &Progress) {
+    progress.finish_and_clear();
+}
+
+/// What is before the damage can be used.
+fn advised(e: VideoError, has_frames: bool) -> String {
+    match &e {
+        VideoError::Damaged { after_s, .. } if has_frames => {
+            format!("{e}, or use what is before with --to {after_s:.2}")
+        }
+        _ => e.to_string(),
+    }
+}
+
+/// How many frames there will be, by the header.
+fn expected(args: &FilmArgs, video: &Video) -> usize {
+    let whole_s = video.duration_s.unwrap_or(0.0);
+    let seconds = args.to.unwrap_or(whole_s).min(whole_s) - args.from;
+    let all = video.frames.map(|frames| frames as f64);
+    let rate = video.frames_per_s.or_else(|| Some(all? / whole_s)).unwrap_or(0.0);
+    (seconds * rate / args.every as f64).clamp(0.0, 1e9).round() as usize
+}
+
+/// Writes the chosen frames into a folder of the session.
+fn keep(
+    args: &FilmArgs,
+    film: &Film,
+    looks: &[Look],
+    wish: &Wish,
+    folder: &Path,
+    stopped: &AtomicBool,
+) -> Result<Vec<Kept>> {
+    let keeper = Keeper {
+        video: &film.video,
+        hashed: (&film.name, &film.sha256),
+        scene: &film.scene,
+        camera: &film.camera,
+        detector: TagDetectorChoice::default(),
+        variant: &args.variant,
+        place: &args.place,
+        png: args.png,
+        wanted: &film.wanted.viewpoints,
+    };
+    let choose = |unfit: &BTreeSet<usize>| -> Vec<Chosen> {
+        let left = looks.iter().enumerate().map(|(at, look)| match unfit.contains(&at) {
+            true => Look {
+                shows: Err(scaleproof_film::look::Unplaced::Unsure),
+                ..*look
+            },
+            false => *look,
+        });
+        let left: Vec<Look> = left.collect();
+        match keeper.wanted {
+            [] => wish.best(&left),
+            wanted => wish.nearest(&left, wanted),
+        }
+    };
+    let progress = progress::frames("keeping", choose(&BTreeSet::new()).len());
+    let goes_on = || {
+        progress.inc(1);
+        !stopped.load(Ordering::Relaxed)
+    };
+    let kept = keeper.write(folder, looks, choose, goes_on).map_err(|e| match e {
+        KeepError::Interrupted => Interruption {
+            time_s: looks.last().map_or(0.0, |last| last.time_s),
+        }
+        .into(),
+        other => Box::<dyn std::error::Error>::from(other),
+    })?;
+    end(&progress);
+    Ok(kept)
+}
+
+/// Writes the session and the pictures beside it.
+fn write(
+    args: &FilmArgs,
+    film: &Film,
+    looks: &[Look],
+    wish: &Wish,
+    folder: &Path,
+    kept: &[Kept],
+) -> Result<(Answer, String)> {
+    let mut gathered = film.files.gather(&[PhotoFolder {
+        variant: args.variant.clone(),
+        place: Some(args.place.clone()),
+        folder: folder.to_owned(),
+    }])?;
+    for photo in &mut gathered.session.photos {
+        let own = kept
+            .iter()
+            .find(|one| Path::new(&one.file) == Path::new(&files::name_of(Path::new(&photo.file))));
+        photo.frame = own.map(|one| one.frame.clone());
+    }
+    let inside = files::name_of(folder);
+    let beside = |ending: &str| args.output.join(format!("{inside}.{ending}"));
+    let (contact_sheet, coverage) = (beside("contact.png"), beside("coverage.svg"));
+    let title = format!("{}: {}", film.name, args.variant);
+    files::replace_all_atomically(&[
+        (&contact_sheet, sheet::png(kept).unwrap_or_default()),
+        (&coverage, coverage::svg(&title, wish, looks, kept).into_bytes()),
+    ])?;
+    let (file, photos) = NewSession {
+        folder: &args.output,
+        photos: &gathered,
+        scene: film.files.scene()?,
+        camera: film.files.camera()?,
+        copy: false,
+    }
+    .write()?;
+    let chosen = kept.iter().map(|one| ChosenFrame {
+        file: format!("{inside}/{}", one.file),
+        frame: one.frame.number,
+        time_s: one.frame.time_s,
+        bin: one.bin,
+        viewpoint: one.viewpoint,
+        sigma: one.sigma,
+        gates: one.measures,
+        pair: one.pair.map(|(place, difference)| Pair {
+            file: film.wanted.files[place].clone(),
+            difference,
+        }),
+    });
+    let refused = refused(wish, looks);
+    let video = &film.video;
+    let answer = Answer {
+        session: args.output.clone(),
+        file: file.clone(),
+        video: VideoFacts {
+            name: film.name.clone(),
+            sha256: film.sha256.clone(),
+            width_px: video.width,
+            height_px: video.height,
+            turned_deg: video.turned_deg,
+            codec: video.codec.clone(),
+            duration_s: video.duration_s,
+            range: video.range.name(),
+        },
+        frames: looks.len(),
+        located: looks.iter().filter(|look| look.shows.is_ok()).count(),
+        fit: looks.len() - refused.values().sum::<usize>(),
+        refused,
+        chosen: chosen.collect(),
+        empty_bins: empty_bins(&film.scene, kept),
+        paired_with: Some(film.wanted.variant.clone()).filter(|variant| !variant.is_empty()),
+        unpaired: unpaired(&film.wanted, kept),
+        contact_sheet,
+        coverage,
+        notes: notes(film, kept),
+    };
+    let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
+    let words = words(&answer) + &in_words(&file, photos.len(), &variants, &args.output);
+    Ok((answer, words))
+}
+
+fn empty_bins(scene: &Scene, kept: &[Kept]) -> Vec<Bin> {
+    let bins = &scene.bins;
+    let all = Viewpoint::combinations(&bins.azimuth_centres(), &bins.pitch_deg, &bins.distance_mm);
+    let empty = all.iter().map(|viewpoint| bins.bin_of(viewpoint));
+    empty.filter(|bin| kept.iter().all(|one| one.bin != *bin)).collect()
+}
+
+/// Photos without a pair.
+fn unpaired(wanted: &Wanted, kept: &[Kept]) -> Vec<String> {
+    let is_paired = |at: usize| kept.iter().any(|one| one.pair.is_some_and(|(place, _)| place == at));
+    let all = wanted.files.iter().enumerate();
+    all.filter(|(at, _)| !is_paired(*at))
+        .map(|(_, file)| file.clone())
+        .collect()
+}
+
+fn notes(film: &Film, kept: &[Kept]) -> Vec<String> {
+    let mut notes: Vec<String> = film.video.colour_note().into_iter().collect();
+    notes.extend(
+        film.wanted
+            .faults
+            .iter()
+            .map(|fault| format!("no pair is looked for: {fault}")),
+    );
+    let mut light: BTreeMap<&str, usize> = BTreeMap::new();
+    for advice in kept.iter().filter_map(|one| one.advice.as_deref()) {
+        *light.entry(advice).or_default() += 1;
+    }
+    let said = light
+        .iter()
+        .map(|(advice, number)| format!("{} of {}: {advice}", number, count(kept.len(), "chosen frame")));
+    notes.extend(said);
+    notes
+}
+
+fn words(answer: &Answer) -> String {
+    let mut lines = vec![format!(
+        "{}: {} looked at, {} located, {} fit, {} chosen",
+        answer.video.name,
+        count(answer.frames, "frame"),
+        answer.located,
+        answer.fit,
+        answer.chosen.len()
+    )];
+    let refused: Vec<String> = answer
+        .refused
+        .iter()
+        .map(|(why, count)| format!("{} {count}", why.name()))
+        .collect();
+    if !refused.is_empty() {
+        lines.push(format!("refused: {}", refused.join(", ")));
+    }
+    for one in &answer.chosen {
+        let (v, s) = (&one.viewpoint, &one.sigma);
+        let blur = one
+            .gates
+            .blur_px
+            .map_or(String::new(), |px| format!(", blur {px:.2} px"));
+        let pair = one.pair.as_ref().map_or(String::new(), |pair| {
+            format!(", {:.2}° from {}", pair.difference.apart_deg, pair.file)
+        });
+        lines.push(format!(
+            "  {}: frame {} at {:.2} s, {:.2}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{pair}",
+            one.file, one.frame, one.time_s, v.azimuth_deg, s.azimuth_deg, v.pitch_deg, v.distance_mm
+        ));
+    }
+    if let Some(variant) = &answer.paired_with {
+        let apart: Vec<f64> = answer
+            .chosen
+            .iter()
+            .filter_map(|one| Some(one.pair.as_ref()?.difference.apart_deg))
+            .collect();
+        let most = apart.iter().copied().fold(0.0, f64::max);
+        let median = upper_median(&apart).unwrap_or(0.0);
+        lines.push(format!(
+            "{} with {variant}: viewpoints differ by {median:.2}° (median), {most:.2}° at most",
+            count(apart.len(), "pair")
+        ));
+    }
+    if !answer.unpaired.is_empty() {
+        lines.push(format!("without a pair: {}", answer.unpaired.join(", ")));
+    }
+    if !answer.empty_bins.is_empty() && answer.paired_with.is_none() {
+        let names = answer
+            .empty_bins
+            .iter()
+            .map(|b| format!("{:.0}°/{:.0}°/{:.0} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm));
+        lines.push(format!(
+            "bins without a frame: {}",
+            names.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    lines.extend(answer.notes.iter().map(|note| format!("note: {note}")));
+    lines.push(format!(
+        "{}, {}",
+        answer.contact_sheet.display(),
+        answer.coverage.display()
+    ));
+    lines.join("\n") + "\n"
+}
