@@ -9,7 +9,7 @@ use scaleproof_core::files;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::CameraFormat;
 use scaleproof_pose::scene::Scene;
-use scaleproof_rig::calibrate::{self, BoardPhoto, Target, UnusedPhoto};
+use scaleproof_rig::calibrate::{self, Film, Target};
 
 /// Find the camera's focal length, centre and distortion from photos or a video of a calibration board, or from a video of a scene's tags.
 ///
@@ -48,8 +48,22 @@ pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult 
         (None, None) => return Err("give the board (--board) or the scene (--scene) that was filmed".into()),
     };
     board.as_ref().map_or(Ok(()), calibrate::check)?;
-    let (seen, left_out) = look(&mut args.photos, target)?;
-    let found = progress::busy("fitting the camera").during(|_| calibrate::calibrate_by(seen, left_out, target))?;
+    let found = match video(&args.photos)? {
+        Some(video) => {
+            let film = look(video, target)?;
+            progress::busy("fitting the camera").during(|_| calibrate::calibrate_film(film, target))?
+        }
+        None => {
+            let board = board
+                .as_ref()
+                .ok_or("--scene takes a video: photos calibrate with a printed board (--board)")?;
+            args.photos = photos::of(&args.photos)?;
+            let bar = progress::photos("looking", args.photos.len());
+            let (seen, left_out) = calibrate::look(&args.photos, board, || bar.inc(1));
+            bar.finish_and_clear();
+            progress::busy("fitting the camera").during(|_| calibrate::calibrate(seen, left_out, board))?
+        }
+    };
     let mut files = Vec::new();
     if let Some(path) = &args.output {
         let text = found.camera.write(CameraFormat::OpenCv)?;
@@ -73,32 +87,25 @@ pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult 
     Ok(Outcome::Done)
 }
 
-/// What the photos, or frames of the one video, show of the target.
-fn look(named: &mut Vec<PathBuf>, target: Target) -> crate::cli::Result<(Vec<BoardPhoto>, Vec<UnusedPhoto>)> {
-    if let Some(video) = named.iter().find(|path| is_video(path)) {
-        if let [_, other, ..] = &named[..] {
-            return Err(format!(
-                "{} is a video, and one video makes a camera: leave out {} and the like, since another shot may have another crop",
-                video.display(),
-                other.display()
-            )
-            .into());
-        }
-        return Ok(progress::frames("looking", 0).during(|bar| {
-            calibrate::look_at_video(video, target, |done, all| {
-                bar.set_length(all);
-                bar.set_position(done);
-            })
-        })?);
+/// The one video, where a video is named.
+fn video(named: &[PathBuf]) -> crate::cli::Result<Option<&PathBuf>> {
+    match (named.iter().find(|path| is_video(path)), named) {
+        (Some(video), [_, _, ..]) => Err(format!(
+            "{} is a video, and a camera comes from one video alone, since another shot may be cropped otherwise: leave out the rest",
+            video.display()
+        )
+        .into()),
+        (found, _) => Ok(found),
     }
-    *named = photos::of(named)?;
-    let Target::Board(board) = target else {
-        return Err("--scene takes a video: photos calibrate with a printed board (--board)".into());
-    };
-    let bar = progress::photos("looking", named.len());
-    let looked = calibrate::look(named, board, || bar.inc(1));
-    bar.finish_and_clear();
-    Ok(looked)
+}
+
+fn look(video: &Path, target: Target) -> crate::cli::Result<Film> {
+    Ok(progress::frames("looking", 0).during(|bar| {
+        calibrate::look_at_video(video, target, |done, all| {
+            bar.set_length(all);
+            bar.set_position(done);
+        })
+    })?)
 }
 
 /// By the name's end, as cameras and telephones write it.

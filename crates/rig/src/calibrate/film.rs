@@ -4,6 +4,7 @@ use std::path::Path;
 
 use image::GrayImage;
 
+use super::shutter::Motion;
 use super::target::{LEAST_TAGS, Target, corners_of};
 use super::{BoardPhoto, UnusedPhoto, detect, sharpness};
 use scaleproof_core::statistics::upper_median;
@@ -17,6 +18,8 @@ const LOOKED_AT: u64 = 240;
 const CHOSEN: usize = 40;
 /// Frames that are held at a time, for each thread.
 const HELD: usize = 2;
+/// Between frames further apart, s, a hand has turned back.
+const NEAR_S: f64 = 0.5;
 /// Frames that share fewer corners than this show other parts of the target: as different as frames are.
 const SHARED: usize = 4;
 
@@ -29,16 +32,21 @@ pub enum FilmError {
     Tags(#[from] StartError),
 }
 
+/// The frames of a video that go into a camera.
+#[derive(Debug, Clone)]
+pub struct Film {
+    pub frames: Vec<BoardPhoto>,
+    /// One sentence on the others.
+    pub left_out: Vec<UnusedPhoto>,
+    pub(super) motion: Motion,
+}
+
 /// Looks for the target in frames of a video, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that
 /// differ most. The frames that were looked at and have no part are counted in one sentence. `on_done` gets how many frames were looked at, and of how many.
 ///
 /// # Errors
 /// A video that cannot be decoded.
-pub fn look_at_video(
-    path: &Path,
-    target: Target,
-    on_done: impl Fn(u64, u64),
-) -> Result<(Vec<BoardPhoto>, Vec<UnusedPhoto>), FilmError> {
+pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) -> Result<Film, FilmError> {
     let video = Video::open(path)?;
     let by_length = video
         .duration_s
@@ -52,7 +60,7 @@ pub fn look_at_video(
     })?;
     let name = files::name_of(path);
     let threads = workers::thread_count();
-    let (mut photos, mut reasons, mut looked_at) = (Vec::new(), Vec::new(), 0_u64);
+    let (mut photos, mut times, mut reasons, mut looked_at) = (Vec::new(), Vec::new(), Vec::new(), 0_u64);
     loop {
         let held: Vec<Frame<GrayImage>> = stream.by_ref().take(HELD * threads).collect::<Result<_, _>>()?;
         if held.is_empty() {
@@ -65,9 +73,12 @@ pub fn look_at_video(
             |finder, frame| Ok(look_at(frame, &name, target, finder)),
             || (),
         );
-        for result in found? {
+        for (result, frame) in found?.into_iter().zip(&held) {
             match result {
-                Ok(photo) => photos.push(photo),
+                Ok(photo) => {
+                    photos.push(photo);
+                    times.push(frame.time_s);
+                }
                 Err(reason) => reasons.push(reason),
             }
         }
@@ -77,6 +88,7 @@ pub fn look_at_video(
         );
     }
     let found = photos.len();
+    let motion = motion(&photos, &times);
     let chosen = choose(photos);
     let reason = match reasons.first() {
         Some(first) if found == 0 => format!("none of the {looked_at} frames looked at; the first: {first}"),
@@ -86,7 +98,30 @@ pub fn look_at_video(
             chosen.len()
         ),
     };
-    Ok((chosen, vec![UnusedPhoto { file: name, reason }]))
+    Ok(Film {
+        frames: chosen,
+        left_out: vec![UnusedPhoto { file: name, reason }],
+        motion,
+    })
+}
+
+/// How fast corners move in each photo: from the one looked at before it to the one after, where these are near in time and show the corner too.
+fn motion(photos: &[BoardPhoto], times: &[f64]) -> Motion {
+    let mut motion = Motion::new();
+    for (photos, times) in photos.windows(3).zip(times.windows(3)) {
+        let seconds = times[2] - times[0];
+        if !(seconds > 0.0 && seconds < NEAR_S) {
+            continue;
+        }
+        let find = |photo: &BoardPhoto, id| photo.corners.iter().find(|c| c.id == id).map(|c| c.px);
+        for corner in &photos[1].corners {
+            if let (Some(before), Some(after)) = (find(&photos[0], corner.id), find(&photos[2], corner.id)) {
+                let speed = [0, 1].map(|axis| (after[axis] - before[axis]) / seconds);
+                motion.insert((photos[1].file.clone(), corner.id), speed);
+            }
+        }
+    }
+    motion
 }
 
 /// What finds tags, where the target has tags.

@@ -10,6 +10,7 @@ mod model;
 mod outliers;
 mod page;
 mod sharpness;
+mod shutter;
 mod summary;
 mod target;
 mod uncertainty;
@@ -25,11 +26,12 @@ use scaleproof_pose::camera::Camera;
 
 pub use detect::check;
 pub use doubt::{CalibrationCaution, CalibrationError};
-pub use film::{FilmError, look_at_video};
+pub use film::{Film, FilmError, look_at_video};
 pub use fit::{View, refit};
 pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
+use shutter::Motion;
 use summary::numbers;
 pub use summary::{CalibrationAnswer, answer, table};
 pub use target::Target;
@@ -177,17 +179,23 @@ pub fn calibrate(
     left_out: Vec<UnusedPhoto>,
     board: &Definition,
 ) -> Result<Calibration, CalibrationError> {
-    calibrate_by(board_photos, left_out, Target::Board(board))
+    fitted(board_photos, left_out, Target::Board(board), &Motion::new())
 }
 
-/// As [`calibrate`], by a board or by the tags of a scene. Tags give no more than the focal length, the principal point, k1 and k2.
+/// As [`calibrate`], of a video. The tags of a scene give no more than the focal length, the principal point, k1 and k2; the standard deviations contain
+/// what a rolling shutter may have done.
 ///
 /// # Errors
-/// Photos that do not determine a camera; the sentence says what to photograph.
-pub fn calibrate_by(
+/// Frames that do not determine a camera; the sentence says what to film.
+pub fn calibrate_film(film: Film, target: Target) -> Result<Calibration, CalibrationError> {
+    fitted(film.frames, film.left_out, target, &film.motion)
+}
+
+fn fitted(
     board_photos: Vec<BoardPhoto>,
     left_out: Vec<UnusedPhoto>,
     target: Target,
+    motion: &Motion,
 ) -> Result<Calibration, CalibrationError> {
     let places = target.corners_mm();
     let (board_photos, mut left_out) = doubt::alike(board_photos, left_out);
@@ -204,6 +212,7 @@ pub fn calibrate_by(
     doubt::fits(&fit, &views, size, target)?;
     let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
     let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views);
+    let covariance = shutter::raised(covariance, &fit, &views, &cleaned.board_photos, motion);
     let middle_mm = target.middle_mm();
     ladder::compare(&mut models, chosen, middle_mm);
     let photos = photo_results(&cleaned.board_photos, &fit, &views, middle_mm);
