@@ -159,7 +159,8 @@ impl Keeper<'_> {
                 let Some(one) = missing.get(&frame.number) else {
                     continue;
                 };
-                match self.keep(folder, &frame, one, &mut judge)? {
+                let shutter = looks[one.at].shows.as_ref().ok().and_then(|view| view.shutter);
+                match self.keep(folder, &frame, (one, shutter), &mut judge)? {
                     Some(photo) => drop(kept.insert(one.at, photo)),
                     None => drop(unfit.insert(one.at)),
                 }
@@ -182,7 +183,7 @@ impl Keeper<'_> {
         &self,
         folder: &Path,
         frame: &Frame<RgbImage>,
-        one: &Chosen,
+        (one, shutter): (&Chosen, Option<Sigma>),
         judge: &mut Judge,
     ) -> Result<Option<Kept>, KeepError> {
         let turned_deg = self.video.turned_deg;
@@ -215,7 +216,7 @@ impl Keeper<'_> {
             at: one.at,
             bin: one.bin,
             viewpoint: located.viewpoint,
-            sigma: located.sigma,
+            sigma: shutter.map_or(located.sigma, |shutter| located.sigma.and(&shutter)),
             measures: judged.measures,
             pair: one
                 .pair
@@ -261,7 +262,7 @@ impl Keeper<'_> {
             ),
             target,
             viewpoint: located.viewpoint,
-            sigma: located.sigma,
+            sigma: kept.sigma,
             T_camera_model: rigid::rows(&located.pose),
             tags: located.tags.clone(),
             rms_px: located.rms_px,

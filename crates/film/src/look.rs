@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Abstention, Located, locate_luma};
+use scaleproof_pose::locate::{Abstention, Located, Sigma, locate_luma, shutter_sigma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{Appearance, StartError, TagDetector, TagDetectorChoice};
 
@@ -32,8 +32,8 @@ pub struct Look {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct View {
     pub viewpoint: Viewpoint,
-    /// Standard deviation of the azimuth, degrees.
-    pub sigma_azimuth_deg: f64,
+    /// What a rolling shutter adds to the viewpoint's standard deviations, by the motion since the frame before; `None` where that has no pose.
+    pub shutter: Option<Sigma>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
     /// Whether the model's whole box lies in the image.
@@ -60,6 +60,8 @@ pub struct Looker<'a> {
     thorough: Box<dyn TagDetector>,
     /// Poses of the last two frames, the older first.
     poses: [Option<Rigid>; 2],
+    /// When the last frame was shown, s.
+    last_s: f64,
     tracked: u32,
     lost: u32,
 }
@@ -87,6 +89,7 @@ impl<'a> Looker<'a> {
             fast,
             thorough: detector.open(&families)?,
             poses: [None, None],
+            last_s: 0.0,
             tracked: 0,
             lost: 0,
         })
@@ -107,15 +110,21 @@ impl<'a> Looker<'a> {
         }
         self.tracked = if guess.is_some() { self.tracked + 1 } else { 0 };
         let pose = photo.result.as_ref().ok().map(|located| located.pose);
+        let before = self.poses[1].map(|pose| (pose, time_s - self.last_s));
         self.poses = [self.poses[1], pose];
+        self.last_s = time_s;
         if pose.is_some() {
             self.lost = 0;
         }
         let shows = match (&photo.result, &photo.fitted) {
             (Ok(located), Ok(fitted)) => {
                 let blur_px = Appearance::measure(luma, &photo.seen).blur_px;
+                let shutter = before.and_then(|(pose, seconds)| {
+                    shutter_sigma(located, (&pose, seconds), self.scene, &fitted.camera, fitted.turned_deg)
+                });
                 Ok(View::new(
                     located,
+                    shutter,
                     blur_px,
                     self.is_model_whole(&located.pose, &fitted.camera),
                 ))
@@ -161,10 +170,10 @@ impl<'a> Looker<'a> {
 }
 
 impl View {
-    fn new(located: &Located, blur_px: Option<f64>, is_model_whole: bool) -> View {
+    fn new(located: &Located, shutter: Option<Sigma>, blur_px: Option<f64>, is_model_whole: bool) -> View {
         View {
             viewpoint: located.viewpoint,
-            sigma_azimuth_deg: located.sigma.azimuth_deg,
+            shutter,
             blur_px: blur_px.filter(|px| px.is_finite()),
             is_model_whole,
             bin_probability: located.bin_probability,

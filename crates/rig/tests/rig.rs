@@ -1,5 +1,7 @@
 //! The tests of crate `scaleproof-rig`: one program, a module for each file of the crate that it tests.
 
+#[path = "rig/calibrate_film.rs"]
+mod calibrate_film;
 #[path = "rig/calibrate_fisheye.rs"]
 mod calibrate_fisheye;
 #[path = "rig/survey_edges.rs"]

@@ -1,27 +1,32 @@
-//! `scaleproof calibrate`: photos of a board become a camera file.
+//! `scaleproof calibrate`: photos of a board, or a video of one or of a scene's tags, become a camera file.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::answer::answer;
 use crate::cli::{CommandResult, Outcome, photos, progress};
 use scaleproof_core::files;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::CameraFormat;
-use scaleproof_rig::calibrate;
+use scaleproof_pose::scene::Scene;
+use scaleproof_rig::calibrate::{self, Film, Target};
 
-/// Find the camera's focal length, centre and distortion from photos of a calibration board.
+/// Find the camera's focal length, centre and distortion from photos or a video of a calibration board, or from a video of a scene's tags.
 ///
 /// The smallest camera model that the photos bear out is taken, a fisheye among them; what was dropped is said. Photos that do not determine a
-/// camera are refused with the reason.
+/// camera are refused with the reason. Of a video, sharp frames that differ are taken: video crops and stabilises, so that photos' camera file
+/// does not hold for it.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Args {
-    /// Photos of the board (JPEG or PNG), or folders of them; they are never changed
+    /// Photos of the board (JPEG or PNG), folders of them, or one video (MP4, MOV, MKV, WebM or AVI); they are never changed
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// What was printed: the .toml of `print board`
-    #[arg(long, value_name = "TOML")]
-    board: PathBuf,
+    #[arg(long, value_name = "TOML", required_unless_present = "scene")]
+    board: Option<PathBuf>,
+    /// Without a board: the scene (scene.toml) whose tags the video shows from all sides
+    #[arg(long, value_name = "TOML", conflicts_with = "board")]
+    scene: Option<PathBuf>,
     /// The camera file to write (OpenCV YAML)
     #[arg(short, long, value_name = "YAML")]
     output: Option<PathBuf>,
@@ -35,14 +40,30 @@ pub(in crate::cli) struct Args {
 
 /// Runs `scaleproof calibrate`.
 pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
-    args.photos = photos::of(&args.photos)?;
-    let board = Definition::open(&args.board)?;
-    calibrate::check(&board)?;
-    let bar = progress::photos("looking", args.photos.len());
-    let (board_photos, left_out) = calibrate::look(&args.photos, &board, || bar.inc(1));
-    bar.finish_and_clear();
-    let found =
-        progress::busy("fitting the camera").during(|_| calibrate::calibrate(board_photos, left_out, &board))?;
+    let board = args.board.as_deref().map(Definition::open).transpose()?;
+    let scene = args.scene.as_deref().map(Scene::open).transpose()?;
+    let target = match (&board, &scene) {
+        (Some(board), _) => Target::Board(board),
+        (None, Some(scene)) => Target::Scene(scene),
+        (None, None) => return Err("give the board (--board) or the scene (--scene) that was filmed".into()),
+    };
+    board.as_ref().map_or(Ok(()), calibrate::check)?;
+    let found = match video(&args.photos)? {
+        Some(video) => {
+            let film = look(video, target)?;
+            progress::busy("fitting the camera").during(|_| calibrate::calibrate_film(film, target))?
+        }
+        None => {
+            let board = board
+                .as_ref()
+                .ok_or("--scene takes a video: photos calibrate with a printed board (--board)")?;
+            args.photos = photos::of(&args.photos)?;
+            let bar = progress::photos("looking", args.photos.len());
+            let (seen, left_out) = calibrate::look(&args.photos, board, || bar.inc(1));
+            bar.finish_and_clear();
+            progress::busy("fitting the camera").during(|_| calibrate::calibrate(seen, left_out, board))?
+        }
+    };
     let mut files = Vec::new();
     if let Some(path) = &args.output {
         let text = found.camera.write(CameraFormat::OpenCv)?;
@@ -64,4 +85,31 @@ pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult 
     }
     found.cautions.iter().for_each(|c| say!("note: {}", c.0));
     Ok(Outcome::Done)
+}
+
+/// The one video, where a video is named.
+fn video(named: &[PathBuf]) -> crate::cli::Result<Option<&PathBuf>> {
+    match (named.iter().find(|path| is_video(path)), named) {
+        (Some(video), [_, _, ..]) => Err(format!(
+            "{} is a video, and a camera comes from one video alone, since another shot may be cropped otherwise: leave out the rest",
+            video.display()
+        )
+        .into()),
+        (found, _) => Ok(found),
+    }
+}
+
+fn look(video: &Path, target: Target) -> crate::cli::Result<Film> {
+    Ok(progress::frames("looking", 0).during(|bar| {
+        calibrate::look_at_video(video, target, |done, all| {
+            bar.set_length(all);
+            bar.set_position(done);
+        })
+    })?)
+}
+
+/// By the name's end, as cameras and telephones write it.
+fn is_video(path: &Path) -> bool {
+    let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
+    end.is_some_and(|end| ["mp4", "m4v", "mov", "mkv", "webm", "avi"].contains(&end.as_str()))
 }

@@ -66,7 +66,7 @@ impl Sigma {
     }
 
     /// Of the sum of two independent errors.
-    pub(super) fn and(&self, other: &Sigma) -> Sigma {
+    pub fn and(&self, other: &Sigma) -> Sigma {
         Sigma {
             azimuth_deg: self.azimuth_deg.hypot(other.azimuth_deg),
             pitch_deg: self.pitch_deg.hypot(other.pitch_deg),

@@ -4,28 +4,29 @@ use super::fit::{CameraFit, View};
 use super::ladder::{CandidateModel, normal};
 use super::model::LensModel;
 use super::sharpness::BLURRED_PX;
+use super::target::Target;
 use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    #[error("no photo shows the board; {first}")]
-    NoPhotos { first: String },
+    #[error("no photo shows {what}; {first}")]
+    NoPhotos { what: &'static str, first: String },
     #[error("only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; {first}")]
     FewPhotos { usable: usize, all: usize, first: String },
     #[error(
         "all photos show the board from the same side (within {spread_deg:.0}°), which leaves the focal length open: tilt the board by 30° to 45° to the left, right, front and back"
     )]
     SameTilt { spread_deg: f64 },
-    #[error(
-        "these photos leave the focal length open (±{percent} %): tilt the board by 30° to 45° to several sides, and fill the photo with it"
-    )]
-    FocalOpen { percent: String },
-    #[error(
-        "the corners are {rms_px:.1} px off, root mean square (limit {limit_px:.1} px): is this the board of the file, flat and stiff, and one camera at one zoom?"
-    )]
-    HighResidual { rms_px: f64, limit_px: f64 },
+    #[error("these photos leave the focal length open (±{percent} %): {advice}")]
+    FocalOpen { percent: String, advice: &'static str },
+    #[error("the corners are {rms_px:.1} px off, root mean square (limit {limit_px:.1} px): {question}")]
+    HighResidual {
+        rms_px: f64,
+        limit_px: f64,
+        question: &'static str,
+    },
     #[error("no camera explains these photos: are they of one board, by one camera at one zoom?")]
     NoFit,
 }
@@ -83,14 +84,21 @@ pub(super) fn alike(
 }
 
 /// Refuses too few photos.
-pub(super) fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> Result<(), CalibrationError> {
+pub(super) fn enough(
+    board_photos: &[BoardPhoto],
+    left_out: &[UnusedPhoto],
+    target: Target,
+) -> Result<(), CalibrationError> {
     if board_photos.len() >= LEAST_PHOTOS {
         return Ok(());
     }
     let first = left_out.first().map(|out| format!("{}: {}", out.file, out.reason));
     let first = first.unwrap_or_else(|| "give more photos".to_owned());
     Err(match board_photos.len() {
-        0 => CalibrationError::NoPhotos { first },
+        0 => CalibrationError::NoPhotos {
+            what: target.name(),
+            first,
+        },
         usable => CalibrationError::FewPhotos {
             usable,
             all: usable + left_out.len(),
@@ -99,8 +107,11 @@ pub(super) fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> R
     })
 }
 
-/// Refuses photos that all show the board from one side.
-pub(super) fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> {
+/// Refuses photos that all show a board from one side. Tags that stand up are no plane, so that one side may be enough of a scene.
+pub(super) fn seen_from_several_sides(fit: &CameraFit, target: Target) -> Result<(), CalibrationError> {
+    if matches!(target, Target::Scene(_)) {
+        return Ok(());
+    }
     let normals: Vec<_> = fit.poses.iter().map(normal).collect();
     let pairs = normals
         .iter()
@@ -114,11 +125,17 @@ pub(super) fn seen_from_several_sides(fit: &CameraFit) -> Result<(), Calibration
 }
 
 /// Refuses photos whose focal length is known only because the principal point is held, or not even then.
-pub(super) fn determined(models: &[CandidateModel], chosen: usize, views: &[View]) -> Result<(), CalibrationError> {
+pub(super) fn determined(
+    models: &[CandidateModel],
+    chosen: usize,
+    views: &[View],
+    target: Target,
+) -> Result<(), CalibrationError> {
     let fit = &models[chosen].fit;
     let model = fit.model.max(LensModel::FC);
     let open = |percent: &str| CalibrationError::FocalOpen {
         percent: percent.to_owned(),
+        advice: target.focal_advice(),
     };
     let covariance = fit.covariance(model, views).ok_or_else(|| open("more than 100"))?;
     let share = covariance[(0, 0)].max(0.0).sqrt() / fit.camera.values[0];
@@ -129,11 +146,20 @@ pub(super) fn determined(models: &[CandidateModel], chosen: usize, views: &[View
 }
 
 /// Refuses a camera that does not explain its own photos.
-pub(super) fn fits(fit: &CameraFit, views: &[View], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
+pub(super) fn fits(
+    fit: &CameraFit,
+    views: &[View],
+    (width, height): (u32, u32),
+    target: Target,
+) -> Result<(), CalibrationError> {
     let rms_px = super::rms_px(fit, views);
     let limit_px = MOST_RMS_SHARE * f64::from(width).hypot(f64::from(height));
     if rms_px > limit_px {
-        return Err(CalibrationError::HighResidual { rms_px, limit_px });
+        return Err(CalibrationError::HighResidual {
+            rms_px,
+            limit_px,
+            question: target.misfit_question(),
+        });
     }
     Ok(())
 }
@@ -160,8 +186,12 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
             [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
             one => one.concat(),
         };
+        let (what, how) = match found.board {
+            Some(_) => ("the board", "hold the board into the corners"),
+            None => ("a tag", "turn the camera so that tags get into the corners"),
+        };
         say(format!(
-            "no photo shows the board in the {missing} of the image{sensor}, so the camera is a guess there: hold the board into the corners"
+            "no photo shows {what} in the {missing} of the image{sensor}, so the camera is a guess there: {how}"
         ));
     }
     let folded = found.map.cells.iter().filter(|c| c.sigma_px.is_none()).count();
@@ -172,16 +202,19 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
         ));
     }
     let tilted = found.photos.iter().filter(|p| p.tilt_deg > 20.0).count();
-    if tilted < 4 {
+    if tilted < 4 && found.board.is_some() {
         say(format!(
             "only {tilted} photos show the board tilted by more than 20°, which is what the focal length comes from"
         ));
     }
     if found.focal_raised > FOCAL_TIMES {
         say(format!(
-            "the photos disagree about the focal length {:.0} times as much as their corners explain, which its σ contains: lock the focus, and \
-             keep the board flat",
-            found.focal_raised
+            "the photos disagree about the focal length {:.0} times as much as their corners explain, which its σ contains: lock the focus, {}",
+            found.focal_raised,
+            match found.board {
+                Some(_) => "and keep the board flat",
+                None => "switch stabilisation off, and walk slowly",
+            }
         ));
     }
     if found.lost_corners > 0 {

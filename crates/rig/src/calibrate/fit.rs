@@ -11,7 +11,7 @@ use scaleproof_core::geometry::{Rigid, rigid::stepped};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::camera::projection::{Parameters, by_step, project_unchecked};
-use scaleproof_pose::locate::planar_branches;
+use scaleproof_pose::locate::{planar_branches, sqpnp};
 
 /// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
 const LIMITS: Limits = Limits {
@@ -95,12 +95,16 @@ pub(super) fn first(model: LensModel, size: (u32, u32), views: &[View]) -> Optio
     fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The better branch of a planar view, refined. It starts from those points that the camera sees where the photo shows them.
+/// The better branch of a planar view, or the one start of another, refined. It starts from those points that the camera sees where the photo shows them.
 fn best_start(view: &View, camera: &Parameters) -> Option<Rigid> {
     let lens = Camera::from_parameters((1, 1), camera);
     let pairs = view.points_mm.iter().copied().zip(view.seen_px.iter().copied());
     let (points_mm, seen_px): (Vec<_>, Vec<_>) = pairs.filter(|(_, px)| lens.point_at(*px).is_some()).unzip();
-    let starts = planar_branches(&points_mm, &seen_px, &lens);
+    let starts = if points_mm.iter().all(|point| point.z == 0.0) {
+        planar_branches(&points_mm, &seen_px, &lens)
+    } else {
+        sqpnp(&points_mm, &seen_px, &lens).into_iter().collect()
+    };
     let refined = starts.into_iter().filter_map(|start| pose(view, camera, start));
     refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
 }

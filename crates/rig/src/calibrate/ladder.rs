@@ -35,16 +35,21 @@ pub struct ModelDifference {
     pub distance_percent: f64,
 }
 
-/// Fits every model of the ladder, each from the last but for the fisheye; a model that finds no fit, or that the photos are too few for, is left
+/// Fits every one of `tried` models of the ladder, each from the last but for the fisheye; a model that finds no fit, or that the photos are too few for, is left
 /// out.
 ///
 /// The held-out error of a model: it is fitted without the photos of a fold; in each of these the pose is found from every other corner
 /// with the camera held, and the remaining corners are predicted from it; then the halves change roles. So no corner that is
 /// judged had a part in the camera or in the pose it is judged by.
-pub(super) fn fit_ladder(first: CameraFit, size: (u32, u32), views: &[View]) -> Vec<CandidateModel> {
+pub(super) fn fit_ladder(
+    tried: &[LensModel],
+    first: CameraFit,
+    size: (u32, u32),
+    views: &[View],
+) -> Vec<CandidateModel> {
     let mut models: Vec<CandidateModel> = Vec::new();
     let mut start = Some(first);
-    for model in LensModel::LADDER {
+    for model in tried.iter().copied() {
         let is_fisheye = model == LensModel::Fisheye;
         let found = if is_fisheye {
             fit::first(model, size, views)
@@ -115,7 +120,7 @@ fn summary(squared: &[f64]) -> (f64, f64) {
 }
 
 /// What each model changes against the chosen one, on the photos themselves.
-pub(super) fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: [f64; 2]) {
+pub(super) fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: Point3<f64>) {
     let Some(reference) = models.get(chosen).map(|r| r.fit.poses.clone()) else {
         return;
     };
@@ -132,9 +137,9 @@ pub(super) fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: [
     }
 }
 
-/// From a point of the board to the camera, board frame, mm.
-fn camera_from(pose: &Rigid, [x, y]: [f64; 2]) -> Vector3<f64> {
-    pose.inverse() * Point3::origin() - Point3::new(x, y, 0.0)
+/// From a point to the camera, mm.
+fn camera_from(pose: &Rigid, middle_mm: Point3<f64>) -> Vector3<f64> {
+    pose.inverse() * Point3::origin() - middle_mm
 }
 
 /// The board's normal in the camera frame, towards the camera.

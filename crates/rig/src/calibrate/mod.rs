@@ -1,7 +1,8 @@
-//! Photos of a board become a camera no larger than they bear out, with what it is worth, or a reason why not.
+//! Photos of a board, or of tags whose places are known, become a camera no larger than they bear out, with what it is worth, or a reason why not.
 
 mod detect;
 mod doubt;
+mod film;
 mod fit;
 mod jackknife;
 mod ladder;
@@ -9,7 +10,9 @@ mod model;
 mod outliers;
 mod page;
 mod sharpness;
+mod shutter;
 mod summary;
+mod target;
 mod uncertainty;
 
 use std::path::{Path, PathBuf};
@@ -23,18 +26,21 @@ use scaleproof_pose::camera::Camera;
 
 pub use detect::check;
 pub use doubt::{CalibrationCaution, CalibrationError};
+pub use film::{Film, FilmError, look_at_video};
 pub use fit::{View, refit};
 pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
+use shutter::Motion;
 use summary::numbers;
 pub use summary::{CalibrationAnswer, answer, table};
+pub use target::Target;
 pub use uncertainty::UncertaintyMap;
 
-/// A corner of the board where a photo shows it.
+/// A corner of the board, or of a tag of the scene, where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenCorner {
-    /// Which of [`Definition::corners_mm`].
+    /// Which of [`Definition::corners_mm`]; of a scene, four times the tag's place in it and the corner.
     pub id: usize,
     /// Pixel (0, 0) is the centre of the top-left pixel.
     pub px: [f64; 2],
@@ -43,7 +49,7 @@ pub struct SeenCorner {
 /// With fewer photos than this there is nothing to hold a camera against.
 pub const LEAST_PHOTOS: usize = 4;
 
-/// A photo in which the board was found. Everything is in the sensor's frame, whichever way the camera was held, so that boards of mixed
+/// A photo in which the board (or tags of the scene) was found. Everything is in the sensor's frame, whichever way the camera was held, so that boards of mixed
 /// orientation share one camera, and `Camera::for_photo` turns that camera with each photo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardPhoto {
@@ -59,10 +65,9 @@ pub struct BoardPhoto {
 }
 
 impl BoardPhoto {
-    fn view(&self, places: &[[f64; 2]]) -> View {
-        let point = |c: &SeenCorner| Point3::new(places[c.id][0], places[c.id][1], 0.0);
+    fn view(&self, places: &[Point3<f64>]) -> View {
         View {
-            points_mm: self.corners.iter().map(point).collect(),
+            points_mm: self.corners.iter().map(|c| places[c.id]).collect(),
             seen_px: self.corners.iter().map(|c| c.px).collect(),
         }
     }
@@ -85,7 +90,7 @@ pub struct PhotoResult {
     pub corners_px: Vec<[f64; 2]>,
     pub residuals_px: Vec<[f64; 2]>,
     pub rms_px: f64,
-    /// Angle between the board's normal and the optical axis.
+    /// Angle between the board's normal, or that of a scene's table, and the optical axis.
     pub tilt_deg: f64,
     pub distance_mm: f64,
     pub edge_width_px: Option<f64>,
@@ -94,7 +99,8 @@ pub struct PhotoResult {
 /// A camera and what it is worth.
 #[derive(Debug, Clone)]
 pub struct Calibration {
-    pub board: Definition,
+    /// The board; `None` where it was the tags of a scene.
+    pub board: Option<Definition>,
     pub camera: Camera,
     /// Every model that could be fitted, from the smallest up.
     pub models: Vec<CandidateModel>,
@@ -173,23 +179,41 @@ pub fn calibrate(
     left_out: Vec<UnusedPhoto>,
     board: &Definition,
 ) -> Result<Calibration, CalibrationError> {
-    let places = board.corners_mm();
+    fitted(board_photos, left_out, Target::Board(board), &Motion::new())
+}
+
+/// As [`calibrate`], of a video. The tags of a scene give no more than the focal length, the principal point, k1 and k2; the standard deviations contain
+/// what a rolling shutter may have done.
+///
+/// # Errors
+/// Frames that do not determine a camera; the sentence says what to film.
+pub fn calibrate_film(film: Film, target: Target) -> Result<Calibration, CalibrationError> {
+    fitted(film.frames, film.left_out, target, &film.motion)
+}
+
+fn fitted(
+    board_photos: Vec<BoardPhoto>,
+    left_out: Vec<UnusedPhoto>,
+    target: Target,
+    motion: &Motion,
+) -> Result<Calibration, CalibrationError> {
+    let places = target.corners_mm();
     let (board_photos, mut left_out) = doubt::alike(board_photos, left_out);
-    doubt::enough(&board_photos, &left_out)?;
+    doubt::enough(&board_photos, &left_out, target)?;
     let size = board_photos[0].size;
     let cleaned = outliers::clean(board_photos, size, &places).ok_or(CalibrationError::NoFit)?;
     left_out.extend(cleaned.dropped);
     let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
-    doubt::seen_from_several_sides(&cleaned.first)?;
-    let mut models = ladder::fit_ladder(cleaned.first, size, &views);
+    doubt::seen_from_several_sides(&cleaned.first, target)?;
+    let mut models = ladder::fit_ladder(target.models(), cleaned.first, size, &views);
     let chosen = ladder::choose(&models).ok_or(CalibrationError::NoFit)?;
     let fit = models[chosen].fit.clone();
-    doubt::determined(&models, chosen, &views)?;
-    doubt::fits(&fit, &views, size)?;
+    doubt::determined(&models, chosen, &views, target)?;
+    doubt::fits(&fit, &views, size, target)?;
     let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
     let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views);
-    let (w, h) = board.size_mm();
-    let middle_mm = [w / 2.0, h / 2.0];
+    let covariance = shutter::raised(covariance, &fit, &views, &cleaned.board_photos, motion);
+    let middle_mm = target.middle_mm();
     ladder::compare(&mut models, chosen, middle_mm);
     let photos = photo_results(&cleaned.board_photos, &fit, &views, middle_mm);
     let coverage = coverage(&photos, size);
@@ -198,7 +222,10 @@ pub fn calibrate(
     let mut camera = Camera::from_parameters(size, &fit.camera);
     camera.sigma_px = Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]);
     let mut result = Calibration {
-        board: board.clone(),
+        board: match target {
+            Target::Board(board) => Some(board.clone()),
+            Target::Scene(_) => None,
+        },
         camera,
         sigmas,
         rms_px: rms_px(&fit, &views),
@@ -231,7 +258,7 @@ fn photo_results(
     board_photos: &[BoardPhoto],
     fit: &fit::CameraFit,
     views: &[View],
-    [x, y]: [f64; 2],
+    middle_mm: Point3<f64>,
 ) -> Vec<PhotoResult> {
     let photos = board_photos.iter().zip(&fit.poses).zip(fit.residuals(views));
     let results = photos.map(|((photo, pose), residuals_px)| PhotoResult {
@@ -244,7 +271,7 @@ fn photo_results(
         },
         residuals_px,
         tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
-        distance_mm: (pose * Point3::new(x, y, 0.0)).coords.norm(),
+        distance_mm: (pose * middle_mm).coords.norm(),
         edge_width_px: photo.edge_width_px,
     });
     results.collect()

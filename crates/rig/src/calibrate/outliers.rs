@@ -1,5 +1,7 @@
 //! Photos and corners that disagree with all the others.
 
+use nalgebra::Point3;
+
 use super::fit::{self, CameraFit, View};
 use super::model::LensModel;
 use super::{BoardPhoto, UnusedPhoto};
@@ -28,7 +30,7 @@ pub(super) struct Cleaned {
 }
 
 /// Leaves out, one at a time, the photo that disagrees most, then single corners. `None` when nothing can be fitted.
-pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
+pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[Point3<f64>]) -> Option<Cleaned> {
     let (mut dropped, mut lost_corners) = (Vec::new(), 0);
     loop {
         let views: Vec<View> = board_photos.iter().map(|s| s.view(places)).collect();

@@ -9,8 +9,8 @@ use super::{Calibration, CalibrationCaution, Definition, LensModel, UnusedPhoto}
 /// `calibrate --json`. Standard deviations are of one sigma: by the scatter of the corners, or by leaving photos out where that is larger.
 #[derive(Serialize, JsonSchema)]
 pub struct CalibrationAnswer<'a> {
-    /// The board, with the keys of its file (board.toml).
-    board: &'a Definition,
+    /// The board, with the keys of its file (board.toml); `null` where the tags of a scene were filmed.
+    board: Option<&'a Definition>,
     image_width_px: u32,
     image_height_px: u32,
     /// The chosen lens model.
@@ -72,9 +72,9 @@ struct PhotoAnswer<'a> {
     corners: usize,
     /// Reprojection error of this photo's corners, root mean square.
     rms_px: f64,
-    /// Tilt of the board from facing the camera.
+    /// Tilt of the board, or of the scene's table, from facing the camera.
     tilt_deg: f64,
-    /// Distance of the board from the camera.
+    /// Distance of the board's middle, or of the model's, from the camera.
     distance_mm: f64,
     /// How wide the edges of the board are in the image; `null` where that could not be measured.
     edge_width_px: Option<f64>,
@@ -100,7 +100,7 @@ pub fn answer(found: &Calibration) -> CalibrationAnswer<'_> {
         moves: &r.moves,
     });
     CalibrationAnswer {
-        board: &found.board,
+        board: found.board.as_ref(),
         image_width_px: c.width,
         image_height_px: c.height,
         model: found.chosen_model().model,

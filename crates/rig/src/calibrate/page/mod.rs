@@ -13,7 +13,7 @@ pub fn page(found: &Calibration) -> String {
     let lead = html! {
         (found.photos.len()) " photos of " (camera.width) "×" (camera.height) " px"
         @if !found.left_out.is_empty() { ", " (found.left_out.len()) " left out" }
-        "; " (found.board.line()) "."
+        @if let Some(board) = &found.board { "; " (board.line()) } @else { "; the tags of a scene" } "."
     };
     let content = html! {
         (headline(found))

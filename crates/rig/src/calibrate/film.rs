@@ -1,0 +1,199 @@
+//! A video as photos for a calibration: the sharp frames that differ most.
+
+use std::path::Path;
+
+use image::GrayImage;
+
+use super::shutter::Motion;
+use super::target::{LEAST_TAGS, Target, corners_of};
+use super::{BoardPhoto, UnusedPhoto, detect, sharpness};
+use scaleproof_core::statistics::upper_median;
+use scaleproof_core::{files, workers};
+use scaleproof_pose::tags::{AprilTagC, StartError, TagDetector};
+use scaleproof_video::{Frame, Selection, Video, VideoError};
+
+/// So many frames of a video are looked at, evenly over its length.
+const LOOKED_AT: u64 = 240;
+/// So many of them go into the camera.
+const CHOSEN: usize = 40;
+/// Frames that are held at a time, for each thread.
+const HELD: usize = 2;
+/// Between frames further apart, s, a hand has turned back.
+const NEAR_S: f64 = 0.5;
+/// Frames that share fewer corners than this show other parts of the target: as different as frames are.
+const SHARED: usize = 4;
+
+/// Why a video cannot be looked at.
+#[derive(Debug, thiserror::Error)]
+pub enum FilmError {
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    #[error(transparent)]
+    Tags(#[from] StartError),
+}
+
+/// The frames of a video that go into a camera.
+#[derive(Debug, Clone)]
+pub struct Film {
+    pub frames: Vec<BoardPhoto>,
+    /// One sentence on the others.
+    pub left_out: Vec<UnusedPhoto>,
+    pub(super) motion: Motion,
+}
+
+/// Looks for the target in frames of a video, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that
+/// differ most. The frames that were looked at and have no part are counted in one sentence. `on_done` gets how many frames were looked at, and of how many.
+///
+/// # Errors
+/// A video that cannot be decoded.
+pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) -> Result<Film, FilmError> {
+    let video = Video::open(path)?;
+    let by_length = video
+        .duration_s
+        .zip(video.frames_per_s)
+        .map(|(s, rate)| (s * rate) as u64);
+    let frames = video.frames.or(by_length);
+    let every = frames.map_or(5, |frames| frames.div_ceil(LOOKED_AT)).max(1);
+    let mut stream = video.luma(&Selection {
+        every,
+        ..Selection::default()
+    })?;
+    let name = files::name_of(path);
+    let threads = workers::thread_count();
+    let (mut photos, mut times, mut reasons, mut looked_at) = (Vec::new(), Vec::new(), Vec::new(), 0_u64);
+    loop {
+        let held: Vec<Frame<GrayImage>> = stream.by_ref().take(HELD * threads).collect::<Result<_, _>>()?;
+        if held.is_empty() {
+            break;
+        }
+        looked_at += held.len() as u64;
+        let found = workers::map(
+            &held,
+            || finder(target),
+            |finder, frame| Ok(look_at(frame, &name, target, finder)),
+            || (),
+        );
+        for (result, frame) in found?.into_iter().zip(&held) {
+            match result {
+                Ok(photo) => {
+                    photos.push(photo);
+                    times.push(frame.time_s);
+                }
+                Err(reason) => reasons.push(reason),
+            }
+        }
+        on_done(
+            looked_at,
+            frames.map_or(looked_at, |frames| frames.div_ceil(every)).max(looked_at),
+        );
+    }
+    let found = photos.len();
+    let motion = motion(&photos, &times);
+    let chosen = choose(photos);
+    let reason = match reasons.first() {
+        Some(first) if found == 0 => format!("none of the {looked_at} frames looked at; the first: {first}"),
+        _ => format!(
+            "of {looked_at} frames looked at, {found} show {}, of which the {} sharpest that differ most were taken",
+            target.name(),
+            chosen.len()
+        ),
+    };
+    Ok(Film {
+        frames: chosen,
+        left_out: vec![UnusedPhoto { file: name, reason }],
+        motion,
+    })
+}
+
+/// How fast corners move in each photo: from the one looked at before it to the one after, where these are near in time and show the corner too.
+fn motion(photos: &[BoardPhoto], times: &[f64]) -> Motion {
+    let mut motion = Motion::new();
+    for (photos, times) in photos.windows(3).zip(times.windows(3)) {
+        let seconds = times[2] - times[0];
+        if !(seconds > 0.0 && seconds < NEAR_S) {
+            continue;
+        }
+        let find = |photo: &BoardPhoto, id| photo.corners.iter().find(|c| c.id == id).map(|c| c.px);
+        for corner in &photos[1].corners {
+            if let (Some(before), Some(after)) = (find(&photos[0], corner.id), find(&photos[2], corner.id)) {
+                let speed = [0, 1].map(|axis| (after[axis] - before[axis]) / seconds);
+                motion.insert((photos[1].file.clone(), corner.id), speed);
+            }
+        }
+    }
+    motion
+}
+
+/// What finds tags, where the target has tags.
+fn finder(target: Target) -> Result<Option<AprilTagC>, StartError> {
+    match target {
+        Target::Board(_) => Ok(None),
+        Target::Scene(scene) => AprilTagC::new(&scene.families()).map(Some),
+    }
+}
+
+fn look_at(
+    frame: &Frame<GrayImage>,
+    name: &str,
+    target: Target,
+    finder: &mut Option<AprilTagC>,
+) -> Result<BoardPhoto, String> {
+    let corners = match (target, finder) {
+        (Target::Board(board), _) => detect::find(&frame.image, board).map_err(|e| e.to_string())?,
+        (Target::Scene(scene), Some(finder)) => corners_of(&finder.find(&frame.image), scene),
+        (Target::Scene(_), None) => Vec::new(),
+    };
+    if matches!(target, Target::Scene(_)) && corners.len() < 4 * LEAST_TAGS {
+        return Err(format!(
+            "it shows {} whole tags of the scene, and {LEAST_TAGS} are needed",
+            corners.len() / 4
+        ));
+    }
+    Ok(BoardPhoto {
+        file: format!("{name} frame {}", frame.number),
+        size: frame.image.dimensions(),
+        turned_deg: 0,
+        edge_width_px: sharpness::edge_width_px(&frame.image, &corners),
+        corners,
+    })
+}
+
+/// The sharper half, and of it those that differ most, in the order of the video: the sharpest first, then always the one that is furthest from all that were
+/// taken (farthest-point sampling: Gonzalez 1985, "Clustering to minimize the maximum intercluster distance").
+fn choose(photos: Vec<BoardPhoto>) -> Vec<BoardPhoto> {
+    let width = |photo: &BoardPhoto| photo.edge_width_px.unwrap_or(f64::INFINITY);
+    let usual = upper_median(&photos.iter().map(width).collect::<Vec<_>>()).unwrap_or(f64::INFINITY);
+    let sharp: Vec<&BoardPhoto> = photos
+        .iter()
+        .filter(|p| photos.len() <= CHOSEN || width(p) <= usual)
+        .collect();
+    let sharpest = (0..sharp.len()).min_by(|a, b| width(sharp[*a]).total_cmp(&width(sharp[*b])));
+    let mut taken: Vec<usize> = sharpest.into_iter().collect();
+    let mut nearest = vec![f64::INFINITY; sharp.len()];
+    while let Some(last) = taken.last().filter(|_| taken.len() < CHOSEN.min(sharp.len())) {
+        for (nearest, photo) in nearest.iter_mut().zip(&sharp) {
+            *nearest = nearest.min(difference(photo, sharp[*last]));
+        }
+        let left = (0..sharp.len()).filter(|i| !taken.contains(i));
+        let Some(next) = left.max_by(|a, b| nearest[*a].total_cmp(&nearest[*b])) else {
+            break;
+        };
+        taken.push(next);
+    }
+    taken.sort_unstable();
+    taken.into_iter().map(|i| sharp[i].clone()).collect()
+}
+
+/// The mean way of the corners that both frames show, as a share of the image's diagonal; 1 where they share too few.
+fn difference(a: &BoardPhoto, b: &BoardPhoto) -> f64 {
+    let (width, height) = a.size;
+    let way = |x: &super::SeenCorner| {
+        let other = b.corners.iter().find(|y| y.id == x.id)?;
+        Some((x.px[0] - other.px[0]).hypot(x.px[1] - other.px[1]))
+    };
+    let ways: Vec<f64> = a.corners.iter().filter_map(way).collect();
+    if ways.len() < SHARED {
+        return 1.0;
+    }
+    ways.iter().sum::<f64>() / ways.len() as f64 / f64::from(width).hypot(f64::from(height))
+}
