@@ -44,23 +44,19 @@ class Yolox:
         labels, scores = rows[:, 5:].argmax(1), rows[:, 4] * rows[:, 5:].max(1)
         limit = np.array([width, height, width, height])
         for label in np.unique(labels):
-            for row in kept(boxes, np.where(labels == label, scores, 0)):
-                yield int(label), float(scores[row]), np.clip(boxes[row] / ratio, 0, limit).tolist()
+            rest = np.flatnonzero((labels == label) & (scores >= FLOOR))
+            rest = rest[np.argsort(-scores[rest], kind="stable")]
+            while len(rest):
+                best, rest = rest[0], rest[1:]
+                yield int(label), float(scores[best]), np.clip(boxes[best] / ratio, 0, limit).tolist()
+                rest = rest[ious(boxes[rest], boxes[best]) <= NMS_IOU]
 
 
-def kept(boxes: Floats, scores: Floats) -> list[int]:
-    """The rows of one label that no better box covers, best first."""
-    order = [int(row) for row in np.argsort(-scores, kind="stable") if scores[row] >= FLOOR]
-    chosen: list[int] = []
-    for row in order:
-        if all(iou(boxes[row], boxes[other]) <= NMS_IOU for other in chosen):
-            chosen.append(row)
-    return chosen
-
-
-def iou(a: Floats, b: Floats) -> float:
-    inner = np.maximum(0, np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2])).prod()
-    return float(inner / ((a[2:] - a[:2]).prod() + (b[2:] - b[:2]).prod() - inner))
+def ious(boxes: Floats, box: Floats) -> Floats:
+    sides = np.maximum(0, np.minimum(boxes[:, 2:], box[2:]) - np.maximum(boxes[:, :2], box[:2]))
+    inner, areas = sides.prod(1), (boxes[:, 2:] - boxes[:, :2]).prod(1)
+    found: Floats = inner / (areas + (box[2:] - box[:2]).prod() - inner)
+    return found
 
 
 if __name__ == "__main__":

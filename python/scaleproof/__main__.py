@@ -8,7 +8,7 @@ import sys
 
 def main() -> int:
     """Runs the program with this process's arguments: its exit code."""
-    from ._process import _native
+    from . import _native
 
     # The program ends, or finishes what must not be cut off, by itself.
     signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -2,7 +2,6 @@ from collections.abc import Callable, Sequence
 from os import PathLike
 
 version: str
-__file__: str
 
 class Error(Exception): ...
 

@@ -31,7 +31,7 @@ if SHARE.is_dir() and not os.environ.get("SCALEPROOF_HOME"):
 
 from . import _native  # noqa: E402  (its library is looked for where the lines above say)
 
-_native.begin(_native.__file__)
+_native.begin(str(_native.__file__))
 
 Error = _native.Error
 __version__: str = _native.version

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy
 import numpy.typing
 
-from ._process import Error, PathLike, _native, path
+from . import _native
+from ._process import Error, PathLike, path
 
 Array = numpy.typing.NDArray[numpy.float64]
 

@@ -11,7 +11,8 @@ from typing import Any
 import numpy
 import numpy.typing
 
-from ._process import Error, PathLike, _native, path, progress as _progress
+from . import _native
+from ._process import Error, PathLike, path, progress as _progress
 
 #: An upright image: height × width × 3 bytes, red first.
 Image = numpy.typing.NDArray[numpy.uint8]

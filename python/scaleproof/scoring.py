@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy
 
-from ._process import Error, PathLike, _native, answer, options, path, progress as _progress
+from . import _native
+from ._process import Error, PathLike, answer, options, path, progress as _progress
 from .locating import Box, Image, _threads
-from .tables import Table
+from .tables import Table, Value
 
 #: A box that a detector found: its label (a name, or a number from 0), confidence from 0 to 1, and left, top, right, bottom in px of the image.
 Found = tuple[str | int, float, Sequence[float]]
@@ -167,7 +168,8 @@ class Figures:
 
     @staticmethod
     def _read(found: dict[str, Any]) -> Figures:
-        return Figures(**{name: Rate(**value) if isinstance(value, dict) else value for name, value in found.items()})
+        figures: dict[str, Any] = {name: Rate(**value) if isinstance(value, dict) else value for name, value in found.items()}
+        return Figures(**figures)
 
 
 @dataclass(frozen=True)
@@ -263,7 +265,7 @@ class Scores(_Report):
         return Comparison(self._native.compare())
 
     def _repr_html_(self) -> str:
-        rows = [
+        rows: list[dict[str, Value]] = [
             {
                 "detector": one.detector,
                 "texture": one.variant,

@@ -143,8 +143,9 @@ def _released(structure: type[ctypes.Structure]) -> Any:
     def release(address: int) -> None:
         one: Any = structure.from_address(address)
         # Those that a consumer has moved elsewhere have no release here any more.
-        for child in (_p * getattr(one, "n_children", 0)).from_address(one.children) if getattr(one, "children", None) else ():
-            inner: Any = structure.from_address(child)
+        children = getattr(one, "children", None)
+        for child in (_p * one.n_children).from_address(children) if children else ():
+            inner: Any = structure.from_address(child or 0)
             if inner.release:
                 inner.release(child)
         _kept.pop(one.private_data, None)
