@@ -20,6 +20,8 @@ for name in $(compgen -e CARGO_PKG_) $(compgen -e CARGO_MANIFEST_); do unset "$n
 
 say() { printf '[package] %s\n' "$*" >&2; }
 stop() { printf 'error: %s\n' "$*" >&2; exit 2; }
+# shellcheck source=.ci/carried.sh
+. "$home/.ci/carried.sh"
 
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 name="scaleproof-$version-$(uname -m)-linux"
@@ -29,7 +31,6 @@ onnxruntime=$(dirname "${ORT_DYLIB_PATH:-/}")
 for text in LICENSE ThirdPartyNotices.txt; do
   [ -e "$onnxruntime/$text" ] || stop "ONNX Runtime with its licence is not in $onnxruntime: ./run fetches it where there is a network"
 done
-command -v dpkg-query >/dev/null || stop "there is no dpkg-query: the licences of the libraries are looked up in Debian's packages"
 mkdir -p "$folder/lib" "$folder/licences"
 
 # The program, which looks for its libraries beside itself; so do the libraries, for theirs (an RPATH, not a RUNPATH).
@@ -38,21 +39,8 @@ cargo rustc --quiet --release --locked --features attack --bin scaleproof -- \
   -C strip=symbols -C 'link-arg=-Wl,--disable-new-dtags,-rpath,$ORIGIN/lib'
 cp "$CARGO_TARGET_DIR/release/scaleproof" "$folder/"
 
-# What every Linux has: the C library and what belongs to it.
-is_libc() { case "$1" in linux-vdso*|ld-linux*|libc.so*|libm.so*|libdl.so*|libpthread.so*|librt.so*|libresolv.so*|libutil.so*) true ;; *) false ;; esac; }
-
 say "libraries"
-linked=$(ldd "$folder/scaleproof" | awk '$2 == "=>" { print $1, $3 }' | sort)
-while read -r library path; do
-  is_libc "$(basename "$library")" && continue
-  [ -e "$path" ] || stop "the library $library was not found"
-  cp -L "$path" "$folder/lib/$library"
-  # Some packages list their files under /lib, which is /usr/lib by now.
-  real=$(realpath "$path")
-  package=$({ dpkg-query -S "$real" || dpkg-query -S "${real#/usr}"; } 2>/dev/null | head -1 | cut -d: -f1) || true
-  [ -e "/usr/share/doc/$package/copyright" ] || stop "no licence found for $library"
-  cp "/usr/share/doc/$package/copyright" "$folder/licences/$package.txt"
-done <<< "$linked"
+carry_libraries "$folder/scaleproof" "$folder/lib" "$folder/licences"
 
 runtime=$(basename "$(realpath "$ORT_DYLIB_PATH")")
 cp "$onnxruntime/$runtime" "$folder/lib/"
@@ -61,20 +49,8 @@ for text in LICENSE ThirdPartyNotices.txt; do
   cp "$onnxruntime/$text" "$folder/licences/onnxruntime-$text"
 done
 
-# The texts that every crate in the program came with, and the names of their licences.
 say "licences"
-sources="${CARGO_HOME:-$HOME/.cargo}/registry/src"
-cargo tree --locked --features attack -e normal --prefix none --format '{p} | {l}' | sed 's/ (\*)$//; s/ (proc-macro)//' | sort -u |
-  grep -v '^scaleproof' > "$folder/licences/crates.txt"
-while read -r crate number _; do
-  # Crates of one version come from one place.
-  for text in "$sources"/*/"$crate-${number#v}"/{LICENSE,LICENCE,License,COPYING,COPYRIGHT,NOTICE,UNLICENSE,license}*; do
-    [ -f "$text" ] || continue
-    cp --no-preserve=mode "$text" "$folder/licences/crate-$crate-$(basename "$text").txt"
-  done
-done < "$folder/licences/crates.txt"
-cp LICENSE-APACHE LICENSE-MIT "$folder/licences/"
-cp crates/core/fonts/*[Ll][Ii][Cc][Ee]* "$folder/licences/" 2>/dev/null || true
+carry_licences "$folder/licences" --features attack
 
 say "manual pages, completions, the stored photos, the guide"
 "$folder/scaleproof" manuals -o "$folder/man/man1" >/dev/null

@@ -62,8 +62,12 @@ pub use {
     scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, device::DeviceKind, network::detector::OnnxDetector},
 };
 
-/// The program `scaleproof`.
+/// The program `scaleproof`: its exit code, given its arguments with its own name first.
 #[doc(hidden)]
-pub fn main() -> std::process::ExitCode {
-    cli::main()
+pub fn main(arguments: &[std::ffi::OsString]) -> u8 {
+    cli::main(arguments)
 }
+
+/// What the Python module takes of the program.
+#[doc(hidden)]
+pub use cli::in_process;

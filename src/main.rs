@@ -1,3 +1,4 @@
 fn main() -> std::process::ExitCode {
-    scaleproof::main()
+    let arguments: Vec<_> = std::env::args_os().collect();
+    scaleproof::main(&arguments).into()
 }

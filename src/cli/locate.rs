@@ -293,7 +293,7 @@ fn draw(answers: &Answered, places: &[PathBuf], files: &LocateFiles) -> Result<(
     Ok(())
 }
 
-fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
+pub(super) fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
     let found = located(answer);
     let lone = answer.as_ref().ok().and_then(|examined| match &examined.result {
         Ok(found) => found.lone.as_ref(),

@@ -18,6 +18,7 @@ mod full;
 #[cfg(not(feature = "full"))]
 #[path = "light.rs"]
 mod full;
+pub mod in_process;
 mod locate;
 mod merge;
 mod mistakes;
@@ -41,7 +42,6 @@ mod units;
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -110,23 +110,23 @@ type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
 
 type CommandResult = Result<Outcome>;
 
-/// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
-pub(crate) fn main() -> ExitCode {
+/// Runs the program with its arguments, the program's own name first. Exit code 0 when all went well, 2 for bad input, with one sentence on
+/// standard error.
+pub(crate) fn main(arguments: &[OsString]) -> u8 {
     keep_to_ourselves();
     full::keep_refusals_quiet();
     scaleproof_core::workers::memory::keep();
     scaleproof_core::files::inputs::guard();
-    let arguments: Vec<OsString> = std::env::args_os().collect();
     // Results name files in JSON, which is UTF-8.
     if let Some(argument) = arguments.iter().skip(1).find(|argument| argument.to_str().is_none()) {
         return refuse(&format!("{} is not UTF-8 text: give another name", argument.display()));
     }
     let mut command = command();
-    let parsed = command.try_get_matches_from_mut(&arguments);
+    let parsed = command.try_get_matches_from_mut(arguments);
     let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(e) if is_mistake(&e) => return refuse(&mistakes::sentence(&e, &command, &arguments)),
+        Err(e) if is_mistake(&e) => return refuse(&mistakes::sentence(&e, &command, arguments)),
         Err(help_or_version) => help_or_version.exit(),
     };
     if cli.quiet {
@@ -138,7 +138,17 @@ pub(crate) fn main() -> ExitCode {
         Ok(true) => &mut Visible(std::io::stderr().lock()),
         Ok(false) => &mut Visible(std::io::stdout().lock()),
     };
-    let result = match cli.command {
+    match done(cli.command, out) {
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::SomeInputBad) => 2,
+        Err(e) if is_broken_pipe(e.as_ref()) => 0,
+        Err(e) => refuse(&advice::sentence(e.as_ref())),
+    }
+}
+
+/// Runs a command; all that it prints is out when it returns.
+fn done(command: Command, out: &mut dyn Write) -> CommandResult {
+    let outcome = match command {
         Command::Demo(args) => demo::run(args, out),
         Command::Print(command) => print::run(command, out),
         Command::Scene(command) => scene::run(command, out),
@@ -156,13 +166,9 @@ pub(crate) fn main() -> ExitCode {
         Command::Completions(args) => completions::run(&args, out),
         Command::Manuals(args) => completions::run_manuals(&args, out),
         Command::Schemas(args) => schemas::run(&args, out),
-    };
-    match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::SomeInputBad) => ExitCode::from(2),
-        Err(e) if is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
-        Err(e) => refuse(&advice::sentence(e.as_ref())),
-    }
+    }?;
+    out.flush()?;
+    Ok(outcome)
 }
 
 /// The whole command line.
@@ -170,9 +176,9 @@ fn command() -> clap::Command {
     overview::explained(Cli::command())
 }
 
-fn refuse(sentence: &str) -> ExitCode {
+fn refuse(sentence: &str) -> u8 {
     say!("error: {sentence}");
-    ExitCode::from(2)
+    2
 }
 
 /// ONNX Runtime's own builds would report to Microsoft what they run on: its API switches off what is sent, this also what is kept for it

@@ -10,7 +10,7 @@ use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, Result, at_hand, progress, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, in_process, progress, sessions};
 use scaleproof_core::{files, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -101,7 +101,12 @@ impl Effort {
     /// With another tag detector.
     pub(super) fn options_with(&self, detectors: &[EvaluatedDetector], tags: TagDetectorChoice) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
-        let libraries = format!("{}; {}", tags.provenance(), runtime.unwrap_or_default());
+        let libraries = format!(
+            "{}; {}{}",
+            tags.provenance(),
+            runtime.unwrap_or_default(),
+            in_process::module()
+        );
         let folder = self
             .cache
             .clone()
@@ -115,6 +120,7 @@ impl Effort {
             threads: self.threads.map_or_else(workers::thread_count, usize::from),
             cache,
             tags,
+            ..Options::default()
         })
     }
 }

@@ -16,6 +16,8 @@ pub enum ForeignKind {
     Results,
     /// From the running program.
     Program,
+    /// From a function of the process that scores, such as a function of Python.
+    Function,
 }
 
 impl ForeignKind {
@@ -24,6 +26,7 @@ impl ForeignKind {
         match self {
             ForeignKind::Results => "results",
             ForeignKind::Program => "program",
+            ForeignKind::Function => "function",
         }
     }
 }

@@ -8,6 +8,7 @@
 //! # Ok::<(), scaleproof_detect::ManifestError>(())
 //! ```
 
+mod called;
 mod choose;
 mod coco_results;
 mod counting;
@@ -33,6 +34,7 @@ use serde::{Deserialize, Serialize};
 
 use scaleproof_core::geometry::BoxPx;
 
+pub use called::{CalledDetector, Callee, FoundBox, FoundLabel};
 pub use choose::{RegisterError, choose, chosen_as, register, registered, registered_names, unregister};
 pub use coco_results::{CocoResult, Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;

@@ -31,7 +31,7 @@ impl<S: Into<String>> From<S> for NoAnswer {
 #[serde(deny_unknown_fields)]
 struct BoxesLine {
     id: u64,
-    detections: Option<Vec<Found>>,
+    detections: Option<Vec<FoundBox>>,
     /// Why there are none, as a sentence.
     error: Option<String>,
     /// Size of the image that the program decoded, in px.
@@ -39,36 +39,39 @@ struct BoxesLine {
     height: Option<u32>,
 }
 
-#[derive(Deserialize)]
+/// A box as a program gives it, before it is checked.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Found {
-    label: Label,
-    score: f64,
+pub struct FoundBox {
+    pub label: FoundLabel,
+    /// Confidence, 0 to 1.
+    pub score: f64,
     /// Left, top, right, bottom in px of the upright photo.
     #[serde(rename = "box")]
-    b: [f64; 4],
+    pub b: [f64; 4],
 }
 
-#[derive(Deserialize)]
+/// A label as a program gives it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "a label is a name or a number from 0")]
-enum Label {
+pub enum FoundLabel {
     Number(#[serde(deserialize_with = "whole")] usize),
     Name(String),
 }
 
-impl Label {
+impl FoundLabel {
     /// Its number among the program's labels.
     fn number(&self, labels: Labels) -> Result<usize, String> {
         let found = match self {
-            Label::Number(label) => labels.name(*label).map(|_| *label),
-            Label::Name(name) => labels.find(name),
+            FoundLabel::Number(label) => labels.name(*label).map(|_| *label),
+            FoundLabel::Name(name) => labels.find(name),
         };
         found.ok_or_else(|| match self {
-            Label::Number(label) => {
+            FoundLabel::Number(label) => {
                 let last = labels.count().saturating_sub(1);
                 format!("the label {label} is none: they are numbered from 0 to {last}")
             }
-            Label::Name(name) => format!("the label {:?} is none of its {}", start(name), labels.count()),
+            FoundLabel::Name(name) => format!("the label {:?} is none of its {}", start(name), labels.count()),
         })
     }
 }
@@ -91,8 +94,19 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
         .into());
     }
     let found = answer.detections.ok_or("it has neither detections nor an error")?;
+    Ok(checked(found, size, labels)?)
+}
+
+/// Boxes in a photo of width × height `size`, px, as detections of some labels: best first, as many as count.
+///
+/// # Errors
+/// What is wrong with one of them.
+pub fn checked(found: Vec<FoundBox>, size: [u32; 2], labels: Labels) -> Result<Vec<Detection>, String> {
     if found.len() > MOST_BOXES {
-        return Err(format!("it has {} boxes, more than the {MOST_BOXES} that are read", found.len()).into());
+        return Err(format!(
+            "it has {} boxes, more than the {MOST_BOXES} that are read",
+            found.len()
+        ));
     }
     BoxPx::check_counts_pixels(found.iter().map(|one| one.b.into()))?;
     let mut detections = Vec::with_capacity(found.len());
@@ -100,7 +114,10 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
         let label = one.label.number(labels)?;
         let b = BoxPx::from(one.b);
         if b.x2 < b.x1 || b.y2 < b.y1 {
-            return Err(format!("the corners of the box {:?} are not left, top, right, bottom", one.b).into());
+            return Err(format!(
+                "the corners of the box {:?} are not left, top, right, bottom",
+                one.b
+            ));
         }
         let kept = placed(label, one.score, b, size)?;
         detections.extend(kept.filter(|d| d.score >= SCORE_FLOOR));

@@ -31,7 +31,7 @@ pub use spec::{ProgramSpec, ProgramSpecError};
 
 /// What a program says, read without the program: its first line and its answers.
 pub mod protocol {
-    pub use crate::program::answer::{NoAnswer, derivatives, detections, loss};
+    pub use crate::program::answer::{FoundBox, FoundLabel, NoAnswer, checked, derivatives, detections, loss};
     pub use crate::program::hello::{Hello, InputRule};
 }
 
@@ -68,6 +68,12 @@ pub enum ProgramError {
         detector: String,
         file: String,
         fault: String,
+    },
+    #[error("{detector} {how}")]
+    Called {
+        detector: String,
+        /// As in "raised ValueError: no weights, at a.jpg".
+        how: String,
     },
     #[error("{detector} gives no answer: {sentence}")]
     Declined { detector: String, sentence: String },

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{ReportError, Row, csv_of};
 use crate::score::{Compared, Comparison, Difference};
 
-pub(super) fn render(comparison: &Comparison) -> Result<String, ReportError> {
+pub fn render(comparison: &Comparison) -> Result<String, ReportError> {
     csv_of(comparison.results.iter().flat_map(|r| {
         let endpoints = [
             ("hit_rate", &r.hit_rate.rate),

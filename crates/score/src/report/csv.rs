@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{ReportError, Row, csv_of, other_label};
 use crate::score::{EvaluatedDetector, Protocol, ScoredPhoto, Scores};
 
-pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
+pub fn render(scores: &Scores) -> Result<String, ReportError> {
     let scored = scores.photos.iter().flat_map(|photo| {
         let about = [&scores.sessions[photo.session].name, &photo.file, &photo.variant, ""];
         let detectors = scores.detectors.iter().enumerate();

@@ -6,7 +6,7 @@ use super::{ReportError, Row, csv_of};
 use crate::score::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
 use scaleproof_pose::scene::Bin;
 
-pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
+pub fn render(scores: &Scores) -> Result<String, ReportError> {
     csv_of(scores.summaries.iter().flat_map(|s| rows(scores, s)))
 }
 

@@ -9,7 +9,7 @@ use crate::score::{
 use scaleproof_core::spelling::digits;
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
-pub(super) fn table(scores: &Scores) -> String {
+pub fn table(scores: &Scores) -> String {
     let head = [
         "Detector",
         "Texture",
@@ -108,7 +108,7 @@ fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
 }
 
 /// The drops of a comparison: a comment that says what the numbers mean, and a `tabular` for each endpoint, which fits one column of a paper of two.
-pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
+pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol.map(|p| format!(", protocol {}", p.name()));
     let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Base: {}; figures on pairs by place and bin.\n\

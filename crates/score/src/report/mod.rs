@@ -36,10 +36,14 @@ use scaleproof_detect::{Manifest, Speeds, coco_results};
 use scaleproof_plot::pdf::PdfError;
 
 pub use comparison::{ComparisonPage, comparison_json, comparison_table, write_comparison};
+pub use comparison_csv::render as comparison_csv;
 pub use counted::counted;
+pub use csv::render as photos_csv;
 pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
 pub use export::{ExportFormat, check_export, export};
+pub use figures_csv::render as figures_csv;
+pub use html::comparison::render as comparison_html;
 pub use paired::briefly;
 pub use sequential::{plan_chart, standing};
 pub use summary_json::{SummaryPage, summary_json};

@@ -9,6 +9,8 @@ use scaleproof_pose::tags::StartError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
+    #[error("the run was stopped")]
+    Stopped,
     #[error("no session to score")]
     NoSession,
     #[error("{a} and {b} have different bins or model classes: score them in separate runs")]

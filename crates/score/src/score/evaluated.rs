@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use scaleproof_core::files;
 use scaleproof_detect::{
-    DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults, ProgramDetector,
-    Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
+    CalledDetector, DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults,
+    ProgramDetector, Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
 };
 use scaleproof_pose::scene::Classes;
 use scaleproof_session::session::Session;
@@ -33,6 +33,8 @@ pub enum DetectionSource {
     Outside(Arc<OutsideResults>),
     /// A program that runs.
     Program(Arc<ProgramDetector>),
+    /// A function of this process.
+    Called(Arc<CalledDetector>),
     /// Another program, which is not needed here: the photos were looked at elsewhere.
     Elsewhere(Box<ForeignCard>),
 }
@@ -86,11 +88,22 @@ impl EvaluatedDetector {
     /// A detector that is a program.
     pub fn program(program: ProgramDetector, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(program.card());
+        EvaluatedDetector::mapped(manifest, DetectionSource::Program(Arc::new(program)), class)
+    }
+
+    /// A detector that is a function of this process.
+    pub fn called(function: CalledDetector, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
+        let manifest = Manifest::of_foreign(function.card());
+        EvaluatedDetector::mapped(manifest, DetectionSource::Called(Arc::new(function)), class)
+    }
+
+    /// A detector whose class map was not read from a manifest.
+    fn mapped(manifest: Manifest, source: DetectionSource, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         if let Some(fault) = manifest.class_map_fault() {
             let detector = manifest.name;
             return Err(EvaluatedDetectorError::ClassMap { detector, fault });
         }
-        EvaluatedDetector::new(manifest, DetectionSource::Program(Arc::new(program)), class)
+        EvaluatedDetector::new(manifest, source, class)
     }
 
     /// A detector of another program that looked at the photos elsewhere, for shards.
@@ -105,6 +118,7 @@ impl EvaluatedDetector {
             DetectionSource::Live(_) | DetectionSource::Recorded(_) => None,
             DetectionSource::Outside(results) => Some(results.card()),
             DetectionSource::Program(program) => Some(program.card()),
+            DetectionSource::Called(function) => Some(function.card()),
             DetectionSource::Elsewhere(card) => Some(card),
         }
     }

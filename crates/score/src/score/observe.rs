@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,8 @@ pub struct Options {
     pub cache: Option<Cache>,
     /// What finds tags: this one changes results, and the cache is opened for it.
     pub tags: TagDetectorChoice,
+    /// Set from another thread, it ends the run after the photos that are in work.
+    pub stop: Arc<AtomicBool>,
 }
 
 impl Default for Options {
@@ -38,6 +41,7 @@ impl Default for Options {
             threads: workers::thread_count(),
             cache: None,
             tags: TagDetectorChoice::default(),
+            stop: Arc::default(),
         }
     }
 }
@@ -363,6 +367,10 @@ impl<'a> Observer<'a> {
                 Ok(found.map_err(ScoreError::from)?)
             }
             DetectionSource::Program(program) => self.by_program(program, job, decoded),
+            DetectionSource::Called(function) => {
+                let image = decoded.at_least([photo.width, photo.height])?;
+                Ok(timed(Stage::Network, || function.detect(file, image))?)
+            }
             DetectionSource::Elsewhere(_) => Err(not_recorded().into()),
         }
     }
@@ -424,6 +432,11 @@ impl<'a> Observer<'a> {
                     Ok(part.in_photo(found, image.dimensions()))
                 })
             }
+            DetectionSource::Called(function) => (|| {
+                let image = image()?;
+                let found = function.detect(part.file, &image)?;
+                Ok(part.in_photo(found, image.dimensions()))
+            })(),
             _ => {
                 let detector = detector.manifest.name.clone();
                 Err(ScoreError::NotCorruptible { detector }.into())

@@ -1,6 +1,7 @@
 //! A scoring run: every photo of some sessions through pose, truth and detectors, in parallel.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::Ordering;
 
 use super::error::{ScoreError, nothing_scored};
 use super::evaluated::{EvaluatedDetector, runtime};
@@ -142,7 +143,12 @@ fn over_photos<R: Send>(
         options.threads,
         &jobs,
         || Observer::new(tags, detectors, runtime, cache, photos),
-        |observer, job| judge(job, observer.photo(job)?),
+        |observer, job| {
+            if options.stop.load(Ordering::Relaxed) {
+                return Err(ScoreError::Stopped);
+            }
+            judge(job, observer.photo(job)?)
+        },
         on_photo,
     )
 }

@@ -68,6 +68,11 @@ impl Projection {
         }
     }
 
+    /// Cell and weight of all pixels, of which each has those from its entry of `starts` to the next one's.
+    pub fn entries(&self) -> &[(u32, f64)] {
+        &self.entries
+    }
+
     /// Pixels of the image.
     pub fn pixels(&self) -> usize {
         self.starts.len() - 1

@@ -48,6 +48,11 @@ impl PerPixel {
         Ok(polynomial(needed - 1, tone, flats, 1))
     }
 
+    /// Constant, linear and quadratic term of each pixel and channel, in the order of the image's rows.
+    pub fn terms(&self) -> &[[[f64; 3]; 3]] {
+        &self.terms
+    }
+
     /// The tone curve, where the model has one.
     pub fn tone(&self) -> Option<Tone> {
         self.tone

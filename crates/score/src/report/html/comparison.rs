@@ -14,7 +14,7 @@ const ROW: f64 = 31.0;
 const WIDTH: f64 = 1060.0;
 
 /// The whole page.
-pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
+pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol;
     let lead = format!(
         "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",

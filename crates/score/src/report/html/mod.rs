@@ -1,7 +1,7 @@
 //! `report.html` and `comparison.html`: self-contained pages without a link to anywhere. The one script filters and enlarges photos.
 
 mod comparable;
-pub(super) mod comparison;
+pub mod comparison;
 mod contact;
 pub(super) mod curves;
 pub(super) mod evaluation;
@@ -35,7 +35,7 @@ const SCRIPT: &str = include_str!("script.js");
 const ACROSS: usize = 8;
 
 /// The page of a scoring run; without `speeds` there is no chart of AP against time.
-pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
+pub fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
     let tail = html! { (contact::photo_library(&contact::shown(scores))) script { (PreEscaped(SCRIPT)) } };
     shell(scores, &lead(scores), &sections(scores, speeds), tail)
 }

@@ -80,7 +80,7 @@ pub fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) 
         return Err(ScoreError::OneVariant { variant });
     }
     let takes_pixels = |detector: &&EvaluatedDetector| match &detector.source {
-        DetectionSource::Live(_) => true,
+        DetectionSource::Live(_) | DetectionSource::Called(_) => true,
         DetectionSource::Program(program) => program.takes_pixels(),
         DetectionSource::Recorded(_) | DetectionSource::Outside(_) | DetectionSource::Elsewhere(_) => false,
     };

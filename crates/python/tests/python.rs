@@ -1,0 +1,75 @@
+//! The Python package: its own tests, run by pytest with the module that cargo has just built.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+// Named, so that cargo builds the module for these tests.
+use scaleproof_python as _;
+
+fn home() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
+}
+
+/// A folder with the package, its module in it.
+fn package() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = folder.path().join("scaleproof");
+    std::fs::create_dir(&inside).unwrap();
+    for entry in std::fs::read_dir(home().join("python/scaleproof")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, inside.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let built = std::env::current_exe()
+        .unwrap()
+        .with_file_name("libscaleproof_python.so");
+    std::os::unix::fs::symlink(built, inside.join("_native.abi3.so")).unwrap();
+    folder
+}
+
+/// Runs Python with the package and with what `./run test` has installed for it.
+fn python(package: &Path, arguments: &[&str]) {
+    let installed = home().join(".cache/python-tests");
+    let named = std::env::var_os("SCALEPROOF_PYTHON_TESTS").map_or(installed, PathBuf::from);
+    let place = named.display();
+    assert!(named.is_dir(), "{place} has no packages: start this test by ./run test");
+    let output = Command::new("python3")
+        .args(arguments)
+        .env("PYTHONPATH", std::env::join_paths([package, &named]).unwrap())
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("MYPYPATH", package)
+        .current_dir(package)
+        .output()
+        .unwrap();
+    let [out, error] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    assert!(output.status.success(), "{out}\n{error}");
+}
+
+#[test]
+fn the_package_does_what_the_program_does() {
+    let (package, tests) = (package(), home().join("python/tests"));
+    let options = ["-m", "pytest", "-q", "-p", "no:cacheprovider"];
+    python(package.path(), &[&options[..], &[tests.to_str().unwrap()]].concat());
+}
+
+#[test]
+fn types_are_whole() {
+    let (package, example) = (package(), home().join("python/examples/score_a_function.py"));
+    let cache = package.path().join("mypy");
+    let options = [
+        "-m",
+        "mypy",
+        "--strict",
+        "--ignore-missing-imports",
+        "--cache-dir",
+        cache.to_str().unwrap(),
+    ];
+    python(
+        package.path(),
+        &[&options[..], &[example.to_str().unwrap(), "scaleproof"]].concat(),
+    );
+}

@@ -1,0 +1,98 @@
+"""The native module in this process: where ONNX Runtime is, commands, progress."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+SHARE = Path(__file__).parent / "share"
+
+
+def _onnxruntime() -> Path | None:
+    """The shared library that the package ``onnxruntime`` carries."""
+    found = importlib.util.find_spec("onnxruntime")
+    for folder in (found and found.submodule_search_locations) or ():
+        for name in ("libonnxruntime.so*", "libonnxruntime*.dylib"):
+            libraries = [path for path in sorted(Path(folder, "capi").glob(name)) if "providers" not in path.name]
+            if libraries:
+                return libraries[0]
+    return None
+
+
+_library = _onnxruntime()
+if _library is not None and not os.environ.get("ORT_DYLIB_PATH"):
+    os.environ["ORT_DYLIB_PATH"] = str(_library)
+if SHARE.is_dir() and not os.environ.get("SCALEPROOF_HOME"):
+    os.environ["SCALEPROOF_HOME"] = str(SHARE)
+
+from . import _native  # noqa: E402  (its library is looked for where the lines above say)
+
+_native.begin(str(_native.__file__))
+
+Error = _native.Error
+__version__: str = _native.version
+
+#: What a path may be given as.
+PathLike = str | os.PathLike[str]
+
+
+def path(value: PathLike) -> str:
+    """A path as text, or :class:`Error` for what is none."""
+    try:
+        text = os.fspath(value)
+    except TypeError:
+        raise Error(f"{value!r} is no path: give a str or a pathlib.Path") from None
+    if not isinstance(text, str) or "\0" in text:
+        raise Error(f"{value!r} is no path: give text without a byte 0")
+    return text
+
+
+def run(*words: str) -> bytes:
+    """What a command of the program prints."""
+    printed, _ = _native.run(["--quiet", *words])
+    return printed
+
+
+def answer(*words: str) -> dict[str, Any]:
+    """What a command of the program prints with ``--json``."""
+    found = json.loads(run(*words, "--json"))
+    assert isinstance(found, dict)
+    return found
+
+
+def options(**given: object) -> list[str]:
+    """Options of the program: ``paper="a3"`` is ``--paper a3``, ``mirror=True`` is ``--mirror``, a list repeats its option, and None is left out."""
+    words: list[str] = []
+    for name, value in given.items():
+        option = "--" + name.rstrip("_").replace("_", "-")
+        values: Sequence[object] = value if isinstance(value, (list, tuple)) else [value]
+        for one in values:
+            if one is True:
+                words.append(option)
+            elif one is not None and one is not False:
+                # Joined, so that a value that begins with a hyphen is no option.
+                words.append(f"{option}={os.fspath(one) if isinstance(one, os.PathLike) else one}")
+    return words
+
+
+def progress(shown: bool | None, what: str) -> tuple[Callable[[int, int], None] | None, Callable[[], None]]:
+    """A bar of ``tqdm`` where that is installed: what to call with (done, of), and what to call at the end. None shows it for a terminal or a notebook."""
+    if shown is False:
+        return None, lambda: None
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return None, lambda: None
+    bar: Any = None
+
+    def step(done: int, of: int) -> None:
+        nonlocal bar
+        if bar is None:
+            bar = tqdm(total=of, desc=what, unit="photo", disable=None if shown is None else False, leave=False)
+        bar.update(done - bar.n)
+
+    return step, lambda: bar.close() if bar is not None else None

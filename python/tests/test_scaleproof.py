@@ -1,0 +1,266 @@
+"""The package as a user meets it, on the stored photos and frames, against the program."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy
+import pytest
+
+import scaleproof
+
+HOME = Path(__file__).parents[2]
+SKYLINE = HOME / "captures/skyline"
+FRAMES = HOME / "captures/skyline_frames"
+
+
+def program(*words):
+    return subprocess.run([sys.executable, "-m", "scaleproof", *map(str, words)], capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return scaleproof.Scene(SKYLINE / "scene.toml")
+
+
+@pytest.fixture(scope="module")
+def camera():
+    return scaleproof.Camera(SKYLINE / "camera.yaml")
+
+
+def test_the_program_is_in_the_package():
+    assert program("--version").stdout == f"scaleproof {scaleproof.__version__}\n"
+    wrong = program("locate", "a.jpg")
+    assert wrong.returncode == 2 and wrong.stderr.startswith("error: ") and not wrong.stdout
+
+
+def test_photos_are_located_as_by_the_program(scene, camera):
+    photos = sorted(SKYLINE.glob("*.jpg"))
+    by_program = program("locate", *photos, "--scene", scene.file, "--camera", camera.file, "--json").stdout.splitlines()
+    found = scaleproof.locate_many(photos, scene, camera, progress=False)
+    assert [one.json for one in found] == [json.loads(line) for line in by_program] and len(found) == 16
+    one = scaleproof.locate(photos[0], scene, camera)
+    assert one and one.pose.shape == (4, 4) and one.bin == (0.0, 15.0, 850.0) and 0 < one.sigma_azimuth_deg < 0.1
+    # The camera's centre is where the viewpoint says: from the model's middle, in the model frame.
+    centre = -one.pose[:3, :3].T @ one.pose[:3, 3]
+    assert abs(numpy.degrees(numpy.arctan2(centre[1], centre[0])) % 360 - one.azimuth_deg) < 1.0
+
+
+def test_the_truth_box_is_that_of_the_report(scene, camera):
+    pose = scaleproof.locate(SKYLINE / "normal_000.jpg", scene, camera).pose
+    row = scaleproof.score(SKYLINE, "yolox_nano", recorded=True).photos.rows()[0]
+    expected = [row[f"truth_{side}_px"] for side in ("x1", "y1", "x2", "y2")]
+    assert numpy.allclose(scaleproof.truth_box(scene, pose, camera), expected, atol=1e-6)
+
+
+def test_an_image_without_tags_has_no_pose_and_says_why(scene, camera):
+    found = scaleproof.locate(numpy.zeros((960, 1280, 3), numpy.uint8), scene, camera)
+    assert not found and found.pose is None and found.code and found.reason
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    return scaleproof.score(scaleproof.Session(SKYLINE), "yolox_nano", recorded=True, progress=False)
+
+
+def test_figures_are_those_of_the_program(recorded, tmp_path):
+    ran = program("score", SKYLINE, "--recorded", "--detector", "yolox_nano", "-o", tmp_path / "by_program")
+    assert ran.returncode == 0, ran.stderr
+    recorded.write(tmp_path / "here")
+    for name in ("summary.json", "photos.csv", "figures.csv", "table.tex", "report.html"):
+        assert (tmp_path / "here" / name).read_bytes() == (tmp_path / "by_program" / name).read_bytes(), name
+    assert recorded.to_html() == (tmp_path / "here/report.html").read_text()
+    assert recorded.to_latex() == (tmp_path / "here/table.tex").read_text()
+    assert recorded.summary("yolox_nano", "normal").overall.hit_rate.count == 6
+    assert "<table>" in recorded._repr_html_() and "yolox_nano" in str(recorded)
+
+
+def test_a_function_that_finds_what_is_recorded_has_the_recorded_figures(recorded):
+    # Boxes by the photo's number in the session.
+    boxes = {}
+    for one in json.loads((SKYLINE / "recorded/yolox_nano.json").read_text()):
+        left, top, width, height = one["bbox"]
+        found = (one["category_id"], one["score"], (left, top, left + width, top + height))
+        boxes.setdefault(one["image_id"], []).append(found)
+    numbers = iter(range(1, 17))
+
+    def find(images):
+        assert images[0].shape == (960, 1280, 3) and images[0].dtype == numpy.uint8
+        return [boxes[next(numbers)] for _ in images]
+
+    # One thread takes the photos in their order.
+    detector = scaleproof.Detector(find, "replayed", labels="coco91", deterministic=True)
+    found = scaleproof.score(SKYLINE, detector, threads=1, progress=False)
+    for variant in ("normal", "random"):
+        assert found.summary("replayed", variant).overall == recorded.summary("yolox_nano", variant).overall
+    (by,) = found.json["provenance"]["detectors"]
+    assert by["name"] == "replayed" and by["source"] == "function"
+
+
+def test_functions_are_called_in_batches_in_the_calling_thread():
+    calls = []
+
+    def find(images):
+        calls.append((threading.get_ident(), len(images)))
+        time.sleep(0.02)
+        return ([] for _ in images)
+
+    scaleproof.score(SKYLINE, [scaleproof.Detector(find, "mine", batch=3)], threads=4, progress=False)
+    counts = [count for _, count in calls]
+    assert {ident for ident, _ in calls} == {threading.get_ident()} and sum(counts) == 16
+    assert 1 < max(counts) <= 3
+
+
+def test_tables_are_read_through_arrow(recorded):
+    nanoarrow = pytest.importorskip("nanoarrow")
+    for table in (recorded.table, recorded.photos):
+        read = nanoarrow.Array(table)
+        columns = {field.name: list(read.child(i).iter_py()) for i, field in enumerate(read.schema.fields)}
+        assert columns == table.columns
+    empty = scaleproof.Table({"a": [None, None], "b": [True, None], "c": [1, None], "d": [0.5, 2]})
+    assert list(nanoarrow.Array(empty).iter_py()) == empty.rows()
+    for _ in range(100):
+        empty.__arrow_c_stream__()
+    from scaleproof import tables
+
+    del read
+    import gc
+
+    gc.collect()
+    assert not tables._kept
+
+
+def test_a_comparison_and_a_plan():
+    found = scaleproof.compare(SKYLINE, "yolox_nano", recorded=True, progress=False)
+    (drop,) = found.drops
+    assert (drop.variant, drop.pairs, drop.base, drop.other) == ("random", 8, 0.75, 0.5)
+    assert "\\begin{tabular}" in found.to_latex() and len(found.table) == 3
+    assert scaleproof.plan(0.3).pairs == 37
+
+
+def test_average_precision_of_boxes():
+    truth = [[(0, 0, 10, 10)], [(0, 0, 10, 10)]]
+    found = [[(0.9, (0, 0, 10, 10))], [(0.8, (20, 20, 30, 30))]]
+    # One of two is found, before a wrong one: recall points 0 to 0.5 have precision 1.
+    assert scaleproof.ap(truth, found) == pytest.approx(51 / 101)
+    assert scaleproof.ap([[]], [[]]) is None
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        (lambda s, c: scaleproof.locate("nowhere.jpg", s, c), "nowhere.jpg"),
+        (lambda s, c: scaleproof.locate(numpy.zeros((4, 4, 3)), s, c), "float64"),
+        (lambda s, c: scaleproof.locate(numpy.zeros((0, 4, 3), numpy.uint8), s, c), "4 × 0"),
+        (lambda s, c: scaleproof.locate(numpy.zeros((4, 4), numpy.uint8), s, c), "shape"),
+        (lambda s, c: scaleproof.locate(7, s, c), "7 is no path"),
+        (lambda s, c: scaleproof.locate_many("a.jpg", s, c), "list"),
+        (lambda s, c: scaleproof.locate("a.jpg", c, s), "scaleproof.Scene"),
+        (lambda s, c: scaleproof.locate("a.jpg", s, c, tag_detector="best"), "best"),
+        (lambda s, c: scaleproof.Scene("a\0b"), "byte 0"),
+        (lambda s, c: scaleproof.Scene(SKYLINE / "camera.yaml"), "camera.yaml"),
+        (lambda s, c: scaleproof.truth_box(s, numpy.full((4, 4), numpy.nan), c), "rigid motion"),
+        (lambda s, c: scaleproof.truth_box(s, numpy.diag([1, 1, -1, 1]), c), "rigid motion"),
+        (lambda s, c: scaleproof.ap([[(0, 0, 1, float("nan"))]], [[]]), "no box"),
+        (lambda s, c: scaleproof.ap([[]], [[]], definition="mine"), "mine"),
+        (lambda s, c: scaleproof.score("nowhere"), "nowhere"),
+        (lambda s, c: scaleproof.score(SKYLINE, 7), "no detector"),
+        (lambda s, c: scaleproof.score(SKYLINE, "yolox_nan", recorded=True), "yolox_nano"),
+        (lambda s, c: scaleproof.score(SKYLINE, "yolox_nano", recorded=True, confidence=2), "0.001 to 1"),
+        (lambda s, c: scaleproof.plan(2), "drop"),
+        (lambda s, c: scaleproof.Frames(SKYLINE), "frames.json"),
+        (lambda s, c: scaleproof.Frames(FRAMES).view(99, tile_mm=480), "view 99"),
+        (lambda s, c: scaleproof.Frames(FRAMES).view(0, cells=0, tile_mm=480), "0 cells"),
+        (lambda s, c: scaleproof.Frames(FRAMES).view(0, tile_mm=480, form="cubic"), "cubic"),
+        (lambda s, c: scaleproof.print_template("nowhere.png", "a.pdf", size_mm=(100, 100), tile_mm=50), "nowhere.png"),
+    ],
+)
+def test_bad_input_is_one_sentence(what, words, scene, camera):
+    with pytest.raises(scaleproof.Error) as raised:
+        what(scene, camera)
+    assert words in str(raised.value) and "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("boxes", "words"),
+    [
+        (None, "returned NoneType"),
+        ([[]] * 9, "9 lists"),
+        ([[("car", float("nan"), (0, 0, 1, 1))]], "finite"),
+        ([[("car", 0.5, (0, 0, 1))]], "four finite"),
+        ([[("zeppelin", 0.5, (0, 0, 90, 90))]], "zeppelin"),
+        ([[(80, 0.5, (0, 0, 90, 90))]], "80"),
+        ([[("car", 5.0, (0, 0, 90, 90))]], "confidence 5"),
+        ([[("car", 0.5, (90, 0, 10, 90))]], "left, top, right, bottom"),
+        ([["car"]], "for each box"),
+        ([{}], "returned dict"),
+    ],
+)
+def test_boxes_that_are_none_end_the_run(boxes, words):
+    with pytest.raises(scaleproof.Error, match=words):
+        scaleproof.score(SKYLINE, scaleproof.Detector(lambda images: boxes, "mine", batch=1), threads=1, progress=False)
+
+
+def test_what_a_function_raises_is_the_cause():
+    def mine(images):
+        raise ValueError("no weights")
+
+    with pytest.raises(scaleproof.Error, match="mine raised ValueError at .*jpg: no weights") as raised:
+        scaleproof.score(SKYLINE, mine, progress=False)
+    assert isinstance(raised.value.__cause__, ValueError)
+    # And the process goes on.
+    assert scaleproof.score(SKYLINE, "yolox_nano", recorded=True, progress=False).photos_scored == 16
+
+
+def test_an_interruption_ends_a_run():
+    def slow(images):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.01)
+        return [[] for _ in images]
+
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        scaleproof.score(SKYLINE, slow, progress=False)
+    assert time.monotonic() - start < 5
+
+
+def test_threads_of_python_work_side_by_side(scene, camera):
+    photos, found = sorted(SKYLINE.glob("*.jpg"))[:2], {}
+    work = lambda photo: found.update({photo: scaleproof.locate(photo, scene, camera)})
+    threads = [threading.Thread(target=work, args=(photo,)) for photo in photos]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(found[photo].azimuth_deg == scaleproof.locate(photo, scene, camera).azimuth_deg for photo in photos)
+
+
+def test_the_renderer_in_numpy_is_the_library_s():
+    frames = scaleproof.Frames(FRAMES)
+    pattern = numpy.random.default_rng(7).random((16, 16, 3))
+    pattern[0, :4] = [0, 1, 0.02]
+    light = numpy.where(pattern <= 0.04045, pattern / 12.92, ((pattern + 0.055) / 1.055) ** 2.4)
+    for form in ("affine", "quadratic", "affine-curve", "quadratic-curve"):
+        view = frames.view(1, tile_mm=480, form=form)
+        by_library = numpy.frombuffer(frames._native.render(1, (16, 16), 480.0, form, light.reshape(-1, 3).tolist()))
+        image = view.render(pattern)
+        assert numpy.abs(image.ravel() - by_library).max() < 1e-9
+        assert (view.mask > 0.5).any() and view.background.shape == image.shape == (64, 96, 3)
+        # What the model does not cover, the pattern does not change.
+        outside = view.mask == 0
+        assert numpy.abs(image - view.background)[outside].max() < 0.05
+
+
+def test_sheets_and_a_camera(tmp_path):
+    pattern = scaleproof.Pattern.random(tmp_path / "p.png", cells=4, seed=1)
+    made = scaleproof.print_template(pattern, tmp_path / "a.pdf", size_mm=(200, 100), tile_mm=100)
+    assert made["sheets"] == 1 and (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+    wrap = scaleproof.print_wrap(tmp_path / "w.pdf", pattern=pattern, scene=SKYLINE / "scene.toml", panels=True, tile_mm=100)
+    assert (tmp_path / "w.pdf").is_file() and wrap["files"]
+    camera, about = scaleproof.calibrate(HOME / "captures/board", board=HOME / "calibration/charuco_9x7_22mm.toml", output=tmp_path / "c.yaml")
+    assert camera.matrix.shape == (3, 3) and about
