@@ -183,3 +183,23 @@ fn a_camera_that_breaks_off_is_one_sentence_and_the_same_command_goes_on() {
         &["no camera answers gphoto2: plug it in"],
     );
 }
+
+/// The real gphoto2 with its driver for folders, the only one that needs no camera here: it takes no photos.
+#[test]
+fn what_the_real_gphoto2_cannot_trigger_is_refused() {
+    let out = tempfile::tempdir().unwrap();
+    let (folder, session) = (out.path().join("card"), out.path().join("session"));
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::copy(photo(0), folder.join("a.jpg")).unwrap();
+    let mut command = program();
+    let source = format!("gphoto2:disk:{}", folder.display());
+    command.args(["capture", "--variant", "normal", "--place", "yard", "--source", &source]);
+    for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
+        command.arg(option).arg(skyline().join(name));
+    }
+    let output = command.arg("-o").arg(&session).output().unwrap();
+    let sentence =
+        "the Directory Browse takes no photos for a computer: copy its photos into a folder and watch that (watch:DIR)";
+    assert_refused(&output, &[sentence]);
+    assert!(!session.exists() && folder.join("a.jpg").exists());
+}

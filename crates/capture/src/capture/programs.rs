@@ -36,6 +36,9 @@ impl RunningProgram {
     /// Starts a command with nothing on its standard input. It speaks English, by which its complaints are understood.
     pub(super) fn start(command: &mut Command) -> std::io::Result<(RunningProgram, ChildStdout)> {
         command.env("LC_ALL", "C").stdin(Stdio::null());
+        // Ctrl-C is for this program, which ends the others: otherwise they would seem to have failed.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(command, 0);
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         locked(&RUNNING).insert(child.id());
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());

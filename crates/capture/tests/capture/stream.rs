@@ -52,9 +52,9 @@ fn only_http_and_rtsp_addresses_are_read() {
 
 /// Shorter than those of a real stream.
 const WAITS: &[Duration] = &[
-    Duration::from_millis(100),
-    Duration::from_millis(200),
-    Duration::from_millis(50),
+    Duration::from_millis(400),
+    Duration::from_millis(600),
+    Duration::from_millis(400),
 ];
 
 /// A connection that gives so many images.
@@ -122,13 +122,13 @@ fn a_stream_that_breaks_off_is_connected_again_and_says_so() {
             _ => images += 1,
         }
     }
-    assert!(began.elapsed() > Duration::from_millis(300), "{:?}", began.elapsed());
+    assert!(began.elapsed() > Duration::from_millis(1000), "{:?}", began.elapsed());
     let sentence = |wait: &str, number: u32| {
         format!(
             "the stream http://cam/video broke off (it was switched off): connecting again in {wait} s, try {number} of 3"
         )
     };
-    assert_eq!(said, [sentence("0.1", 1), sentence("0.2", 2)]);
+    assert_eq!(said, [sentence("0.4", 1), sentence("0.6", 2)]);
     let settings = live.settings().unwrap().to_string();
     assert!(
         settings.starts_with("http://cam/video, fake 8 × 8: exposure, focus, white balance cannot be held"),

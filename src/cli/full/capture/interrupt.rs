@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use crate::cli::full::interrupt::in_background;
-use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
+use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame, interrupt_programs};
 
 /// What a source gave, and what its camera is set to.
 type SourceItem = Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>;
@@ -81,6 +81,7 @@ async fn listen(events: Sender<InterruptEvent>) {
     if tokio::signal::ctrl_c().await.is_ok() {
         let _ = events.send(InterruptEvent::Interrupted);
         if tokio::signal::ctrl_c().await.is_ok() {
+            interrupt_programs();
             std::process::exit(130);
         }
     }
