@@ -37,7 +37,9 @@ fn small_pictures_are_judged_as_a_stream_and_only_a_whole_one_of_the_cameras_siz
         480,
         FilterType::Triangle,
     ));
-    let told: Vec<_> = (0..6).map(|_| filmed(&mut client, "/film/1/preview", &small)).collect();
+    let told: Vec<_> = (0..6)
+        .map(|_| filmed(&mut client, "/film/1/preview/100", &small))
+        .collect();
     let codes: Vec<&str> = told.iter().map(|(_, code, ..)| code.as_str()).collect();
     assert_eq!(
         codes,
@@ -57,13 +59,13 @@ fn small_pictures_are_judged_as_a_stream_and_only_a_whole_one_of_the_cameras_siz
     );
     assert_eq!(client.send(&post("/shoot")).status, 409, "not by hand either");
     assert_eq!(
-        filmed(&mut client, "/film/2/preview", &small).0,
+        filmed(&mut client, "/film/2/preview/100", &small).0,
         409,
         "one device films at a time"
     );
 
     // The small ones are compared with the whole one in its pixels.
-    let (status, code, name, _) = filmed(&mut client, "/film/1/whole", &photo(0));
+    let (status, code, name, _) = filmed(&mut client, "/film/1/whole/50", &photo(0));
     assert_eq!(
         (status, code.as_str(), name.as_deref()),
         (200, "accepted", Some("normal_000.jpg"))
@@ -103,7 +105,7 @@ fn small_pictures_are_judged_as_a_stream_and_only_a_whole_one_of_the_cameras_siz
         FilterType::Triangle,
     ));
     for _ in 0..6 {
-        let answer = client.send(&upload("image/jpeg", &other).to("/film/1/whole"));
+        let answer = client.send(&upload("image/jpeg", &other).to("/film/1/whole/50"));
         let sentence = answer.json()["sentence"].as_str().unwrap().to_owned();
         assert!(
             answer.status == 422 && sentence.contains("960×720") && sentence.contains("1280×960"),
@@ -115,14 +117,14 @@ fn small_pictures_are_judged_as_a_stream_and_only_a_whole_one_of_the_cameras_siz
         let moved = rgb(&photo(1));
         let moved = RgbImage::from_fn(1280, 960, |x, y| *moved.get_pixel((x + shift).min(1279), y));
         assert_eq!(
-            filmed(&mut client, "/film/1/whole", &jpeg(&moved)).1,
+            filmed(&mut client, "/film/1/whole/50", &jpeg(&moved)).1,
             "moving",
             "{shift}"
         );
     }
     assert_eq!(
         client
-            .send(&upload("image/jpeg", &photo(1)).to("/film/1/sideways"))
+            .send(&upload("image/jpeg", &photo(1)).to("/film/1/sideways/50"))
             .status,
         400
     );

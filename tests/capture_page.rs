@@ -399,7 +399,7 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
     let mut statuses = std::collections::BTreeMap::<u16, usize>::new();
     std::thread::scope(|scope| {
         // What is filmed gets what a photo gets.
-        let paths = ["/upload", "/film/1/preview", "/film/1/whole"];
+        let paths = ["/upload", "/film/1/preview/50", "/film/1/whole/50"];
         let slow = paths.map(|path| scope.spawn(|| slow(&host, path)));
         let threads: Vec<_> = (0..8)
             .map(|thread| {
@@ -562,7 +562,7 @@ fn in_the_network_nobody_gets_in_without_a_token_and_a_token_lets_one_browser_in
         post("/redo/0"),
         post("/finish"),
         upload("image/jpeg", &photo(0)),
-        upload("image/jpeg", &photo(0)).to("/film/1/whole"),
+        upload("image/jpeg", &photo(0)).to("/film/1/whole/50"),
     ] {
         assert_eq!(client.send(&request).status, 401, "{}", request.head);
     }

@@ -50,7 +50,7 @@ pub struct Measures {
     pub white_level: Option<f64>,
     /// Share of the pixels about the model that lost their tone to white; `null` where it could not be measured.
     pub clipped_share: Option<f64>,
-    /// Median distance that the tags' corners moved since the last frame; `null` for photos taken one by one.
+    /// Median distance that the tags' corners moved since the last frame, of what a browser films within 50 ms; `null` for photos taken one by one.
     pub moved_px: Option<f64>,
 }
 
@@ -91,6 +91,8 @@ pub struct Judge {
     before: Vec<SeenTag>,
     /// Of the frame that was judged last, px: of a film, small frames come before one that is kept.
     last_width: u32,
+    /// How much later than the last frame of a running camera the one that is judged came: 1 unless said otherwise.
+    intervals: f64,
     /// Where the camera stood in the frame before, and how many frames have followed it.
     pose: Option<Rigid>,
     tracked: u32,
@@ -117,10 +119,17 @@ impl Judge {
             last: Vec::new(),
             before: Vec::new(),
             last_width: 0,
+            intervals: 1.0,
             pose: None,
             tracked: 0,
             unanswered: 0,
         })
+    }
+
+    /// Says how long after the last frame the next one was filmed. The limit of motion is one for a running camera, whose frames come every 50 ms;
+    /// after five times that the way no longer tells how steadily it was gone.
+    pub fn filmed_after(&mut self, ms: u32) {
+        self.intervals = (f64::from(ms) / 50.0).clamp(1.0, 5.0);
     }
 
     /// Whether the frames are those of a stream.
@@ -222,7 +231,9 @@ impl Judge {
             blur_px: appearance.blur_px.filter(|px| px.is_finite()),
             white_level: appearance.white_level,
             clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, &fitted.camera)),
-            moved_px: moved_px(&self.before, &seen).filter(|_| kind != FrameKind::Photo),
+            moved_px: moved_px(&self.before, &seen)
+                .filter(|_| kind != FrameKind::Photo)
+                .map(|px| px / self.intervals),
         };
         let light = light(&measures, &seen, grey);
         let focus = focus(&appearance, &seen, grey);

@@ -227,8 +227,13 @@ impl Capture {
     }
 
     /// Judges a frame that a browser films as those of a stream are. One of the small ones is never taken. Whether the next should come
-    /// whole, since it would be taken if all gates still hold.
-    pub(crate) fn filmed(&mut self, frame: &SourceFrame, taking: Taking) -> Result<(FrameAnswer, bool), StoreError> {
+    /// whole, since it would be taken if all gates still hold. It was filmed `after_ms` after the last one.
+    pub(crate) fn filmed(
+        &mut self,
+        frame: &SourceFrame,
+        taking: Taking,
+        after_ms: u32,
+    ) -> Result<(FrameAnswer, bool), StoreError> {
         // The judge of films stands in for that of photos.
         let swap = |capture: &mut Capture| {
             if let Some(film) = &mut capture.film {
@@ -236,6 +241,7 @@ impl Capture {
             }
         };
         swap(self);
+        self.judge.filmed_after(after_ms);
         let answer = self.look(frame, taking);
         swap(self);
         let wants_whole = self.held.is_some_and(|(_, frames)| frames + 1 >= HELD_FRAMES);

@@ -154,7 +154,7 @@ async function begin_film() {
   const video = { facingMode: "environment", width: { ideal: width }, height: { ideal: height }, resizeMode: { exact: "none" } };
   try {
     const stream = await navigator.mediaDevices.getUserMedia({ video });
-    film = { stream, device: crypto.getRandomValues(new Uint32Array(1))[0], is_by_hand: false };
+    film = { stream, device: crypto.getRandomValues(new Uint32Array(1))[0], drawn_at: 0, is_by_hand: false };
     stream.getVideoTracks()[0].onended = () => end_film("The camera has ended");
     $("video").srcObject = stream;
     await $("video").play();
@@ -235,11 +235,14 @@ async function send_film(own) {
     }
     const is_by_hand = own.is_by_hand;
     own.is_by_hand = false;
-    const body = await picture(is_whole || is_by_hand);
     const kind = is_whole || is_by_hand ? "whole" : "preview";
+    const now = performance.now();
+    const after_ms = Math.min(Math.round(now - own.drawn_at), 10000);
+    own.drawn_at = now;
+    const body = await picture(kind === "whole");
     try {
       const headers = { "Content-Type": "image/jpeg" };
-      const response = await fetch(`/film/${own.device}/${kind}`, { method: "POST", body, headers });
+      const response = await fetch(`/film/${own.device}/${kind}/${after_ms}`, { method: "POST", body, headers });
       const told = await response.json();
       if (!response.ok) { if (film === own) end_film(told.sentence); return; }
       is_whole = told.wants_whole;

@@ -73,7 +73,7 @@ impl PageContext {
             .route("/preview/{number}", get(preview))
             .route("/photo/{name}", get(photo))
             .route("/upload", post(|site, request| receive(site, request, Action::Upload)))
-            .route("/film/{device}/{kind}", post(film))
+            .route("/film/{device}/{kind}/{after_ms}", post(film))
             .route("/shoot", post(|site| ask(site, Action::Shoot)))
             .route("/undo", post(|site| ask(site, Action::Undo)))
             .route(
@@ -183,11 +183,16 @@ async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>>
     }
 }
 
-/// A picture of what a device films; the page made up its number.
-async fn film(site: State<PageContext>, Path((device, kind)): Path<(u32, FilmKind)>, request: Request) -> Response {
+/// A picture of what a device films, drawn so long after the one before; the page made up the device's number.
+async fn film(
+    site: State<PageContext>,
+    Path((device, kind, after_ms)): Path<(u32, FilmKind, u32)>,
+    request: Request,
+) -> Response {
     let filmed = |bytes, place| Action::Filmed {
         device,
         kind,
+        after_ms,
         bytes,
         place,
     };

@@ -36,6 +36,7 @@ pub(super) enum Action {
     Filmed {
         device: u32,
         kind: FilmKind,
+        after_ms: u32,
         bytes: Vec<u8>,
         place: OwnedSemaphorePermit,
     },
@@ -260,16 +261,17 @@ impl<'a> CaptureWorker<'a> {
             Action::Filmed {
                 device,
                 kind,
+                after_ms,
                 bytes,
                 place: _place,
             } => {
                 self.filming = Some((device, Instant::now()));
                 let frame = upload::frame(format!("film {}", self.frames + 1), bytes);
                 match kind {
-                    FilmKind::Preview => self.judge(frame.into(), Taking::Never, Some(device)),
+                    FilmKind::Preview => self.judge(frame.into(), Taking::Never, Some((device, after_ms))),
                     FilmKind::Whole => {
                         let whole = upload::whole_frame(frame, self.capture.camera());
-                        self.judge(whole.into(), Taking::ByItself, Some(device))
+                        self.judge(whole.into(), Taking::ByItself, Some((device, after_ms)))
                     }
                 }
             }
@@ -315,13 +317,18 @@ impl<'a> CaptureWorker<'a> {
         }
     }
 
-    /// Shows the capture a frame, which the device of this number films, if one does.
-    fn judge(&mut self, frame: Arc<SourceFrame>, taking: Taking, film: Option<u32>) -> Result<ActionReply, PageError> {
+    /// Shows the capture a frame, which the device of this number films so many ms after the last, if one does.
+    fn judge(
+        &mut self,
+        frame: Arc<SourceFrame>,
+        taking: Taking,
+        film: Option<(u32, u32)>,
+    ) -> Result<ActionReply, PageError> {
         let (answer, wants_whole) = match film {
-            Some(_) => self.capture.filmed(&frame, taking)?,
+            Some((_, after_ms)) => self.capture.filmed(&frame, taking, after_ms)?,
             None => (self.capture.look(&frame, taking)?, false),
         };
-        let film = film.map(|device| self.filmed_view(device, &answer));
+        let film = film.map(|(device, _)| self.filmed_view(device, &answer));
         let is_filmed = film.is_some();
         let guidance = self.capture.guidance();
         self.frames += 1;

@@ -128,7 +128,7 @@ fn in_the_network_the_page_is_encrypted_with_the_certificate_that_is_shown() {
     // A page that came unencrypted is another site, as is one without a name.
     for origin in ["", "\r\nOrigin: http://{host}", "\r\nOrigin: https://evil.example"] {
         assert!(is_status(&with_cookie("POST /finish", origin), 403), "{origin}");
-        let film = with_cookie("POST /film/1/preview", origin);
+        let film = with_cookie("POST /film/1/preview/50", origin);
         assert!(is_status(&film, 403), "{origin}");
     }
     let rebound = encrypted(&lan.fingerprint, host, "GET / HTTP/1.1\r\nHost: evil.example");
