@@ -74,7 +74,7 @@ fn innermost<'a>(whole: &'a Command, arguments: &[OsString]) -> (&'a Command, St
     (command, path)
 }
 
-/// The option that fewest letters make of one that is not there. Clap's own nearest one shares the longest beginning: of `--recored`, `--record`.
+/// The option, or the two, that fewest letters make of one that is not there. Clap names one: of `--recored`, `--record` and not `--recorded`.
 fn option(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Option<String> {
     let Some(ContextValue::String(given)) = e.get(ContextKind::InvalidArg) else {
         return None;
@@ -82,12 +82,18 @@ fn option(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Option<St
     let given = given
         .strip_prefix("--")
         .filter(|_| e.kind() == ErrorKind::UnknownArgument)?;
-    let known = innermost(whole, arguments)
-        .0
-        .get_arguments()
-        .filter(|known| !known.is_hide_set());
-    let near = spelling::nearest(given, known.filter_map(clap::Arg::get_long))?;
-    Some(format!("'--{near}'"))
+    let command = innermost(whole, arguments).0;
+    let known = command.get_arguments().filter(|known| !known.is_hide_set());
+    let known = known.filter_map(clap::Arg::get_long);
+    let edits: Vec<(usize, &str)> = known.map(|known| (spelling::edits(given, known), known)).collect();
+    let least = edits
+        .iter()
+        .map(|(edits, _)| *edits)
+        .min()
+        .filter(|least| 3 * least <= given.len())?;
+    let near = edits.iter().filter(|(edits, _)| *edits == least);
+    let near: Vec<String> = near.map(|(_, name)| format!("'--{name}'")).collect();
+    (near.len() <= 2).then(|| near.join(" or "))
 }
 
 /// What a number looks like, by what was meant where that is plain.
