@@ -834,9 +834,13 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
         classes: "truck".parse().unwrap(),
         ..config.clone()
     };
-    for other in [&other, &of_trucks] {
+    for (other, which) in [
+        (&other, ", here 0.01)"),
+        (&of_trucks, "(classes \"car\", here \"truck\")"),
+    ] {
         let refused = Attack::begin(&view_set, &good, other, whole.path()).err().unwrap();
         assert!(matches!(refused, RunError::OtherRun { .. }));
+        assert!(refused.to_string().contains(which), "{refused}");
     }
     // Nor do two runs that began together in one folder write over each other.
     let shared = tempfile::tempdir().unwrap();

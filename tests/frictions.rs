@@ -32,7 +32,75 @@ fn every_wrong_turn_names_the_way() {
     let score = |detector: &'static str| vec!["score", text(&session), "--detector", detector, "-o", "nowhere"];
     let scene = skyline().join("scene.toml");
     let scene = text(&scene);
+    let camera = skyline().join("camera.yaml");
+    let camera = text(&camera);
+    write(folder.path(), "res.csv", "file,label,score\na.jpg,car,0.9\n");
+    let detection = r#"[{"image_id": "normal_000", "category_id": 3, "bbox": [1, 1, 9, 9], "score": 0.9}]"#;
+    write(folder.path(), "names.json", detection);
+    let (truth, out) = (
+        folder.path().join("report/coco_truth.json"),
+        folder.path().join("report"),
+    );
+    assert!(
+        run(&[
+            "score",
+            text(&session),
+            "--recorded",
+            "--detector",
+            "fastestdet",
+            "-o",
+            text(&out)
+        ])
+        .status
+        .success()
+    );
+    // A pattern of the model's sides: six of 2 × 2 cells, and the card that says so.
+    let sides = folder.path().join("sides");
+    std::fs::create_dir(&sides).unwrap();
+    image::RgbImage::new(2, 12).save(sides.join("pattern.png")).unwrap();
+    write(
+        &sides,
+        "pattern.json",
+        r#"{"pattern_sha256": "", "tile_mm": 480.0, "sides": true}"#,
+    );
+    write(&sides, "scene.toml", "");
+    let flat = ["--tile-mm", "480", "--size-mm", "300x200", "-o", "x.pdf"];
     let typed: Vec<(Vec<&str>, &[&str])> = vec![
+        (score("yolox_nano, yolo99"), &["no detector is called yolo99"]),
+        (score("exe:mine.py"), &["write 'exec:python3 mine.py'"]),
+        (
+            vec!["score", text(&session), "--results", "mine=res.csv", "-o", "nowhere"],
+            &["it is no JSON", "COCO list", "YOLO's text files"],
+        ),
+        (
+            vec![
+                "score",
+                text(&session),
+                "--results",
+                "mine=names.json",
+                "--images",
+                text(&truth),
+                "-o",
+                "nowhere",
+            ],
+            &["leave --images out"],
+        ),
+        (
+            vec!["plan", "--scene", camera],
+            &["camera.yaml, line 1", "a scene is a .toml file"],
+        ),
+        (
+            vec!["scene", "show", "sides"],
+            &["it holds sides/pattern.png, sides/scene.toml"],
+        ),
+        (
+            [&["print", "template", "--texture", "sides/pattern.png"][..], &flat].concat(),
+            &["lies on no flat sheet", "print wrap --texture sides/pattern.png"],
+        ),
+        (
+            [&["print", "template", "--pattern", "sides/pattern.png"][..], &flat].concat(),
+            &["lies on no flat sheet"],
+        ),
         (
             score("yolo11n.pt"),
             &["PyTorch", "format=onnx", "detectors add yolo11n.onnx", "exec:python3"],
@@ -394,6 +462,81 @@ fn folders_stand_for_their_photos_and_say_what_is_passed_over() {
     );
 }
 
+/// Cards of another size leave photos located, and their poses doubtful: `score` says the cause as `locate` does.
+#[test]
+fn a_wrong_size_of_some_tags_is_said_beside_the_figures() {
+    let session = copy_of_skyline();
+    let out = tempfile::tempdir().unwrap();
+    let scored = |words: &str| {
+        let output = run(&[
+            "score",
+            text(session.path()),
+            "--recorded",
+            "--detector",
+            "fastestdet",
+            "-o",
+            text(out.path()),
+        ]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output).contains(words)
+    };
+    let words = "the tags with ids 8 to 23 seem to be 50";
+    assert!(!scored(words));
+    let scene = std::fs::read_to_string(session.path().join("scene.toml")).unwrap();
+    let (flat, cards) = scene.split_once("\nid = 8\n").unwrap();
+    let cards = cards.replace("size_mm = 50.0", "size_mm = 45.0");
+    write(session.path(), "scene.toml", format!("{flat}\nid = 8\n{cards}"));
+    assert!(scored(words));
+}
+
+/// A re-encoded photo is no photo of another place.
+#[test]
+fn a_near_copy_that_is_named_for_another_place_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = car_program(folder.path());
+    for place in ["lab", "yard"] {
+        std::fs::create_dir(folder.path().join(place)).unwrap();
+    }
+    let copied = |number: usize, to: usize| {
+        let from = skyline().join(format!("normal_00{number}.jpg"));
+        std::fs::copy(&from, folder.path().join(format!("lab/{number}.jpg"))).unwrap();
+        let file = std::fs::File::create(folder.path().join(format!("yard/{number}.jpg"))).unwrap();
+        let picture = image::open(skyline().join(format!("normal_00{to}.jpg"))).unwrap();
+        picture
+            .write_with_encoder(image::codecs::jpeg::JpegEncoder::new_with_quality(file, 80))
+            .unwrap();
+    };
+    let said = || {
+        let places = ["lab", "yard"].map(|place| format!("normal@{place}={}", folder.path().join(place).display()));
+        let (scene, camera) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
+        let out = folder.path().join("out");
+        let usual = [
+            "--scene",
+            text(&scene),
+            "--camera",
+            text(&camera),
+            "--detector",
+            &line,
+            "-o",
+            text(&out),
+        ];
+        let output = run(&[&["score", &places[0], &places[1]][..], &usual].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    (0..2).for_each(|number| copied(number, number));
+    let noted = said();
+    assert!(
+        noted.contains("2 photos are near-copies of another of the same texture")
+            && noted.contains("for another place"),
+        "{noted}"
+    );
+    // Photos of other directions are none.
+    (0..2).for_each(|number| copied(number, number + 2));
+    let noted = said();
+    assert!(!noted.contains("near-cop"), "{noted}");
+}
+
 /// Shells complete the names that an option takes, and files only where a file is meant.
 #[test]
 fn shells_complete_names_and_not_files() {
@@ -414,6 +557,32 @@ fn shells_complete_names_and_not_files() {
         of("--confidence")
     );
     assert!(of("--output").contains("compgen"), "{}", of("--output"));
+    // As a shell asks it.
+    let folder = tempfile::tempdir().unwrap();
+    let ask = "\n_scaleproof scaleproof \"$1\" --source\necho \"${COMPREPLY[@]}\"\n";
+    let asked = write(
+        folder.path(),
+        "ask.sh",
+        format!("COMP_WORDS=(scaleproof capture --source \"$1\")\nCOMP_CWORD=3\n{script}{ask}"),
+    );
+    for (typed, names) in [("", "camera watch: replay: upload"), ("re", "replay:")] {
+        let output = std::process::Command::new("bash")
+            .arg(&asked)
+            .arg(typed)
+            .output()
+            .unwrap();
+        assert_eq!(stdout(&output).trim(), names, "{}", stderr(&output));
+    }
+    for (shell, words) in [
+        ("zsh", "SOURCE:(camera watch\\: replay\\: upload)"),
+        (
+            "fish",
+            "-r -f -a \"camera\\t''\nwatch:\\t''\nreplay:\\t''\nupload\\t''\"",
+        ),
+    ] {
+        let script = stdout(&run(&["completions", shell]));
+        assert!(script.contains(words), "{shell} lacks {words}");
+    }
 }
 
 #[test]

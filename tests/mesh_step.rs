@@ -261,6 +261,84 @@ fn every_command_takes_the_model_from_the_scene_and_none_takes_a_car_on_its_side
     }
 }
 
+/// Axes that are not those of the shape are noted where they are given, and where an old scene says nothing of them.
+#[test]
+fn a_car_that_drives_backwards_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "car.obj", &obj(CAR, turn("+z", "+y"), 1.0));
+    for (i, (given, is_noted)) in [("+z", false), ("-z", true)].into_iter().enumerate() {
+        let output = run(
+            &folder,
+            &format!("scene new --mesh car.obj --length-mm 440 --mesh-front {given} -o {i}.toml"),
+        );
+        let said = stderr(&output);
+        assert!(
+            output.status.success()
+                && said.contains("by its shape the front of the mesh is +z and its top +y") == is_noted,
+            "{said}"
+        );
+    }
+    let session = common::copy_of_skyline();
+    let scene = std::fs::read_to_string(session.path().join("scene.toml")).unwrap();
+    let scene = scene
+        .replace("size_mm = [455.0, 185.7, 129.1]", "size_mm = [440.0, 180.0, 140.0]")
+        .replace("envelope = \"box\"", "envelope = \"mesh\"\nmesh = \"car.obj\"");
+    assert!(scene.contains("car.obj") && scene.contains("440.0"), "{scene}");
+    write(&session, "scene.toml", &scene);
+    for (front, is_noted) in [("+x", false), ("-x", true)] {
+        write(&session, "car.obj", &obj(CAR, turn(front, "+z"), 0.01));
+        for command in [
+            "scene show scene.toml",
+            "score . --recorded --detector fastestdet -o ../turned",
+        ] {
+            let output = run(
+                &session,
+                &command.replace("../turned", &format!("{}/out", folder.path().display())),
+            );
+            let said = stderr(&output);
+            let words = "by its shape they are -x and +z, so that truth boxes may be of a model that is turned: write mesh_front = \"-x\"";
+            assert!(
+                output.status.success() && said.contains(words) == is_noted,
+                "{command}: {said}"
+            );
+        }
+    }
+}
+
+/// A name of paint that is none says what it was to be.
+#[test]
+fn paint_that_is_misnamed_says_what_was_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "car.obj", &obj(CAR, turn("+x", "+z"), 1.0));
+    for (paint, words) in [
+        ("faces.txt", "there is no file faces.txt"),
+        ("Lack,Glas", "several names stand with blanks between them"),
+        ("lakc", "did you mean Lack?"),
+    ] {
+        let output = run(&folder, &format!("scene new --mesh car.obj --paint {paint} -o s.toml"));
+        assert_refused(&output, &[words]);
+    }
+}
+
+/// `attack evaluate` counts the labels that the scene does.
+#[test]
+#[cfg(unix)]
+fn patterns_are_judged_by_the_class_of_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "car.obj", &obj(CAR, turn("+x", "+z"), 1.0));
+    let hello = r#"{"scaleproof_detector": 1, "name": "cars", "version": "1", "labels": ["car"], "input": "path", "deterministic": true}"#;
+    write(&folder, "cars.sh", &format!("echo '{hello}'\ncat > none"));
+    done(&folder, "pattern random --cells 4 --seed 1 -o p.png");
+    done(
+        &folder,
+        "scene new --mesh car.obj --length-mm 440 --class truck -o s.toml",
+    );
+    let mut evaluate: Vec<&str> = "attack evaluate --scene s.toml --normal 808080 --pattern p=p.png --tile-mm 118 --target cars -o out --detector".split(' ').collect();
+    evaluate.push("exec:sh cars.sh");
+    let output = program().current_dir(folder.path()).args(&evaluate).output().unwrap();
+    assert_refused(&output, &["cars has no label `truck`"]);
+}
+
 /// The truth of a scene that the mesh step wrote is that of the same mesh in the model frame.
 #[test]
 fn truth_boxes_do_not_depend_on_how_the_mesh_lies() {

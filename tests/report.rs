@@ -5,7 +5,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::{assert_refused, chromium, copy_of_skyline, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, chromium, copy_of_skyline, program, read_json, skyline, stderr, stdout, text};
 use image::RgbImage;
 use scaleproof_detect::{Manifest, Speed, Speeds};
 use serde_json::Value;
@@ -632,10 +632,10 @@ fn rows(tex: &str) -> Vec<Vec<String>> {
 }
 
 /// Sets a table with pdflatex where that is installed, and returns the text of the page.
-fn typeset(tex: &str) -> Option<String> {
+fn typeset(tex: &str, width: &str) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     let document = format!(
-        "\\documentclass{{article}}\\usepackage{{booktabs}}\\usepackage[landscape,margin=5mm]{{geometry}}\n\
+        "\\documentclass{{article}}\\usepackage{{booktabs}}\\usepackage[landscape,textwidth={width}]{{geometry}}\n\
          \\begin{{document}}\\footnotesize\\noindent\n{tex}\\end{{document}}\n"
     );
     std::fs::write(folder.path().join("t.tex"), document).unwrap();
@@ -653,6 +653,101 @@ fn typeset(tex: &str) -> Option<String> {
         .output()
         .ok()?;
     Some(String::from_utf8(text.stdout).unwrap())
+}
+
+/// Widths of the characters 32 to 126 of Times Roman, thousandths of the size (Adobe's font metrics, as reportlab has them). Bold digits are as wide.
+#[rustfmt::skip]
+const TIMES: [u16; 95] = [
+    250, 333, 408, 500, 500, 833, 778, 180, 333, 333, 500, 564, 250, 333, 250, 278, 500, 500, 500, 500, 500, 500, 500, 500, 500, 500, 278, 278, 564, 564, 564, 444,
+    921, 722, 667, 667, 722, 611, 556, 722, 722, 333, 389, 722, 611, 889, 722, 722, 556, 722, 667, 556, 611, 722, 722, 944, 722, 722, 611, 333, 278, 333, 469, 500,
+    333, 444, 500, 444, 500, 444, 333, 500, 500, 278, 278, 500, 278, 778, 500, 500, 500, 500, 333, 389, 278, 500, 500, 722, 500, 500, 444, 480, 200, 480, 541,
+];
+
+/// Width of a cell in points, set in Times of 8 pt, as a paper's `\\footnotesize` is, or of 7 pt (`\\scriptsize`).
+fn times_pt(cell: &str) -> f64 {
+    let size = if cell.contains("\\scriptsize") { 7.0 } else { 8.0 };
+    let signs = [
+        ("\\scriptsize ", ""),
+        ("\\textbf", ""),
+        ("\\emph", ""),
+        ("^\\dagger", "†"),
+        ("\\times", "×"),
+        ("$-", "−"),
+        ("$<$", "−"),
+        ("\\,", " "),
+    ];
+    let plain = signs
+        .iter()
+        .fold(cell.to_owned(), |text, (tex, sign)| text.replace(tex, sign));
+    let width = |c: char| match c {
+        '†' => 375,
+        '−' => 778,
+        '×' => 1222,
+        '$' | '{' | '}' | '\\' => 0,
+        other => usize::from(TIMES[other as usize - 32]),
+    };
+    plain.chars().map(width).sum::<usize>() as f64 * size / 1000.0
+}
+
+/// The tables of `comparison.tex`: the sum of the widest cells and of the gaps of 4 pt, and the widest line across.
+fn table_widths_pt(tex: &str) -> Vec<[f64; 2]> {
+    let tables = tex.split("\\begin{tabular}{").skip(1);
+    let of = |table: &str| {
+        let (mut columns, mut across): (Vec<f64>, f64) = (Vec::new(), 0.0);
+        for line in table.lines().filter_map(|line| line.strip_suffix(" \\\\")) {
+            if let Some(text) = line.strip_prefix("\\multicolumn{") {
+                across = across.max(times_pt(text.split_once("}{@{}l@{}}").unwrap().1));
+                continue;
+            }
+            for (i, cell) in line.split('&').enumerate() {
+                columns.resize(columns.len().max(i + 1), 0.0);
+                columns[i] = columns[i].max(times_pt(cell.trim()));
+            }
+        }
+        [columns.iter().sum::<f64>() + 4.0 * (columns.len() - 1) as f64, across]
+    };
+    tables.map(of).collect()
+}
+
+/// One column of CVPR's two is 237.13 pt wide; a detector of a user has a title of any length.
+#[test]
+fn the_tables_of_a_comparison_fit_one_column_of_a_paper_of_two() {
+    let out = tempfile::tempdir().unwrap();
+    let [report, compared] = ["report", "compared"].map(|name| out.path().join(name));
+    let arguments = ["--recorded", "-o"];
+    let scored = common::run(&[&["score", text(&skyline())][..], &arguments, &[text(&report)]].concat());
+    assert!(scored.status.success(), "{}", stderr(&scored));
+    let results = report.join("coco_results_deimv2_femto.json");
+    let own = format!("a_detector_of_our_own_640_best={}", results.display());
+    let images = report.join("coco_truth.json");
+    let more = [
+        "--results",
+        &own,
+        "--images",
+        text(&images),
+        "--recorded",
+        "-o",
+        text(&compared),
+    ];
+    let output = common::run(&[&["compare", text(&skyline())][..], &more].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let tex = std::fs::read_to_string(compared.join("comparison.tex")).unwrap();
+    assert!(
+        tex.contains("{a\\_detector\\_of\\_our\\_own\\_640\\_best} \\\\\n & 0.75 & 0.00"),
+        "{tex}"
+    );
+    // The widest figures that a row of the hit rate may have: a rise that is shown.
+    let widest = "DEIMv2-Femto 416 & 0.38 & 0.75 & \\textbf{$-0.38$} [$-0.55$, $-0.10$] & $<$0.001 & $<$0.001 \\\\";
+    let femto = tex.lines().find(|line| line.starts_with("DEIMv2-Femto")).unwrap();
+    for tex in [&tex, &tex.replacen(femto, widest, 1)] {
+        let widths = table_widths_pt(tex);
+        assert_eq!(widths.len(), 3);
+        assert!(
+            widths.iter().flatten().all(|pt| (180.0..237.13).contains(pt)),
+            "{widths:?}"
+        );
+    }
+    typeset(&tex, "237.13pt");
 }
 
 #[test]
@@ -710,8 +805,8 @@ fn the_latex_tables_have_the_summary_s_numbers_and_typeset() {
         );
         assert!(!tables[0].contains("textbf"), "nothing is shown after correction");
     }
-    for tex in [read("table.tex"), read("comparison.tex")] {
-        match typeset(&tex) {
+    for (tex, width) in [(read("table.tex"), "280mm"), (read("comparison.tex"), "237.13pt")] {
+        match typeset(&tex, width) {
             Some(text) => assert!(text.contains("DEIMv2-Femto 416") && text.contains("random"), "{text}"),
             None => println!("pdflatex is not here: the tables' structure was checked only"),
         }
@@ -742,7 +837,7 @@ fn a_texture_s_name_cannot_break_the_page_or_the_tables() {
         rows(&tex)[2][1].replace('\u{1}', "\\&"),
         r"{[}50 \%] \textless{}b\textgreater{}\_\&\#\textbackslash{}\{\$\textasciicircum{}\textasciitilde{}\textbar{}"
     );
-    typeset(&tex);
+    typeset(&tex, "280mm");
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     assert!(!page.contains("<b>_") && page.contains("&lt;b&gt;_&amp;"));
 }

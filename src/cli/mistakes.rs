@@ -5,6 +5,8 @@ use std::ffi::OsString;
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
+use scaleproof_core::spelling;
+
 /// What was wrong with the arguments, without the usage that clap adds below.
 pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> String {
     let command = named(whole, arguments);
@@ -42,7 +44,9 @@ pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString])
         ErrorKind::InvalidSubcommand => text(ContextKind::InvalidSubcommand).and_then(|given| inside(whole, &given)),
         _ => None,
     };
-    let meant = elsewhere.or_else(|| suggestion(e, whole));
+    let meant = elsewhere
+        .or_else(|| option(e, whole, arguments))
+        .or_else(|| suggestion(e, whole));
     let meant = meant.map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
     let mistake = mistake.unwrap_or_else(|| first_paragraph(&e.to_string()));
     format!("{mistake}{meant} (see {command} --help)")
@@ -50,6 +54,11 @@ pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString])
 
 /// As far as the arguments name commands: `scaleproof print template`.
 fn named(whole: &Command, arguments: &[OsString]) -> String {
+    innermost(whole, arguments).1
+}
+
+/// The command that the arguments name, and its name with those around it.
+fn innermost<'a>(whole: &'a Command, arguments: &[OsString]) -> (&'a Command, String) {
     let (mut command, mut path) = (whole, whole.get_name().to_owned());
     for argument in arguments.iter().skip(1).filter_map(|argument| argument.to_str()) {
         match command.find_subcommand(argument) {
@@ -62,7 +71,29 @@ fn named(whole: &Command, arguments: &[OsString]) -> String {
             None => break,
         }
     }
-    path
+    (command, path)
+}
+
+/// The option, or the two, that fewest letters make of one that is not there. Clap names one: of `--recored`, `--record` and not `--recorded`.
+fn option(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Option<String> {
+    let Some(ContextValue::String(given)) = e.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    let given = given
+        .strip_prefix("--")
+        .filter(|_| e.kind() == ErrorKind::UnknownArgument)?;
+    let command = innermost(whole, arguments).0;
+    let known = command.get_arguments().filter(|known| !known.is_hide_set());
+    let known = known.filter_map(clap::Arg::get_long);
+    let edits: Vec<(usize, &str)> = known.map(|known| (spelling::edits(given, known), known)).collect();
+    let least = edits
+        .iter()
+        .map(|(edits, _)| *edits)
+        .min()
+        .filter(|least| 3 * least <= given.len())?;
+    let near = edits.iter().filter(|(edits, _)| *edits == least);
+    let near: Vec<String> = near.map(|(_, name)| format!("'--{name}'")).collect();
+    (near.len() <= 2).then(|| near.join(" or "))
 }
 
 /// What a number looks like, by what was meant where that is plain.
@@ -80,6 +111,7 @@ fn number_instead(given: &str, option: &str) -> String {
         (Some(percent), ..) => format!("write {} for {given}", percent / 100.0),
         (None, Some(meant), _) => format!("write {meant}, with a point"),
         (None, None, Some(degrees)) => format!("write {degrees}"),
+        (None, None, None) if option.contains("--scale") && given.starts_with("1:") => format!("write {}", &given[2..]),
         (None, None, None) if option.contains("-mm") => "give a length, as in 118, 118mm, 11.8cm or 4.65in".to_owned(),
         (None, None, None) => "give a number, as in 0.5".to_owned(),
     }

@@ -55,6 +55,9 @@ pub(super) struct Args {
     /// Show it in each of so many bins by itself (at the strictest level of Holm's correction).
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     bins: u16,
+    /// Comparisons that `compare` corrects together: detectors × textures besides the base. Counted by itself with --seal.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, conflicts_with_all = ["seal", "sequential"], value_parser = clap::value_parser!(u16).range(1..=1000))]
+    comparisons: u16,
     /// Plan a comparison that is looked at after every pair and stops when it knows (`compare --sequential`): how many pairs it takes, by 5,000 simulated
     /// experiments for each real drop, beside the fixed plan.
     #[arg(long, conflicts_with = "bins")]
@@ -87,7 +90,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         return sequential(&args, drop, out);
     }
     let bins = usize::from(args.bins);
-    let pairs = score::pairs_needed(args.base_rate, drop, args.power, 0.05 / bins as f64)?;
+    let level = 0.05 / bins as f64 / f64::from(args.comparisons);
+    let pairs = score::pairs_needed(args.base_rate, drop, args.power, level)?;
     let plan = PairsNeeded {
         pairs: pairs * bins,
         pairs_per_bin: pairs,
@@ -96,6 +100,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         base_rate: args.base_rate,
         drop,
         power: args.power,
+        comparisons: args.comparisons,
     };
     let each = if bins > 1 {
         format!(" in each of {bins} bins, {} pairs in all", plan.pairs)
@@ -105,11 +110,12 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let digits = decimals(args.base_rate).max(decimals(drop));
     let words = format!(
         "{pairs} pairs{each}: {} photos, one of each texture at each place and bin.\n\
-         A drop of the hit rate from {:.digits$} to {:.digits$} is then shown (McNemar, p < 0.05) with a chance of at least {}. Repeats at the same place and \
+         A drop of the hit rate from {:.digits$} to {:.digits$} is then shown (McNemar, p < 0.05{}) with a chance of at least {}. Repeats at the same place and \
          bin count as one.",
         plan.photos,
         args.base_rate,
         args.base_rate - drop,
+        args.corrected(),
         args.power
     );
     told(args.json, plan, words, out)
@@ -122,13 +128,15 @@ pub(super) struct PairsNeeded {
     pairs: usize,
     /// Pairs in each bin.
     pairs_per_bin: usize,
-    /// As requested, like the last three.
+    /// As requested, like the last four.
     bins: usize,
     /// One of each texture at each place and bin.
     photos: usize,
     base_rate: f64,
     drop: f64,
     power: f64,
+    /// For how many comparisons p is corrected.
+    comparisons: u16,
 }
 
 /// `plan --scene --json`.
@@ -136,11 +144,13 @@ pub(super) struct PairsNeeded {
 pub(super) struct PlacesNeeded {
     /// Views of the scene that are photographed at each place: those that `capture` asks for.
     bins: usize,
-    /// As requested, like the next three.
+    /// As requested, like the next four.
     base_rate: f64,
     power: f64,
     planned_places: usize,
     drop: Option<f64>,
+    /// For how many comparisons p is corrected.
+    comparisons: u16,
     /// For that drop.
     places_needed: Option<usize>,
     table: Vec<PlacesRow>,
@@ -212,8 +222,14 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
 fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
     let scene = Scene::open(scene)?;
     let bins = args.views(&scene)?.len();
+    let tests = usize::from(args.comparisons);
     let places = match args.drop {
-        Some(drop) => Some(score::places_needed(bins, args.base_rate, drop, args.power)?),
+        Some(drop) => Some(score::places_needed_among(
+            tests,
+            bins,
+            [args.base_rate, drop],
+            args.power,
+        )?),
         // What is wrong with the other numbers is found out in any case.
         None => score::pairs_needed(args.base_rate, args.base_rate, args.power, 0.05).map(|_| None)?,
     };
@@ -222,7 +238,7 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
     rows.sort_unstable();
     rows.dedup();
     rows.retain(|row| *row <= 2 * planned.max(places.unwrap_or(planned)).max(3));
-    let drop = |places: usize| score::smallest_drop_by_place(places, bins, args.base_rate, args.power);
+    let drop = |places: usize| score::smallest_drop_among(tests, places, bins, [args.base_rate, args.power]);
     if args.json {
         let row = |places: usize| PlacesRow {
             places,
@@ -237,6 +253,7 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
             power: args.power,
             planned_places: planned,
             drop: args.drop,
+            comparisons: args.comparisons,
             places_needed: places,
             table: rows.into_iter().map(row).collect(),
         };
@@ -279,17 +296,26 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
     }
     writeln!(
         out,
-        "{bins} views of {} in the scene's bins, as `capture` takes them (--pitch-deg and --distance-mm take others); one photo of each texture at each place and view; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05, all views \
+        "{bins} views of {} in the scene's bins, as `capture` takes them (--pitch-deg and --distance-mm take others); one photo of each texture at each place and view; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05{}, all views \
          together).\nPhotos of one place are alike, and from six places on `compare` takes each as one cluster, as is counted here: rather more places than \
          more views.",
         scene.bins.count(),
         args.base_rate,
-        args.power
+        args.power,
+        args.corrected()
     )?;
     Ok(Outcome::Done)
 }
 
 impl Args {
+    /// For how many comparisons p is corrected.
+    fn corrected(&self) -> String {
+        match self.comparisons {
+            1 => " for one detector and one texture; --comparisons counts more".to_owned(),
+            n => format!(" after correction for {n} comparisons"),
+        }
+    }
+
     fn views(&self, scene: &Scene) -> Result<Vec<Viewpoint>, NoSuchBin> {
         scene.bins.photographed(&self.pitch_deg, &self.distance_mm)
     }

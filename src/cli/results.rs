@@ -57,10 +57,10 @@ impl Programs {
     /// Parts the names of detectors from programs.
     pub(super) fn among(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
         let (mut networks, mut programs) = (Vec::new(), Vec::new());
-        for name in names {
+        for name in names.iter().map(|name| name.trim()) {
             match ProgramSpec::named(name)? {
                 Some(program) => programs.push(program),
-                None => networks.push(name.clone()),
+                None => networks.push(name.to_owned()),
             }
         }
         Ok((networks, programs))

@@ -3,11 +3,10 @@
 use std::ops::RangeInclusive;
 
 use scaleproof_plot::lettering::number;
+use scaleproof_pose::scene::VEHICLES;
 
 /// The longest vehicle on a road, an articulated bus, is 25 m long.
 const LONGEST_VEHICLE_MM: f64 = 25_000.0;
-/// The labels of road vehicles.
-pub(super) const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
 /// No template is smaller than a stamp.
 const STAMP_MM: f64 = 10.0;
 

@@ -84,6 +84,22 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     read_at_most(path, MOST_BYTES)
 }
 
+/// About a folder in a file's place: what it has of the files that are named by their folder most often.
+fn not_a_file(path: &Path) -> String {
+    let usual = ["pattern.png", "scene.toml", "camera.yaml", "session.json"];
+    let inside: Vec<String> = usual
+        .iter()
+        .map(|name| path.join(name))
+        .filter(|inside| inside.is_file())
+        .map(|inside| inside.display().to_string())
+        .collect();
+    if inside.is_empty() {
+        "it is not a file".to_owned()
+    } else {
+        format!("it is not a file; it holds {}", inside.join(", "))
+    }
+}
+
 /// Reads a whole file, and refuses one of more than `most_bytes` before it takes memory.
 pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
     let failed = |e| FileError::read(path, &e);
@@ -91,7 +107,7 @@ pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> 
     inputs::note(path);
     // Reading a named pipe would wait for ever.
     if !about.is_file() {
-        return Err(FileError::cannot_read(path, "it is not a file"));
+        return Err(FileError::cannot_read(path, not_a_file(path)));
     }
     let mut bytes = Vec::new();
     if about.len() <= most_bytes {

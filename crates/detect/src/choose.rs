@@ -15,7 +15,8 @@ pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
     }
     let mut manifests: Vec<Manifest> = Vec::new();
     for name in names {
-        let manifest = one(name)?;
+        // As typed behind a comma: `yolox_nano, fastestdet`.
+        let manifest = one(name.trim())?;
         if !manifests.contains(&manifest) {
             manifests.push(manifest);
         }
@@ -46,8 +47,14 @@ fn one(name: &str) -> Result<Manifest, ManifestError> {
         return beside(Path::new(name));
     }
     if let Some(interpreter) = interpreter(name) {
+        // What stands before a colon was to be `exec:`.
+        let script = name.rsplit(':').next().unwrap_or(name).trim().to_owned();
         let name = name.to_owned();
-        return Err(ManifestError::Script { name, interpreter });
+        return Err(ManifestError::Script {
+            name,
+            script,
+            interpreter,
+        });
     }
     if let Some(format) = NetworkFormat::of(name) {
         let name = name.to_owned();

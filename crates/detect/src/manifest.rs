@@ -186,8 +186,12 @@ pub enum Channels {
 pub enum ManifestError {
     #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
     Unknown { name: String, known: Vec<String> },
-    #[error("{name} is a program and no detector's name: write 'exec:{interpreter} {name}'")]
-    Script { name: String, interpreter: &'static str },
+    #[error("{name} is a program and no detector's name: write 'exec:{interpreter} {script}'")]
+    Script {
+        name: String,
+        script: String,
+        interpreter: &'static str,
+    },
     #[error("{name} holds {}, and networks are read from ONNX files", format.in_words())]
     OtherFormat { name: String, format: NetworkFormat },
     #[error("the manifest {file} is not valid: {message}")]

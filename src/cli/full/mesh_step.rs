@@ -57,6 +57,7 @@ impl SceneMesh {
         let axes = self.axes(file, &raw, &wanted)?;
         let along = raw.points().iter().map(|p| raw.in_file(p)[axes.front.index()]);
         let (low, high) = extent(along);
+        units::note(self.contradicted(&raw, &axes, &wanted));
         let length_mm = match self.length_mm {
             Some(length) => length,
             None => usual_length(file, high - low, &wanted)?,
@@ -121,7 +122,7 @@ impl SceneMesh {
                 up_because: "as given",
             });
         }
-        let found = if vehicle::is_vehicle(wanted.class) {
+        let found = if wanted.class.are_vehicles() {
             propose_axes(mesh, given).map_err(Some)
         } else {
             Err(None)
@@ -141,6 +142,19 @@ impl SceneMesh {
             }
             Err(doubt) => Err(question(file, doubt, wanted).into()),
         }
+    }
+
+    /// About axes that are given and are not those of the shape.
+    fn contradicted(&self, mesh: &Mesh, axes: &AxesProposal, wanted: &Wanted) -> Option<String> {
+        let is_given = self.mesh_front.is_some() || self.mesh_up.is_some();
+        let shape = propose_axes(mesh, [None, None]).ok();
+        let shape = shape.filter(|shape| {
+            is_given && wanted.class.are_vehicles() && [shape.front, shape.up] != [axes.front, axes.up]
+        })?;
+        Some(format!(
+            "by its shape the front of the mesh is {} and its top {}, and with what is given they are {} and {}: look at the image",
+            shape.front, shape.up, axes.front, axes.up
+        ))
     }
 
     fn paint(&self, mesh: &Mesh, file: &Path) -> Result<(Paint, String)> {

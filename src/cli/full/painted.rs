@@ -46,6 +46,7 @@ pub(super) fn run(
     let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
     files::write_all_atomically(&files)?;
+    busy.set_position(100);
     busy.finish_and_clear();
     let paints = count(made.painted.paints.len(), "paint");
     let words = [

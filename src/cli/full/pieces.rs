@@ -78,6 +78,7 @@ pub(super) fn run(
     let made = pieces(&model.mesh, &flat, &painted.texture, request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     files::write_all_atomically(&files)?;
+    busy.set_position(100);
     busy.finish_and_clear();
     if made.unlettered_mm > 0.0 {
         let length_mm = made.unlettered_mm;

@@ -27,11 +27,6 @@ pub(super) fn meshed(class: &Classes, length_mm: f64, scale: f64) -> Option<Stri
     })
 }
 
-/// Whether each of the labels is of a road vehicle.
-pub(super) fn is_vehicle(class: &Classes) -> bool {
-    class.labels().iter().all(|label| units::VEHICLES.contains(&&**label))
-}
-
 /// Whether nobody would wonder at one of this length, mm: what a mesh's unit is recognised by.
 pub(super) fn is_clearly_usual(class: &Classes, real_mm: f64) -> bool {
     class.labels().iter().any(|label| {

@@ -18,7 +18,7 @@ use scaleproof_print::print::paper::{self, Orientation};
 use scaleproof_print::print::template::{
     Front, LayoutRequest, Template, TemplateError, TemplateRequest, template, texture_template,
 };
-use scaleproof_surface::pattern::Pattern;
+use scaleproof_surface::pattern::{Pattern, card};
 
 #[derive(clap::Args)]
 pub(crate) struct TemplateArgs {
@@ -77,6 +77,14 @@ value_names!(orientation -> Orientation: Auto "auto", Portrait "portrait", Lands
 value_names!(front -> Front: Left "left", Right "right", Up "up", Down "down", None "none");
 
 pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
+    let painted = args.texture.as_deref().or(args.pattern.as_deref());
+    if let Some(sides) = painted.filter(|path| card::says_sides(path)) {
+        let sides = sides.display();
+        return Err(format!(
+            "{sides} is a pattern for each side of the model (so says its card), and lies on no flat sheet: print it by `scaleproof print wrap --texture {sides}`"
+        )
+        .into());
+    }
     match (&args.texture, &args.pattern) {
         (Some(texture), _) => run_texture(args, texture, out),
         (None, Some(pattern)) => run_pattern(args, pattern, out),

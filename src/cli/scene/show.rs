@@ -12,7 +12,7 @@ use crate::cli::{CommandResult, units};
 use scaleproof_core::spelling::{choose, count, list};
 use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::Scene;
-use scaleproof_session::envelope::EnvelopeShape;
+use scaleproof_session::envelope::{self, EnvelopeShape};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -55,6 +55,8 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let folder = args.scene.parent().unwrap_or(Path::new(""));
     // A mesh that cannot be the model is said here, before anything is printed or photographed.
     EnvelopeShape::open(&scene.model, folder)?;
+    let mesh = scene.model.envelope.mesh().map(|mesh| folder.join(mesh));
+    units::note(mesh.and_then(|mesh| envelope::lies_otherwise(&mesh, &scene.model)));
     let (model, bins) = (&scene.model, &scene.bins);
     let mut tags: BTreeMap<&'static str, Vec<u32>> = BTreeMap::new();
     for tag in &scene.tags {

@@ -17,6 +17,14 @@ fn the_sentence_names_the_command_and_what_was_meant() {
             "'scaleproof print check' has no option '--ouput': did you mean '--output'? (see scaleproof print check --help)",
         ),
         (
+            "scaleproof score s --recored -o x",
+            "'scaleproof score' has no option '--recored': did you mean '--record' or '--recorded'? (see scaleproof score --help)",
+        ),
+        (
+            "scaleproof scene new --scale 1:18 -o x",
+            "invalid value '1:18' for '--scale <SCALE>': write 18 (see scaleproof scene new --help)",
+        ),
+        (
             "scaleproof -q scene new --bananas",
             "'scaleproof scene new' has no option '--bananas' (see scaleproof scene new --help)",
         ),

@@ -91,9 +91,9 @@ pub enum RunError {
     )]
     NotANumber { detector: String, view: String, step: u32 },
     #[error(
-        "{path} is the checkpoint of a run with other settings, frames, detectors or classes: give another folder, or remove it"
+        "{path} is the checkpoint of a run with other settings, frames, detectors or classes{which}: give another folder, or remove it"
     )]
-    OtherRun { path: PathBuf },
+    OtherRun { path: PathBuf, which: String },
     #[error("{path} is damaged: remove it, and the run starts over")]
     Damaged { path: PathBuf },
     #[error("{path} is no history of a pattern ({reason}): make it again")]

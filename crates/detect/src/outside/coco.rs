@@ -104,6 +104,11 @@ fn lines(text: &str, path: &Path) -> Result<Vec<Line>, FileError> {
                        the results and not the annotations";
         return Err(FileError::content(path, message));
     }
+    if text.trim_start().starts_with(|c: char| c.is_alphanumeric()) {
+        let message = "it is no JSON: results are a COCO list [{\"image_id\": …, \"category_id\": …, \"bbox\": …, \"score\": …}, …], or a folder \
+                       with YOLO's text files, one a photo";
+        return Err(FileError::content(path, message));
+    }
     serde_json::from_str(text).map_err(|e| syntax(path, &e))
 }
 
@@ -182,6 +187,11 @@ impl Photos<'_> {
         let (request, names) = (self.request, self.names);
         let index = match (self.by_id.get(id), id) {
             (Some(index), _) => *index,
+            (None, ImageId::Name(_)) if request.images.is_some() => {
+                let message =
+                    "the file of its images has none of this id: where ids are the photos' names, leave --images out";
+                return Err(refuse(message.into()).into());
+            }
             (None, _) if request.images.is_some() => {
                 return Err(refuse("the file of its images has none of this id".into()).into());
             }

@@ -124,7 +124,7 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     uncertainty.covariance += by_camera;
     let target_mm = scene.model.target_mm();
     let viewpoint = viewpoint(&best.pose, scene);
-    let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
+    let is_poor_fit = is_poor_fit(best.rms_px, camera);
     let bin = scene.bins.bin_of(&viewpoint);
     let likelihood = |rival: &PoseCandidate| uncertainty.likelihood(rival, &best, corners.image_px.len());
     let mut lone = None;
@@ -185,6 +185,11 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         ignored_tags,
         rms_px: best.rms_px,
     })
+}
+
+/// Whether a pose's tags fit it worse than a camera's noise lets them. `rms_px` is of the camera's own image size.
+pub fn is_poor_fit(rms_px: f64, camera: &Camera) -> bool {
+    rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG
 }
 
 fn viewpoint(pose: &Rigid, scene: &Scene) -> Viewpoint {

@@ -37,7 +37,15 @@ pub enum ClassError {
     Twice(String),
 }
 
+/// The labels of road vehicles.
+pub const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
+
 impl Classes {
+    /// Whether each of the labels is of a road vehicle.
+    pub fn are_vehicles(&self) -> bool {
+        self.0.iter().all(|label| VEHICLES.contains(&label.as_str()))
+    }
+
     /// # Errors
     /// An empty list, a label that is listed twice, empty, too long or of characters that nobody reads.
     pub fn new(mut labels: Vec<String>) -> Result<Classes, ClassError> {

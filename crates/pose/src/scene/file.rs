@@ -99,7 +99,13 @@ impl Scene {
     pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
         let file: SceneFile = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            FileError::syntax(path, line, e.message().replace('\n', " "))
+            let is_toml = path.extension().is_none_or(|ending| ending == "toml");
+            let hint = if is_toml {
+                ""
+            } else {
+                " (a scene is a .toml file, as `scaleproof scene new` writes)"
+            };
+            FileError::syntax(path, line, e.message().replace('\n', " ") + hint)
         })?;
         checked(file).map_err(|fault| FileError::content(path, fault))
     }

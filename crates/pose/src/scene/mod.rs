@@ -12,7 +12,7 @@ mod views;
 mod write;
 
 pub use bins::{Bin, Bins};
-pub use classes::Classes;
+pub use classes::{Classes, VEHICLES};
 pub use fault::SceneFault;
 pub use ring::TagRing;
 pub use tag::{Tag, TagFamily, TagSigma, corners_in_tag_mm};

@@ -148,6 +148,9 @@ fn asr_cell(d: &Difference) -> String {
     d.asr.map_or("--".to_owned(), |asr| number(asr, 2))
 }
 
+/// Letters of a detector's title that leave room for the widest figures beside it; a longer one stands on a line of its own.
+const LONGEST_TITLE: usize = 16;
+
 /// One endpoint: its name, and what its last columns are called and aligned as; a group of rows for each texture. Small letters and narrow gaps, for a column of
 /// 237 pt (CVPR).
 fn endpoint<'a>(
@@ -157,7 +160,7 @@ fn endpoint<'a>(
     cells: impl Fn(&'a Compared) -> (&'a Difference, String),
 ) -> String {
     let columns = format!("lrrl{aligned}");
-    let across = |text: String| format!("\\multicolumn{{{}}}{{@{{}}l}}{{{text}}} \\\\\n", columns.len());
+    let across = |text: String| format!("\\multicolumn{{{}}}{{@{{}}l@{{}}}}{{{text}}} \\\\\n", columns.len());
     let head = row([name, "base", "text.", "Drop, 95\\,\\%", last]);
     let textures = comparison.results.chunk_by(|a, b| a.variant == b.variant);
     let blocks = textures.map(|own| {
@@ -166,7 +169,13 @@ fn endpoint<'a>(
         let rows = own.iter().map(|r| {
             let (d, last) = cells(r);
             let [base, other] = [d.base, d.other].map(|v| number(v, 2));
-            row([escaped(scores.title(&r.detector)), base, other, drop_cell(d), last])
+            let (title, cells) = (scores.title(&r.detector), [base, other, drop_cell(d), last]);
+            let name = escaped(title);
+            if title.chars().count() > LONGEST_TITLE {
+                across(name) + &row([String::new()].into_iter().chain(cells))
+            } else {
+                row([name].into_iter().chain(cells))
+            }
         });
         std::iter::once(title).chain(rows).collect()
     });
@@ -178,8 +187,11 @@ fn endpoint<'a>(
         "AP and confidence where the hit rate is. $^\\dagger$: too few photos to tell.".to_owned(),
     ];
     let notes = notes.map(|note| across(format!("\\scriptsize {note}"))).to_vec();
-    let table = tabular(&columns, std::iter::once(vec![head]).chain(blocks).chain([notes]));
-    format!("% {name}\n{{\\footnotesize\\setlength{{\\tabcolsep}}{{2.5pt}}%\n{table}}}\n")
+    let table = tabular(
+        &format!("@{{}}{columns}@{{}}"),
+        std::iter::once(vec![head]).chain(blocks).chain([notes]),
+    );
+    format!("% {name}\n{{\\footnotesize\\setlength{{\\tabcolsep}}{{2pt}}%\n{table}}}\n")
 }
 
 fn drop_cell(d: &Difference) -> String {

@@ -2,13 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::near_copies;
 use super::summary::thousandths;
-use super::{EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
+use super::{DetectionSource, EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_detect::Detection;
 use scaleproof_pose::scene::{Bin, Envelope};
+use scaleproof_session::envelope;
 use scaleproof_session::session::Session;
 use scaleproof_session::session::contents::are_copies;
 
@@ -28,7 +30,8 @@ pub(super) fn cautions(
     cautions.extend(never_the_model(photos, detectors));
     cautions.extend(no_control(photos, base));
     cautions.extend(copies(photos));
-    cautions.extend(near_copies(photos, not_scored));
+    cautions.extend(copies_elsewhere(photos));
+    cautions.extend(counted_once(photos, not_scored));
     cautions.extend(uneven_directions(photos, base));
     cautions.extend(loose_boxes(photos, sessions));
     cautions.extend(left_out(not_scored));
@@ -37,6 +40,7 @@ pub(super) fn cautions(
     cautions.extend(cards.flat_map(|card| card.notes.clone()));
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
+    cautions.extend(turned_meshes(sessions));
     cautions.extend(guessed_cameras(photos, sessions));
     cautions.extend(other_sizes(photos, sessions));
     cautions
@@ -124,8 +128,14 @@ fn never_the_model<'a>(photos: &'a [ScoredPhoto], detectors: &[EvaluatedDetector
             found().for_each(|(d, _)| *labels.entry(d.label).or_default() += 1);
             let (label, _) = labels.into_iter().max_by_key(|(_, count)| *count)?;
             let usual = detector.labels().name(label).unwrap_or("?");
+            let remedy = match &detector.source {
+                DetectionSource::Outside(_) => {
+                    " (--first-label 0 where they count from 0, --categories for other names)"
+                }
+                _ => "",
+            };
             return Some(format!(
-                "{name} gives no detection the label of the model, and most often “{usual}”: do the numbers of its classes mean what its labels say?"
+                "{name} gives no detection the label of the model, and most often “{usual}”: do the numbers of its classes mean what its labels say?{remedy}"
             ));
         }
         let overlaps = |(d, truth): (&Detection, &BoxPx)| counts(d) && d.box_px.iou(truth) >= MATCH_IOU;
@@ -188,6 +198,23 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     ))
 }
 
+/// A re-encoded photo that is named for another place is no evidence of another place.
+fn copies_elsewhere(photos: &[ScoredPhoto]) -> Option<String> {
+    let copies = near_copies::of_other_places(photos);
+    let (first, copy) = copies.first()?;
+    let count = copies.len();
+    Some(format!(
+        "{} another of the same texture and from the same viewpoint, named for another place (the first: {} of {}): which of them is right?",
+        spelling::choose(
+            count,
+            "1 photo is a near-copy of",
+            &format!("{count} photos are near-copies of")
+        ),
+        copy.file,
+        first.file
+    ))
+}
+
 /// Pairs of photos with one SHA-256: the last one before, and its copy.
 pub(super) fn identical_photos(photos: &[ScoredPhoto]) -> impl Iterator<Item = (&ScoredPhoto, &ScoredPhoto)> {
     let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
@@ -223,7 +250,7 @@ fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> 
 }
 
 /// Re-encodings and frames of one moment are no evidence of their own.
-fn near_copies(photos: &[ScoredPhoto], not_scored: &[NotScored]) -> Option<String> {
+fn counted_once(photos: &[ScoredPhoto], not_scored: &[NotScored]) -> Option<String> {
     let mut copies = not_scored
         .iter()
         .filter_map(|p| Some((&p.file, p.near_copy_of.as_ref()?)));
@@ -301,6 +328,16 @@ fn placed_by_camera<'a>(
 ) -> impl Iterator<Item = (&'a ScoredPhoto, &'a Session)> {
     let placed = photos.iter().filter(|p| p.rms_px.is_some());
     placed.filter_map(|p| Some((p, sessions.get(p.session)?)))
+}
+
+/// A mesh that lies otherwise gives truth boxes of a turned model.
+fn turned_meshes(sessions: &[Session]) -> BTreeSet<String> {
+    let meshes = sessions
+        .iter()
+        .filter_map(|s| Some((s.mesh_path.as_deref()?, &s.scene.model)));
+    meshes
+        .filter_map(|(mesh, model)| envelope::lies_otherwise(mesh, model))
+        .collect()
 }
 
 fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<String> {

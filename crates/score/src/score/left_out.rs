@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{NotScored, ScoreError, Scores};
-use scaleproof_pose::locate::{LocateFiles, MOST_LISTED};
+use super::{NotScored, ScoreError, ScoredPhoto, Scores};
+use scaleproof_pose::locate::{LocateFiles, MOST_LISTED, is_poor_fit};
 use scaleproof_session::session::{PhotoEntry, Session};
 
 /// What a session's photos are located with, and those that are; kept while the session itself is scored.
@@ -38,8 +38,9 @@ impl SessionFiles {
 pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
     match scores {
         Ok(scores) => {
-            let alike = scores.sessions.iter().filter(|session| is_alike(&scores, session));
-            let cause = |s: &Session| Some(format!("{}: {}", s.name, SessionFiles::new(s)?.cause()?));
+            let sessions = scores.sessions.iter().enumerate();
+            let alike = sessions.filter(|(index, session)| is_alike(&scores, session) || fit_poorly(&scores, *index));
+            let cause = |(_, s): (usize, &Session)| Some(format!("{}: {}", s.name, SessionFiles::new(s)?.cause()?));
             let causes = alike.filter_map(cause).collect();
             Ok(scores.with_causes(causes))
         }
@@ -50,6 +51,23 @@ pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> R
         }
         Err(e) => Err(e),
     }
+}
+
+/// Whether the tags of half of a session's photos fit the scene badly, though the photos were located.
+fn fit_poorly(scores: &Scores, session: usize) -> bool {
+    let Some(camera) = scores.sessions.get(session).and_then(|s| s.camera.as_ref()) else {
+        return false;
+    };
+    let placed = scores
+        .photos
+        .iter()
+        .filter(|photo| photo.session == session && photo.rms_px.is_some());
+    let is_poor = |photo: &&ScoredPhoto| {
+        let scale = f64::from(camera.width.max(camera.height)) / f64::from(photo.width.max(photo.height));
+        photo.rms_px.is_some_and(|rms_px| is_poor_fit(scale * rms_px, camera))
+    };
+    let poor = placed.clone().filter(is_poor).count();
+    poor >= MOST_LISTED && 2 * poor >= placed.count()
 }
 
 /// Which photos were left out, but for near-copies, in lines: one by one, or only how many of a session where the cautions have the cause.

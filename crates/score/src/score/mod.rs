@@ -39,7 +39,7 @@ pub use compare::{
     ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Expected, Finding, PlanCheck,
     PlanError, SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare, compare_with, decide_together,
     most_telling, moved_drops, paired, paired_photos, pairs_needed, places_needed, places_needed_among, power,
-    power_by_place, sequential, sequential_plan, smallest_drop_by_place,
+    power_by_place, sequential, sequential_plan, smallest_drop_among, smallest_drop_by_place,
 };
 pub use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;

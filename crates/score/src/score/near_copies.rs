@@ -34,6 +34,27 @@ pub(super) fn counted_once(photos: Vec<ScoredPhoto>) -> (Vec<ScoredPhoto>, Vec<(
     (kept, copies)
 }
 
+/// Photos that were placed by their tags and show what an earlier one of another place shows, with that one. Copies byte for byte are not among them.
+pub(super) fn of_other_places(photos: &[ScoredPhoto]) -> Vec<(&ScoredPhoto, &ScoredPhoto)> {
+    let placed: Vec<&ScoredPhoto> = photos.iter().filter(|photo| photo.rms_px.is_some()).collect();
+    let is_elsewhere = |a: &ScoredPhoto, b: &ScoredPhoto| {
+        a.variant == b.variant
+            && a.place != b.place
+            && a.sha256 != b.sha256
+            && is_same_view(a, b)
+            && is_same_image(a, b)
+    };
+    let earlier =
+        |(i, photo): (usize, &&'_ ScoredPhoto)| placed[..i].iter().position(|first| is_elsewhere(first, photo));
+    let found = placed
+        .iter()
+        .enumerate()
+        .map(|(i, photo)| (earlier((i, photo)), *photo));
+    found
+        .filter_map(|(first, photo)| Some((placed[first?], photo)))
+        .collect()
+}
+
 fn is_near_copy(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
     let is_same_thing = a.variant == b.variant && a.place == b.place && a.conditions == b.conditions;
     is_same_thing && is_same_view(a, b) && (a.sha256 == b.sha256 || is_same_image(a, b))

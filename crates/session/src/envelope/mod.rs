@@ -14,10 +14,11 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 
+use scaleproof_core::files;
 use scaleproof_core::geometry::{BoxPx, Rigid, convex_hull};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Envelope, ScaleModel};
-use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement, is_gltf};
+use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement, is_gltf, propose_axes};
 use visible::Pieces;
 
 /// The mesh's box may differ from the scene's by this share of each side, as it may when panels are printed.
@@ -165,6 +166,24 @@ pub fn placement(path: &Path, model: &ScaleModel) -> MeshPlacement {
         up: axes.map(|[_, up]| up),
         length_mm: (is_gltf(path) || axes.is_some()).then_some(model.size_mm[0]),
     }
+}
+
+/// About a vehicle's mesh whose axes nobody has stated, where its shape says that it lies otherwise than its format does; with the file's name.
+pub fn lies_otherwise(path: &Path, model: &ScaleModel) -> Option<String> {
+    if model.mesh.axes.is_some() || !model.class.are_vehicles() {
+        return None;
+    }
+    let mesh = Mesh::load(path, &placement(path, model)).ok()?;
+    let [front, up] = MeshPlacement::usual(path);
+    let shape = propose_axes(&mesh, [None, None]).ok()?;
+    ([shape.front, shape.up] != [front, up]).then(|| {
+        let (file, new_front, new_up) = (files::name_of(path), shape.front, shape.up);
+        format!(
+            "{file} lies with its front to {front} and its top to {up}, and by its shape they are {new_front} and {new_up}, so that truth boxes may be of a \
+             model that is turned: write mesh_front = \"{new_front}\" and mesh_up = \"{new_up}\" into the scene, or, if it is right as it lies, \
+             mesh_front = \"{front}\" and mesh_up = \"{up}\""
+        )
+    })
 }
 
 /// A mesh in the model frame by its [`placement`], held against the scene.

@@ -233,7 +233,7 @@ fn check(photos: &[PhotoEntry], has_camera: bool) -> Result<(), String> {
     let needs_camera = |p: &&PhotoEntry| p.box_xyxy_px.is_none() || p.viewpoint.is_none();
     match photos.iter().find(needs_camera).filter(|_| !has_camera) {
         Some(photo) => Err(format!(
-            "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file, or give both for every photo",
+            "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file (--camera), or give both for every photo",
             photo.file
         )),
         None => Ok(()),

@@ -34,6 +34,7 @@ use nalgebra::{Point3, Vector3};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::NoDirection;
 use scaleproof_core::geometry::length::shown;
+use scaleproof_core::spelling;
 
 /// Larger files are no model for a table. A triangle takes 50 bytes in a binary STL.
 pub const MAX_BYTES: usize = 200_000_000;
@@ -59,8 +60,8 @@ pub enum MeshError {
     NoFaces { path: PathBuf },
     #[error("{path} is too large ({what}); simplify the mesh", path = path.display())]
     TooLarge { path: PathBuf, what: String },
-    #[error("the mesh has no material '{name}'; it has {known}")]
-    NoSuchMaterial { name: String, known: String },
+    #[error("the mesh has no material '{name}'; it has {known}{hint}")]
+    NoSuchMaterial { name: String, known: String, hint: String },
     #[error("the list of faces {path} cannot be used ({reason}); it holds the numbers of triangles, counted from 0 in the mesh file's order", path = path.display())]
     FaceList { path: PathBuf, reason: String },
     #[error(transparent)]
@@ -254,11 +255,27 @@ impl Mesh {
             return Err(MeshError::NoSuchMaterial {
                 name: name.clone(),
                 known: known.join(", "),
+                hint: self.hint(name),
             });
         }
         // Materials with different images may have one name.
         let is_named = |material: &usize| names.contains(&self.materials[*material]);
         Ok((0..self.materials.len()).filter(is_named).collect())
+    }
+
+    /// What a name that no material has was to be: a file, several names with commas, or one that is misspelt.
+    fn hint(&self, name: &str) -> String {
+        let is_several = name.contains(',')
+            && name
+                .split(',')
+                .all(|part| self.materials.iter().any(|m| m == part.trim()));
+        if Path::new(name).extension().is_some_and(|ending| ending == "txt") {
+            format!("; and there is no file {name}")
+        } else if is_several {
+            "; several names stand with blanks between them".to_owned()
+        } else {
+            spelling::hint(name, self.materials.iter().map(String::as_str))
+        }
     }
 
     /// Gives some triangles materials of their own, and says which those are: one for each material that they were of.

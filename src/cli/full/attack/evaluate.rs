@@ -19,7 +19,7 @@ use scaleproof_attack::evaluate::RenderedSet;
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
-use scaleproof_pose::scene::{Classes, Viewpoint};
+use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
 use scaleproof_score::report;
 use scaleproof_score::score::Summary;
 use scaleproof_score::score::{
@@ -85,9 +85,9 @@ pub(in crate::cli) struct EvaluateArgs {
     samples: u32,
     #[arg(long, default_value_t = 1)]
     seed: u32,
-    /// The label that counts as the model, or several, as in car,truck
-    #[arg(long, value_name = "LABEL,…", default_value = "car")]
-    class: Classes,
+    /// The label that counts as the model, or several, as in car,truck [default: as the scene says, else car]
+    #[arg(long, value_name = "LABEL,…")]
+    class: Option<Classes>,
     #[command(flatten)]
     effort: Effort,
     /// The tables as one JSON object instead of the text
@@ -102,10 +102,11 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let model = args.model.load()?;
     let mesh = mesh_file(&model)?;
     let scale = model.scale;
+    let class = args.class()?;
     let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
-    let detectors = args.detectors()?;
+    let detectors = args.detectors(&class)?;
     files::check_writable(&args.output)?;
     let folder = args.output.join("session");
     let python = || blender::find(&cache(), progress::announce);
@@ -113,7 +114,7 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
         .during(|bar| evaluation.render(&folder, python, |done| bar.set_position(done as u64)))?;
     // The scene and the list of photos.
     let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
-    evaluation.write_session(&folder, (&name, &args.class, scale))?;
+    evaluation.write_session(&folder, (&name, &class, scale))?;
     let mut scores = args.scores(&folder, detectors)?;
     scores.patterns = worn;
     let tables = report::Evaluation {
@@ -126,7 +127,7 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
     let evaluated = Evaluated {
-        classes: &args.class,
+        classes: &class,
         patterns: &tables.patterns,
         targets: &tables.targets,
         results: &scores.summaries,
@@ -197,8 +198,17 @@ impl EvaluateArgs {
         })
     }
 
+    /// The labels that count as the model: as given, else as the scene says.
+    fn class(&self) -> Result<Classes> {
+        match (&self.class, &self.model.scene) {
+            (Some(class), _) => Ok(class.clone()),
+            (None, Some(scene)) => Ok(Scene::open(scene)?.model.class),
+            (None, None) => Ok("car".parse()?),
+        }
+    }
+
     /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
-    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>)> {
+    fn detectors(&self, class: &Classes) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>)> {
         let (networks, programs) = self.programs.among(&self.detectors)?;
         let manifests = if networks.is_empty() && !programs.is_empty() {
             Vec::new()
@@ -206,11 +216,11 @@ impl EvaluateArgs {
             detectors::present(&networks, &self.folder.folders()?)?
         };
         for manifest in &manifests {
-            manifest.counted(self.class.labels())?;
+            manifest.counted(class.labels())?;
         }
         let started = self.programs.started(programs)?.into_iter();
         let programs: Vec<EvaluatedDetector> = started
-            .map(|program| EvaluatedDetector::program(program, &self.class))
+            .map(|program| EvaluatedDetector::program(program, class))
             .collect::<Result<_, _>>()?;
         let all = || manifests.iter().chain(programs.iter().map(|p| &p.manifest));
         let names = || all().map(|manifest| manifest.name.as_str());

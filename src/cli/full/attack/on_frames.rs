@@ -241,8 +241,12 @@ impl OnFrames {
             .iter()
             .map(|path| quoted(&path.display().to_string()))
             .collect();
+        let print = match self.mapping {
+            TextureMapping::Sides => "`print wrap --texture`, as each side of the model has its own cells",
+            _ => "`print wrap` for a mesh, `print template` for flat sheets",
+        };
         format!(
-            "\nnext: `scaleproof attack judge {} --detector {} --class {} --laying {} --pattern {}`, then print it (`print wrap` for a mesh, `print template` for flat sheets)",
+            "\nnext: `scaleproof attack judge {} --detector {} --class {} --laying {} --pattern {}`, then print it ({print})",
             frames.join(" "),
             quoted(&self.detector.join(",")),
             quoted(&self.class.labels().join(",")),

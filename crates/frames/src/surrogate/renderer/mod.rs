@@ -97,7 +97,7 @@ impl ClosedForm {
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
     #[error(
-        "the {model} model needs images in {needed} flat colours that differ in every channel, and there are {found}"
+        "the {model} model needs images in {needed} flat colours that differ in every channel, and there are {found}: `attack render --flat 000000 808080 ffffff` makes three, in a new folder"
     )]
     TooFew {
         model: &'static str,

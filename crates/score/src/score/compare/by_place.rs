@@ -30,8 +30,15 @@ fn power_at(level: f64, places: usize, bins: usize, [base_rate, drop]: [f64; 2])
 
 /// The smallest drop, in steps of 0.01, that so many places show with the chance asked for; `None` when not even the largest is.
 pub fn smallest_drop_by_place(places: usize, bins: usize, base_rate: f64, target: f64) -> Option<f64> {
-    let is_shown = |drop| power_by_place(places, bins, base_rate, drop) >= target;
-    smallest_drop(base_rate, is_shown)
+    smallest_drop_among(1, places, bins, [base_rate, target])
+}
+
+/// As [`smallest_drop_by_place`], for a drop that is shown after correction for so many tests, at the strictest level of Holm's.
+pub fn smallest_drop_among(tests: usize, places: usize, bins: usize, [base_rate, target]: [f64; 2]) -> Option<f64> {
+    let level = LEVEL / tests.max(1) as f64;
+    smallest_drop(base_rate, |drop| {
+        power_at(level, places, bins, [base_rate, drop]) >= target
+    })
 }
 
 /// The fewest places from which on the power is reached: also at six, where the pairs of a place begin to count as one.

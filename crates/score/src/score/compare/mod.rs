@@ -9,7 +9,7 @@ mod result;
 mod sequential;
 mod sequential_plan;
 
-pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_by_place};
+pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_among, smallest_drop_by_place};
 pub(super) use decide::decide;
 pub use decide::decide_together;
 pub use moved::moved_drops;
