@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-import os
+import json
 from typing import Any
 
+import numpy
+import numpy.typing
+
+from . import _native
 from ._process import Error, PathLike, answer, options, path
 from .locating import Camera
 
 
 class Pattern:
-    """A repeated pattern: a PNG file with one pixel per cell."""
+    """A repeated pattern: a PNG file with one pixel per cell.
+
+    Raises :class:`Error` for a file that cannot be read or is none.
+    """
 
     def __init__(self, file: PathLike) -> None:
         self.file: str = path(file)
-        if not os.path.isfile(self.file):
-            raise Error(f"{self.file} is no file: give a pattern's PNG")
+        columns, rows, colours, sha256 = _native.pattern_load(self.file)
+        #: sRGB, rows × columns × 3 bytes.
+        self.colours: numpy.typing.NDArray[numpy.uint8] = numpy.frombuffer(colours, numpy.uint8).reshape(rows, columns, 3)
+        #: Of the file.
+        self.sha256: str = sha256
 
     @classmethod
     def random(cls, file: PathLike, *, cells: int = 16, seed: int | None = None) -> Pattern:
@@ -23,8 +33,27 @@ class Pattern:
         answer("pattern", "random", *options(cells=cells, seed=seed, output=path(file)))
         return cls(file)
 
+    @classmethod
+    def save(cls, file: PathLike, colours: numpy.typing.ArrayLike, *, tile_mm: float | None = None, **about: Any) -> Pattern:
+        """Writes a pattern of rows × columns × 3 colours, sRGB: bytes, or numbers from 0 to 1.
+
+        With ``tile_mm``, the width of a repeat on the model, its card is written beside it, which says that and whatever else is given in ``about``.
+        """
+        cells = numpy.asarray(colours)
+        if cells.ndim != 3 or cells.shape[2] != 3 or not 1 <= min(cells.shape[:2]) <= max(cells.shape[:2]) <= 4096:
+            raise Error(f"the pattern has the shape {cells.shape}: give rows × columns × 3, at most 4096 cells a side")
+        if cells.dtype != numpy.uint8:
+            if not (numpy.issubdtype(cells.dtype, numpy.floating) and (cells >= 0).all() and (cells <= 1).all()):
+                raise Error(f"the pattern's colours are {cells.dtype} or not from 0 to 1: give bytes, or numbers from 0 to 1")
+            cells = (255 * cells).round().astype(numpy.uint8)
+        if tile_mm is not None and not 0 < tile_mm < 1e6:
+            raise Error(f"tile_mm is {tile_mm}: give the width of a repeat, mm")
+        rows, columns = cells.shape[:2]
+        _native.pattern_save(path(file), columns, rows, cells.tobytes(), tile_mm, json.dumps(about))
+        return cls(file)
+
     def __repr__(self) -> str:
-        return f"Pattern({self.file!r})"
+        return f"Pattern({self.file!r}): {self.colours.shape[1]} × {self.colours.shape[0]} cells"
 
 
 def _pattern(pattern: Pattern | PathLike) -> str:

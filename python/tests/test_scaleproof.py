@@ -173,6 +173,9 @@ def test_average_precision_of_boxes():
         (lambda s, c: scaleproof.score(SKYLINE, "yolox_nan", recorded=True), "yolox_nano"),
         (lambda s, c: scaleproof.score(SKYLINE, "yolox_nano", recorded=True, confidence=2), "0.001 to 1"),
         (lambda s, c: scaleproof.plan(2), "drop"),
+        (lambda s, c: scaleproof.Pattern(SKYLINE / "normal_000.jpg"), "normal_000.jpg"),
+        (lambda s, c: scaleproof.Pattern.save("p.png", numpy.full((2, 2, 3), numpy.nan)), "0 to 1"),
+        (lambda s, c: scaleproof.Pattern.save("nowhere/p.png", numpy.zeros((2, 2, 3)), tile_mm=-1), "tile_mm"),
         (lambda s, c: scaleproof.Frames(SKYLINE), "frames.json"),
         (lambda s, c: scaleproof.Frames(FRAMES).view(99, tile_mm=480), "view 99"),
         (lambda s, c: scaleproof.Frames(FRAMES).view(0, cells=0, tile_mm=480), "0 cells"),
@@ -242,6 +245,7 @@ def test_threads_of_python_work_side_by_side(scene, camera):
 
 def test_the_renderer_in_numpy_is_the_library_s():
     frames = scaleproof.Frames(FRAMES)
+    assert len(frames) == 2
     pattern = numpy.random.default_rng(7).random((16, 16, 3))
     pattern[0, :4] = [0, 1, 0.02]
     light = numpy.where(pattern <= 0.04045, pattern / 12.92, ((pattern + 0.055) / 1.055) ** 2.4)
@@ -264,3 +268,18 @@ def test_sheets_and_a_camera(tmp_path):
     assert (tmp_path / "w.pdf").is_file() and wrap["files"]
     camera, about = scaleproof.calibrate(HOME / "captures/board", board=HOME / "calibration/charuco_9x7_22mm.toml", output=tmp_path / "c.yaml")
     assert camera.matrix.shape == (3, 3) and about
+
+
+def test_a_pattern_is_saved_with_its_card(tmp_path):
+    colours = numpy.random.default_rng(1).random((4, 6, 3))
+    saved = scaleproof.Pattern.save(tmp_path / "p.png", colours, tile_mm=90, made_by="a test")
+    assert (saved.colours == (255 * colours).round()).all() and saved.colours.shape == (4, 6, 3)
+    card = json.loads((tmp_path / "p.json").read_text())
+    assert (card["pattern_sha256"], card["tile_mm"], card["made_by"]) == (saved.sha256, 90, "a test")
+    # The program reads the card.
+    assert scaleproof.print_template(saved, tmp_path / "p.pdf", size_mm=(90, 60))["cell_mm"] == 15
+
+
+def test_the_reference_is_that_of_the_docstrings():
+    written = subprocess.run([sys.executable, Path(__file__).with_name("reference.py")], capture_output=True, text=True, check=True).stdout
+    assert written == (HOME / "docs/guide/reference/python.md").read_text()

@@ -118,9 +118,8 @@ pub fn answer(py: Python<'_>, functions: &[Function], first: Asked, waiting: &Re
             next = Some(more);
         }
     }
-    let left = batches.into_iter().filter(|(_, batch)| !batch.is_empty());
-    left.map(|(number, batch)| call(py, &functions[number], batch))
-        .collect()
+    let mut left = batches.into_iter().filter(|(_, batch)| !batch.is_empty());
+    left.try_for_each(|(number, batch)| call(py, &functions[number], batch))
 }
 
 fn call(py: Python<'_>, function: &Function, batch: Vec<Asked>) -> PyResult<()> {

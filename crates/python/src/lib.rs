@@ -7,6 +7,7 @@ mod figures;
 mod frames;
 mod function;
 mod locating;
+mod pattern;
 mod scoring;
 mod watched;
 
@@ -73,6 +74,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
     module.add_function(wrap_pyfunction!(locating::locate, module)?)?;
+    module.add_function(wrap_pyfunction!(pattern::pattern_load, module)?)?;
+    module.add_function(wrap_pyfunction!(pattern::pattern_save, module)?)?;
     module.add_function(wrap_pyfunction!(figures::ap, module)?)?;
     module.add_function(wrap_pyfunction!(scoring::score_photos, module)?)?;
     module.add_class::<locating::Scene>()?;

@@ -1,0 +1,35 @@
+"""A pattern against a detector of torchvision, by a loss of one's own, as our printer prints it.
+
+    pip install 'scaleproof[torch]' torchvision
+    python attack_in_torch.py FRAMES pattern.png [STEPS]
+
+The detector has random weights here, so that nothing is fetched: `weights="DEFAULT"` takes the trained ones. Against an overfitted pattern a run for
+an experiment also varies scale, light and noise, and holds views out, as `scaleproof attack run` does.
+"""
+
+import sys
+
+import torch
+from torchvision.models.detection import ssdlite320_mobilenet_v3_large
+
+import scaleproof
+from scaleproof.torch import render
+
+TILE_MM, CELLS = 480.0, 16
+
+frames = scaleproof.Frames(sys.argv[1])
+views = [frames.view(index, cells=CELLS, tile_mm=TILE_MM) for index in range(len(frames))]
+torch.manual_seed(0)
+device = "cuda" if torch.cuda.is_available() else "cpu"
+model = ssdlite320_mobilenet_v3_large(weights=None, weights_backbone=None, score_thresh=0.001).eval().to(device)
+logits = torch.zeros(3, CELLS, CELLS, device=device, requires_grad=True)
+optimiser = torch.optim.Adam([logits], lr=0.1)
+for step in range(int(sys.argv[3]) if len(sys.argv) > 3 else 100):
+    images = render(torch.sigmoid(logits), views)
+    loss = torch.stack([found["scores"].max() for found in model(list(images))]).mean()
+    optimiser.zero_grad()
+    loss.backward()
+    optimiser.step()
+    print(f"{step}: {loss.item():.4f}")
+colours = torch.sigmoid(logits).detach().permute(1, 2, 0).cpu().numpy()
+print(scaleproof.Pattern.save(sys.argv[2], colours, tile_mm=TILE_MM, made_by="attack_in_torch.py", detectors=["ssdlite320"]))
