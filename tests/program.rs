@@ -75,3 +75,4 @@ mod tag_detectors;
 mod texture;
 mod texture_bake;
 mod truth;
+mod video;

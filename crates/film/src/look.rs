@@ -12,8 +12,9 @@ use scaleproof_pose::locate::{Abstention, Located, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{Appearance, StartError, TagDetector, TagDetectorChoice};
 
-/// After so many tracked frames one is searched as a whole, so that nothing that tracking believes lasts.
-const MOST_TRACKED: u32 = 25;
+/// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer, and a run that goes on
+/// at the beginning of such a group sees what an uninterrupted one sees.
+pub const GROUP: usize = 25;
 /// Of frames in a row without a pose, each so-manieth is searched by every means.
 const SEARCHED_WELL: u32 = 12;
 
@@ -60,7 +61,7 @@ pub struct Looker<'a> {
     thorough: Box<dyn TagDetector>,
     /// Poses of the last two frames, the older first.
     poses: [Option<Rigid>; 2],
-    tracked: u32,
+    looked: usize,
     lost: u32,
 }
 
@@ -87,14 +88,18 @@ impl<'a> Looker<'a> {
             fast,
             thorough: detector.open(&families)?,
             poses: [None, None],
-            tracked: 0,
+            looked: 0,
             lost: 0,
         })
     }
 
     /// Looks at the next frame.
     pub fn look(&mut self, luma: &GrayImage, number: u64, time_s: f64) -> Look {
-        let guess = self.guess().filter(|_| self.tracked < MOST_TRACKED);
+        if self.looked.is_multiple_of(GROUP) {
+            (self.poses, self.lost) = ([None, None], 0);
+        }
+        self.looked += 1;
+        let guess = self.guess();
         let mut photo = self.located(luma, guess.as_ref(), false);
         if guess.is_some() && photo.result.is_err() {
             photo = self.located(luma, None, false);
@@ -105,7 +110,6 @@ impl<'a> Looker<'a> {
             }
             self.lost += 1;
         }
-        self.tracked = if guess.is_some() { self.tracked + 1 } else { 0 };
         let pose = photo.result.as_ref().ok().map(|located| located.pose);
         self.poses = [self.poses[1], pose];
         if pose.is_some() {
