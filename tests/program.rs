@@ -78,3 +78,4 @@ mod tethered;
 mod texture;
 mod texture_bake;
 mod truth;
+mod video;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::look::Look;
+use crate::look::{GROUP, Look};
 use scaleproof_core::files::{self, FileError};
 
 /// Lines that are written at once; what was not written is looked at again.
@@ -39,16 +39,15 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal at a place, and returns what it says already. One about something else, or that is damaged, is begun anew.
+    /// Opens the journal at a place, and returns what it says already of whole groups of frames. One about something else, or that is damaged, is begun anew.
     ///
     /// # Errors
     /// A place that cannot be written.
     pub fn open(path: &Path, about: &About) -> Result<(Journal, Vec<Look>), FileError> {
         files::inputs::own(path);
-        let looks = files::read_at_most(path, MOST_BYTES)
-            .ok()
-            .and_then(|bytes| read(&bytes, about))
-            .unwrap_or_default();
+        let known = files::read_at_most(path, MOST_BYTES);
+        let mut looks = known.ok().and_then(|bytes| read(&bytes, about)).unwrap_or_default();
+        looks.truncate(looks.len() - looks.len() % GROUP);
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let wrong = |e: serde_json::Error| FileError::cannot_write(path, e.to_string());
         // Written anew: the last line may be half a line.

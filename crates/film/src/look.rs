@@ -12,8 +12,9 @@ use scaleproof_pose::locate::{Abstention, Located, Sigma, locate_luma, shutter_s
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{Appearance, StartError, TagDetector, TagDetectorChoice};
 
-/// After so many tracked frames one is searched as a whole, so that nothing that tracking believes lasts.
-const MOST_TRACKED: u32 = 25;
+/// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer, and a run that goes on
+/// at the beginning of such a group sees what an uninterrupted one sees.
+pub const GROUP: usize = 25;
 /// Of frames in a row without a pose, each so-manieth is searched by every means.
 const SEARCHED_WELL: u32 = 12;
 
@@ -62,7 +63,7 @@ pub struct Looker<'a> {
     poses: [Option<Rigid>; 2],
     /// When the last frame was shown, s.
     last_s: f64,
-    tracked: u32,
+    looked: usize,
     lost: u32,
 }
 
@@ -90,14 +91,18 @@ impl<'a> Looker<'a> {
             thorough: detector.open(&families)?,
             poses: [None, None],
             last_s: 0.0,
-            tracked: 0,
+            looked: 0,
             lost: 0,
         })
     }
 
     /// Looks at the next frame.
     pub fn look(&mut self, luma: &GrayImage, number: u64, time_s: f64) -> Look {
-        let guess = self.guess().filter(|_| self.tracked < MOST_TRACKED);
+        if self.looked.is_multiple_of(GROUP) {
+            (self.poses, self.lost) = ([None, None], 0);
+        }
+        self.looked += 1;
+        let guess = self.guess();
         let mut photo = self.located(luma, guess.as_ref(), false);
         if guess.is_some() && photo.result.is_err() {
             photo = self.located(luma, None, false);
@@ -108,7 +113,6 @@ impl<'a> Looker<'a> {
             }
             self.lost += 1;
         }
-        self.tracked = if guess.is_some() { self.tracked + 1 } else { 0 };
         let pose = photo.result.as_ref().ok().map(|located| located.pose);
         let before = self.poses[1].map(|pose| (pose, time_s - self.last_s));
         self.poses = [self.poses[1], pose];

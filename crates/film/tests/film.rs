@@ -1,1 +1,210 @@
+//! The crate's tests: which frames are chosen, and what is kept of a run. The stored walk is tested through the program.
 
+use proptest::prelude::*;
+
+use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
+use scaleproof_film::journal::{About, Journal, read};
+use scaleproof_film::look::{GROUP, Look, Unplaced, View};
+use scaleproof_pose::scene::{Bins, Viewpoint};
+
+fn bins() -> Bins {
+    Bins {
+        azimuth_deg: 45.0,
+        pitch_deg: vec![15.0],
+        distance_mm: vec![850.0],
+    }
+}
+
+fn wish(bins: &Bins, per_bin: usize) -> Wish<'_> {
+    Wish {
+        bins,
+        most_blur_px: 3.0,
+        per_bin,
+        apart_s: 0.3,
+    }
+}
+
+/// A frame that could be chosen, but for what a test changes.
+fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
+    Look {
+        number,
+        time_s: number as f64 / 10.0,
+        shows: Ok(View {
+            viewpoint: Viewpoint {
+                azimuth_deg,
+                pitch_deg: 15.0,
+                distance_mm: 850.0,
+            },
+            sigma_azimuth_deg: 0.02,
+            blur_px: Some(blur_px),
+            is_model_whole: true,
+            bin_probability: 1.0,
+        }),
+    }
+}
+
+fn with(look: Look, change: impl Fn(&mut View)) -> Look {
+    let mut view = look.shows.unwrap();
+    change(&mut view);
+    Look {
+        shows: Ok(view),
+        ..look
+    }
+}
+
+#[test]
+fn each_fault_is_named() {
+    let bins = bins();
+    let good = frame(0, 10.0, 0.6);
+    let cases = [
+        (
+            Look {
+                shows: Err(Unplaced::NoTags),
+                ..good
+            },
+            Refusal::NoTags,
+        ),
+        (
+            Look {
+                shows: Err(Unplaced::Unsure),
+                ..good
+            },
+            Refusal::Unsure,
+        ),
+        (
+            Look {
+                shows: Err(Unplaced::Blurred),
+                ..good
+            },
+            Refusal::Blurred,
+        ),
+        (with(good, |v| v.is_model_whole = false), Refusal::ModelCut),
+        (with(good, |v| v.blur_px = Some(3.1)), Refusal::Blurred),
+        (with(good, |v| v.blur_px = None), Refusal::BlurUnknown),
+        (with(good, |v| v.viewpoint.pitch_deg = 22.0), Refusal::Pitch),
+        (with(good, |v| v.viewpoint.distance_mm = 700.0), Refusal::Distance),
+        (with(good, |v| v.bin_probability = 0.9), Refusal::BinEdge),
+    ];
+    assert_eq!(wish(&bins, 1).refusal(&good), None);
+    for (look, expected) in cases {
+        assert_eq!(wish(&bins, 1).refusal(&look), Some(expected));
+    }
+    let looks: Vec<Look> = cases.iter().map(|(look, _)| *look).chain([good]).collect();
+    assert_eq!(refused(&wish(&bins, 1), &looks).values().sum::<usize>(), cases.len());
+}
+
+#[test]
+fn the_sharpest_of_each_bin_are_chosen_apart_in_time() {
+    let bins = bins();
+    // Of equally sharp frames (1, 2) the one nearer to the bin's middle; frame 3 is too soon after it for a second one.
+    let looks = [
+        frame(0, 350.0, 1.0),
+        frame(1, 356.0, 0.61),
+        frame(2, 1.0, 0.62),
+        frame(3, 4.0, 0.7),
+        frame(6, 10.0, 0.9),
+        frame(9, 60.0, 1.4),
+    ];
+    let numbers = |per_bin| -> Vec<u64> {
+        wish(&bins, per_bin)
+            .best(&looks)
+            .iter()
+            .map(|one| looks[one.at].number)
+            .collect()
+    };
+    assert_eq!(numbers(1), [2, 9]);
+    assert_eq!(numbers(2), [2, 6, 9]);
+}
+
+#[test]
+fn pairs_are_the_nearest_and_no_frame_serves_two() {
+    let bins = bins();
+    let looks = [frame(0, 1.0, 0.6), frame(1, 3.0, 0.6), frame(2, 50.0, 0.6)];
+    let at = |azimuth_deg| Viewpoint {
+        azimuth_deg,
+        pitch_deg: 15.0,
+        distance_mm: 850.0,
+    };
+    // The first two want frame 0; the nearer one gets it. The last is 9° from any frame.
+    let wanted = [at(0.0), at(1.2), at(59.0)];
+    let chosen = wish(&bins, 1).nearest(&looks, &wanted);
+    let pairs: Vec<(usize, usize)> = chosen.iter().map(|one| (one.at, one.pair.unwrap().0)).collect();
+    assert_eq!(pairs, [(0, 1), (1, 0)]);
+}
+
+#[test]
+fn viewpoints_are_apart_by_the_way_between_them() {
+    let at = |azimuth_deg, pitch_deg, distance_mm| Viewpoint {
+        azimuth_deg,
+        pitch_deg,
+        distance_mm,
+    };
+    // A chord of 2 sin(½·1°) for a turn of 1° on the ground; 1 % nearer is 0.573°.
+    assert!((apart_deg(&at(359.5, 0.0, 850.0), &at(0.5, 0.0, 850.0)) - 1.0).abs() < 1e-4);
+    assert!((apart_deg(&at(40.0, 10.0, 1000.0), &at(40.0, 10.0, 990.0)) - 0.573).abs() < 1e-3);
+}
+
+fn about() -> About {
+    About {
+        program: "0.1.0".into(),
+        video: "ab".repeat(32),
+        scene: "cd".repeat(32),
+        camera: "ef".repeat(32),
+        from_s: 0.0,
+        to_s: None,
+        every: 1,
+    }
+}
+
+#[test]
+fn a_journal_goes_on_behind_its_last_whole_line_and_only_for_the_same_video() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("journal");
+    let look = |n: u64| match n % 7 {
+        3 => Look {
+            shows: Err(Unplaced::NoTags),
+            ..frame(n, 0.0, 0.0)
+        },
+        _ => frame(n, 0.1 + n as f64 / 3.0, 0.6),
+    };
+    let looks: Vec<Look> = (0..2 * GROUP as u64).map(look).collect();
+    let (mut journal, known) = Journal::open(&path, &about()).unwrap();
+    assert!(known.is_empty());
+    looks.iter().for_each(|look| journal.add(look).unwrap());
+    journal.flush().unwrap();
+    drop(journal);
+    assert_eq!(Journal::open(&path, &about()).unwrap().1, looks);
+    // A killed run leaves half a line.
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
+    assert_eq!(Journal::open(&path, &about()).unwrap().1, looks[..GROUP]);
+    let other = About { every: 2, ..about() };
+    assert!(Journal::open(&path, &other).unwrap().1.is_empty());
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_a_journal_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert_eq!(read(&bytes, &about()), None);
+        let head = serde_json::to_string(&about()).unwrap() + "\n";
+        let looks = read(&[head.as_bytes(), &bytes].concat(), &about());
+        prop_assert_eq!(looks, Some(Vec::new()));
+    }
+
+    /// The issue's own rule, counted anew for any walk.
+    #[test]
+    fn no_frame_blurred_above_one_and_a_half_px_is_chosen_where_a_sharper_one_is_within_5_degrees(
+        walk in proptest::collection::vec((0.0..360.0f64, 0.4..2.9f64), 1..60), per_bin in 1usize..4,
+    ) {
+        let bins = bins();
+        let looks: Vec<Look> = (0..).zip(&walk).map(|(n, (azimuth, blur))| frame(10 * n, *azimuth, *blur)).collect();
+        for one in wish(&bins, per_bin).best(&looks) {
+            let (azimuth, blur) = walk[one.at];
+            let is_beside = |other: &(f64, f64)| {
+                let turn = (other.0 - azimuth).abs();
+                other.1 < blur && turn.min(360.0 - turn) <= 5.0
+            };
+            prop_assert!(blur <= 1.5 || !walk.iter().any(is_beside));
+        }
+    }
+}

@@ -33,7 +33,7 @@ pub struct Selection {
     pub height: Option<u32>,
     /// How long to wait for a frame before giving up.
     pub patience: Duration,
-    /// Whether a video that breaks off is an error. A stream is not one: it ends when it ends.
+    /// Whether damage is an error: something that cannot be decoded, a video that breaks off. A stream loses packets, and ends when it ends.
     pub is_whole: bool,
 }
 
@@ -164,8 +164,8 @@ impl Video {
         Frames::start(self, selection, &self.scaled(selection))
     }
 
-    /// Colours of the frames in sRGB. Those of an HDR video are converted: white paper (203 cd/m², ITU-R BT.2408) stays white, and what is
-    /// brighter is compressed.
+    /// Colours of the frames in sRGB. Those of an HDR video are converted: white paper (203 cd/m², ITU-R BT.2408) becomes white, and what is
+    /// brighter is white, too.
     ///
     /// # Errors
     /// No ffmpeg; an HDR video that it cannot convert. What is wrong with the video shows while it is decoded.
@@ -175,7 +175,7 @@ impl Video {
         let filter = match self.range {
             Range::Standard => scaled,
             Range::Hlg | Range::Pq => format!(
-                "zscale=t=linear:npl=203,format=gbrpf32le,zscale=p=bt709,tonemap=mobius:desat=0,zscale=t=bt709:m=bt709:r=pc,format=gbrp,{scaled}"
+                "zscale=t=linear:npl=203,format=gbrpf32le,zscale=p=bt709,tonemap=clip,zscale=t=bt709:m=bt709:r=pc,format=gbrp,{scaled}"
             ),
         };
         Frames::start(self, selection, &filter)
@@ -210,6 +210,9 @@ impl<P: Pixels> Frames<P> {
             .args([
                 every_frame_option(),
                 "passthrough",
+                // Without it frames of a variable rate fall on the grid of their mean rate.
+                "-enc_time_base",
+                "-1",
                 "-pix_fmt",
                 P::FORMAT,
                 "-f",
@@ -245,6 +248,10 @@ impl<P: Pixels> Frames<P> {
                 Ok(Said::Error(line)) => {
                     let line = plain(&line, &self.name);
                     self.complaint.get_or_insert(line);
+                    // ffmpeg conceals what it cannot decode, and goes on.
+                    if self.selection.is_whole {
+                        return Err(self.damaged());
+                    }
                 }
                 // ffmpeg would stretch them to the size of the first, and no camera file would fit.
                 Ok(Said::Frame { size: Some(size), .. }) if *self.decoded.get_or_insert(size) != size => {

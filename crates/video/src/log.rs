@@ -68,10 +68,14 @@ fn understood(line: &str, time_base: Option<f64>) -> Option<Said> {
         let size = size.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
         return time_s.is_finite().then_some(Said::Frame { number, time_s, size });
     }
-    let (_, error) = ["[error] ", "[fatal] ", "[panic] "]
-        .iter()
-        .find_map(|level| line.split_once(level))?;
-    Some(Said::Error(error.trim().to_owned()))
+    // What ffmpeg makes up where data is damaged is only a warning to it, or less.
+    let is_made_up = |line: &&str| line.contains("corrupt decoded frame") || line.contains(" concealing ");
+    let worded = |level: &&str| Some(line.split_once(*level)?.1);
+    let error = ["[error] ", "[fatal] ", "[panic] "].iter().find_map(worded);
+    let made_up = Some(line)
+        .filter(is_made_up)
+        .map(|line| line.rsplit("] ").next().unwrap_or(line));
+    Some(Said::Error(error.or(made_up)?.trim().to_owned()))
 }
 
 /// The word behind a name.

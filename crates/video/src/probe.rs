@@ -1,5 +1,8 @@
 //! What a video is, before a frame of it is decoded: `ffprobe`'s description, checked.
 
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
 use std::time::Duration;
 
 use serde::Deserialize;
@@ -12,6 +15,9 @@ use scaleproof_photo::photo::{Budget, DecodeCost};
 const PROBED_WITHIN: Duration = Duration::from_secs(60);
 /// A description of one stream has a few kilobytes.
 const MOST_SAID: u64 = 1 << 20;
+/// An MP4 file has some ten boxes at its top, or one for each fragment; and an index of some megabytes an hour.
+const MOST_BOXES: usize = 1000;
+const MOST_INDEX: u64 = 64 << 20;
 /// Larger than 8K (8192 × 4320): ffmpeg holds some twenty frames.
 pub(crate) const MOST_MEGAPIXELS: u64 = 36;
 const FRAME: Budget = Budget {
@@ -121,7 +127,7 @@ impl Video {
     ///
     /// # Errors
     /// No ffprobe; a file that is no video, or none that can be decoded within bounds.
-    pub fn open(path: &std::path::Path) -> Result<Video, VideoError> {
+    pub fn open(path: &Path) -> Result<Video, VideoError> {
         use scaleproof_core::files::FileError;
         let about = std::fs::metadata(path).map_err(|e| FileError::read(path, &e))?;
         if !about.is_file() {
@@ -130,6 +136,9 @@ impl Video {
         let input = Input::file(path);
         if about.len() == 0 {
             return Err(VideoError::Empty { name: input.name });
+        }
+        if is_encrypted_mp4(path) {
+            return Err(VideoError::Encrypted { name: input.name });
         }
         Video::of(input)
     }
@@ -208,7 +217,7 @@ impl Video {
             }
             Range::Standard => None,
             hdr => Some(format!(
-                "{name} is an HDR video ({}), whose colours are converted to SDR: what is brighter than white paper is compressed; film with HDR switched off where colours matter",
+                "{name} is an HDR video ({}), whose colours are converted to SDR: what is brighter than white paper (203 cd/m²) becomes white; film with HDR switched off where colours matter",
                 hdr.name()
             )),
         }
@@ -279,6 +288,41 @@ impl Stream {
             _ => "bt601",
         }
     }
+}
+
+/// Whether the index of an MP4 file has the sample entry `encv` (ISO 14496-12, 8.12), under which ffprobe shows the codec as if nothing were encrypted.
+fn is_encrypted_mp4(path: &Path) -> bool {
+    index_of_mp4(path).is_ok_and(|index| memchr::memmem::find(&index, b"encv").is_some())
+}
+
+/// The content of an MP4 file's box `moov`, up to a length; nothing of another file.
+fn index_of_mp4(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    for _ in 0..MOST_BOXES {
+        let mut head = [0; 8];
+        file.read_exact(&mut head)?;
+        let (length, kind) = head.split_at(4);
+        let length = length.iter().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
+        if kind == b"moov" {
+            let mut index = Vec::new();
+            file.take(length.min(MOST_INDEX)).read_to_end(&mut index)?;
+            return Ok(index);
+        }
+        let rest = match length {
+            1 => {
+                let mut long = [0; 8];
+                file.read_exact(&mut long)?;
+                u64::from_be_bytes(long).saturating_sub(16)
+            }
+            _ => length.saturating_sub(8),
+        };
+        // Length 0 reaches to the end of the file.
+        if length == 0 {
+            break;
+        }
+        file.seek_relative(i64::try_from(rest).unwrap_or(i64::MAX))?;
+    }
+    Ok(Vec::new())
 }
 
 /// ffprobe's answer.

@@ -3,39 +3,466 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use scaleproof_video::{Selection, Video};
+use scaleproof_video::{Range, Selection, Video, VideoError};
+use tempfile::TempDir;
 
-/// A video of two seconds whose frames get lighter by 4 grey levels each, with an encoder's options.
-fn made(folder: &Path, name: &str, options: &[&str]) -> PathBuf {
-    let path = folder.join(name);
-    let source = "color=c=black:s=320x180:r=25:d=2,format=yuv420p,geq=lum='16+4*N':cb=128:cr=128";
+/// Two seconds at 25 frames a second; the n-th frame has the luma 16 + 4 n, and its left half is 40 levels lighter.
+const GREYS: &str = "color=c=black:s=320x180:r=25:d=2,format=yuv420p,geq=lum='16+4*N*0.8+40*lt(X,160)':cb=128:cr=128";
+
+fn ffmpeg(arguments: &[&str], path: &Path) {
     let done = Command::new("ffmpeg")
-        .args(["-v", "error", "-f", "lavfi", "-i", source])
-        .args(options)
-        .arg(&path)
+        .args(["-v", "error", "-y"])
+        .args(arguments)
+        .arg(path)
         .status();
-    assert!(done.unwrap().success(), "{name}");
+    assert!(done.unwrap().success(), "{}", path.display());
+}
+
+/// A video of [`GREYS`], with an encoder's options.
+fn made(folder: &TempDir, name: &str, options: &[&str]) -> PathBuf {
+    let path = folder.path().join(name);
+    ffmpeg(&[&["-f", "lavfi", "-i", GREYS], options].concat(), &path);
     path
 }
 
+/// The luma of frame `n` right of the middle, from the range 16 … 235 to 0 … 255.
+fn level(n: u64) -> f64 {
+    3.2 * n as f64 * 255.0 / 219.0
+}
+
+fn refusal(path: &Path) -> String {
+    let last = |video: Video| {
+        video
+            .luma(&Selection::default())?
+            .find_map(Result::err)
+            .map_or(Ok(()), Err)
+    };
+    let sentence = Video::open(path).and_then(last).unwrap_err().to_string();
+    assert!(!sentence.contains('\n') && sentence.len() < 400, "{sentence}");
+    sentence
+}
+
 #[test]
-fn frames_come_with_their_numbers_and_times() {
+fn frames_of_every_codec_and_container_come_with_their_numbers_times_and_greys() {
     let folder = tempfile::tempdir().unwrap();
-    let path = made(folder.path(), "grey.mp4", &["-c:v", "libx264", "-crf", "10"]);
-    let video = Video::open(&path).unwrap();
-    assert_eq!(
-        [video.width, video.height, video.turned_deg, video.bits],
-        [320, 180, 0, 8]
-    );
-    assert_eq!((video.codec.as_str(), video.frames), ("h264", Some(50)));
-    let frames: Vec<_> = video.luma(&Selection::default()).unwrap().map(Result::unwrap).collect();
-    assert_eq!(frames.len(), 50);
-    for (i, frame) in frames.iter().enumerate() {
-        assert_eq!(frame.number, i as u64);
-        assert!((frame.time_s - i as f64 / 25.0).abs() < 1e-9);
-        let level = f64::from(frame.image.get_pixel(160, 90).0[0]);
-        // From 16 … 235 to 0 … 255.
-        let expected = 4.0 * i as f64 * 255.0 / 219.0;
-        assert!((level - expected).abs() < 3.0, "frame {i}: {level}, not {expected}");
+    let made_by: [(&str, &str, u32, &[&str]); 6] = [
+        (
+            "a.mp4",
+            "h264",
+            8,
+            &["-c:v", "libx264", "-preset", "ultrafast", "-crf", "8"],
+        ),
+        (
+            "b.mov",
+            "h264",
+            8,
+            &["-c:v", "libx264", "-preset", "ultrafast", "-crf", "8", "-bf", "3"],
+        ),
+        (
+            "c.mkv",
+            "hevc",
+            8,
+            &[
+                "-c:v",
+                "libx265",
+                "-preset",
+                "ultrafast",
+                "-crf",
+                "8",
+                "-x265-params",
+                "log-level=none",
+            ],
+        ),
+        (
+            "d.mp4",
+            "hevc",
+            10,
+            &[
+                "-c:v",
+                "libx265",
+                "-preset",
+                "ultrafast",
+                "-crf",
+                "8",
+                "-pix_fmt",
+                "yuv420p10le",
+                "-x265-params",
+                "log-level=none",
+            ],
+        ),
+        (
+            "e.webm",
+            "vp9",
+            8,
+            &[
+                "-c:v",
+                "libvpx-vp9",
+                "-deadline",
+                "realtime",
+                "-cpu-used",
+                "8",
+                "-crf",
+                "8",
+                "-b:v",
+                "0",
+            ],
+        ),
+        (
+            "-f: 100%d.webm",
+            "av1",
+            8,
+            &["-c:v", "libsvtav1", "-preset", "12", "-crf", "10"],
+        ),
+    ];
+    for (name, codec, bits, options) in made_by {
+        let path = folder.path().join(name);
+        // ffmpeg itself takes such a name for a pattern.
+        let plain = made(&folder, &format!("made.{}", name.rsplit('.').next().unwrap()), options);
+        std::fs::rename(plain, &path).unwrap();
+        let video = Video::open(&path).unwrap();
+        assert_eq!(
+            (video.codec.as_str(), video.bits, video.range),
+            (codec, bits, Range::Standard),
+            "{name}"
+        );
+        assert_eq!([video.width, video.height, video.turned_deg], [320, 180, 0]);
+        assert!((video.duration_s.unwrap() - 2.0).abs() < 0.1);
+        let frames: Vec<_> = video.luma(&Selection::default()).unwrap().map(Result::unwrap).collect();
+        assert_eq!(frames.len(), 50, "{name}");
+        for (i, frame) in (0..).zip(&frames) {
+            // WebM and MKV count milliseconds.
+            assert!(
+                frame.number == i && (frame.time_s - i as f64 / 25.0).abs() < 6e-4,
+                "{name}"
+            );
+            let found = f64::from(frame.image.get_pixel(240, 90).0[0]);
+            assert!(
+                (found - level(i)).abs() < 4.0,
+                "{name}, frame {i}: {found}, not {}",
+                level(i)
+            );
+        }
+        let reduced = Selection {
+            height: Some(90),
+            numbers: Some(vec![30]),
+            ..Selection::default()
+        };
+        let colours: Vec<_> = video.rgb(&reduced).unwrap().map(Result::unwrap).collect();
+        assert_eq!(
+            (colours.len(), colours[0].number, colours[0].image.dimensions()),
+            (1, 30, (160, 90))
+        );
+        for channel in colours[0].image.get_pixel(120, 45).0 {
+            assert!((f64::from(channel) - level(30)).abs() < 4.0, "{name}: {channel}");
+        }
     }
+}
+
+#[test]
+fn colours_are_those_that_were_encoded() {
+    // Red, green and blue by BT.709 and by BT.601, with and without a tag: full colours come back within what 8 bits of Y'CbCr hold.
+    let folder = tempfile::tempdir().unwrap();
+    for (size, matrix, tag) in [
+        ("1280x720", "bt709", "bt709"),
+        ("1280x720", "bt709", ""),
+        ("640x360", "bt601", "smpte170m"),
+        ("640x360", "bt601", ""),
+    ] {
+        let path = folder.path().join("colours.mp4");
+        let source = format!(
+            "color=c=0xc82828:s={size}:r=25:d=0.2,format=rgb24,scale=out_color_matrix={matrix}:out_range=tv,format=yuv420p"
+        );
+        let tagged: &[&str] = if tag.is_empty() {
+            &["-bsf:v", "h264_metadata=matrix_coefficients=2"]
+        } else {
+            &["-colorspace", tag]
+        };
+        ffmpeg(
+            &[&["-f", "lavfi", "-i", &source, "-c:v", "libx264", "-crf", "1"], tagged].concat(),
+            &path,
+        );
+        let frame = Video::open(&path)
+            .unwrap()
+            .rgb(&Selection::default())
+            .unwrap()
+            .next()
+            .unwrap()
+            .unwrap();
+        let [r, g, b] = frame.image.get_pixel(100, 100).0;
+        assert!(
+            r.abs_diff(200) < 4 && g.abs_diff(40) < 4 && b.abs_diff(40) < 4,
+            "{size} {tag}: {r} {g} {b}"
+        );
+    }
+}
+
+#[test]
+fn frames_are_upright_however_the_phone_was_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = made(&folder, "across.mp4", &["-c:v", "libx264", "-preset", "ultrafast"]);
+    // A player turns clockwise by so much; the lighter half was left.
+    for (turned_deg, size, light) in [
+        (90, [180, 320], [90, 80]),
+        (180, [320, 180], [240, 90]),
+        (270, [180, 320], [90, 240]),
+    ] {
+        let turned = folder.path().join("turned.mp4");
+        // ffmpeg 5 writes this number counter-clockwise, as its own display of the file shows.
+        let rotate = format!("rotate={}", 360 - turned_deg);
+        ffmpeg(
+            &["-i", path.to_str().unwrap(), "-c", "copy", "-metadata:s:v:0", &rotate],
+            &turned,
+        );
+        let video = Video::open(&turned).unwrap();
+        assert_eq!((video.turned_deg, [video.width, video.height]), (turned_deg, size));
+        let frame = video.luma(&Selection::default()).unwrap().nth(10).unwrap().unwrap();
+        assert_eq!(frame.image.dimensions(), size.into());
+        let dark = [size[0] - 1 - light[0], size[1] - 1 - light[1]];
+        let [light, dark] = [light, dark].map(|[x, y]| frame.image.get_pixel(x, y).0[0]);
+        assert!(light > dark + 30, "turned by {turned_deg}°: {light} and {dark}");
+    }
+}
+
+#[test]
+fn times_of_a_variable_frame_rate_are_true_and_selections_go_by_them() {
+    let folder = tempfile::tempdir().unwrap();
+    // The n-th frame is shown at n²/1000 s.
+    let path = made(
+        &folder,
+        "vfr.mp4",
+        &[
+            "-vf",
+            "settb=1/1000,setpts=N*N",
+            "-vsync",
+            "vfr",
+            "-enc_time_base",
+            "1/1000",
+            "-c:v",
+            "libx264",
+            "-preset",
+            "ultrafast",
+            "-video_track_timescale",
+            "1000",
+        ],
+    );
+    let video = Video::open(&path).unwrap();
+    let seen = |selection: &Selection| -> Vec<(u64, u64)> {
+        let frames = video.luma(selection).unwrap().map(Result::unwrap);
+        frames
+            .map(|frame| (frame.number, (frame.time_s * 1000.0).round() as u64))
+            .collect()
+    };
+    let all: Vec<(u64, u64)> = seen(&Selection::default());
+    let expected: Vec<(u64, u64)> = (0..50).map(|n| (n, n * n)).collect();
+    assert_eq!(all, expected);
+    let some = Selection {
+        from_s: 0.1,
+        to_s: Some(0.9),
+        every: 3,
+        ..Selection::default()
+    };
+    assert_eq!(
+        seen(&some),
+        [
+            (12, 144),
+            (15, 225),
+            (18, 324),
+            (21, 441),
+            (24, 576),
+            (27, 729),
+            (30, 900)
+        ]
+    );
+    let named = Selection {
+        numbers: Some(vec![49, 7]),
+        ..Selection::default()
+    };
+    assert_eq!(seen(&named), [(7, 49), (49, 2401)]);
+}
+
+#[test]
+fn hdr_is_named_and_its_white_paper_is_white() {
+    let folder = tempfile::tempdir().unwrap();
+    // White paper of 203 cd/m² has 58 % of PQ's signal and 75 % of HLG's (ITU-R BT.2408, table 1).
+    for (transfer, range, signal) in [("smpte2084", Range::Pq, 0.58), ("arib-std-b67", Range::Hlg, 0.75)] {
+        let path = folder.path().join("hdr.mp4");
+        for (share, [least, most]) in [(1.0, [250, 255]), (0.5, [20, 190])] {
+            let luma = (64.0 + 876.0 * signal * share) as u32;
+            let source = format!("color=c=black:s=320x180:r=25:d=0.2,format=yuv420p10le,geq=lum={luma}:cb=512:cr=512");
+            let tags = format!("log-level=none:colorprim=bt2020:transfer={transfer}:colormatrix=bt2020nc");
+            ffmpeg(
+                &[
+                    "-f",
+                    "lavfi",
+                    "-i",
+                    &source,
+                    "-c:v",
+                    "libx265",
+                    "-preset",
+                    "ultrafast",
+                    "-crf",
+                    "5",
+                    "-x265-params",
+                    &tags,
+                ],
+                &path,
+            );
+            let video = Video::open(&path).unwrap();
+            assert_eq!((video.range, video.bits), (range, 10));
+            assert!(video.colour_note().unwrap().contains(range.name()));
+            let frame = video.rgb(&Selection::default()).unwrap().next().unwrap().unwrap();
+            let [r, g, b] = frame.image.get_pixel(100, 100).0;
+            assert!(r.abs_diff(g) < 3 && g.abs_diff(b) < 3, "{transfer}: {r} {g} {b}");
+            assert!((least..=most).contains(&g), "{transfer}, {share} of white: {g}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_whole_video_is_refused_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let written = |name: &str, bytes: &[u8]| {
+        std::fs::write(place(name), bytes).unwrap();
+        place(name)
+    };
+    let h264 = ["-c:v", "libx264", "-preset", "ultrafast", "-crf", "1", "-g", "10"];
+    let whole = made(&folder, "whole.mp4", &[&h264[..], &["-movflags", "faststart"]].concat());
+    let bytes = std::fs::read(&whole).unwrap();
+
+    assert!(refusal(&written("empty.mp4", b"")).contains("is empty"));
+    assert!(refusal(&written("words.mp4", b"These are words.\n")).contains("no video that is read here"));
+    assert!(refusal(&place("missing.mp4")).contains("no such file"));
+    assert!(refusal(folder.path()).contains("it is not a file"));
+    // Index in front, and half of the frames.
+    let cut = refusal(&written("cut.mp4", &bytes[..bytes.len() / 2]));
+    assert!(cut.contains("damaged or cut after"), "{cut}");
+    // Bytes changed in the middle: ffmpeg would make up what is missing.
+    let mut hurt = bytes.clone();
+    let middle = bytes.len() / 2;
+    hurt[middle..middle + 3000].fill(0x55);
+    let hurt = refusal(&written("hurt.mp4", &hurt));
+    assert!(hurt.contains("damaged or cut after"), "{hurt}");
+    // Index at the end, which is cut away.
+    let end = std::fs::read(made(&folder, "end.mp4", &h264)).unwrap();
+    let cut = refusal(&written("no_index.mp4", &end[..end.len() / 2]));
+    assert!(cut.contains("no video that is read here"), "{cut}");
+    let mkv = std::fs::read(made(&folder, "a.mkv", &h264)).unwrap();
+    let cut = refusal(&written("cut.mkv", &mkv[..mkv.len() / 2]));
+    assert!(cut.contains("damaged or cut after"), "{cut}");
+
+    ffmpeg(&["-f", "lavfi", "-i", "sine=d=1"], &place("sound.m4a"));
+    assert!(refusal(&place("sound.m4a")).contains("sound and no picture"));
+    ffmpeg(
+        &["-f", "lavfi", "-i", GREYS, "-t", "0", "-c:v", "libx264"],
+        &place("none.mp4"),
+    );
+    let none = refusal(&place("none.mp4"));
+    assert!(
+        none.contains("no frame") || none.contains("no video that is read"),
+        "{none}"
+    );
+    let key = "00112233445566778899aabbccddeeff";
+    ffmpeg(
+        &[
+            "-i",
+            whole.to_str().unwrap(),
+            "-c",
+            "copy",
+            "-encryption_scheme",
+            "cenc-aes-ctr",
+            "-encryption_key",
+            key,
+            "-encryption_kid",
+            key,
+        ],
+        &place("secret.mp4"),
+    );
+    let secret = refusal(&place("secret.mp4"));
+    assert!(secret.contains("is encrypted"), "{secret}");
+
+    // 10 hours by its header: Matroska's element Duration (0x4489, eight bytes), ms.
+    let mut long = mkv.clone();
+    let at = mkv.windows(3).position(|bytes| bytes == [0x44, 0x89, 0x88]).unwrap() + 3;
+    long[at..at + 8].copy_from_slice(&36e6_f64.to_be_bytes());
+    let long = written("long.mkv", &long);
+    assert_eq!(Video::open(&long).unwrap().duration_s, Some(36_000.0));
+    let cut = refusal(&long);
+    assert!(cut.contains("its header says that more follows"), "{cut}");
+    // One black frame of 38 megapixels.
+    ffmpeg(
+        &[
+            "-f",
+            "lavfi",
+            "-i",
+            "color=s=8320x4608:d=0.04",
+            "-c:v",
+            "libx264",
+            "-preset",
+            "ultrafast",
+        ],
+        &place("huge.mp4"),
+    );
+    assert!(refusal(&place("huge.mp4")).contains("8320 × 4608 px"));
+    ffmpeg(
+        &[
+            "-f",
+            "lavfi",
+            "-i",
+            "color=s=320x180:d=0.2,setsar=4/3",
+            "-c:v",
+            "libx264",
+        ],
+        &place("wide.mp4"),
+    );
+    assert!(refusal(&place("wide.mp4")).contains("not square (4:3)"));
+}
+
+#[test]
+fn a_file_cannot_make_ffmpeg_read_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let video = made(&folder, "secret.mp4", &["-c:v", "libx264", "-preset", "ultrafast"]);
+    let scripts = [
+        ("list.mp4", format!("ffconcat version 1.0\nfile {}\n", video.display())),
+        (
+            "playlist.mp4",
+            format!(
+                "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\n{}\n#EXT-X-ENDLIST\n",
+                video.display()
+            ),
+        ),
+    ];
+    for (name, script) in scripts {
+        let path = folder.path().join(name);
+        std::fs::write(&path, script).unwrap();
+        let sentence = refusal(&path);
+        assert!(sentence.contains("no video that is read here"), "{sentence}");
+    }
+}
+
+#[test]
+fn ffmpeg_ends_when_its_frames_are_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = made(&folder, "dropped.mp4", &["-c:v", "libx264", "-preset", "ultrafast"]);
+    let runs = || {
+        let lines = std::fs::read_dir("/proc")
+            .unwrap()
+            .flatten()
+            .filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
+        let name = path.to_str().unwrap();
+        lines
+            .filter(|line| String::from_utf8_lossy(line).contains(name))
+            .count()
+    };
+    let mut frames = Video::open(&path).unwrap().rgb(&Selection::default()).unwrap();
+    assert!(matches!(frames.next(), Some(Ok(_))));
+    assert_eq!(runs(), 1);
+    drop(frames);
+    assert_eq!(runs(), 0);
+}
+
+#[test]
+fn a_video_that_is_only_named_is_no_error_of_ours() {
+    let missing = Video::open(Path::new("/nowhere/walk.mp4")).unwrap_err();
+    assert!(matches!(missing, VideoError::File(_)), "{missing}");
 }

@@ -30,7 +30,7 @@ use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{TagDetectorChoice, limit_scale};
 use scaleproof_session::session::folders::PhotoFolder;
 use scaleproof_session::session::{NewSession, PhotoEntry, Session};
-use scaleproof_terminal::progress::{self, Progress};
+use scaleproof_terminal::progress;
 use scaleproof_video::{Selection, Video, VideoError};
 
 /// Make photos of a video of a walk round the model: the best frames of each bin, in a session
@@ -69,9 +69,9 @@ pub(in crate::cli) struct FilmArgs {
     /// End at this time of the video, s
     #[arg(long, value_name = "S", value_parser = seconds)]
     to: Option<f64>,
-    /// Look at every so-manieth frame only
-    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    every: u64,
+    /// Look at every so-manieth frame only [default: as leaves 15 a second or so]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    every: Option<u64>,
     /// Keep frames as PNG instead of JPEG of quality 95
     #[arg(long)]
     png: bool,
@@ -79,6 +79,9 @@ pub(in crate::cli) struct FilmArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// A walk round the model turns by less than a degree from one of so many frames a second to the next.
+const LOOKS_PER_S: f64 = 15.0;
 
 fn seconds(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s >= 0.0);
@@ -93,6 +96,8 @@ pub(in crate::cli) struct Answer {
     /// The `session.json` in it.
     file: PathBuf,
     video: VideoFacts,
+    /// Every so-manieth frame was looked at.
+    every: u64,
     /// How many frames were looked at.
     frames: usize,
     /// How many of them have a pose.
@@ -166,6 +171,8 @@ struct Film {
     camera: Camera,
     wanted: Wanted,
     files: FolderFiles,
+    /// Every so-manieth frame is looked at.
+    every: u64,
 }
 
 pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult {
@@ -248,6 +255,10 @@ fn opened(args: &FilmArgs) -> Result<Film> {
     };
     Ok(Film {
         name: files::name_of(&args.video),
+        every: args.every.unwrap_or_else(|| {
+            let per_s = video.frames_per_s.unwrap_or(LOOKS_PER_S);
+            (per_s / LOOKS_PER_S).round().max(1.0) as u64
+        }),
         video,
         sha256,
         scene,
@@ -282,11 +293,8 @@ fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
         per_bin: args.per_bin.into(),
         apart_s: args.apart,
     };
-    let folder = files::free_place(
-        &args
-            .output
-            .join(format!("{}_{}", slug(&args.variant), slug(&stem(&film.name)))),
-    );
+    let folder = folder_name(&slug(&args.variant), &slug(&stem(&film.name)));
+    let folder = files::free_place(&args.output.join(folder));
     let kept = keep(args, film, &looks, &wish, &folder, stopped)?;
     if kept.is_empty() {
         return Err(nothing(args, &wish, &looks).into());
@@ -299,6 +307,15 @@ fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
     let made = made?;
     journal.remove()?;
     Ok(made)
+}
+
+/// The folder of the photos: named by the texture and the video.
+fn folder_name(variant: &str, video: &str) -> String {
+    if video.starts_with(variant) {
+        video.to_owned()
+    } else {
+        format!("{variant}_{video}")
+    }
 }
 
 fn stem(name: &str) -> String {
@@ -334,7 +351,7 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
         camera: files::hashed(film.files.camera()?)?.1,
         from_s: args.from,
         to_s: args.to,
-        every: args.every,
+        every: film.every,
     };
     let (mut journal, mut looks) = Journal::open(journal, &about)?;
     if let Some(last) = looks.last() {
@@ -343,7 +360,7 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
     let selection = Selection {
         from_s: looks.last().map_or(args.from, |last| last.time_s.next_up()),
         to_s: args.to,
-        every: args.every,
+        every: film.every,
         ..Selection::default()
     };
     let mut looker = Looker::new(
@@ -352,7 +369,7 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
         film.video.turned_deg,
         TagDetectorChoice::default(),
     )?;
-    let progress = progress::frames("looking at", expected(args, &film.video));
+    let progress = progress::frames("looking at", expected(args, film));
     for frame in film.video.luma(&selection)? {
         let frame = frame.map_err(|e| advised(e, !looks.is_empty()))?;
         let look = looker.look(&frame.image, frame.number, frame.time_s);
@@ -364,7 +381,7 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
             return Err(Interruption { time_s: frame.time_s }.into());
         }
     }
-    end(&progress);
+    progress.finish_and_clear();
     if looks.is_empty() {
         let to = args.to.map_or(String::new(), |to| format!(" and before {to} s"));
         return Err(format!("{} has no frame after {} s{to}", args.video.display(), args.from).into());
@@ -372,27 +389,28 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
     Ok((journal, looks))
 }
 
-fn end(progress: &Progress) {
-    progress.finish_and_clear();
-}
+/// So much before the damage frames are surely whole, s.
+const AHEAD_S: f64 = 0.5;
 
 /// What is before the damage can be used.
 fn advised(e: VideoError, has_frames: bool) -> String {
     match &e {
-        VideoError::Damaged { after_s, .. } if has_frames => {
-            format!("{e}, or use what is before with --to {after_s:.2}")
+        // ffmpeg decodes some frames ahead.
+        VideoError::Damaged { after_s, .. } if has_frames && *after_s > AHEAD_S => {
+            format!("{e}, or use what is before with --to {:.1}", after_s - AHEAD_S)
         }
         _ => e.to_string(),
     }
 }
 
 /// How many frames there will be, by the header.
-fn expected(args: &FilmArgs, video: &Video) -> usize {
+fn expected(args: &FilmArgs, film: &Film) -> usize {
+    let video = &film.video;
     let whole_s = video.duration_s.unwrap_or(0.0);
     let seconds = args.to.unwrap_or(whole_s).min(whole_s) - args.from;
     let all = video.frames.map(|frames| frames as f64);
     let rate = video.frames_per_s.or_else(|| Some(all? / whole_s)).unwrap_or(0.0);
-    (seconds * rate / args.every as f64).clamp(0.0, 1e9).round() as usize
+    (seconds * rate / film.every as f64).clamp(0.0, 1e9).round() as usize
 }
 
 /// Writes the chosen frames into a folder of the session.
@@ -441,7 +459,7 @@ fn keep(
         .into(),
         other => Box::<dyn std::error::Error>::from(other),
     })?;
-    end(&progress);
+    progress.finish_and_clear();
     Ok(kept)
 }
 
@@ -509,6 +527,7 @@ fn write(
             duration_s: video.duration_s,
             range: video.range.name(),
         },
+        every: film.every,
         frames: looks.len(),
         located: looks.iter().filter(|look| look.shows.is_ok()).count(),
         fit: looks.len() - refused.values().sum::<usize>(),

@@ -1,0 +1,183 @@
+//! `session from-video`: the stored walk round the model (`captures/walk`, rendered, with its truth) becomes a session.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::common::{home, program};
+
+fn walk(name: &str) -> PathBuf {
+    home().join("captures/walk").join(name)
+}
+
+/// `session from-video` with the stored scene and camera.
+fn from_video(video: &Path, variant: &str, session: &Path) -> Command {
+    let mut command = program();
+    command.args(["session", "from-video"]).arg(video);
+    command
+        .arg("--scene")
+        .arg(walk("scene.toml"))
+        .arg("--camera")
+        .arg(walk("camera.yaml"));
+    command
+        .args(["--variant", variant, "--place", "table", "--json", "-o"])
+        .arg(session);
+    command
+}
+
+fn answer(mut command: Command) -> Value {
+    let done = command.output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+fn truth(variant: &str) -> Vec<Value> {
+    let text = std::fs::read_to_string(walk(&format!("{variant}.truth.json"))).unwrap();
+    let all: Value = serde_json::from_str(&text).unwrap();
+    all["frames"].as_array().unwrap().clone()
+}
+
+fn turn(from: f64, to: f64) -> f64 {
+    (to - from + 180.0).rem_euclid(360.0) - 180.0
+}
+
+#[test]
+fn a_walk_becomes_a_session_of_all_views_and_a_second_one_its_pairs() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = folder.path().join("session");
+    for variant in ["normal", "random"] {
+        let made = answer(from_video(&walk(&format!("{variant}.mp4")), variant, &session));
+        let (chosen, truth) = (made["chosen"].as_array().unwrap(), truth(variant));
+        assert_eq!(chosen.len(), 8, "{made}");
+        assert_eq!(made["frames"], truth.len());
+        assert!(made["empty_bins"].as_array().unwrap().is_empty());
+        for one in chosen {
+            let number = one["frame"].as_u64().unwrap() as usize;
+            let (is, expected) = (&one["viewpoint"]["azimuth_deg"], &truth[number]["azimuth_deg"]);
+            let off = turn(expected.as_f64().unwrap(), is.as_f64().unwrap());
+            assert!(off.abs() < 0.1, "{variant}, frame {number}: {is}, not {expected}");
+            let smeared = |frame: &Value| frame["blur_px"].as_f64().unwrap();
+            let is_beside =
+                |other: &&Value| turn(expected.as_f64().unwrap(), other["azimuth_deg"].as_f64().unwrap()).abs() < 5.0;
+            let sharper = truth
+                .iter()
+                .filter(is_beside)
+                .map(smeared)
+                .fold(f64::INFINITY, f64::min);
+            let own = smeared(&truth[number]);
+            assert!(
+                own <= 1.5 || own <= sharper,
+                "frame {number} is smeared by {own} px, another near it by {sharper}"
+            );
+            let photo = session.join(one["file"].as_str().unwrap());
+            let sidecar: Value =
+                serde_json::from_slice(&std::fs::read(photo.with_extension("capture.json")).unwrap()).unwrap();
+            assert_eq!(sidecar["photo"]["frame"]["number"], one["frame"]);
+            if variant == "random" {
+                let apart = one["pair"]["difference"]["apart_deg"].as_f64().unwrap();
+                assert!(apart < 3.0, "a pair is {apart}° apart");
+            }
+        }
+        for picture in ["contact_sheet", "coverage"] {
+            assert!(Path::new(made[picture].as_str().unwrap()).is_file());
+        }
+    }
+    // Located again, as every photo is: pairs are in the same bins.
+    let shown = program()
+        .args(["session", "show", "--json"])
+        .arg(&session)
+        .output()
+        .unwrap();
+    assert!(shown.status.success());
+    let list: Value = serde_json::from_slice(&std::fs::read(session.join("session.json")).unwrap()).unwrap();
+    let photos = list["photos"].as_array().unwrap();
+    assert_eq!(photos.len(), 16);
+    assert!(
+        photos
+            .iter()
+            .all(|photo| photo["frame"]["sha256"].as_str().unwrap().len() == 64)
+    );
+    let hidden = std::fs::read_dir(&session).unwrap().flatten();
+    assert!(
+        !hidden
+            .into_iter()
+            .any(|entry| entry.file_name().to_string_lossy().ends_with(".journal"))
+    );
+    let again = from_video(&walk("random.mp4"), "random", &session).output().unwrap();
+    let sentence = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert!(
+        again.status.code() == Some(2) && sentence.contains("already"),
+        "{sentence}"
+    );
+}
+
+#[test]
+fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
+    let folder = tempfile::tempdir().unwrap();
+    let [at_once, resumed] = ["at_once", "resumed"].map(|name| folder.path().join(name));
+    let video = walk("normal.mp4");
+    let part = |session: &Path| {
+        let mut command = from_video(&video, "normal", session);
+        command.args(["--to", "2.5", "--from", "0.5"]);
+        command
+    };
+    let whole = answer(part(&at_once));
+    let mut running = part(&resumed)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let journal = || {
+        let entries = std::fs::read_dir(&resumed).into_iter().flatten().flatten();
+        let mut journals = entries.filter(|entry| entry.file_name().to_string_lossy().ends_with(".journal"));
+        journals.next().map_or(0, |entry| {
+            std::fs::read_to_string(entry.path())
+                .unwrap_or_default()
+                .lines()
+                .count()
+        })
+    };
+    let began = Instant::now();
+    while journal() == 0 && began.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // As Ctrl-C in a terminal.
+    let pid = running.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let ended = running.wait().unwrap();
+    let rest = answer(part(&resumed));
+    assert_eq!(ended.code(), Some(130));
+    assert_eq!(
+        (&rest["chosen"], &rest["refused"]),
+        (&whole["chosen"], &whole["refused"])
+    );
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_in_one_sentence_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = folder.path().join("session");
+    let bytes = std::fs::read(walk("normal.mp4")).unwrap();
+    let cut = folder.path().join("cut.mp4");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let words = folder.path().join("words.mp4");
+    std::fs::write(&words, "no video").unwrap();
+    for video in [&cut, &words] {
+        let done = from_video(video, "normal", &session).output().unwrap();
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        let errors: Vec<&str> = said.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert!(done.status.code() == Some(2) && errors.len() == 1, "{said}");
+        assert!(!session.exists(), "{said}");
+    }
+    // Without ffmpeg.
+    let mut without = from_video(&walk("normal.mp4"), "normal", &session);
+    let done = without.env("PATH", folder.path()).output().unwrap();
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(
+        done.status.code() == Some(2) && said.contains("apt install ffmpeg"),
+        "{said}"
+    );
+    assert!(!session.exists());
+}
