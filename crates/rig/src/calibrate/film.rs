@@ -16,8 +16,8 @@ use scaleproof_video::{Frame, Selection, Video, VideoError};
 const LOOKED_AT: u64 = 240;
 /// So many of them go into the camera.
 const CHOSEN: usize = 40;
-/// Frames that are held at a time, for each thread.
-const HELD: usize = 2;
+/// Frames that are held at a time; a search for tags takes as long to start as a frame takes.
+const HELD: usize = 16;
 /// Between frames further apart, s, a hand has turned back.
 const NEAR_S: f64 = 0.5;
 /// Frames that share fewer corners than this show other parts of the target: as different as frames are.
@@ -38,7 +38,8 @@ pub struct Film {
     pub frames: Vec<BoardPhoto>,
     /// One sentence on the others.
     pub left_out: Vec<UnusedPhoto>,
-    pub(super) motion: Motion,
+    /// Of all frames looked at, where it is known: what a rolling shutter may have done follows from it.
+    pub motion: Motion,
 }
 
 /// Looks for the target in frames of a video, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that
@@ -59,10 +60,9 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
         ..Selection::default()
     })?;
     let name = files::name_of(path);
-    let threads = workers::thread_count();
     let (mut photos, mut times, mut reasons, mut looked_at) = (Vec::new(), Vec::new(), Vec::new(), 0_u64);
     loop {
-        let held: Vec<Frame<GrayImage>> = stream.by_ref().take(HELD * threads).collect::<Result<_, _>>()?;
+        let held: Vec<Frame<GrayImage>> = stream.by_ref().take(HELD).collect::<Result<_, _>>()?;
         if held.is_empty() {
             break;
         }

@@ -31,7 +31,7 @@ pub use fit::{View, refit};
 pub use ladder::CandidateModel;
 pub use model::LensModel;
 pub use page::page;
-use shutter::Motion;
+pub use shutter::Motion;
 use summary::numbers;
 pub use summary::{CalibrationAnswer, answer, table};
 pub use target::Target;

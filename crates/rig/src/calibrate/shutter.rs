@@ -10,7 +10,7 @@ use super::model::ALL;
 use scaleproof_pose::locate::READ_OUT_S;
 
 /// How fast a corner moves in the image, px/s, by the photo's name and the corner's id.
-pub(super) type Motion = BTreeMap<(String, usize), [f64; 2]>;
+pub type Motion = BTreeMap<(String, usize), [f64; 2]>;
 
 /// A covariance of the camera's parameters with what a read-out of [`READ_OUT_S`] may have changed, as one standard deviation: the parameters are fitted again to the corners
 /// where the middle row's moment has them. Whoever walks round goes one way, so that frames do not cancel each other's part. Without motion nothing is added.
