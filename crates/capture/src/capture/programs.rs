@@ -1,4 +1,4 @@
-//! Programs that run for a source and write images: asked to end as Ctrl-C does, so that a camera is let go, and ended when they do not.
+//! Programs that run for a source and write images: asked to end (SIGTERM), so that a camera is let go, and ended when they do not.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -75,7 +75,7 @@ impl RunningProgram {
         }
     }
 
-    /// Ends it: as Ctrl-C does at first.
+    /// Ends it: by asking at first.
     pub(super) fn stop(&self) {
         self.0.stop();
     }
@@ -113,7 +113,7 @@ impl Drop for Process {
 fn interrupt(id: u32) {
     #[cfg(unix)]
     if let Some(id) = i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw) {
-        let _ = rustix::process::kill_process(id, rustix::process::Signal::INT);
+        let _ = rustix::process::kill_process(id, rustix::process::Signal::TERM);
     }
     #[cfg(not(unix))]
     let _ = id;

@@ -15,9 +15,6 @@ use scaleproof_video::{Frames, Input, Selection, Video, VideoError};
 /// A camera that sends nothing for so long is not there any more.
 const SILENCE: Duration = Duration::from_secs(5);
 
-/// What a stream carries, in a word: `motion JPEG`, `h264`.
-pub type Described = String;
-
 /// One connection to a camera that streams.
 pub trait Connection {
     /// The next image, waited for.
@@ -26,7 +23,8 @@ pub trait Connection {
     /// A clause: why there will be no more.
     fn image(&mut self) -> Result<RawImage, String>;
 
-    fn described(&self) -> Described;
+    /// What it carries, such as `motion JPEG` or `h264`.
+    fn described(&self) -> String;
 }
 
 /// Connects by a scheme.
@@ -115,7 +113,7 @@ impl Connection for MotionJpeg {
         })
     }
 
-    fn described(&self) -> Described {
+    fn described(&self) -> String {
         "motion JPEG".into()
     }
 }
@@ -180,7 +178,7 @@ impl Connection for Rtsp {
         })
     }
 
-    fn described(&self) -> Described {
+    fn described(&self) -> String {
         self.codec.clone()
     }
 }

@@ -12,7 +12,7 @@ use super::source::SourceError;
 use scaleproof_pose::camera::Camera;
 
 pub use address::{StreamAddress, StreamScheme};
-pub use connection::{Connection, Described};
+pub use connection::Connection;
 
 /// Waits before it connects again; after the last try it is over.
 pub const BACK_OFF: [Duration; 5] = [
@@ -82,7 +82,7 @@ pub fn start(
 /// A stream that is connected again when it breaks off.
 struct Stream {
     address: String,
-    described: Described,
+    described: String,
     size: [u32; 2],
     first: Option<RawImage>,
     connection: Option<Box<dyn Connection>>,
