@@ -154,7 +154,8 @@ fn filmed_session() -> (Running, Vec<Value>) {
     film_of_the_session(&film);
     // In the network encrypted, as for a phone.
     let is_lan = in_network().is_some();
-    let mut running = Running::start("upload", if is_lan { &["--lan"] } else { &[] });
+    let options: &[&str] = if is_lan { &["--lan"] } else { &[] };
+    let mut running = Running::start("upload", options);
     let address = if is_lan {
         let said = BufReader::new(running.child.stderr.take().unwrap()).lines();
         let phone = said
