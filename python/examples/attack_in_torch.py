@@ -22,6 +22,7 @@ views = [frames.view(index, cells=CELLS, tile_mm=TILE_MM) for index in range(len
 torch.manual_seed(0)
 device = "cuda" if torch.cuda.is_available() else "cpu"
 model = ssdlite320_mobilenet_v3_large(weights=None, weights_backbone=None).eval().to(device)
+model.backbone.train()  # of random weights only: their signal is lost without the norms of the batch
 
 
 def confidence(images):
