@@ -29,6 +29,9 @@ if _library is not None and not os.environ.get("ORT_DYLIB_PATH"):
 if SHARE.is_dir() and not os.environ.get("SCALEPROOF_HOME"):
     os.environ["SCALEPROOF_HOME"] = str(SHARE)
 
+# ONNX Runtime's own builds would keep for Microsoft what they run on; this is read when the library is loaded.
+os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+
 from . import _native  # noqa: E402  (its library is looked for where the lines above say)
 
 _native.begin(str(_native.__file__))

@@ -17,12 +17,11 @@ use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::locate::LocatedPhoto;
 use scaleproof_score::score::{self, EvaluatedDetector, Scores};
 
-/// Prepares the process, whose code is in the file of a module; called once before anything else.
+/// Notes the file of the module that holds this code; called once before anything else.
 ///
 /// # Errors
 /// The file cannot be read.
 pub fn begin(module: &Path) -> std::result::Result<(), String> {
-    super::keep_to_ourselves();
     let hash = files::hashed(module).map_err(|e| e.to_string())?;
     MODULE.get_or_init(|| hash.1);
     Ok(())

@@ -119,7 +119,7 @@ pub fn calls(command: &str) -> Vec<Vec<String>> {
         }
     }
     // `./run test` is the script's own, and so is what follows it.
-    calls.retain(|call| !["test", "package"].contains(&call.first().map_or("", String::as_str)));
+    calls.retain(|call| !["test", "package", "wheel"].contains(&call.first().map_or("", String::as_str)));
     calls
 }
 

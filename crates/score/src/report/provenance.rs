@@ -55,7 +55,7 @@ pub(super) struct DetectorProvenance {
     pub counted_labels: Vec<&'static str>,
     pub origin: String,
     pub licence: String,
-    /// Where its detections come from: `live`, `recorded`, `results` (files of another program) or `program`.
+    /// Where its detections come from: `live`, `recorded`, `results` (files of another program), `program` or `function` (of Python).
     pub source: &'static str,
     /// Program and runtime that made the recording; `null` where there is none.
     pub recorded_by: Option<String>,
