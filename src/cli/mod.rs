@@ -165,7 +165,6 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-/// The whole command line.
 fn command() -> clap::Command {
     overview::explained(Cli::command())
 }

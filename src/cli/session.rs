@@ -55,7 +55,6 @@ fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usize>, folder
     )
 }
 
-/// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
         named::<export::Exported>("session-export"),

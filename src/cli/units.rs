@@ -6,12 +6,10 @@ use scaleproof_plot::lettering::number;
 
 /// The longest vehicle on a road, an articulated bus, is 25 m long.
 const LONGEST_VEHICLE_MM: f64 = 25_000.0;
-/// The labels of road vehicles.
 pub(super) const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
 /// No template is smaller than a stamp.
 const STAMP_MM: f64 = 10.0;
 
-/// Says it as a note.
 pub(crate) fn note(doubt: Option<String>) {
     if let Some(doubt) = doubt {
         say!("note: {doubt}");

@@ -42,9 +42,6 @@ pub type NamedCells = (String, Vec<Rgb>);
 const SECTORS: usize = 8;
 
 /// Judges named patterns, the plain model first; detector by detector. `on_look` is called after each image, from any thread.
-///
-/// # Errors
-/// A detector that cannot look, or whose answer is not a number.
 pub fn judged(
     setup: &Setup,
     patterns: &[NamedCells],

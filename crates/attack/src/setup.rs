@@ -26,9 +26,6 @@ pub struct Setup {
 
 impl Setup {
     /// Opens the views of some frames for a square pattern of so many columns, and for what an augmentation draws. `on_view` is called after each, from any thread.
-    ///
-    /// # Errors
-    /// Those of [`ViewSet::open`].
     pub fn open(
         frames: Vec<FrameSet>,
         (columns, tile_mm, mapping): (u32, f64, TextureMapping),
@@ -57,7 +54,6 @@ impl Setup {
         }
     }
 
-    /// The history of a method on this.
     pub fn history(&self, method: &str, seed: u64, entries: Vec<Entry>) -> History {
         History {
             scaleproof: env!("CARGO_PKG_VERSION").to_owned(),

@@ -113,7 +113,6 @@ impl Default for Pad {
 }
 
 impl Pad {
-    /// The level of a channel of the input.
     pub fn level(self, channel: usize) -> u8 {
         match self {
             Pad::Grey(level) => level,

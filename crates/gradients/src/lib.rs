@@ -96,7 +96,6 @@ pub struct Prediction {
 
 /// A differentiable detector.
 pub trait WhiteBox {
-    /// The name of its manifest.
     fn name(&self) -> &str;
 
     /// The overlap above which a better box hides another in scoring.
@@ -126,7 +125,6 @@ pub trait WhiteBox {
     }
 }
 
-/// What an attack moves an image against.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageLoss {
     /// `−ln(1 − C)`.

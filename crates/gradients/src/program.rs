@@ -21,9 +21,6 @@ pub struct ProgramWhiteBox {
 
 impl ProgramWhiteBox {
     /// `labels`: the indices into its labels that count as the model; `differentiates`: it is asked for gradients.
-    ///
-    /// # Errors
-    /// It gives no gradients, or takes no pixels.
     pub fn open(
         program: ProgramDetector,
         manifest: Manifest,

@@ -45,7 +45,6 @@ pub fn readable_px(image: &RgbImage) -> (f64, f64) {
     ((longest / 700.0).max(1.5), (longest / 70.0).max(11.0))
 }
 
-/// A straight line.
 pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
     let Some([from, to]) = clipped(image, from, to, pen.width_px) else {
         return;

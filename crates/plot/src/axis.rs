@@ -71,7 +71,6 @@ impl PlotAxis {
     }
 }
 
-/// A tick's value as people write it.
 pub fn tick_label(value: f64) -> String {
     // Of 0 the logarithm is below all numbers, and the digits are none.
     let digits = if value == 0.0 {

@@ -37,7 +37,6 @@ const INK: &str = "#1d232b";
 const FAINT: &str = "#d7dce2";
 const NOTE: &str = "#5b6573";
 
-/// The colour of the n-th series.
 pub fn colour(series: usize) -> &'static str {
     COLOURS[series % COLOURS.len()]
 }

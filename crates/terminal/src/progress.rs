@@ -57,9 +57,6 @@ impl Progress {
     }
 
     /// Does the work that this shows, and finishes when it is done; after an error it just goes.
-    ///
-    /// # Errors
-    /// Those of the work.
     pub fn during<T, E>(self, work: impl FnOnce(&Self) -> Result<T, E>) -> Result<T, E> {
         let done = work(&self)?;
         self.finish_and_clear();
@@ -107,7 +104,6 @@ impl Drop for Progress {
     }
 }
 
-/// A bar that counts photos.
 pub fn photos(what: &str, count: usize) -> Progress {
     counting(what, count, "photos")
 }

@@ -84,7 +84,6 @@ pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// Prints what is drawn, and says so.
 fn print(
     (args, request): (&TemplateArgs, &TemplateRequest),
     draw: &dyn Fn() -> Result<Template, TemplateError>,
@@ -129,7 +128,6 @@ fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
     print((args, &request), &draw, Grain::PixelMm, out)
 }
 
-/// Draws a template and writes it to a PDF.
 pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template> {
     let output = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
     Ok(write(&|| template(pattern, request), request, &output)?.0)

@@ -205,7 +205,6 @@ impl Augmentation {
         BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
     }
 
-    /// Augments an image.
     pub fn apply(&self, image: &[Rgb], size_px: [u32; 2]) -> AugmentedImage {
         let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
         let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
@@ -241,7 +240,6 @@ impl Augmentation {
     }
 }
 
-/// An augmented image and its adjoint.
 #[derive(Debug, Clone)]
 pub struct AugmentedImage {
     pub image: Vec<Rgb>,

@@ -58,7 +58,6 @@ use scaleproof_surface::pattern::{Pattern, PatternError};
 /// A value of each channel.
 pub type Rgb = [f64; 3];
 
-/// How often a run judges its pattern.
 const JUDGED_TIMES: u32 = 12;
 
 /// Why there is no pattern.
@@ -415,9 +414,6 @@ impl<'a> Attack<'a> {
 }
 
 /// The loss of one view, and its derivative with respect to the cells.
-///
-/// # Errors
-/// A detector that cannot look, or whose answer is not a number.
 pub fn loss_and_gradient<'a>(
     view_set: &ViewSet,
     detectors: &[impl Deref<Target = dyn WhiteBox + 'a>],

@@ -53,7 +53,6 @@ impl Converter {
         })
     }
 
-    /// Adds the layer of a section.
     pub(super) fn add(&mut self, section: &Section, weights: &mut Weights) -> Result<()> {
         let last = self.last();
         let layer = match section.kind.as_str() {

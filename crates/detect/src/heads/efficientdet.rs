@@ -55,7 +55,6 @@ pub struct Grids {
 }
 
 impl Grids {
-    /// Which outputs are scores.
     pub fn scores(&self) -> impl Iterator<Item = usize> {
         self.of.iter().map(|grid| grid.scores)
     }

@@ -62,7 +62,6 @@ fn varint(mut value: u64) -> Vec<u8> {
     written
 }
 
-/// A field with a whole number.
 pub(super) fn int(field: u64, value: u64) -> Vec<u8> {
     [varint(field << 3), varint(value)].concat()
 }

@@ -6,7 +6,6 @@ use super::wire::{bytes, int, single};
 const FLOAT: u64 = 1;
 const INT64: u64 = 7;
 
-/// An attribute of a node.
 pub(crate) enum Attribute<'a> {
     Int(i64),
     Ints(&'a [i64]),

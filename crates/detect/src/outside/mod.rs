@@ -66,7 +66,6 @@ pub struct ResultsRequest<'a> {
     pub photos: &'a [PhotoName],
 }
 
-/// Detections from outside, by the photos of a run.
 #[derive(Debug)]
 pub struct OutsideResults {
     card: ForeignCard,
@@ -83,11 +82,9 @@ struct PhotoBoxes {
     boxes: Vec<RawBox>,
     /// Width and height of the photo in px, where the file states them.
     size: Option<[u32; 2]>,
-    /// Whether the file lists the photo at all.
     is_listed: bool,
 }
 
-/// A box as its file has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct RawBox {
     label: usize,
@@ -185,9 +182,6 @@ impl OutsideResults {
     }
 
     /// The detections of the photo with this index in the run and this size in px, best first; `file` is what messages call it.
-    ///
-    /// # Errors
-    /// Boxes that cannot be of this photo.
     pub fn of_photo(
         &self,
         index: usize,

@@ -79,7 +79,6 @@ pub enum ProgramError {
     Lost(Arc<ProgramError>),
 }
 
-/// A photo that a program is to look at.
 pub struct ProgramPhoto<'a> {
     pub path: &'a Path,
     /// What messages call it.
@@ -90,17 +89,14 @@ pub struct ProgramPhoto<'a> {
     pub pixels: Option<&'a RgbImage>,
 }
 
-/// An image whose loss a program is to differentiate.
 pub struct ProgramImage<'a> {
     /// sRGB, 0 to 1, row by row.
     pub pixels: &'a [[f64; 3]],
     /// Width, height, px.
     pub size: [u32; 2],
-    /// Where the model is.
     pub model: BoxPx,
     /// Boxes that overlap it less do not meet it.
     pub least_iou: f64,
-    /// The labels that count as the model.
     pub labels: &'a [usize],
 }
 
@@ -176,9 +172,6 @@ impl ProgramDetector {
     }
 
     /// What the program finds in a photo, best first.
-    ///
-    /// # Errors
-    /// [`ProgramError::Declined`] concerns this photo; all others the program.
     pub fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
         let id = self.next_id();
         self.ask(photo.file, self.request(id, photo)?, |line, _| {
@@ -198,9 +191,6 @@ impl ProgramDetector {
     }
 
     /// The loss `−ln(1 − C)` of the surest box that meets the model in an image, and its derivative; `None` where none meets it.
-    ///
-    /// # Errors
-    /// Those of [`ProgramDetector::detect`].
     pub fn loss_and_gradient(&self, image: &ProgramImage) -> Result<Option<ProgramLoss>, ProgramError> {
         let (id, [width, height]) = (self.next_id(), image.size);
         let pixels = image.pixels.iter().flatten().flat_map(|v| (*v as f32).to_le_bytes());
@@ -294,7 +284,6 @@ impl ProgramDetector {
         ProgramError::Lost(error)
     }
 
-    /// The line about a photo, and its pixels behind it.
     fn request(&self, id: u64, photo: &ProgramPhoto) -> Result<Vec<u8>, ProgramError> {
         let [width, height] = photo.size;
         let mut line = serde_json::json!({"id": id, "task": "detect", "width": width, "height": height});
@@ -309,7 +298,6 @@ impl ProgramDetector {
     }
 }
 
-/// Starts a program and reads its hello.
 fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramError> {
     let command = spec.in_words();
     let mut child = Child::start(&spec.command, spec.folder.as_deref()).map_err(|e| ProgramError::Start {

@@ -137,7 +137,6 @@ impl Family {
         )
     }
 
-    /// How its outputs are usually read.
     pub(super) fn usual_head(self) -> Result<Head, ManifestError> {
         Ok(self.entry()?.head.clone())
     }

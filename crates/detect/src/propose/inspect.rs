@@ -123,7 +123,6 @@ fn open_image(input: &Outlet) -> Option<(Layout, i64, [i64; 2])> {
     }
 }
 
-/// The inputs as a person writes them.
 fn listed(inputs: &[Outlet]) -> String {
     let side = |d: i64| if d < 0 { "?".to_owned() } else { d.to_string() };
     let one = |input: &Outlet| {
@@ -135,7 +134,6 @@ fn listed(inputs: &[Outlet]) -> String {
     inputs.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// What a network requires.
 pub(super) struct Required {
     /// The input that photos go into.
     pub image: String,

@@ -33,7 +33,6 @@ impl FamilyCandidate {
     }
 }
 
-/// Every family with outputs of these shapes.
 pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     let (outputs, size) = (&network.answers[0], network.size_px);
     let is_named = |name: &str| outputs.iter().any(|t| t.name.split(':').next() == Some(name));

@@ -304,7 +304,6 @@ impl Frame {
         all
     }
 
-    /// The colour, when it is flat.
     pub fn flat_rgb(&self) -> Option<[u8; 3]> {
         match self.paint {
             FramePaint::FlatRgb(rgb) => Some(rgb),

@@ -42,16 +42,12 @@ pub enum ShadedError {
 /// What is drawn.
 pub struct ShadedModel<'a> {
     pub mesh: &'a Mesh,
-    /// The texture of each material.
     pub textures: Vec<&'a Texture>,
 }
 
 impl ShadedModel<'_> {
     /// The whole model from some azimuths, from as far away as it takes from any at this pitch; and how far that is from its middle, mm. `on_view`
     /// is called after each.
-    ///
-    /// # Errors
-    /// A size or direction that cannot be drawn.
     pub fn around(
         &self,
         azimuths_deg: &[f64],
@@ -160,7 +156,6 @@ pub fn side_by_side(views: &[RgbImage]) -> RgbImage {
     all
 }
 
-/// The shares of the corners at a point of a triangle.
 fn weights(corners: &[Point3<f64>; 3], p: &Point3<f64>) -> [f64; 3] {
     let whole = doubled_area(corners);
     let [a, b, c] = corners;

@@ -75,7 +75,6 @@ impl Budget {
     }
 }
 
-/// What decoding an image takes, as its header says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DecodeCost {
     pixels: u64,

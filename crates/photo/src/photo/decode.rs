@@ -115,7 +115,6 @@ impl Header {
         read.map(Some).map_err(|e| jpeg_problem(e, budget))
     }
 
-    /// The pixels of a PNG, upright.
     pub(super) fn png(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
         let (decoder, ..) = png_header(bytes, budget)?;
         let stored = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb8();

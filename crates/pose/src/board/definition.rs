@@ -86,9 +86,6 @@ impl Definition {
     const MOST_BORDER_MODULES: u32 = 4;
 
     /// Reads a board file.
-    ///
-    /// # Errors
-    /// A file that cannot be read, is no board file, or whose numbers make no board.
     pub fn open(path: &Path) -> Result<Self, DefinitionError> {
         let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
         let refuse = |fault| DefinitionError::Content {
@@ -171,7 +168,6 @@ impl Definition {
         }
     }
 
-    /// One line for people.
     pub fn line(&self) -> String {
         match self {
             Self::Charuco {

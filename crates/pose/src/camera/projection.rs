@@ -1,5 +1,4 @@
-//! The projection of a point into the image, its derivatives by the point, the pose and the camera, and the way back from
-//! a pixel to the direction that it looks in.
+//! Projects points into the image, with the derivatives by point, pose and camera, and pixels back to viewing directions.
 //!
 //! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction"), or a fisheye
 //! (`fisheye.rs`).

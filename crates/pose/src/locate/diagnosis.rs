@@ -367,7 +367,6 @@ fn camera_sizes(errors: &[SizeError], camera_file: &str) -> String {
     format!("{camera_file} is for photos of {own}, and these are {sizes}, {advice}")
 }
 
-/// The families of a scene.
 fn families(scene: &Scene) -> String {
     let names: Vec<&str> = scene.families().into_iter().map(TagFamily::name).collect();
     names.join(" and ")

@@ -24,7 +24,6 @@ const ROUGH: Limits = Limits {
     ..LIMITS
 };
 
-/// The normal equations of all corners at one pose.
 pub(super) struct CornerEquations<'a> {
     pose: Rigid,
     /// JᵀWJ by (ω, υ) of [`stepped`].

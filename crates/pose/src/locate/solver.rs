@@ -41,7 +41,6 @@ impl Solver {
         }
     }
 
-    /// The matches this solver looks at.
     pub(super) fn used<'a>(self, matches: Vec<Match<'a>>) -> Vec<Match<'a>> {
         match self {
             Solver::BestTag => largest(&matches, 1),
@@ -93,7 +92,6 @@ fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
     largest(matches, BRANCHED_TAGS).into_iter().flat_map(branches).collect()
 }
 
-/// So many of the largest tags, the largest first.
 pub(super) fn largest<'a>(matches: &[Match<'a>], most: usize) -> Vec<Match<'a>> {
     let mut largest = matches.to_vec();
     largest.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));

@@ -112,7 +112,6 @@ impl<'a> Simulator<'a> {
         pixels.iter().all(is_inside).then(|| self.noisy(pixels))
     }
 
-    /// Pixels with the detector's noise.
     fn noisy(&mut self, pixels: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
         pixels.map(|pixel| {
             let is_tail = self.rng.random::<f64>() < self.noise.tail_share;

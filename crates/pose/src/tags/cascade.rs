@@ -38,7 +38,6 @@ const ENOUGH_TAGS: usize = 2;
 /// Finders in turn. Holds C memory, so each thread makes its own.
 pub struct Cascade {
     stages: Vec<Stage>,
-    /// What the first of them is shown.
     first: View,
 }
 

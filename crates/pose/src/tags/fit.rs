@@ -16,7 +16,6 @@ impl<S: Search> TagDetector for WithFittedCorners<S> {
     }
 }
 
-/// The found tags with their corners fitted to the image.
 pub(super) fn fitted(found: Vec<Found>, luma: &dyn Luma) -> Vec<SeenTag> {
     let fits: Vec<TagFit> = found.into_iter().map(|found| TagFit::new(found, luma)).collect();
     seen(fits.iter())

@@ -69,7 +69,6 @@ impl Legibility {
         self.edge < DULL_EDGE * self.levels
     }
 
-    /// The image with all grey levels.
     pub(super) fn stretched(&self, grey: &GrayImage) -> GrayImage {
         let level = |v: usize| ((v as f64 - self.dark) * 255.0 / self.levels).round().clamp(0.0, 255.0) as u8;
         let table: [u8; 256] = std::array::from_fn(level);

@@ -15,7 +15,6 @@ const MOST_OFF_MM: f64 = 0.4;
 /// Fewer pixels than this a side of a patch, and the parts of one could not be distinguished.
 const LEAST_PATCH_PX: f64 = 20.0;
 
-/// A chart found in a photo.
 #[derive(Debug, Clone)]
 pub struct FoundChart {
     pub layout: ChartLayout,
@@ -42,9 +41,6 @@ impl FoundChart {
 }
 
 /// Finds the chart that the tags belong to. Other tags may be in the photo.
-///
-/// # Errors
-/// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the photo.
 pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);

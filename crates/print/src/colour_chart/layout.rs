@@ -9,7 +9,6 @@ use scaleproof_pose::scene::TagFamily;
 pub const CELL_MM: f64 = 11.0;
 /// Side of the printed patch in the middle of its cell; the rest is bare paper.
 pub const PATCH_MM: f64 = 10.0;
-/// The tags' family.
 pub const FAMILY: TagFamily = TagFamily::Tag36h11;
 /// Outer edge of a tag's black border: its white ring ends with its two by two cells.
 pub const TAG_MM: f64 = TAG_CELLS as f64 * CELL_MM * 0.8;
@@ -77,7 +76,6 @@ impl ChartCell {
     }
 }
 
-/// A square of one colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ColourPatch {
     pub cell: ChartCell,
@@ -85,7 +83,6 @@ pub struct ColourPatch {
     pub asked_rgb: [u8; 3],
 }
 
-/// A tag of the chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChartTag {
     pub id: u32,
@@ -100,7 +97,6 @@ impl ChartTag {
     }
 }
 
-/// A chart laid out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartLayout {
     pub kind: ChartKind,
@@ -114,7 +110,6 @@ pub struct ChartLayout {
 }
 
 impl ChartLayout {
-    /// The layout of a chart.
     pub fn new(kind: ChartKind) -> Self {
         let (columns, rows) = kind.grid();
         let (right, bottom) = (columns - TAG_CELLS, rows - TAG_CELLS);

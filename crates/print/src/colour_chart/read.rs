@@ -70,9 +70,6 @@ pub struct Quality {
 }
 
 /// Reads the chart in a photo.
-///
-/// # Errors
-/// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ColourChartError`].
 pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartReading, ColourChartError>, PhotoError> {
     let (luma, rgb) = (photo.luma()?, photo.rgb(1)?);
     Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))

@@ -137,9 +137,6 @@ pub enum Orientation {
 }
 
 /// Reads `WIDTHxHEIGHT` in millimetres or with a unit.
-///
-/// # Errors
-/// Anything but two numbers with an `x` between them. Whether the numbers make sense is for the caller to say.
 pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
     let sides = parse_sides_mm(&text.to_ascii_lowercase()).map(<(f64, f64)>::from);
     sides.ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })

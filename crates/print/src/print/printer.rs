@@ -151,9 +151,6 @@ impl Printer {
 
 impl PrinterFile {
     /// Reads a `printer.toml`.
-    ///
-    /// # Errors
-    /// As for [`Printer::load`], and colours that contradict themselves.
     pub fn load(path: &Path) -> Result<Self, PrinterError> {
         let text = files::read_text(path).map_err(|e| e.to_string());
         text.and_then(|text| Self::parse(&text))

@@ -73,7 +73,6 @@ pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
     vec![beside(from, -1.0), beside(to, -1.0), beside(to, 1.0), beside(from, 1.0)]
 }
 
-/// Strokes along a closed outline.
 pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
     sides(outline).map(|(a, b)| stroke(*a, *b, width_mm)).collect()
 }

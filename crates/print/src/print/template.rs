@@ -147,9 +147,6 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
 }
 
 /// Draws the sheets of a texture without cells: an image, repeated, of no more than `dpi` pixels per inch.
-///
-/// # Errors
-/// As of [`template`], and a repeat that is less than a millimetre wide or high.
 pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) -> Result<Template, TemplateError> {
     let tile_mm = check_tile(request)?;
     if !(36.0..=2400.0).contains(&dpi) {
@@ -201,9 +198,6 @@ fn drawn(
 }
 
 /// Width and height of a printed cell of the pattern.
-///
-/// # Errors
-/// Numbers that are not positive, cells below [`MIN_CELL_MM`].
 pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
     let cell_mm = check_tile(request)? / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
@@ -246,7 +240,6 @@ enum Block {
 }
 
 impl PatternStamp {
-    /// Whole repeats of an image of this size.
     fn from_image(repeat: &RgbImage, (wide_mm, high_mm): (f64, f64), size_mm: (f64, f64)) -> Self {
         let (columns, rows) = repeat.dimensions();
         let pixel_mm = (wide_mm / f64::from(columns), high_mm / f64::from(rows));
@@ -267,7 +260,6 @@ impl PatternStamp {
         }
     }
 
-    /// Whole repeats of a pattern's cells.
     pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
         let (columns, rows) = (pattern.columns(), pattern.rows());
         let across = repeats(cell_mm * f64::from(columns), size_mm.0) * columns;

@@ -303,7 +303,6 @@ impl<'a> NetworkEquations<'a> {
         Some(Blocks { tags, photos })
     }
 
-    /// The poses after the step that solves the equations.
     fn moved(&self, damping: f64) -> Option<Poses> {
         let step = self.solved(
             damping,

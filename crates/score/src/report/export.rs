@@ -21,7 +21,6 @@ pub enum ExportError {
     AlikeNames { a: String, b: String },
 }
 
-/// Formats that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportFormat {
     /// `annotations.json` with `images`, `annotations` and `categories`.

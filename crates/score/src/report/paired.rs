@@ -26,7 +26,6 @@ pub fn briefly(finding: Finding) -> &'static str {
     in_words(finding).split(',').next().unwrap_or_default()
 }
 
-/// Whether a difference is shown.
 pub(super) fn is_shown(d: &Difference) -> bool {
     d.finding.is_shown()
 }

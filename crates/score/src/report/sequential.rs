@@ -62,7 +62,6 @@ pub(super) fn repeats(course: &Course) -> String {
     }
 }
 
-/// The figures that have decisions.
 pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
     [
         ("hit rate", &course.hit_rate),

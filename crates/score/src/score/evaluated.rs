@@ -22,7 +22,6 @@ pub struct EvaluatedDetector {
     pub counted: Vec<usize>,
 }
 
-/// Where a detector's detections come from.
 #[derive(Debug, Clone)]
 pub enum DetectionSource {
     /// ONNX Runtime runs these weights, whose hash was checked.
@@ -31,7 +30,6 @@ pub enum DetectionSource {
     Recorded(Vec<Recorded>),
     /// Files that another program wrote.
     Outside(Arc<OutsideResults>),
-    /// A program that runs.
     Program(Arc<ProgramDetector>),
     /// Another program, which is not needed here: the photos were looked at elsewhere.
     Elsewhere(Box<ForeignCard>),

@@ -76,7 +76,6 @@ impl NotScoredReason {
     }
 }
 
-/// One photo to be scored.
 pub(super) struct ScoringJob<'a> {
     /// From 1, in the order of the sessions.
     pub id: u64,
@@ -187,7 +186,6 @@ pub(super) struct Observer<'a> {
     loaded: Vec<Option<Detector>>,
 }
 
-/// A part of a photo, of which there is an image.
 pub(super) struct PhotoPart<'a> {
     pub path: &'a Path,
     /// As the session names it.

@@ -83,7 +83,6 @@ impl Settings {
         Ok(AppliedSettings { file, sha256, settings })
     }
 
-    /// The tag detector that is named, else the usual one.
     pub fn tags(&self) -> Result<TagDetectorChoice, StartError> {
         self.tag_detector
             .as_deref()

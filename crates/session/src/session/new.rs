@@ -226,7 +226,6 @@ fn real_place(folder: &Path) -> Result<PathBuf, FileError> {
     Err(failed("no part of the path exists".into()))
 }
 
-/// The path of a file from a folder that it lies in.
 fn inside(file: &Path, home: &Path) -> Option<PathBuf> {
     let real = file.canonicalize().ok()?;
     real.strip_prefix(home).ok().map(Path::to_owned)

@@ -46,16 +46,12 @@ pub(super) struct UsualPose {
     /// The camera as it fits the photo.
     pub fitted: FittedCamera,
     pub located: Located,
-    /// Every tag that was found.
     pub seen: FoundTags,
     /// Those that the pose rests on: they are left out one by one.
     pub reference: Vec<SeenTag>,
 }
 
 /// Measures every way on a photo; a way that several questions share, once.
-///
-/// # Errors
-/// A camera of another shape than the photo.
 pub(super) fn measure(
     sample: &Sample,
     ways: &[Way],

@@ -11,7 +11,6 @@ use scaleproof_core::spelling::{count, digits};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use scaleproof_score::report::briefly;
 
-/// The whole page.
 pub fn page(all: &Advice) -> String {
     let advice = &all.poses;
     let lead = html! {

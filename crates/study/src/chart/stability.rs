@@ -93,7 +93,6 @@ impl Conditions {
         Some(all)
     }
 
-    /// The view of a seed, if any tag is seen on it.
     fn view(&self, scene: &Scene, seed: u64) -> Option<SimulatedView> {
         if let Some(tilt_deg) = self.tilt_deg {
             return self.lone_tag(scene, tilt_deg, seed);
@@ -244,9 +243,6 @@ fn sweep_step(at: SweepAmount, scene: &Scene, camera: &Camera, views: u64, seed:
 }
 
 /// Every way to spoil the photos, with some tag detectors and the default solver. `on_done` is called after each spoiled photo.
-///
-/// # Errors
-/// A detector that does not start.
 pub fn on_photos(
     samples: &[PhotoSample],
     scene: &Scene,
@@ -282,7 +278,6 @@ pub fn on_photos(
     Ok(steps.into_iter().flatten().collect())
 }
 
-/// The ways to spoil a photo, each at each of its amounts.
 fn spoils() -> impl Iterator<Item = (Spoil, SweepAmount)> {
     amounts(OF_PHOTOS).filter_map(|at| Some((Spoil::named(at.0)?, at)))
 }
@@ -294,9 +289,6 @@ pub fn photo_steps(photos: usize) -> usize {
 
 /// Copies of the photos, each spoiled in one way by one amount, both at random, from harmless to hopeless. None is cut: a camera file fits no cut
 /// photo.
-///
-/// # Errors
-/// A detector that does not start.
 pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -> Result<Vec<PhotoSample>, StartError> {
     let ways: Vec<(Spoil, SweepAmount)> = spoils().filter(|(spoil, _)| *spoil != Spoil::Crop).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -314,7 +306,6 @@ pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -
     Ok(samples.iter().zip(&places).flat_map(copies_of).collect())
 }
 
-/// Where the tags are in the photos as they were taken.
 fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>>, StartError> {
     workers::map(
         samples,

@@ -61,9 +61,6 @@ impl MeshPlacement {
     }
 
     /// The rotation from the frame of this file into the model frame.
-    ///
-    /// # Errors
-    /// A front and an up along the same axis.
     pub fn rotation(&self, file: &Path) -> Result<Matrix3<f64>, MeshError> {
         self.turn(Self::usual(file))
     }

@@ -85,7 +85,6 @@ impl Gamut {
         })
     }
 
-    /// Volume in CIELAB.
     pub fn volume(&self) -> f64 {
         let cells = cube(self.levels.len() - 1);
         let tetrahedra = cells.flat_map(|corner| STEPS.map(|steps| (corner, steps)));

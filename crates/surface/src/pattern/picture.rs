@@ -37,9 +37,6 @@ pub struct Picture {
 
 impl Picture {
     /// Reads what photos are read from, or an array that NumPy saved.
-    ///
-    /// # Errors
-    /// An unreadable file, and whatever [`Picture::from_bytes`] refuses.
     pub fn load(path: &Path) -> Result<Self, PictureError> {
         let bad = |reason: String| PictureError {
             path: path.to_owned(),

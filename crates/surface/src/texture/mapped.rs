@@ -57,9 +57,6 @@ pub struct Mapped {
 
 impl MappedImages {
     /// One image instead of those that the mesh's file names; it lies as they do. `paint`: the materials that are painted, all when empty.
-    ///
-    /// # Errors
-    /// An image that cannot be used, painted triangles without coordinates.
     pub fn from_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
         let picture = Picture::load(path)?;
         let map = |material| Map {
@@ -80,9 +77,6 @@ impl MappedImages {
     }
 
     /// The images that the mesh's own file names.
-    ///
-    /// # Errors
-    /// A painted material without image, or whose image cannot be used; painted triangles without coordinates.
     pub fn from_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
         let mut collected = Collected::default();
         let mut skins = vec![Skin::None; mesh.materials().len()];

@@ -47,7 +47,6 @@ impl Tile {
             .map(|p| side.project(&p).map(|mm| mm / self.cell_mm))
     }
 
-    /// The colour at a place among the cells.
     pub(super) fn cell(&self, place: [f64; 2]) -> [u8; 3] {
         self.mapped().colour_at(place.map(|cells| cells * self.cell_mm))
     }
@@ -95,7 +94,6 @@ impl SidePatterns {
         }))
     }
 
-    /// The pattern that a triangle has.
     pub(super) fn tile(&self, triangle: usize) -> &Tile {
         &self.tiles[self.sides[triangle] as usize]
     }

@@ -107,7 +107,6 @@ impl TexturedModel {
     }
 }
 
-/// What an image's file ends in.
 pub(super) fn ending(image: &[u8]) -> &'static str {
     if image.starts_with(&[0xff, 0xd8]) { "jpg" } else { "png" }
 }

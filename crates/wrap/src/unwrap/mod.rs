@@ -139,9 +139,6 @@ pub enum UnwrapError {
 }
 
 /// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` is called with the share that is done.
-///
-/// # Errors
-/// Nothing to cut, too much of it, and bounds that cannot be kept.
 pub fn unwrap(
     mesh: &Mesh,
     materials: &[usize],

@@ -38,8 +38,6 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// # Errors
-    /// No paint, or too much.
     pub(super) fn new(mesh: &Mesh, materials: &[usize], fits_mm: Option<[f64; 2]>) -> Result<Self, UnwrapError> {
         let paint = mesh.painted(materials);
         let count = paint.clone().count();

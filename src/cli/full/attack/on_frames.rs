@@ -146,7 +146,6 @@ impl Looking {
 }
 
 impl OnFrames {
-    /// Cells along each side.
     pub(super) fn cells(&self) -> u32 {
         self.cells.unwrap_or(CELLS)
     }
@@ -201,7 +200,6 @@ impl OnFrames {
         ))
     }
 
-    /// Writes the result of a method, and says what it is.
     pub(super) fn write(
         &self,
         setup: &Setup,
@@ -335,7 +333,6 @@ pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
     Ok(pattern)
 }
 
-/// The pattern of a file, which must be square.
 pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     let pattern = pattern_of(path)?;
     if pattern.columns() == pattern.rows() {
@@ -351,7 +348,6 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     }
 }
 
-/// A program, and its name and hash.
 fn program_box(program: ProgramDetector, class: &Classes, differentiates: bool) -> Result<(String, Box<dyn WhiteBox>)> {
     let manifest = Manifest::of_foreign(program.card());
     if let Some(fault) = manifest.class_map_fault() {

@@ -210,7 +210,6 @@ pub(super) fn named(text: &str) -> (String, &Path) {
     }
 }
 
-/// A texture on the model.
 pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint> {
     let texture = load_texture(path, model)?.texture;
     let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
@@ -259,7 +258,6 @@ pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>> {
     texts.iter().map(|text| hex(text)).collect()
 }
 
-/// The file of a model that is to be rendered.
 pub(super) fn mesh_file(model: &Model) -> Result<PathBuf, String> {
     let file = model.file.clone();
     file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh, or a scene that names one".to_owned())

@@ -58,8 +58,6 @@ impl Missing {
 }
 
 impl RenderPlan {
-    /// # Errors
-    /// Nothing to render, numbers out of range, cameras inside the model, a mesh without paint or files that cannot be read.
     pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
         check(&request)?;
         let hash = |file: &Path| files::read(file).map(|bytes| files::sha256_hex(&bytes));
@@ -121,7 +119,6 @@ impl RenderPlan {
         Positions::around(&self.request.mesh, self.request.factor)
     }
 
-    /// How a viewpoint is called in file names.
     pub fn view_name(&self, viewpoint: usize) -> String {
         let v = &self.request.viewpoints[viewpoint];
         format!("az{}_p{}_d{}", v.azimuth_deg, v.pitch_deg, v.distance_mm)
@@ -228,7 +225,6 @@ impl RenderPlan {
         })
     }
 
-    /// The finished list.
     pub fn list(&self) -> FrameList {
         let r = &self.request;
         let mut list = FrameList {
@@ -266,9 +262,6 @@ impl RenderPlan {
     }
 
     /// The box of the whole mesh as scoring counts, from the corner of the top-left pixel.
-    ///
-    /// # Errors
-    /// The mesh is not whole in the image, so that its box would be that of a part.
     pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
         let [width, height] = self.request.size_px.map(f64::from);
         let whole = self

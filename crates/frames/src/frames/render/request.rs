@@ -17,7 +17,6 @@ use scaleproof_wrap::bake::TriangleImage;
 /// Roughness of the paint's coat where nothing else is said.
 pub const ROUGHNESS: f64 = 0.5;
 
-/// What to render.
 #[derive(Debug, Clone)]
 pub struct RenderRequest {
     pub mesh: Mesh,

@@ -21,7 +21,6 @@ use image::RgbImage;
 
 use crate::frames::{Coverage, Frame, FrameSet, FramesError};
 
-/// An image of the view in a flat colour.
 #[derive(Debug, Clone)]
 pub struct FlatImage {
     /// 8-bit sRGB of the paint's reflectance.
@@ -31,9 +30,6 @@ pub struct FlatImage {
 
 impl FlatImage {
     /// The image of a frame; `None` where its paint is not of one colour.
-    ///
-    /// # Errors
-    /// An image that cannot be read.
     pub fn read(set: &FrameSet, frame: &Frame) -> Result<Option<Self>, FramesError> {
         let read = |flat_rgb| set.rgb(frame).map(|image| Self { flat_rgb, image });
         frame.flat_rgb().map(read).transpose()

@@ -32,9 +32,6 @@ impl PerPixel {
     ///
     /// The tone curve is the exponent with which an affine model explains the images best; it takes three colours to tell, and with two the
     /// curve is sRGB's.
-    ///
-    /// # Errors
-    /// Too few or too many images, or images of different sizes.
     pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
         let needed = kind.least_colours();
         let found = (0..3).map(|c| distinct(flats, c)).min().unwrap_or(0);

@@ -129,7 +129,6 @@ fn mean_layer(arguments: &[Argument]) -> Option<Box<dyn Layer>> {
     Some(Box::new(Separate::new(channels, [rows, columns], weights)))
 }
 
-/// The image, the weights and the bias of a convolution.
 type Weighted = (Tensor<4>, Tensor<4>, Option<Tensor<1>>);
 
 fn weighted(mut inputs: Inputs) -> Result<Weighted> {

@@ -24,7 +24,6 @@ pub(in crate::photo) struct FrameComponent {
     pub id: u8,
     /// Samples across and down for each unit of the coarsest component, 1 to 4.
     pub sampling: [u32; 2],
-    /// Which quantization table.
     pub table: u8,
 }
 

@@ -82,7 +82,6 @@ impl HuffmanTable {
         Some(())
     }
 
-    /// What stands behind the next bits, which are loaded.
     #[inline(always)]
     fn entry(&self, bits: &mut Bits) -> Entry {
         bits.load();

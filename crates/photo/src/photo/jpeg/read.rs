@@ -8,7 +8,6 @@ use super::scan::{self, Part, Scan, ScanComponent};
 use super::segments::{START_OF_SCAN, Segment, Segments};
 use super::standard;
 
-/// All that a JPEG's data says.
 #[derive(Debug)]
 pub(in crate::photo) struct Coefficients {
     /// Width, height as stored.

@@ -88,9 +88,6 @@ pub struct Board {
 }
 
 /// The definition of a board that can be printed.
-///
-/// # Errors
-/// Numbers that make no board, too few markers in the dictionary, modules too small to print.
 pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
     let (columns, rows) = request.squares;
     let (squares, square_mm) = ([columns, rows], request.square_mm);
@@ -181,9 +178,6 @@ fn printable(module_mm: f64) -> Result<(), BoardError> {
 }
 
 /// Draws a board in the middle of one sheet.
-///
-/// # Errors
-/// A roll, numbers that make no board, too few markers in the dictionary, a board larger than the paper.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     let media = request.media;
     media.check_is_cut()?;

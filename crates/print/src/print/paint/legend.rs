@@ -53,7 +53,6 @@ type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 /// The contents of the table of paints.
 pub struct Legend<'a> {
     pub painted: &'a Painted,
-    /// Of each paint.
     pub areas: &'a [PaintArea],
     /// What all paints together make up.
     pub whole: &'a str,
@@ -134,7 +133,6 @@ impl Table<'_> {
         }
     }
 
-    /// An area, and the mean and the largest colour difference.
     fn numbers(&mut self, area: &PaintArea, (mean, largest): (f64, f64)) {
         let cm2 = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| format!("{:.2}", mm2 / CM2));
         let off = [mean, largest].map(|off| format!("{off:.1}"));

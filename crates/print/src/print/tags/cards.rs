@@ -20,7 +20,6 @@ const UP_MM: f64 = 4.0;
 const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
-/// The card of each tag.
 pub fn plain<'a>(tags: &[&'a Tag]) -> Result<Vec<CutPiece<'a>>, TagPrintError> {
     let piece = |tag: &&'a Tag| {
         let (tag, image) = (*tag, image_of(tag)?);

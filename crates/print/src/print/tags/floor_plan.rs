@@ -64,7 +64,6 @@ pub struct FloorPlace {
 }
 
 impl FloorPlace {
-    /// The place of a tag's card.
     pub fn from_tag(tag: &Tag) -> Self {
         let normal = tag.right.cross(&tag.up);
         let azimuth = |v: &Vector3<f64>| v.y.atan2(v.x).to_degrees().rem_euclid(360.0);
@@ -86,9 +85,6 @@ impl FloorPlace {
 }
 
 /// The pages: the drawing and the table, which runs on over as many as it needs.
-///
-/// # Errors
-/// Paper too small for the rulers.
 pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     if tags.is_empty() {
         return Ok(Vec::new());

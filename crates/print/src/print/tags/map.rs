@@ -40,9 +40,6 @@ pub struct TagMap<'a> {
 
 impl TagMap<'_> {
     /// Draws the map page.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers.
     pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
         let mut page = self.media.both_ways()?.swap_remove(0);
         if !page.setup.turned {
@@ -203,7 +200,6 @@ impl TagMap<'_> {
     }
 }
 
-/// A page with cards, drawn small.
 fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
     let paper = page.page.page;
     let scale = (cell.width_mm() / paper.width_mm).min(cell.height_mm() / paper.height_mm);

@@ -111,7 +111,6 @@ impl fmt::Display for TagNote {
     }
 }
 
-/// A request for the tags of a scene on paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagRequest {
     pub media: Media,
@@ -140,16 +139,12 @@ pub struct TagSheets {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CutOut {
     pub name: String,
-    /// Index of its sheet.
     pub sheet: usize,
     /// Where it lies in true millimetres (page frame).
     pub area: RectMm,
 }
 
 /// Draws the tags of a scene.
-///
-/// # Errors
-/// A scene without tags, tags too small to print, cards too large for the paper.
 pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagPrintError> {
     if scene.tags.is_empty() {
         return Err(TagPrintError::NoTags);
@@ -222,7 +217,6 @@ fn pieces<'a>(
     Ok(pieces)
 }
 
-/// The ground mat, if the scene needs one.
 fn ground(scene: &Scene, arrangement: &Arrangement, request: &TagRequest) -> Result<Option<Ground>, TagPrintError> {
     if arrangement.flat.is_empty() && arrangement.tents.is_empty() {
         return Ok(None);
@@ -287,7 +281,6 @@ fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
     }
 }
 
-/// The image of a tag, checked to be printable.
 fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
     let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
         family: family_name(tag.family),

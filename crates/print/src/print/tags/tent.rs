@@ -171,14 +171,12 @@ pub struct Fold {
     pub turn_deg: f64,
 }
 
-/// A tag on the flat card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatTag {
     /// [`FACE_A`] or [`FACE_B`].
     pub panel: usize,
     pub tag: Tag,
     pub centre_mm: Point2<f64>,
-    /// Unit vector to the upright tag's right.
     pub right: Vector2<f64>,
 }
 

@@ -84,7 +84,6 @@ impl WrapRequest {
         Ok((template, layout, [low[0] - room_mm, high[1] + room_mm]))
     }
 
-    /// A panel of this size as a template.
     pub fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
             Side::Left => Front::Left,
@@ -110,7 +109,6 @@ impl WrapRequest {
     }
 }
 
-/// A panel and the sheets it is spread over.
 #[derive(Debug, Clone)]
 pub struct SpreadPanel {
     pub panel: Panel,
@@ -207,9 +205,6 @@ impl Wrap {
 }
 
 /// Refuses a mesh that is not as large as the scene says.
-///
-/// # Errors
-/// A side of the mesh's box that differs by more than 3 %.
 pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
     let mesh_mm = mesh.size_mm();
     let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;

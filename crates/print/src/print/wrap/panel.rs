@@ -10,7 +10,6 @@ use scaleproof_core::geometry;
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// The sides that are printed.
 pub const PRINTED: [Side; 5] = [Side::Left, Side::Right, Side::Roof, Side::Front, Side::Rear];
 
 /// Edges bent by more than this are drawn.
@@ -59,7 +58,6 @@ pub struct Face {
     pub stretch: f64,
 }
 
-/// The painted surface of a model.
 #[derive(Debug, Clone)]
 pub struct PaintedSurface {
     pub faces: Vec<Face>,
@@ -152,7 +150,6 @@ impl PaintedSurface {
     }
 }
 
-/// The place of a mesh corner that the face has.
 pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
     let place = face.triangle.corners.iter().position(|c| *c == corner);
     face.corners[place.unwrap_or_default()]

@@ -62,7 +62,6 @@ pub struct Averages {
 type Found = Vec<Vec<Detection>>;
 
 impl LabelledPhotos {
-    /// Boxes that count, and how many labels they have.
     pub fn counts(&self) -> [usize; 2] {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
         let labels = objects.filter(|object| !object.is_crowd).map(|object| object.label);
@@ -86,9 +85,6 @@ impl LabelledPhotos {
     }
 
     /// What a detector finds in all photos.
-    ///
-    /// # Errors
-    /// A photo that cannot be read, or a detector that fails.
     pub fn look(
         &self,
         manifest: &Manifest,
@@ -120,7 +116,6 @@ impl LabelledPhotos {
         (!of_label.is_empty()).then_some(Averages { ap_50_95, ap_50 })
     }
 
-    /// The boxes of a label in each photo.
     fn images(&self, found: &Found, label: usize, shift: i64) -> Vec<ImageBoxes> {
         let boxes = |(photo, found): (&LabelledPhoto, &Vec<Detection>)| {
             let own = |is_crowd: bool| {

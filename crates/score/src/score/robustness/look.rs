@@ -108,7 +108,6 @@ impl View {
         }
     }
 
-    /// Of the reduced photo.
     fn image(&self, file: &str, reduced: &RgbImage) -> Result<RgbImage, ScoreError> {
         let Some((kind, severity)) = self.condition else {
             return Ok(reduced.clone());

@@ -146,9 +146,6 @@ impl SealedPlan {
     }
 
     /// Writes a new file, and returns its seal.
-    ///
-    /// # Errors
-    /// The file is there.
     pub fn write(self, path: &Path) -> Result<String, SealError> {
         if path.exists() {
             return Err(SealError::Exists(path.display().to_string()));

@@ -81,7 +81,6 @@ pub struct PieceStencil {
     pub bridges: Area,
 }
 
-/// The painted pieces of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct PaintedPieces {
     pub pieces: Vec<Piece>,
@@ -91,7 +90,6 @@ pub struct PaintedPieces {
     pub painted: Painted,
     /// Of each paint, on paper. The first has no stencil.
     pub areas: Vec<PaintArea>,
-    /// Of each piece.
     pub regions: Vec<PaintedPiece>,
     pub materials: Vec<Material>,
     /// Those with an opening, paint by paint.
@@ -108,7 +106,6 @@ pub struct PaintedPieces {
 }
 
 impl PaintedPieces {
-    /// How many sheets carry pieces, once.
     pub fn sheets(&self) -> usize {
         pages::sheets(&self.places)
     }
@@ -151,9 +148,6 @@ impl PaintedPieces {
 
 /// Cuts the paint of some materials of a mesh into pieces that fit on the paper with the rims of their stencils, as
 /// [`super::flattened`] does.
-///
-/// # Errors
-/// What cannot be a stencil's least width, bounds that no pieces keep, and whatever refuses the paper.
 pub fn flattened(
     surface: (&Mesh, &[usize]),
     tile: &Tile,
@@ -169,9 +163,6 @@ pub fn flattened(
 }
 
 /// Draws the stencils of flattened pieces, and the pieces to paint by number.
-///
-/// # Errors
-/// Too many cells or pages, a shape without stencil, paper that does not hold the largest piece.
 pub fn painted_pieces(
     mesh: &Mesh,
     flat: &Unwrapped,
