@@ -274,7 +274,6 @@ fn write_shard(
     Ok(shard.write(&args.output)?)
 }
 
-/// Says on standard error which photos were left out.
 pub(super) fn say_not_scored(scores: &Scores) {
     score::not_scored(scores)
         .iter()

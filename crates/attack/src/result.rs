@@ -12,7 +12,6 @@ use scaleproof_frames::frames::encode_rgb;
 use scaleproof_surface::pattern::card::Card;
 
 pub const PATTERN: &str = "pattern.png";
-/// The name of the attack's settings there.
 pub const CONFIG: &str = "config.json";
 
 /// Writes a pattern, its card, its history, and the settings of the attack where it made it. Returns where the pattern is.

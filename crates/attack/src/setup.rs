@@ -10,7 +10,6 @@ use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 
-/// What a pattern is made on and against.
 pub struct Setup {
     pub frames: Vec<FrameSet>,
     pub frames_sha256: String,
@@ -20,7 +19,6 @@ pub struct Setup {
     pub detectors: Vec<Box<dyn WhiteBox>>,
     /// Names, with the beginning of the weights' hashes.
     pub detector_names: Vec<String>,
-    /// The labels that count as the model.
     pub classes: Classes,
 }
 

@@ -330,7 +330,6 @@ impl Manifest {
         !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain)
     }
 
-    /// What TOML alone cannot say.
     fn check(&self) -> Result<(), String> {
         if !Manifest::is_name(&self.name) {
             return Err(format!(

@@ -190,7 +190,6 @@ fn within_photo(candidates: Vec<CandidateBox>, placement: &InputPlacement) -> Ve
     candidates.into_iter().filter_map(cut).collect()
 }
 
-/// A network, loaded for one inference thread.
 pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, DetectError> {
     let load = || {
         Session::builder(&runtime.environment)?

@@ -159,7 +159,6 @@ fn font() -> Option<FontRef<'static>> {
     FontRef::try_from_slice(scaleproof_core::FONT).ok()
 }
 
-/// Only what the font has.
 fn shown(c: char) -> char {
     match c {
         ' '..='~' | '\u{a1}'..='\u{ff}' | '…' => c,

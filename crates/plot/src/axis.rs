@@ -2,7 +2,6 @@
 
 use scaleproof_core::geometry::extent;
 
-/// How values are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     Linear,

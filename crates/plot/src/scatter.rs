@@ -66,7 +66,6 @@ impl Cloud {
     }
 }
 
-/// The chart as an SVG file.
 pub fn scatter(cloud: &Cloud) -> String {
     let groups = cloud.groups.len().max(1) as f64;
     let of_note = 32.0 + LETTER * cloud.note.chars().count() as f64;

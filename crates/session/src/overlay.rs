@@ -63,7 +63,6 @@ struct Overlay {
     /// How much smaller the copy is in both directions.
     scale: [f64; 2],
     width_px: f64,
-    /// Height of letters.
     size_px: f64,
 }
 

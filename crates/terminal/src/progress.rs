@@ -169,7 +169,6 @@ fn shown(bar: ProgressBar, what: &str, unit: Unit, template: &str) -> Progress {
     Progress::start(Work { what, unit }, bar, every, Arc::new(|line: &str| say!("{line}")))
 }
 
-/// What is counted.
 #[derive(Debug, Clone, Copy)]
 enum Unit {
     Counted(&'static str),
@@ -177,7 +176,6 @@ enum Unit {
     None,
 }
 
-/// What a line says beside the numbers.
 #[derive(Debug, Clone)]
 struct Work {
     what: String,

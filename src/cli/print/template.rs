@@ -133,7 +133,6 @@ pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, outpu
     Ok(write(&|| template(pattern, request), request, &output)?.0)
 }
 
-/// Gives the files as well.
 fn write(
     draw: &dyn Fn() -> Result<Template, TemplateError>,
     request: &TemplateRequest,

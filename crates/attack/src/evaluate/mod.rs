@@ -219,7 +219,6 @@ fn folder_of(variant: &str) -> PathBuf {
     Path::new("photos").join(variant)
 }
 
-/// Names become folders.
 fn is_plain(name: &str) -> bool {
     let is_safe = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     !name.is_empty() && !name.starts_with('.') && name.chars().all(is_safe)

@@ -118,7 +118,6 @@ impl Eot {
     }
 }
 
-/// One draw of everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Augmentation {
     /// φ_rd, the random shift of the texture, and for Repeated Texture Projection its size.
@@ -129,7 +128,6 @@ pub struct Augmentation {
     pub offset_px: [f64; 2],
     noise: f64,
     noise_seed: u64,
-    /// Factors of the channels.
     white_balance: Rgb,
     blur_px: f64,
     jpeg_quality: u8,

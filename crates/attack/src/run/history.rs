@@ -115,12 +115,10 @@ impl History {
         clauses.collect()
     }
 
-    /// Images looked at in all.
     pub fn queries(&self) -> u64 {
         self.entries.last().map_or(0, |e| e.queries)
     }
 
-    /// Seconds that it took in all.
     pub fn wall_s(&self) -> f64 {
         self.entries.last().map_or(0.0, |e| e.wall_s)
     }

@@ -55,7 +55,6 @@ use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::pattern::{Pattern, PatternError};
 
-/// A value of each channel.
 pub type Rgb = [f64; 3];
 
 const JUDGED_TIMES: u32 = 12;
@@ -126,7 +125,6 @@ pub struct Near {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellColours {
-    /// Any.
     Free,
     /// The nearest of these, 8-bit sRGB.
     Palette(Vec<[u8; 3]>),

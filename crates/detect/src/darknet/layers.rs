@@ -12,7 +12,6 @@ struct Layer {
     shape: [usize; 3],
 }
 
-/// A network on its way to ONNX.
 pub(super) struct Converter {
     graph: GraphWriter,
     input: [usize; 3],

@@ -39,7 +39,6 @@ pub(super) fn anchors(
     })
 }
 
-/// The outputs of one stride.
 struct Grid {
     scores: usize,
     offsets: usize,

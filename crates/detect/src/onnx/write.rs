@@ -27,7 +27,6 @@ impl GraphWriter {
         format!("v{}", self.names)
     }
 
-    /// The name of some constant fractions.
     pub(crate) fn floats(&mut self, shape: &[usize], values: &[f32]) -> String {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.constant(FLOAT, shape, &raw)

@@ -52,7 +52,6 @@ pub enum OutsideError {
 /// Files of another program, and the photos they are about.
 #[derive(Debug, Clone, Copy)]
 pub struct ResultsRequest<'a> {
-    /// What the detector is called.
     pub name: &'a str,
     /// A COCO results list, or a folder of YOLO's text files.
     pub path: &'a Path,

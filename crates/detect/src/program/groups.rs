@@ -42,7 +42,6 @@ impl Group {
         Ok((process, group))
     }
 
-    /// Ends all of it.
     pub(super) fn kill(&self) {
         // An id that is not listed any more may be another's.
         if lock(&RUNNING).remove(&self.0) {

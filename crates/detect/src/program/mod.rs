@@ -114,7 +114,6 @@ pub struct ProgramDetector {
     hello: Hello,
     card: ForeignCard,
     limit: Duration,
-    /// The number of the last request.
     asked: AtomicU64,
     pool: Mutex<Pool>,
     freed: Condvar,
@@ -156,7 +155,6 @@ impl ProgramDetector {
         &self.card
     }
 
-    /// Whether the same photo always gets the same answer.
     pub fn is_deterministic(&self) -> bool {
         self.hello.deterministic
     }

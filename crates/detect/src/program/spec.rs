@@ -86,7 +86,6 @@ impl ProgramSpec {
         })
     }
 
-    /// The command as a person would type it.
     pub fn in_words(&self) -> String {
         self.command.join(" ")
     }
@@ -114,7 +113,6 @@ impl ProgramSpec {
     }
 }
 
-/// What runs a script, by its ending.
 pub(crate) fn interpreter(file: &str) -> Option<&'static str> {
     match Path::new(file).extension()?.to_str()? {
         "py" => Some("python3"),

@@ -111,7 +111,6 @@ impl Family {
         Family::deserialize(name.into_deserializer()).map_err(|_: NoVariant| NoSuchFamily(name.to_owned()))
     }
 
-    /// What people call it.
     pub fn title(self) -> &'static str {
         self.entry().map_or("", |entry| &entry.title)
     }

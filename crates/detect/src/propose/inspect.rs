@@ -15,7 +15,6 @@ use crate::onnx::{Affine, OnnxFile};
 use crate::runtime::{self, NoAnswer, first_line};
 use crate::{DetectError, Runtime};
 
-/// A network, asked.
 pub(super) struct Inspected {
     pub takes: Required,
     /// Width, height of the two images.

@@ -13,7 +13,6 @@ use scaleproof_surface::mesh::{Mesh, doubled_area};
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
 
-/// Points along each side of a pixel.
 const FACTOR: u32 = 3;
 /// The share of the light that comes from everywhere.
 const AMBIENT: f64 = 0.4;
@@ -30,7 +29,6 @@ const TURNS: u32 = 24;
 /// Halvings of the interval in which the distance is looked for.
 const STEPS: usize = 8;
 
-/// Why nothing is drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum ShadedError {
     #[error("the sides of a view are 16 to 4096 px, not {width} × {height}")]
@@ -39,7 +37,6 @@ pub enum ShadedError {
     BadPitch { pitch_deg: f64 },
 }
 
-/// What is drawn.
 pub struct ShadedModel<'a> {
     pub mesh: &'a Mesh,
     pub textures: Vec<&'a Texture>,

@@ -6,10 +6,8 @@
 
 use super::problem::DecodeProblem;
 
-/// The bounds of one use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// Of the file.
     pub bytes: u64,
     pub megapixels: u64,
     /// Megapixels times scans, of a JPEG. A scan whose data is not there takes up to 3.5 ms a megapixel: decoders

@@ -46,10 +46,8 @@ pub(super) fn turned_deg(orientation: Orientation) -> u32 {
     }
 }
 
-/// What stands at the beginning of an image file.
 #[derive(Debug)]
 pub(super) struct Header {
-    /// Width, height as stored.
     size: [u32; 2],
     pub cost: DecodeCost,
     pub orientation: Orientation,

@@ -159,7 +159,6 @@ impl Definition {
         }
     }
 
-    /// What people call it.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Charuco { .. } => "ChArUco",

@@ -14,7 +14,6 @@ use crate::camera::{Camera, SizeError};
 use crate::scene::{Scene, TagFamily};
 use crate::tags::SeenTag;
 
-/// What seems wrong with all photos of a set.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Diagnosis {
     /// The tags are larger or smaller than the scene says.

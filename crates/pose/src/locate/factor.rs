@@ -17,7 +17,6 @@ pub(super) enum FactorKind<'a> {
     TagSize,
     /// The `size_mm` of some tags, about their centres.
     PartSize(&'a TagSet),
-    /// fx and fy.
     Focal,
 }
 

@@ -9,7 +9,6 @@ use crate::camera::Camera;
 use crate::scene::corners_in_tag_mm;
 use scaleproof_core::geometry::Rigid;
 
-/// How a pose is found from matched tags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), as they come.

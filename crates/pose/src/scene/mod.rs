@@ -97,7 +97,6 @@ pub struct MeshFacts {
 
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Paint {
-    /// All of it.
     #[default]
     All,
     Materials(Vec<String>),

@@ -155,7 +155,6 @@ fn sums_by_avx2(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
 
 struct EdgeEquations<'a> {
     parameters: Parameters,
-    /// JᵀJ.
     information: SMatrix<f64, 5, 5>,
     /// Jᵀr of the misfit r = light − model.
     gradient: Parameters,

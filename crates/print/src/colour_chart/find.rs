@@ -20,7 +20,6 @@ pub struct FoundChart {
     pub layout: ChartLayout,
     /// Homography from the chart frame (mm) to pixels.
     to_px: Matrix3<f64>,
-    /// Its inverse.
     to_mm: Matrix3<f64>,
     /// Root mean square distance of the tag corners from where a flat sheet has them.
     pub off_mm: f64,

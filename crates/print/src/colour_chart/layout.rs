@@ -31,7 +31,6 @@ impl ChartKind {
     /// All, the largest first.
     pub const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
 
-    /// Its name, levels, first tag, and columns and rows.
     fn row(self) -> (&'static str, &'static [u8], u32, (usize, usize)) {
         match self {
             Self::Rgb6 => ("rgb6", &[0, 51, 102, 153, 204, 255], 582, (16, 18)),
@@ -56,7 +55,6 @@ impl ChartKind {
         [0, 1, 2, 3, 4].map(|i| self.row().2 + i)
     }
 
-    /// Columns and rows of cells.
     pub fn grid(self) -> (usize, usize) {
         self.row().3
     }
@@ -100,7 +98,6 @@ impl ChartTag {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartLayout {
     pub kind: ChartKind,
-    /// Width and height.
     pub size_mm: (f64, f64),
     pub tags: Vec<ChartTag>,
     /// Cells of bare paper, spread evenly.

@@ -36,7 +36,6 @@ const MOST_DISAGREEMENT: f64 = 3.0;
 /// A printer with coloured inks makes more than this share of the colours of sRGB; noise on grey makes less.
 const LEAST_GAMUT: f64 = 0.01;
 
-/// What one photo says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartReading {
     pub kind: ChartKind,

@@ -2,7 +2,6 @@
 
 use crate::print::sheet::{PointMm, RectMm};
 
-/// Free paper between two things, for scissors.
 const GAP_MM: f64 = 4.0;
 
 /// The place of a packed thing.
@@ -50,7 +49,6 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     Ok(spots.into_iter().flatten().collect())
 }
 
-/// Things side by side under one line.
 struct PackedRow {
     page: usize,
     /// Where the next thing begins.

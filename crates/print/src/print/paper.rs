@@ -130,9 +130,7 @@ pub enum Orientation {
     /// Whichever needs fewer sheets; portrait if both need the same.
     #[default]
     Auto,
-    /// The short side across.
     Portrait,
-    /// The long side across.
     Landscape,
 }
 

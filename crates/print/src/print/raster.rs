@@ -106,7 +106,6 @@ impl PixelGrid {
     }
 }
 
-/// Why nothing is drawn as pixels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RasterError {
     #[error("a resolution of {} dpi cannot be printed; use 36 to 2400 dpi, as in 300", shown(*dpi))]
@@ -333,7 +332,6 @@ fn spread(count: usize) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Colours of a pixel, each with its weight.
 #[derive(Default)]
 struct Found {
     first: Option<[u8; 3]>,

@@ -7,11 +7,9 @@ use scaleproof_pose::tags::{Modules, TagImage};
 /// A closed convex outline, counter-clockwise.
 pub type OutlineMm = Vec<PointMm>;
 
-/// Where a square of modules lies on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TagPlacement {
     pub centre: PointMm,
-    /// Unit vector along the square's rows, to its right.
     pub right: [f64; 2],
     pub module_mm: f64,
 }

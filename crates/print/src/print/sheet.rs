@@ -13,7 +13,6 @@ pub type Srgb8 = [u8; 3];
 pub const BLACK: Srgb8 = [0, 0, 0];
 pub const WHITE: Srgb8 = [255, 255, 255];
 
-/// A place on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointMm {
     pub x_mm: f64,
@@ -118,7 +117,6 @@ impl RectMm {
         self.top_mm - self.bottom_mm
     }
 
-    /// The corners, counter-clockwise.
     pub fn outline(&self) -> Vec<PointMm> {
         let [l, b, r, t] = self.edges();
         [(l, b), (r, b), (r, t), (l, t)].map(PointMm::from).to_vec()
@@ -289,7 +287,6 @@ impl Mark {
     }
 }
 
-/// One page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
     pub width_mm: f64,

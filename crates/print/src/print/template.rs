@@ -95,9 +95,7 @@ pub enum Front {
     Left,
     /// As on the model's right side.
     Right,
-    /// As on roof and hood.
     Up,
-    /// To the bottom of the sheets.
     Down,
     /// On the front and the rear, which have none.
     None,

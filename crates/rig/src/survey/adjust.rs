@@ -131,7 +131,6 @@ pub(super) fn unknowns(net: &TagNetwork, poses: &Poses) -> usize {
     6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
 }
 
-/// Places of the free poses in the system.
 struct Slots {
     tags: Vec<Option<usize>>,
     photos: Vec<Option<usize>>,

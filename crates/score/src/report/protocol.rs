@@ -17,7 +17,6 @@ pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportErro
     ])
 }
 
-/// What they are called.
 pub(super) const NAMES: [&str; 2] = ["protocol.csv", "protocol.tex"];
 
 fn csv(table: &ProtocolTable) -> Result<String, ReportError> {

@@ -104,7 +104,6 @@ pub(super) fn rounds(decision: &Decision, unit: &str) -> String {
     }
 }
 
-/// What explains the table and the charts.
 pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
     let sessions = spelling::choose(scores.sessions.len(), "session lists", "sessions list");
     format!(

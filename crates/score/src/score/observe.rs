@@ -32,7 +32,6 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// One thread a core, nothing kept.
     fn default() -> Options {
         Options {
             threads: workers::thread_count(),
@@ -173,7 +172,6 @@ const SAME_BOX_IOU: f64 = 0.95;
 /// The least size that a perceptual hash is made from, px.
 const HASHED_FROM_PX: [u32; 2] = [64, 64];
 
-/// What each thread owns.
 pub(super) struct Observer<'a> {
     families: &'a [TagFamily],
     detectors: &'a [EvaluatedDetector],
@@ -215,7 +213,6 @@ impl PhotoPart<'_> {
 /// Why a photo could not be observed.
 #[derive(Debug, thiserror::Error)]
 enum Stop {
-    /// It is left out.
     #[error(transparent)]
     Photo(#[from] NotScoredReason),
     /// The run ends.

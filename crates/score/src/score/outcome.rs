@@ -36,7 +36,6 @@ pub struct PhotoOutcome {
 #[derive(Debug, Clone, Copy)]
 pub struct Thresholds {
     pub confidence: f64,
-    /// Overlap with the truth box.
     pub iou: f64,
 }
 

@@ -129,7 +129,6 @@ impl EnvelopeShape {
         visible::box_of(&pieces, camera)
     }
 
-    /// True inside the model's box.
     fn holds(&self, p: &Point3<f64>) -> bool {
         let [length, width, height] = self.size_mm;
         p.x.abs() < length / 2.0 && p.y.abs() < width / 2.0 && (0.0..height).contains(&p.z)

@@ -46,7 +46,6 @@ fn given(variant: &str, folder: &Path) -> String {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhotoFolder {
-    /// The texture on the model.
     pub variant: String,
     /// Where they were taken, where it is another place than that of the other folders.
     pub place: Option<String>,

@@ -13,7 +13,6 @@ use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 /// The tag detectors of one thread.
 pub(super) type Opened = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
 
-/// What one photo says.
 pub(super) struct Measured {
     /// By the ways, in their order.
     pub answers: Vec<Answer>,

@@ -116,7 +116,6 @@ pub struct LocateRow {
 }
 
 impl LocateRow {
-    /// Milliseconds a photo takes.
     pub fn ms(&self) -> f64 {
         self.find_ms + self.solve_ms
     }

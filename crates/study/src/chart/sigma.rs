@@ -52,7 +52,6 @@ pub struct SigmaView {
     pub truth_sigma: Sigma,
 }
 
-/// What the answers to some views were.
 #[derive(Debug, Clone, Default)]
 pub struct SigmaErrors {
     pub views: usize,

@@ -48,7 +48,6 @@ struct Conditions {
     /// One tag is seen alone, under this angle to its normal.
     tilt_deg: Option<f64>,
     fault: Option<SimulatedFault>,
-    /// As it truly is.
     camera: Camera,
 }
 
@@ -172,7 +171,6 @@ pub struct SweepStep {
     pub silently_wrong: f64,
 }
 
-/// Answers gathered for one step.
 #[derive(Default)]
 struct Tally {
     views: usize,

@@ -180,7 +180,6 @@ impl Cloud {
         cells
     }
 
-    /// What is seen from the side.
     fn outline(&self, [length, height]: [usize; 2]) -> Outline {
         let mut columns = vec![(f64::INFINITY, f64::NEG_INFINITY); COLUMNS];
         let [long, high] = [length, height].map(|axis| self.sides[axis].max(f64::MIN_POSITIVE));

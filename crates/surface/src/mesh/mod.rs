@@ -90,7 +90,6 @@ pub enum MeshError {
     NoLength,
 }
 
-/// Triangles in space, each with a material.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     points: Vec<Point3<f64>>,
@@ -328,7 +327,6 @@ fn rounded(mm: f64) -> f64 {
     (mm * 1000.0).round() / 1000.0
 }
 
-/// Why a reader of one format gave up.
 enum Trouble {
     Damaged(String),
     TooManyTriangles,

@@ -11,7 +11,6 @@ use scaleproof_core::geometry::length::is_size;
 /// Nothing is so short in any unit; scaling it up would leave the range of numbers.
 const LEAST_LENGTH: f64 = 1e-9;
 
-/// Whether the file's name says glTF.
 pub fn is_gltf(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
 }

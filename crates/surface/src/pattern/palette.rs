@@ -59,7 +59,6 @@ impl Paint {
     }
 }
 
-/// The paints that someone has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Palette {
     paints: Vec<Paint>,

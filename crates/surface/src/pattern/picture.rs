@@ -17,7 +17,6 @@ const MAX_PIXELS: u32 = 16_384;
 /// Of a file that NumPy saved.
 const MOST_ARRAY_BYTES: u64 = 1 << 30;
 
-/// Why an image cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("the image {path} cannot be used ({reason})", path = path.display())]
 pub struct PictureError {

@@ -201,16 +201,13 @@ impl Map {
 /// The place of what is drawn with nothing.
 const NOWHERE: (Skin, TextureCoordinates) = (Skin::None, [[0.0; 2]; 3]);
 
-/// What a material is drawn with.
 #[derive(Debug, Clone, Copy)]
 enum Skin {
     None,
     Plain([u8; 3]),
-    /// The index of a map.
     Image(usize),
 }
 
-/// The images of a mesh, each decoded once.
 #[derive(Default)]
 struct Collected {
     maps: Vec<Map>,

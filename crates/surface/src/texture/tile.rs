@@ -6,7 +6,6 @@ use crate::mesh::Mesh;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 use crate::pattern::{Pattern, PatternError};
 
-/// A pattern and its size on the model.
 #[derive(Debug, Clone)]
 pub struct Tile {
     pub pattern: Pattern,
@@ -21,7 +20,6 @@ impl Tile {
         Self { pattern, cell_mm }
     }
 
-    /// The width of a repeat.
     pub fn tile_mm(&self) -> f64 {
         self.cell_mm * f64::from(self.pattern.columns())
     }

@@ -30,7 +30,6 @@ pub struct TexturedFace {
     pub skin: usize,
 }
 
-/// What a material looks like.
 pub struct Skin {
     /// Unique, without blanks.
     pub name: String,

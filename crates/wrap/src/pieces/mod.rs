@@ -57,7 +57,6 @@ pub enum PiecesError {
     TooLarge { piece: usize },
 }
 
-/// What to print.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecesRequest {
     /// The size that pieces must fit is that of the paper.
@@ -69,7 +68,6 @@ pub struct PiecesRequest {
 }
 
 impl PiecesRequest {
-    /// What the document is called.
     pub fn title(&self) -> String {
         format!("Pieces of {}", self.sheets.name)
     }
@@ -88,7 +86,6 @@ impl PiecesRequest {
         Ok(unwrap(mesh, materials, &request, progress)?)
     }
 
-    /// What the captions are made of.
     fn template(&self) -> TemplateRequest {
         self.sheets.template(Side::Front, (1.0, 1.0))
     }
@@ -102,7 +99,6 @@ pub struct PrintedPieces {
     /// Each piece with its tabs, in its plane: what is cut out.
     pub cut: Vec<Region>,
     pub frame: PageFrame,
-    /// What was drawn.
     pub flat: Unwrapped,
     /// Length of the seams that have no letter on one of their sides.
     pub unlettered_mm: f64,

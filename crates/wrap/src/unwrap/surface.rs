@@ -28,12 +28,10 @@ pub(super) struct Face {
     pub corners: [usize; 3],
 }
 
-/// The paint.
 #[derive(Debug)]
 pub(super) struct Surface {
     pub points: Vec<Point3<f64>>,
     pub faces: Vec<Face>,
-    /// Triangles of the mesh without area.
     lines: Vec<usize>,
 }
 

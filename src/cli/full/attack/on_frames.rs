@@ -99,7 +99,6 @@ impl Deref for OnFrames {
 }
 
 impl Looking {
-    /// Width of one repeat on the model.
     pub(super) fn tile_mm(&self) -> f64 {
         self.tile_mm.unwrap_or(TILE_MM)
     }

@@ -247,13 +247,11 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
     }
 }
 
-/// A colour as six hexadecimal digits.
 pub(super) fn hex(text: &str) -> Result<[u8; 3]> {
     light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
 }
 
-/// Several colours.
 pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>> {
     texts.iter().map(|text| hex(text)).collect()
 }

@@ -54,7 +54,6 @@ pub struct FcaFrames {
     pub lowest_vehicle_m: f64,
 }
 
-/// A file of the folder, read.
 struct Shot {
     name: String,
     image: RgbImage,

@@ -115,7 +115,6 @@ impl Canvas<'_> {
 
 type PaintPlace = (Side, Point3<f64>, Option<Vec<[f64; 3]>>);
 
-/// The images while they are added up.
 struct Sums {
     size_px: [usize; 2],
     pixels: Vec<Pixel>,

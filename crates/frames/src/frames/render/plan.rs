@@ -22,7 +22,6 @@ pub(super) const LINEAR_MAX: f64 = 4.0;
 /// How often light may be reflected on its way.
 const BOUNCES: u32 = 4;
 
-/// A checked request, with everything derived from it.
 #[derive(Debug, Clone)]
 pub struct RenderPlan {
     request: RenderRequest,
@@ -43,7 +42,6 @@ pub struct PlannedFrame {
     pub colour: usize,
 }
 
-/// What a folder still lacks.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Missing {
     pub frames: Vec<PlannedFrame>,
@@ -106,7 +104,6 @@ impl RenderPlan {
         (0..self.request.lights.len()).flat_map(move |light| (0..viewpoints).map(move |viewpoint| (light, viewpoint)))
     }
 
-    /// All of it, as if nothing were there yet.
     pub fn everything(&self) -> Missing {
         Missing {
             frames: self.frames(),

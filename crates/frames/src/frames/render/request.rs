@@ -46,7 +46,6 @@ pub struct RenderRequest {
     pub made_by: String,
 }
 
-/// What is on the model.
 #[derive(Debug, Clone)]
 pub enum RenderPaint {
     /// 8-bit sRGB of the diffuse reflectance.

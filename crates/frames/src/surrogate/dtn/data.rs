@@ -22,7 +22,6 @@ const VALIDATION_COLOURS: usize = 8;
 /// The pixels that the paint covers by half or more, row by row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PaintPixels {
-    /// Column, row.
     pub at: Vec<[u32; 2]>,
     low: [u32; 2],
     /// Width and height of the box around them.
@@ -59,7 +58,6 @@ pub(super) struct PaintWindow {
 pub(super) struct CropPlacement {
     x: usize,
     y: usize,
-    /// Left and right exchanged.
     mirrored: bool,
 }
 

@@ -84,7 +84,6 @@ struct Conv {
 }
 
 impl Conv {
-    /// Weights of one of its outputs.
     fn count(&self) -> usize {
         self.ins * self.kernel * self.kernel
     }

@@ -87,7 +87,6 @@ pub struct Trainer {
     device: Device,
 }
 
-/// One view of a batch.
 struct Sample<'a> {
     view: &'a TrainingView,
     placement: CropPlacement,

@@ -18,7 +18,6 @@ pub struct Misplacement {
 }
 
 impl Misplacement {
-    /// Where it should.
     pub const NONE: Self = Self {
         size: 1.0,
         turn_deg: 0.0,

@@ -36,7 +36,6 @@ impl FlatImage {
     }
 }
 
-/// Predicts the image of one view.
 pub trait Renderer {
     /// `paint`: linear reflectance of the paint in each pixel, row by row. The result is sRGB, 0 to 1.
     fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;

@@ -18,7 +18,6 @@ const CLIPPED: u8 = 255;
 /// Which images a fit uses, as bits.
 type Used = u32;
 
-/// A fitted model of one view.
 #[derive(Debug, Clone)]
 pub struct PerPixel {
     /// `None` for a polynomial in sRGB.

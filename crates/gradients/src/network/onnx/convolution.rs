@@ -208,7 +208,6 @@ fn pool(window: Window, ceil_mode: bool, counts_border: Option<bool>) -> Operato
     })
 }
 
-/// One number a channel.
 fn global(of_all: fn(Tensor<4>) -> Tensor<4>) -> Operator {
     Operator::new(move |mut inputs| Floats::from_rank(of_all(inputs.floats(0)?.of_rank::<4>()?)))
 }

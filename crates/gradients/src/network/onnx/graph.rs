@@ -103,7 +103,6 @@ impl Graph {
 }
 
 impl GraphStep {
-    /// The outputs for some inputs, with their slots.
     pub(super) fn run(
         &self,
         values: Vec<Option<Value>>,

@@ -34,7 +34,6 @@ pub struct OnnxNetwork {
     file: String,
     plan: Plan,
     outputs: Vec<String>,
-    /// How many numbers an image has.
     count: usize,
     logits: Vec<Vec<bool>>,
 }
@@ -66,7 +65,6 @@ impl Output {
         }
     }
 
-    /// What the file itself answers.
     pub fn values(&self) -> Vec<f32> {
         let sigmoid = |z: f32| 1.0 / (1.0 + (-z).exp());
         let both = self.raw.iter().zip(&self.is_logit);

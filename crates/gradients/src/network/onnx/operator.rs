@@ -166,7 +166,6 @@ const MOST_INDICES: usize = 1 << 24;
 pub(super) struct Inputs<'a> {
     /// Those left out are `None`.
     pub values: Vec<Option<Value>>,
-    /// Where all tensors lie.
     pub device: &'a Device,
 }
 

@@ -6,7 +6,6 @@ use super::segments::{START_OF_SCAN, Segment, Segments};
 /// The first image of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::photo) struct Frame {
-    /// Width, height as stored.
     pub size: [u32; 2],
     pub is_progressive: bool,
     pub components: Vec<FrameComponent>,
@@ -27,7 +26,6 @@ pub(in crate::photo) struct FrameComponent {
     pub table: u8,
 }
 
-/// What the components are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::photo) enum Colours {
     Grey,

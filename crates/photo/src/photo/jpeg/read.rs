@@ -10,7 +10,6 @@ use super::standard;
 
 #[derive(Debug)]
 pub(in crate::photo) struct Coefficients {
-    /// Width, height as stored.
     pub(super) size: [u32; 2],
     /// The largest samplings across and down.
     pub(super) most_sampling: [u32; 2],
@@ -112,7 +111,6 @@ fn components(frame: &Frame, bytes: Option<usize>) -> Vec<Component> {
     made.collect()
 }
 
-/// How many groups of blocks lie across and down.
 fn groups(frame: &Frame) -> [usize; 2] {
     let most = frame.most_sampling();
     [0, 1].map(|i| frame.size[i].div_ceil(8 * most[i]) as usize)

@@ -111,7 +111,6 @@ impl PaintArea {
     }
 }
 
-/// The pages, and what is on them.
 #[derive(Debug, Clone)]
 pub struct PaintSheets {
     pub layout: SheetLayout,

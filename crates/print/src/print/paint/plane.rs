@@ -12,7 +12,6 @@ use crate::print::sheet::sides;
 /// Units in a millimetre.
 pub const PER_MM: f64 = 10_000.0;
 
-/// A corner, in units.
 pub type PlanePoint = IntPoint<i32>;
 pub type PlaneOutline = Vec<PlanePoint>;
 
@@ -36,7 +35,6 @@ pub struct Area {
     pub pieces: Vec<Vec<PlaneOutline>>,
 }
 
-/// An upright rectangle by its edges, y up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Bounds {
     pub left: i32,

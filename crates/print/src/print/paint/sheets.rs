@@ -40,7 +40,6 @@ pub fn cross((x, y): (f64, f64), near: f64, far: f64) -> [Mark; 4] {
         .map(|(dx, dy)| Mark::line((x + near * dx, y + near * dy), (x + far * dx, y + far * dy), LINE_MM))
 }
 
-/// A round hole.
 pub fn disc((x, y): (f64, f64), radius: f64) -> Vec<PointMm> {
     let corners = circle([x, y], radius, HOLE_CORNERS);
     corners.map(|[x, y]| PointMm::new(x, y)).collect()

@@ -39,7 +39,6 @@ pub struct Rules {
 /// A stencil, in the frame of the outlines it was made from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stencil {
-    /// To be cut out.
     pub openings: Area,
     /// Material where the paint belongs: to be touched up. With `openings` it makes up the requested area, exactly.
     pub bridges: Area,

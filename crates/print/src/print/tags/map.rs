@@ -55,7 +55,6 @@ impl TagMap<'_> {
         Ok(page.labelled(page.printable, marks, &captions, "map"))
     }
 
-    /// The map above small images of the other pages.
     fn pictures(&self, room: RectMm) -> Vec<Mark> {
         let (mut marks, top) = self.thumbnails(room);
         let bottom_mm = top + GAP_MM;
@@ -219,7 +218,6 @@ fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {
     Mark::Area { outlines, colour }
 }
 
-/// A grey sheet with a thin outline.
 fn paper(cell: RectMm) -> [Mark; 2] {
     let outline = area(stroked(&cell.outline(), THIN_MM), BLACK);
     [Mark::fill(cell, PAPER), outline]

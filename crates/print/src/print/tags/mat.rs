@@ -146,7 +146,6 @@ impl Mat {
         self.labels.push(Label { at, size_mm, text });
     }
 
-    /// The ground with all tent cards.
     pub fn whole(&self) -> RectMm {
         self.tents.iter().copied().fold(self.core, RectMm::union)
     }

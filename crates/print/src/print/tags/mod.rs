@@ -55,7 +55,6 @@ pub enum TagPrintError {
     },
 }
 
-/// What could be printed instead of something too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instead {
     Nothing,
@@ -127,7 +126,6 @@ pub struct TagSheets {
     pub sheets: Vec<Sheet>,
     /// What each sheet is called on the map, and in the name of its file.
     pub names: Vec<String>,
-    /// One line for each kind of thing printed.
     pub contents: Vec<String>,
     /// Everything that is cut out of cards.
     pub cut_out: Vec<CutOut>,
@@ -206,7 +204,6 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     })
 }
 
-/// Everything that is cut out of shared pages.
 fn pieces<'a>(
     arrangement: &'a Arrangement,
     ground: Option<&'a Ground>,

@@ -12,7 +12,6 @@ type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 
 pub struct CutPiece<'a> {
     pub size_mm: (f64, f64),
-    /// What the map calls it.
     pub name: String,
     /// What an error calls it, and what else could be done then.
     pub what: String,

@@ -17,7 +17,6 @@ const STEP_MM: f64 = 0.5;
 /// Paper around the foot of a card that stands on the mat.
 const FOOT_MM: f64 = 2.0;
 
-/// The way from the mat to a tent card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaceStrip {
     /// Of the tent card, from 0.
@@ -107,7 +106,6 @@ impl PlaceStrip {
         self.place.rectangle(-x, -y, x, y)
     }
 
-    /// The part that is glued onto the mat.
     pub fn root(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, -x + self.root_mm, y)

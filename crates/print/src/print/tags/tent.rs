@@ -98,7 +98,6 @@ impl Tent {
         })
     }
 
-    /// The card before folding.
     pub fn net(&self) -> Net {
         let tab_mm = TAB_MM.min(0.8 * self.base_mm);
         let ends = [0.0, tab_mm, tab_mm + self.face_mm, tab_mm + 2.0 * self.face_mm];
@@ -163,7 +162,6 @@ pub struct Net {
     pub tags: Vec<FlatTag>,
 }
 
-/// A fold across the whole card, parallel to x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fold {
     pub y_mm: f64,

@@ -132,7 +132,6 @@ pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
     ]
 }
 
-/// The panels of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct Wrap {
     pub pieces: Vec<SpreadPanel>,
@@ -140,7 +139,6 @@ pub struct Wrap {
     pub surface_mm2: f64,
     /// Length of the seams between panels that found no room for a letter.
     pub unlettered_mm: f64,
-    /// Of a pattern.
     pub cell_mm: Option<f64>,
     /// The instructions, then the sheets of each piece, as the printer needs them.
     pub pages: Vec<Sheet>,
@@ -174,7 +172,6 @@ impl Wrap {
         (self.surface_mm2 - printed).max(0.0)
     }
 
-    /// One sentence a panel, then one on the whole.
     pub fn facts(&self) -> Vec<String> {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();

@@ -17,7 +17,6 @@ const FEATURE_DEG: f64 = 30.0;
 /// A surface this much farther out hides what is behind it, mm.
 const BEFORE_MM: f64 = 0.3;
 
-/// One side of the model, flat.
 #[derive(Debug, Clone)]
 pub struct Panel {
     pub side: Side,
@@ -34,7 +33,6 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Area on paper.
     pub fn flat_mm2(&self) -> f64 {
         self.region.area_mm2()
     }
@@ -45,7 +43,6 @@ impl Panel {
     }
 }
 
-/// A painted triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
     /// Among those of the mesh.

@@ -13,7 +13,6 @@ const LEFT: f64 = 200.0;
 const ROW: f64 = 31.0;
 const WIDTH: f64 = 1060.0;
 
-/// The whole page.
 pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol;
     let lead = format!(

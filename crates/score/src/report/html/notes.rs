@@ -7,7 +7,6 @@ use crate::report::{counted, provenance, truth_boxes, verdict};
 use crate::score::{Compared, Comparison, NotScored, Scores};
 use scaleproof_core::spelling;
 
-/// What was found, above everything else.
 pub(super) fn verdict(scores: &Scores, results: &[Compared]) -> Markup {
     html! { @for sentence in verdict::sentences(scores, results) { p.verdict { (sentence) "." } } }
 }

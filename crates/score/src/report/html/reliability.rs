@@ -26,7 +26,6 @@ pub(super) fn diagrams(scores: &Scores) -> Markup {
     }
 }
 
-/// The diagram of each detector, by its title.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
     let all = reliability(&scores.photos, &scores.detectors);
     let titles = scores.detectors.iter().map(|c| c.manifest.title.as_str());

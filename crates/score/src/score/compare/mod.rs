@@ -111,7 +111,6 @@ pub fn paired_photos<'a>(scores: &'a Scores, base: &str, variant: &str) -> Vec<(
     cells.into_iter().flat_map(|cell| cell.pairs).collect()
 }
 
-/// Whether photos of two variants can be compared.
 pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
 }

@@ -16,7 +16,6 @@ use scaleproof_photo::photo::{Photo, PhotoError};
 pub use coco::labelled_photos;
 pub use trials::{LEAST_GAIN, Trial, Trials, trials};
 
-/// Why a detector cannot be held against labels.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelledError {
     #[error(transparent)]

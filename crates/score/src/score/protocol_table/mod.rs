@@ -99,7 +99,6 @@ fn by_texture(
     )
 }
 
-/// A detector's photos of one texture.
 struct Shown<'a> {
     side: Side<'a>,
     detector: &'a EvaluatedDetector,

@@ -63,7 +63,6 @@ pub(super) fn at(
     seen.collect()
 }
 
-/// What a condition makes of a photo.
 struct View {
     condition: Condition,
     /// What is left of the reduced photo: x1, y1, x2, y2, px.

@@ -53,7 +53,6 @@ pub struct ImportRequest<'a> {
     pub variant: Option<&'a str>,
 }
 
-/// A session ready to be written.
 #[derive(Debug)]
 pub struct Imported {
     /// Place and text of the `session.json`.

@@ -61,7 +61,6 @@ pub struct PaintedRequest {
 }
 
 impl PaintedRequest {
-    /// What the document is called.
     pub fn title(&self) -> String {
         format!("Paint sheets of {}", self.pieces.sheets.name)
     }
@@ -96,7 +95,6 @@ pub struct PaintedPieces {
     pub stencils: Vec<PieceStencil>,
     /// Parts of a paint's area that are too narrow to be cut: how many, and their area, mm².
     pub narrow: (usize, f64),
-    /// What was drawn.
     pub flat: Unwrapped,
     pub min_feature_mm: f64,
     /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
