@@ -76,7 +76,6 @@ pub fn judged(
     Ok(rows)
 }
 
-/// The sector that each view lies in.
 fn sectors(setup: &Setup) -> Vec<usize> {
     let step = 360.0 / SECTORS as f64;
     let views = setup.view_set.views.iter().map(|view| {

@@ -17,7 +17,6 @@ pub struct Setup {
     pub tile_mm: f64,
     pub view_set: ViewSet,
     pub detectors: Vec<Box<dyn WhiteBox>>,
-    /// Names, with the beginning of the weights' hashes.
     pub detector_names: Vec<String>,
     pub classes: Classes,
 }

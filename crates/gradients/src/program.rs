@@ -10,7 +10,6 @@ use super::{Boxes, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Gradients, Manifest, ProgramDetector, ProgramImage, ProgramPhoto};
 
-/// A program and the labels that count as the model.
 pub struct ProgramWhiteBox {
     program: ProgramDetector,
     manifest: Manifest,

@@ -28,7 +28,6 @@ pub struct Lettering {
     pub size_px: f64,
 }
 
-/// Where a label stands relative to its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelAnchor {
     /// The place is the label's top-left corner.

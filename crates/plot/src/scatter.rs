@@ -25,7 +25,6 @@ pub struct Dot {
     pub share: f64,
     /// Index into the colours' names.
     pub series: usize,
-    /// Index into the shapes' names.
     pub shape: usize,
     /// Written beside it.
     pub name: Option<String>,

@@ -27,3 +27,17 @@ pub mod locate;
 pub mod scene;
 pub mod simulate;
 pub mod tags;
+
+/// Keeps the first items where OpenCV has ArUco in its module `aruco` (before 4.7), the second where it is an object of `objdetect` (since 4.7).
+#[cfg(not(opencv_aruco_in_objdetect))]
+#[macro_export]
+macro_rules! by_opencv {
+    (before_4_7 { $($before:item)* } since_4_7 { $($since:item)* }) => { $($before)* };
+}
+
+/// Keeps the first items where OpenCV has ArUco in its module `aruco` (before 4.7), the second where it is an object of `objdetect` (since 4.7).
+#[cfg(opencv_aruco_in_objdetect)]
+#[macro_export]
+macro_rules! by_opencv {
+    (before_4_7 { $($before:item)* } since_4_7 { $($since:item)* }) => { $($since)* };
+}

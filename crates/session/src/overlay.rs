@@ -185,7 +185,6 @@ fn fate(tag: &SeenTag, examined: &LocatedPhoto, scene: &Scene) -> (DrawColour, S
     }
 }
 
-/// The tags that were seen, in words.
 fn seen(examined: &LocatedPhoto) -> String {
     let mut ids: Vec<u32> = examined.seen.iter().map(|tag| tag.id).collect();
     ids.sort_unstable();
@@ -197,7 +196,6 @@ fn seen(examined: &LocatedPhoto) -> String {
     }
 }
 
-/// A pose as two lines of words.
 fn in_words(l: &Located) -> String {
     let (v, s, b) = (&l.viewpoint, &l.sigma, &l.bin);
     format!(

@@ -20,7 +20,6 @@ pub const FIRST_ROUND: u64 = POPULATION as u64 * VIEWS as u64;
 /// Between two judgements, in generations.
 const NOTED_EVERY: u32 = 4;
 
-/// Searches until the query budget is exhausted.
 pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
     let mut rng = drawn_by(config.seed, u32::MAX);
     let count = oracle.view_set.grid.cells();

@@ -26,7 +26,6 @@ use super::run::{Rgb, RunError, batch};
 use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 
-/// Everything a search depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SearchConfig {
     pub method: &'static str,

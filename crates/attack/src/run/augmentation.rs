@@ -190,7 +190,6 @@ impl Augmentation {
         }
     }
 
-    /// Some views, each with a draw of its own.
     pub fn of_each(views: Vec<usize>, eot: &Eot, rng: &mut impl Rng) -> Vec<(usize, Self)> {
         views.into_iter().map(|view| (view, Self::random(eot, rng))).collect()
     }

@@ -48,7 +48,6 @@ pub fn judge_images(
     })
 }
 
-/// What one detector makes of some views.
 #[derive(Default)]
 pub struct SeenByDetector {
     /// Confidence of the most confident box on the model, in each view; 0 where there is none.

@@ -115,7 +115,6 @@ impl From<postcard::Error> for RunError {
 /// Cells that a pattern is kept near to, by the mean squared distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Near {
-    /// Weight of the penalty in the loss.
     pub weight: f64,
     /// The cells to stay near to, as many as the pattern has, sRGB of 0 to 1.
     pub cells: Vec<Rgb>,
@@ -521,7 +520,6 @@ pub fn srgb(colours: &[[u8; 3]]) -> Vec<Rgb> {
     colours.iter().map(|rgb| rgb.map(|v| f64::from(v) / 255.0)).collect()
 }
 
-/// A pattern's cells, row by row.
 pub fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
     of_image(pattern.cells())
 }

@@ -436,7 +436,6 @@ impl Converter {
         Ok(last)
     }
 
-    /// The file, once all layers are there.
     pub(super) fn finish(mut self) -> Result<Vec<u8>> {
         let Some((_, _, row)) = self.tables.first().cloned() else {
             return Err("it has no [yolo]: only detectors of the YOLOv3 line are read".to_owned());

@@ -46,7 +46,6 @@ struct Grid {
     cells: usize,
 }
 
-/// Pairs of grids, by stride.
 pub struct Grids {
     of: Vec<Grid>,
     /// Labels that they have scores for.

@@ -18,7 +18,6 @@ use super::manifest::{AnchorLabels, Head, Manifest};
 use super::nms::CandidateBox;
 use scaleproof_core::geometry::BoxPx;
 
-/// One output tensor, row-major.
 #[derive(Debug, Clone)]
 pub struct Tensor {
     pub name: String,

@@ -1,6 +1,5 @@
 //! The wire format of Protocol Buffers, as far as ONNX files need it. Source: protobuf.dev, "Encoding".
 
-/// What stands behind a field's number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Field<'a> {
     Int(u64),

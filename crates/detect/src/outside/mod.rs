@@ -75,7 +75,6 @@ pub struct OutsideResults {
     are_shares: bool,
 }
 
-/// What a file says of one photo.
 #[derive(Debug, Default)]
 struct PhotoBoxes {
     boxes: Vec<RawBox>,

@@ -22,7 +22,6 @@ pub fn keep_programs_in_our_group() {
     ARE_APART.store(false, Ordering::Relaxed);
 }
 
-/// A program and whatever it starts.
 #[derive(Debug)]
 pub(super) struct Group(u32);
 

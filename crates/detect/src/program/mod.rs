@@ -34,7 +34,6 @@ pub mod protocol {
     pub use crate::program::hello::{Hello, InputRule};
 }
 
-/// Why a program cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramError {
     #[error("cannot start `{command}`: {reason}{instead}")]

@@ -101,7 +101,6 @@ impl Family {
         all.get(self as usize).ok_or_else(|| refused("a family is missing"))
     }
 
-    /// Its name, as users write it.
     pub fn name(self) -> &'static str {
         self.entry().map_or("", |entry| &entry.name)
     }

@@ -22,7 +22,6 @@ pub(super) struct Inspected {
     pub metadata: Metadata,
     /// The outputs for a grey image and for noise.
     pub answers: [Vec<Tensor>; 2],
-    /// The inputs as a person writes them.
     pub inputs: String,
     /// What the file says besides.
     pub file: OnnxFile,

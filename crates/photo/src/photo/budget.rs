@@ -49,7 +49,6 @@ impl Budget {
         Err(DecodeProblem::TooLarge(size))
     }
 
-    /// Refuses what decoding would cost more than this.
     pub fn check(&self, cost: &DecodeCost) -> Result<(), DecodeProblem> {
         let megapixels = cost.pixels / 1_000_000;
         if megapixels > self.megapixels {
@@ -123,7 +122,6 @@ impl DecodeCost {
         }
     }
 
-    /// Of the pixels alone, at full size.
     pub(super) fn pixel_bytes(&self) -> u64 {
         self.pixels * self.bytes_per_pixel
     }

@@ -98,7 +98,6 @@ impl Header {
         matches!(self.colours(), Some(Colours::YCbCr | Colours::Grey))
     }
 
-    /// Width and height of the upright image.
     pub(super) fn upright_size(&self) -> [u32; 2] {
         let [width, height] = self.size;
         let is_across = lies_across(self.orientation);

@@ -18,7 +18,6 @@ pub enum DefinitionError {
     Write(String),
 }
 
-/// What is wrong in a board file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BoardFault {
     #[error("{0}")]
@@ -85,7 +84,6 @@ impl Definition {
     /// Wider borders leave no code in a tag.
     const MOST_BORDER_MODULES: u32 = 4;
 
-    /// Reads a board file.
     pub fn open(path: &Path) -> Result<Self, DefinitionError> {
         let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
         let refuse = |fault| DefinitionError::Content {

@@ -24,7 +24,6 @@ const NEWTON_STEPS: usize = 50;
 /// A direction is found when it projects this close to the pixel.
 const EXACT_PX: f64 = 1e-6;
 
-/// The pixel of a point, and its Jacobians.
 pub struct ProjectedPoint {
     pub pixel: [f64; 2],
     /// By the point in the camera frame, px per mm.

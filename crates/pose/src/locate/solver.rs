@@ -30,7 +30,6 @@ impl Solver {
         [BestTag, Sqpnp, SqpnpRefined, EveryBranch]
     }
 
-    /// A stable name for tables and programs.
     pub fn name(self) -> &'static str {
         match self {
             Solver::BestTag => "ippe_best_tag",

@@ -122,7 +122,6 @@ pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
     NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
 }
 
-/// One tag's part in the normal equations.
 struct TagTerms {
     information: Matrix6<f64>,
     /// JᵀT, with the derivatives T of its corners by a displacement of the tag, mm.

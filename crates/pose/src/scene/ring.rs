@@ -133,7 +133,6 @@ impl TagRing {
         self.tag_mm * self.family.width_with_white()
     }
 
-    /// Length of a tent card's face.
     fn face_mm(&self) -> f64 {
         self.with_white_mm() + 2.0 * CARD_MARGIN_MM
     }

@@ -29,7 +29,6 @@ pub(super) fn seen<'a>(fits: impl Iterator<Item = &'a TagFit> + Clone) -> Vec<Se
     fits.map(|fit| fit.seen(usual)).collect()
 }
 
-/// A tag and the lines along its sides.
 pub(super) struct TagFit {
     pub found: Found,
     part: Part,

@@ -33,7 +33,6 @@ impl FoundChart {
         mapped(&self.to_px, at_mm)
     }
 
-    /// The point of the chart at a pixel.
     pub fn mm(&self, at_px: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_mm, at_px)
     }

@@ -46,7 +46,6 @@ pub struct ChartReading {
     pub quality: Quality,
 }
 
-/// A cell and what the camera saw of it.
 type Sampled = (ChartCell, PatchSample);
 
 /// How good a photo is for reading.

@@ -21,7 +21,6 @@ pub enum ChartPrintError {
     NoTagImage { id: u32 },
 }
 
-/// A chart ready to be written.
 #[derive(Debug, Clone)]
 pub struct PrintedChart {
     pub layout: ChartLayout,

@@ -66,7 +66,6 @@ pub fn plan(media: &Media) -> Result<CheckPlan, SheetError> {
     })
 }
 
-/// Draws the check page.
 pub fn check(media: &Media) -> Result<Vec<Sheet>, SheetError> {
     let plan = plan(media)?;
     let mut marks = rulers(&plan.frame);

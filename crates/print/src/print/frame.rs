@@ -124,7 +124,6 @@ impl PageFrame {
         RectMm::sized((left, bottom), (width_mm, height_mm))
     }
 
-    /// The usable width and height.
     pub fn usable_size(&self) -> (f64, f64) {
         (self.usable.width_mm(), self.usable.height_mm())
     }

@@ -14,7 +14,6 @@ pub enum SheetFormat {
     Svg,
 }
 
-/// Why an output cannot take sheets.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     #[error("{path} does not say whether PDF or SVG is meant: let it end in .pdf or .svg", path = path.display())]

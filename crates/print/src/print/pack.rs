@@ -4,7 +4,6 @@ use crate::print::sheet::{PointMm, RectMm};
 
 const GAP_MM: f64 = 4.0;
 
-/// The place of a packed thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// From 0.

@@ -53,12 +53,10 @@ pub struct PanelPatch {
     pub side: Side,
     /// Its middle in the panel's plane: (u, v), see [`Side`].
     pub at_mm: Point,
-    /// Width and height on the panel.
     pub size_mm: (f64, f64),
 }
 
 impl PanelPatch {
-    /// The image over an area of a page.
     fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
         match stamp {
             Some(stamp) => Mark::Stamped {
@@ -116,7 +114,6 @@ impl PanelPatch {
     }
 }
 
-/// Patches on their pages.
 #[derive(Debug, Clone, Default)]
 pub struct Patches {
     /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the

@@ -18,7 +18,6 @@ pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
 /// A printer that is further off than this share scales on purpose, which its settings must undo.
 pub const MOST_OFF: f64 = 0.05;
 
-/// Why nothing is known of a printer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PrinterError {
     #[error(

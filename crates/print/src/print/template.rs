@@ -230,7 +230,6 @@ pub(super) struct PatternStamp {
     height_mm: f64,
 }
 
-/// What a block looks like.
 enum Block {
     Cells(Arc<Stamp>),
     /// Its width and height in mm are a little more than the block's: it runs on into the next repeat.

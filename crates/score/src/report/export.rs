@@ -8,7 +8,6 @@ use crate::score::{ScoredPhoto, Scores};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Labels, flat_name};
 
-/// Why nothing was exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     #[error(transparent)]

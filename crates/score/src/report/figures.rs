@@ -12,7 +12,6 @@ const AGAINST_TIME: &str = "ap_against_time";
 /// The chart that a report has only when photos were made worse.
 const ROBUSTNESS: &str = "robustness";
 
-/// A file's name and content.
 pub(super) type File = (String, Vec<u8>);
 
 pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<File>, ReportError> {

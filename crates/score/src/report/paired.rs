@@ -10,7 +10,6 @@ pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) ->
     results.find(|r| r.detector == detector && r.variant == variant)
 }
 
-/// A finding as people say it.
 pub(super) fn in_words(finding: Finding) -> &'static str {
     match finding {
         Finding::Drop => "a drop",

@@ -34,7 +34,6 @@ pub(super) fn tau(row: &RankingRow) -> String {
     }
 }
 
-/// What was found, in words.
 pub(super) fn found(row: &RankingRow) -> &'static str {
     match row.finding {
         RankingFinding::Holds => "the order holds",

@@ -17,7 +17,6 @@ pub(super) fn unit(sequential: &Sequential) -> &'static str {
     }
 }
 
-/// Two lines for each detector and variant.
 pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
     let unit = unit(sequential);
     let mut lines = vec![format!(

@@ -51,7 +51,6 @@ pub enum EvaluatedDetectorError {
     ClassMap { detector: String, fault: String },
 }
 
-/// The folder of a session that holds recordings.
 const RECORDED: &str = "recorded";
 
 impl EvaluatedDetector {
@@ -180,7 +179,6 @@ pub fn evaluated_detectors(
     manifests.into_iter().map(detector).collect()
 }
 
-/// The ONNX Runtime, when some detector runs.
 pub fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
     let is_needed = detectors.iter().any(EvaluatedDetector::is_live);
     is_needed.then(Runtime::load).transpose()

@@ -89,7 +89,6 @@ impl Settings {
             .map_or_else(|| Ok(TagDetectorChoice::default()), str::parse)
     }
 
-    /// The definition that is named, if any.
     pub fn ap(&self) -> Result<Option<ApDefinition>, String> {
         let named = self.ap.as_deref().map(ApDefinition::from_name).transpose();
         named.map_err(|e| e.to_string())

@@ -227,7 +227,6 @@ pub struct Shard {
     pub observed: ShardObservations,
 }
 
-/// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
 pub enum ShardError {
     #[error(transparent)]

@@ -39,7 +39,6 @@ pub struct NewSession<'a> {
     pub copy: bool,
 }
 
-/// What a file of the session is made of.
 enum Content {
     Bytes(Vec<u8>),
     CopyOf(PathBuf),

@@ -77,7 +77,6 @@ impl Frame {
         })
     }
 
-    /// The largest samplings across and down.
     pub(super) fn most_sampling(&self) -> [u32; 2] {
         most_sampling(&self.components)
     }

@@ -59,7 +59,6 @@ impl HuffmanTable {
         Some(table)
     }
 
-    /// Writes a code into all places that begin with it.
     fn enter(&mut self, code: u32, length: u32, symbol: u8) -> Option<()> {
         if code >> length != 0 {
             return None;

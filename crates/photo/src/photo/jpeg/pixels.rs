@@ -104,7 +104,6 @@ impl Coefficients {
 /// An upright image that is filled by rows as they are stored.
 struct Canvas<P> {
     pixels: Vec<P>,
-    /// Width and height of the upright image.
     upright: [usize; 2],
     /// The place of the first stored pixel.
     start: isize,

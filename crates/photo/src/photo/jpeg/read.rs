@@ -26,7 +26,6 @@ const WRONG_TABLE: JpegError = JpegError::Damaged("invalid Huffman or quantisati
 const WRONG_SCAN: JpegError = JpegError::Damaged("a scan's header cannot be");
 const NO_DATA: JpegError = JpegError::Damaged("it has no data for one of its colours");
 
-/// Tables as they stand at some place of the file.
 #[derive(Default)]
 struct Tables {
     quantisation: [Option<[u16; 64]>; 4],

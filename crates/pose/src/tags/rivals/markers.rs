@@ -160,7 +160,6 @@ pub fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSear
     MarkerSearch::new(number, border_modules, ArucoRefiner::None).map_err(|e| failed(name, e))
 }
 
-/// OpenCV's name and number.
 fn known(name: &str) -> Result<(&'static str, i32), DictionaryError> {
     let mut all = MarkerDictionary::NAMES.into_iter().zip(0..);
     let known = all.find(|(known, _)| known.eq_ignore_ascii_case(name));

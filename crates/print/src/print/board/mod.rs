@@ -55,7 +55,6 @@ pub enum BoardError {
     Definition(#[from] DefinitionError),
 }
 
-/// The kinds of calibration boards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoardKind {
     Charuco,
@@ -78,7 +77,6 @@ pub struct BoardRequest {
     pub media: Media,
 }
 
-/// A board ready to be written.
 #[derive(Debug, Clone)]
 pub struct Board {
     pub definition: Definition,
@@ -177,7 +175,6 @@ fn printable(module_mm: f64) -> Result<(), BoardError> {
     Ok(())
 }
 
-/// Draws a board in the middle of one sheet.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     let media = request.media;
     media.check_is_cut()?;

@@ -50,17 +50,14 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
 /// A paint, counted from 0, and its area.
 type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
-/// The contents of the table of paints.
 pub struct Legend<'a> {
     pub painted: &'a Painted,
     pub areas: &'a [PaintArea],
-    /// What all paints together make up.
     pub whole: &'a str,
     /// Below the table.
     pub notes: &'a [&'a str],
 }
 
-/// The pages of the table of paints.
 pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sheet> {
     let Legend { painted, areas, .. } = *legend;
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
@@ -89,7 +86,6 @@ pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sh
     lines.chunks(rows).enumerate().map(page).collect()
 }
 
-/// A table on its way down a page.
 struct Table<'a> {
     frame: &'a PageFrame,
     factor: f64,

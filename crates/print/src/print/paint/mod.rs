@@ -78,7 +78,6 @@ pub struct PaintRequest {
 }
 
 impl PaintRequest {
-    /// The document's title.
     pub fn title(&self) -> String {
         let TemplateRequest {
             pattern_name, tile_mm, ..

@@ -23,7 +23,6 @@ const HOLE_MM: f64 = 3.0;
 /// Corners of a registration hole.
 const HOLE_CORNERS: u32 = 24;
 
-/// Width of a registration hole.
 pub fn hole_mm(min_feature_mm: f64) -> f64 {
     HOLE_MM.max(min_feature_mm)
 }

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::mat::{ARROW_MM, GREY, GroundWindow};
-use super::{TagPrintError, captions, family_name};
+use super::{TagPrintError, captions};
 use crate::print::media::Media;
 use crate::print::shapes::{OutlineMm, stroke, stroked};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
@@ -248,7 +248,7 @@ fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
     let [length, width, _] = scene.model.size_mm;
     let (c, place) = (tag.centre_mm, FloorPlace::from_tag(tag));
     let family = if scene.families().len() > 1 {
-        format!("{} ", family_name(tag.family))
+        format!("{} ", tag.family.name())
     } else {
         String::new()
     };

@@ -26,7 +26,6 @@ const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
 /// What of the page's height they may take.
 const THUMBNAIL_SHARE: f64 = 0.45;
 
-/// The contents of the map page.
 pub struct TagMap<'a> {
     pub scene: &'a Scene,
     pub media: Media,
@@ -39,7 +38,6 @@ pub struct TagMap<'a> {
 }
 
 impl TagMap<'_> {
-    /// Draws the map page.
     pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
         let mut page = self.media.both_ways()?.swap_remove(0);
         if !page.setup.turned {

@@ -35,7 +35,6 @@ pub struct Mat {
     pub model: Vec<OutlineMm>,
     /// The model and the flat tags, with a border.
     pub core: RectMm,
-    /// The ground of each tent card.
     pub tents: Vec<RectMm>,
     /// The flat tags with their white rings, by id.
     pub tags: Vec<(u32, OutlineMm)>,

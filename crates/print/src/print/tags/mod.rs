@@ -25,7 +25,7 @@ use super::sheet::{RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::spelling::{count, list};
 use scaleproof_plot::lettering::number;
-use scaleproof_pose::scene::{Scene, Tag, TagFamily};
+use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::TagImage;
 
 /// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
@@ -72,7 +72,6 @@ impl fmt::Display for Instead {
     }
 }
 
-/// What the user should know of the tags on paper.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TagNote {
     /// The mat puts tags at 0 that the scene has at this height.
@@ -119,7 +118,6 @@ pub struct TagRequest {
     pub whole_mat: bool,
 }
 
-/// The tags of a scene on their pages.
 #[derive(Debug, Clone)]
 pub struct TagSheets {
     /// The map, the floor plan of plain cards, cards and strips, then the mat.
@@ -127,7 +125,6 @@ pub struct TagSheets {
     /// What each sheet is called on the map, and in the name of its file.
     pub names: Vec<String>,
     pub contents: Vec<String>,
-    /// Everything that is cut out of cards.
     pub cut_out: Vec<CutOut>,
     pub ground: Option<Ground>,
     pub notes: Vec<TagNote>,
@@ -261,7 +258,6 @@ fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<TagNote> {
     notes
 }
 
-/// How to cut what is on the pages with cards.
 fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
     let tents = [
         "Cut along the solid lines, crease along the dashed ones, fold away from the print, glue the tab inside the base.",
@@ -280,7 +276,7 @@ fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
 
 fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
     let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
-        family: family_name(tag.family),
+        family: tag.family.name(),
         id: tag.id,
     })?;
     let module_mm = tag.size_mm / image.border_modules() as f64;
@@ -288,13 +284,6 @@ fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
         return Err(TagPrintError::ModuleTooSmall { id: tag.id, module_mm });
     }
     Ok(image)
-}
-
-fn family_name(family: TagFamily) -> &'static str {
-    TagFamily::ALL
-        .iter()
-        .find(|(known, _)| *known == family)
-        .map_or("an unknown family", |(_, name)| name)
 }
 
 /// The lines at the foot of every page.

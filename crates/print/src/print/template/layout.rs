@@ -218,7 +218,6 @@ impl SheetLayout {
         (sheets, page.width_mm * page.height_mm * sheets as f64)
     }
 
-    /// Width and height of the whole template.
     pub fn size_mm(&self) -> (f64, f64) {
         let owns = || self.sheets.iter().map(|plan| plan.own);
         (

@@ -116,7 +116,6 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// A face as its panel shows it.
 fn flat_triangle(face: &Face) -> FlatTriangle {
     let side = face.side;
     FlatTriangle {

@@ -65,7 +65,6 @@ pub struct WrapRequest {
 }
 
 impl WrapRequest {
-    /// The document's title.
     pub fn title(&self) -> String {
         format!("Panels of {}", self.name)
     }

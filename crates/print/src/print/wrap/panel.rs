@@ -24,7 +24,6 @@ pub struct Panel {
     pub region: Region,
     /// Visible edges inside the region that are bent or where another material begins: (u, v), mm.
     pub edges: Vec<[Point; 2]>,
-    /// True area of the surface.
     pub surface_mm2: f64,
     /// Area of the surface after projection into the side's plane, every layer counted.
     pub projected_mm2: f64,

@@ -89,7 +89,6 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     }
 }
 
-/// The chart of each figure, by its name.
 pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
     let all = FIGURES.into_iter();
     all.map(|figure| (figure.1, forest(scores, comparison, figure)))

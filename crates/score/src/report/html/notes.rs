@@ -26,7 +26,6 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     }
 }
 
-/// A table of photos and why they are left out.
 pub(super) fn photos_with_reasons(photos: &[NotScored]) -> Markup {
     let rows = html! {
         @for p in photos {

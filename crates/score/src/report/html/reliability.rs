@@ -10,7 +10,6 @@ use scaleproof_plot::Drawing;
 /// With fewer detections the error says little.
 const FEW: usize = 100;
 
-/// One diagram per detector.
 pub(super) fn diagrams(scores: &Scores) -> Markup {
     let all = reliability(&scores.photos, &scores.detectors);
     let captioned = charts(scores).into_iter().zip(&all);

@@ -94,7 +94,6 @@ fn short(amount: &str) -> &str {
     }
 }
 
-/// The base of the first variant's pairs.
 fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
     let first = from_base.first().map(|row| row.variant.as_str());
     let own = from_base.iter().filter(|row| Some(row.variant.as_str()) == first);

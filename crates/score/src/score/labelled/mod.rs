@@ -24,7 +24,6 @@ pub enum LabelledError {
     Detector(#[from] DetectError),
 }
 
-/// Photos with all their objects.
 #[derive(Debug)]
 pub struct LabelledPhotos {
     pub photos: Vec<LabelledPhoto>,
@@ -42,7 +41,6 @@ pub struct LabelledPhoto {
 
 #[derive(Debug, Clone)]
 struct Object {
-    /// Index into the detector's labels.
     label: usize,
     box_px: BoxPx,
     is_crowd: bool,
@@ -83,7 +81,6 @@ impl LabelledPhotos {
         }
     }
 
-    /// What a detector finds in all photos.
     pub fn look(
         &self,
         manifest: &Manifest,
