@@ -35,9 +35,6 @@ impl Detectors {
 }
 
 /// Detectors that run, with the weights in some folders, or are played back from what the sessions store.
-///
-/// # Errors
-/// A named one that cannot take part; none at hand.
 pub(super) fn evaluated(
     sessions: &[Session],
     names: &[String],
@@ -86,7 +83,6 @@ fn networks(
     Ok(evaluated_detectors(sessions, manifests, folders.as_ref())?)
 }
 
-/// All whose weights are here.
 fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Manifest>> {
     let (here, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| folders.find(m).is_some());
     if here.is_empty() {
@@ -104,7 +100,6 @@ fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Man
     Ok(here)
 }
 
-/// All that every session has recordings of.
 fn with_recordings(sessions: &[Session]) -> Result<Vec<Manifest>> {
     let lacks = |m: &Manifest| {
         let mut folders = sessions.iter().map(|s| s.folder.as_path());

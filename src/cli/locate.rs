@@ -139,7 +139,6 @@ pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     })
 }
 
-/// Locates every photo of a session and writes the table.
 pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<()> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
     let answers = locate_all(
@@ -173,7 +172,6 @@ fn locate_all<'a>(
     Ok(photos.iter().map(PathBuf::as_path).zip(answers).collect())
 }
 
-/// The pose of a photo that has one.
 fn located(answer: &PhotoAnswer) -> Option<&Located> {
     answer.as_ref().ok()?.result.as_ref().ok()
 }

@@ -171,7 +171,6 @@ fn done(command: Command, out: &mut dyn Write) -> CommandResult {
     Ok(outcome)
 }
 
-/// The whole command line.
 fn command() -> clap::Command {
     overview::explained(Cli::command())
 }

@@ -14,7 +14,6 @@ use super::choice::completing;
 /// The commands in the order of the work, and what each is for.
 const GROUPS: &str = include_str!("overview.txt");
 
-/// Commands and lines to try.
 const EXAMPLES: &str = include_str!("examples.txt");
 
 /// The paragraphs of a text: each one's first line, and the others.

@@ -26,8 +26,6 @@ pub(super) struct Patterns {
 }
 
 impl Patterns {
-    /// # Errors
-    /// A texture that no photo has, or has twice; files that are no patterns; a printer whose colours nobody has measured.
     pub(super) fn of(&self, sessions: &[Session]) -> Result<Vec<WornPattern>> {
         let photos = sessions.iter().flat_map(|s| &s.photos);
         let variants: BTreeSet<&str> = photos.map(|p| p.variant.as_str()).collect();

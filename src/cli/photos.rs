@@ -7,9 +7,6 @@ use scaleproof_core::spelling;
 use scaleproof_session::session::folders::{Listing, not_read};
 
 /// The photos of what is named, those of a folder by name; images that are passed over are noted.
-///
-/// # Errors
-/// A folder that cannot be read, or has no photo.
 pub(super) fn of(named: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut photos = Vec::new();
     for path in named {

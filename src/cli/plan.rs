@@ -324,7 +324,6 @@ impl Args {
 /// Rows that are there whatever is planned.
 const PLACES: [usize; 7] = [1, 2, 3, 5, 10, 20, 50];
 
-/// How many digits a number has behind its point.
 fn decimals(number: f64) -> usize {
     number.to_string().split_once('.').map_or(0, |(_, digits)| digits.len())
 }

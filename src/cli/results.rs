@@ -88,7 +88,6 @@ impl Results {
         self.programs.among(names)
     }
 
-    /// Starts the programs for the photos of some sessions.
     pub(super) fn start(&self, programs: Vec<ProgramSpec>, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>> {
         let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
             return Ok(Vec::new());

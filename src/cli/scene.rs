@@ -195,7 +195,6 @@ fn new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
 
 const NO_MODEL: &str = "give the model's --mesh with its --length-mm, or its --model-size-mm";
 
-/// What was made.
 fn told_of(args: &NewArgs, taken: Option<&Taken>) -> Result<String, &'static str> {
     let (path, count) = (args.output.display(), args.tags);
     let tags = match args.radius_mm {

@@ -98,7 +98,6 @@ impl Effort {
         self.options_with(detectors, TagDetectorChoice::default())
     }
 
-    /// With another tag detector.
     pub(super) fn options_with(&self, detectors: &[EvaluatedDetector], tags: TagDetectorChoice) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
         let libraries = format!(
@@ -207,13 +206,11 @@ pub(super) fn show(
     Ok(Outcome::Done)
 }
 
-/// The times of these detectors in a file.
 pub(super) fn speeds(path: &Path, detectors: &[EvaluatedDetector]) -> Result<Speeds, SpeedError> {
     let manifests: Vec<&Manifest> = detectors.iter().map(|c| &c.manifest).collect();
     Speeds::open(path, &manifests)
 }
 
-/// Scores sessions and shows how far it has come.
 pub(super) fn score_with_progress(
     sessions: Vec<Session>,
     detectors: Vec<EvaluatedDetector>,
@@ -283,7 +280,6 @@ fn write_shard(
     Ok(shard.write(&args.output)?)
 }
 
-/// Says on standard error which photos were left out.
 pub(super) fn say_not_scored(scores: &Scores) {
     score::not_scored(scores)
         .iter()

@@ -58,7 +58,6 @@ pub(super) fn in_words(path: &Path, photos: usize, variants: &BTreeMap<&str, usi
     )
 }
 
-/// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
         named::<export::Exported>("session-export"),

@@ -37,7 +37,6 @@ pub(super) struct FolderFiles {
     pub(super) place: String,
 }
 
-/// The sessions of a run.
 pub(super) struct OpenedPhotos {
     pub sessions: Vec<Session>,
     /// Whole paths of the folders, when the photos came from folders.
@@ -46,9 +45,6 @@ pub(super) struct OpenedPhotos {
 
 impl Photos {
     /// Opens all of them, and notes what is passed over.
-    ///
-    /// # Errors
-    /// None is named; sessions and folders are mixed; whatever is wrong with one of them.
     pub(super) fn open(&self) -> Result<OpenedPhotos> {
         let pairs = self.given.iter().map(|given| pair(given)).collect::<Result<Vec<_>>>()?;
         let count = pairs.iter().flatten().count();
@@ -96,9 +92,6 @@ impl FolderFiles {
     }
 
     /// The files of a session that photos are added to, where none are named.
-    ///
-    /// # Errors
-    /// Others are named: all photos of a session are of one scene and camera.
     pub(super) fn or_those_of(&mut self, session: &Session) -> Result<()> {
         let both = [
             ("--scene", &mut self.scene, Some(&session.scene_path)),
@@ -119,14 +112,12 @@ impl FolderFiles {
         Ok(())
     }
 
-    /// The scene of folders.
     pub(super) fn scene(&self) -> Result<&Path> {
         let missing =
             "photos in folders need --scene scene.toml: the model, its tags and the bins (see `scaleproof scene`)";
         Ok(self.scene.as_deref().ok_or(missing)?)
     }
 
-    /// The camera of folders.
     pub(super) fn camera(&self) -> Result<&Path> {
         let missing = "photos in folders need --camera camera.yaml: make it with `scaleproof calibrate`, or `scaleproof camera guess PHOTO`";
         Ok(self.camera.as_deref().ok_or(missing)?)
@@ -234,18 +225,12 @@ fn in_home(folder: &str) -> PathBuf {
 }
 
 /// Opens sessions; none where none is named.
-///
-/// # Errors
-/// As [`session`].
 pub(super) fn opened(places: &[PathBuf]) -> Result<Option<Vec<Session>>> {
     let all: Vec<Session> = places.iter().map(|place| session(place)).collect::<Result<_>>()?;
     Ok(Some(all).filter(|all| !all.is_empty()))
 }
 
 /// Opens a session.
-///
-/// # Errors
-/// What is wrong with it; for a folder that is none, what to do with it.
 pub(super) fn session(place: &Path) -> Result<Session> {
     if place.is_dir() && !place.join("session.json").exists() {
         return Err(no_session(place)?.into());

@@ -8,7 +8,6 @@ use scaleproof_pose::scene::{Classes, Envelope, MeshFacts};
 pub(super) struct Wanted<'a> {
     pub class: &'a Classes,
     pub scale: f64,
-    /// The scene file that will be written.
     pub output: &'a Path,
 }
 

@@ -10,7 +10,6 @@ const LONGEST_VEHICLE_MM: f64 = 25_000.0;
 /// No template is smaller than a stamp.
 const STAMP_MM: f64 = 10.0;
 
-/// Says it as a note.
 pub(crate) fn note(doubt: Option<String>) {
     if let Some(doubt) = doubt {
         say!("note: {doubt}");

@@ -42,9 +42,6 @@ pub type NamedCells = (String, Vec<Rgb>);
 const SECTORS: usize = 8;
 
 /// Judges named patterns, the plain model first; detector by detector. `on_look` is called after each image, from any thread.
-///
-/// # Errors
-/// A detector that cannot look, or whose answer is not a number.
 pub fn judged(
     setup: &Setup,
     patterns: &[NamedCells],
@@ -79,7 +76,6 @@ pub fn judged(
     Ok(rows)
 }
 
-/// The sector that each view lies in.
 fn sectors(setup: &Setup) -> Vec<usize> {
     let step = 360.0 / SECTORS as f64;
     let views = setup.view_set.views.iter().map(|view| {

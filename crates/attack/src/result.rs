@@ -11,9 +11,7 @@ use scaleproof_core::files;
 use scaleproof_frames::frames::encode_rgb;
 use scaleproof_surface::pattern::card::Card;
 
-/// The name of the pattern in the folder of a result.
 pub const PATTERN: &str = "pattern.png";
-/// The name of the attack's settings there.
 pub const CONFIG: &str = "config.json";
 
 /// Writes a pattern, its card, its history, and the settings of the attack where it made it. Returns where the pattern is.

@@ -10,7 +10,6 @@ use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 
-/// What a pattern is made on and against.
 pub struct Setup {
     pub frames: Vec<FrameSet>,
     pub frames_sha256: String,
@@ -18,17 +17,12 @@ pub struct Setup {
     pub tile_mm: f64,
     pub view_set: ViewSet,
     pub detectors: Vec<Box<dyn WhiteBox>>,
-    /// Names, with the beginning of the weights' hashes.
     pub detector_names: Vec<String>,
-    /// The labels that count as the model.
     pub classes: Classes,
 }
 
 impl Setup {
     /// Opens the views of some frames for a square pattern of so many columns, and for what an augmentation draws. `on_view` is called after each, from any thread.
-    ///
-    /// # Errors
-    /// Those of [`ViewSet::open`].
     pub fn open(
         frames: Vec<FrameSet>,
         (columns, tile_mm, mapping): (u32, f64, TextureMapping),
@@ -57,7 +51,6 @@ impl Setup {
         }
     }
 
-    /// The history of a method on this.
     pub fn history(&self, method: &str, seed: u64, entries: Vec<Entry>) -> History {
         History {
             scaleproof: env!("CARGO_PKG_VERSION").to_owned(),

@@ -4,9 +4,6 @@ use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
 
 /// Reads a whole number that is not negative, as JSON has it: `1`, or `1.0` as pandas writes it.
-///
-/// # Errors
-/// Fractions, negative numbers, and numbers larger than the type holds.
 pub fn whole<'de, D: Deserializer<'de>, T: TryFrom<u64>>(from: D) -> Result<T, D::Error> {
     /// Most whole numbers that a double tells apart: 2⁵³.
     const MOST: f64 = 9_007_199_254_740_992.0;
@@ -19,9 +16,6 @@ pub fn whole<'de, D: Deserializer<'de>, T: TryFrom<u64>>(from: D) -> Result<T, D
 }
 
 /// Reads a [`whole`] number that may be `null`; the key needs serde's `default` where it may be absent.
-///
-/// # Errors
-/// As of [`whole`].
 pub fn whole_if_any<'de, D: Deserializer<'de>, T: TryFrom<u64>>(from: D) -> Result<Option<T>, D::Error> {
     let converted = |Whole(number)| T::try_from(number).map_err(|_| too_large(number));
     Option::<Whole>::deserialize(from)?.map(converted).transpose()

@@ -137,15 +137,11 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     write_all_atomically(&[(path, content)])
 }
 
-/// Whether an output is named as standard output.
 pub fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
 }
 
 /// Whether an output is written to as a stream: standard output, a named pipe or a character device.
-///
-/// # Errors
-/// What lies in its place can be neither replaced nor written to.
 pub fn is_stream(path: &Path) -> Result<bool, FileError> {
     Ok(matches!(OutputPlace::at(path)?, OutputPlace::Stream(_)))
 }
@@ -266,9 +262,6 @@ fn new_beside<T>(path: &Path, make: impl Fn(&Path) -> std::io::Result<T>) -> std
 
 /// Makes a folder where nothing is, or an empty one: `fill` writes its files under a temporary name beside it, then it takes its place. What
 /// fails leaves nothing behind.
-///
-/// # Errors
-/// Those of `fill`; a place that cannot be written.
 pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError>) -> Result<(), FileError> {
     let failed = |e| FileError::write(path, &e);
     if path.file_name().is_none() {

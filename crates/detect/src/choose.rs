@@ -34,7 +34,6 @@ pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileEr
     }
 }
 
-/// The detector of a name.
 fn one(name: &str) -> Result<Manifest, ManifestError> {
     if let Ok(Some(_)) = ProgramSpec::named(name) {
         let name = name.to_owned();
@@ -141,9 +140,6 @@ pub(super) fn names_in(folder: &Path, ending: &str) -> Vec<String> {
 }
 
 /// A registered detector; `None` when no detector is registered by this name.
-///
-/// # Errors
-/// A manifest that cannot be read any more.
 pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
     let path = path(name).filter(|path| Manifest::is_name(name) && path.is_file());
     path.map(|path| Manifest::open(&path)).transpose()
@@ -151,9 +147,6 @@ pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
 
 /// Keeps a manifest in the user's data folder and returns where. The weights stay where they are and are named by their whole path; those that
 /// are only to be fetched keep their address.
-///
-/// # Errors
-/// A name that is taken; weights that are nowhere.
 pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf, RegisterError> {
     let name = manifest.name.clone();
     if Manifest::all()?.iter().any(|m| m.name == name) {
@@ -180,9 +173,6 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
 }
 
 /// Takes a detector off the list; its weights and the manifest it was registered from stay.
-///
-/// # Errors
-/// A name that is not on the list.
 pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
     let names = registered_names();
     if !names.iter().any(|known| known == name) {

@@ -79,9 +79,6 @@ pub struct RecordedPhoto {
 
 impl Recording {
     /// Reads where a detector's recording in a folder came from, and nothing else of it.
-    ///
-    /// # Errors
-    /// There is none, or it is damaged.
     pub fn open(folder: &Path, detector: &str) -> Result<Recording, RecordedError> {
         let (_, path) = paths(folder, detector);
         parse(&files::read_text(&path)?, &path)
@@ -101,7 +98,6 @@ impl Recording {
 
 const PROVENANCE: &str = ".provenance.json";
 
-/// Why a recording cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordedError {
     #[error(transparent)]
@@ -126,7 +122,6 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// Reads the recording of a detector from a folder.
     pub fn open(folder: &Path, manifest: &Manifest) -> Result<Recorded, RecordedError> {
         let (results_path, provenance_path) = paths(folder, &manifest.name);
         let recording: Recording = parse(&files::read_text(&provenance_path)?, &provenance_path)?;

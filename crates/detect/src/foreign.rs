@@ -21,7 +21,6 @@ pub enum ForeignKind {
 }
 
 impl ForeignKind {
-    /// What reports call it.
     pub fn name(self) -> &'static str {
         match self {
             ForeignKind::Results => "results",

@@ -280,7 +280,6 @@ impl Head {
         Some((head, what))
     }
 
-    /// What TOML alone cannot say.
     pub(super) fn check(&self) -> Result<(), String> {
         if let Some(nms_iou) = self.nms_iou().filter(|iou| !(0.0..=1.0).contains(iou)) {
             return Err(format!(

@@ -6,7 +6,6 @@ use super::manifest::{Channels, Input, Kernel, Layout, Manifest, Resize};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_photo::photo::{opencv_linear, shrunk};
 
-/// Where the photo lies in the network's input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputPlacement {
     /// Input pixels per photo pixel.

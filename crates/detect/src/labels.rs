@@ -76,7 +76,6 @@ const NAMED_LISTS: [(&str, Labels); 3] = [
 ];
 
 impl Labels {
-    /// One of the lists that have a name.
     pub fn of_list(name: &str) -> Option<Labels> {
         let named = NAMED_LISTS.into_iter().find(|(known, _)| *known == name);
         named.map(|(_, list)| list)
@@ -125,7 +124,6 @@ impl Labels {
         }
     }
 
-    /// The number of a label by its name.
     pub fn find(self, name: &str) -> Option<usize> {
         (0..self.count()).find(|label| self.name(*label) == Some(name))
     }
@@ -140,7 +138,6 @@ impl Labels {
         }
     }
 
-    /// The label of a category id.
     pub fn of_category(self, id: u32) -> Option<usize> {
         (0..self.count()).find(|label| self.category_id(*label) == Some(id))
     }

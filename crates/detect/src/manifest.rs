@@ -113,7 +113,6 @@ impl Default for Pad {
 }
 
 impl Pad {
-    /// The level of a channel of the input.
     pub fn level(self, channel: usize) -> u8 {
         match self {
             Pad::Grey(level) => level,
@@ -335,7 +334,6 @@ impl Manifest {
         !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain)
     }
 
-    /// What TOML alone cannot say.
     fn check(&self) -> Result<(), String> {
         if !Manifest::is_name(&self.name) {
             return Err(format!(

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use scaleproof_core::geometry::BoxPx;
 
-/// A decoded box before suppression, in input pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateBox {
     pub label: usize,

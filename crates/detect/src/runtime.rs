@@ -53,7 +53,6 @@ pub enum DetectError {
 /// Time limit for one photo, far more than any network takes on a single core. A loop in its file may never end.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
-/// The loaded ONNX Runtime.
 pub struct Runtime {
     /// The one a process may have.
     pub environment: Environment,
@@ -102,7 +101,6 @@ fn default_library() -> String {
     packaged.map_or_else(|| name.to_owned(), |path| path.to_string_lossy().into_owned())
 }
 
-/// One detector, ready to run in one thread.
 pub struct Detector {
     pub manifest: Manifest,
     session: Session,
@@ -192,7 +190,6 @@ fn within_photo(candidates: Vec<CandidateBox>, placement: &InputPlacement) -> Ve
     candidates.into_iter().filter_map(cut).collect()
 }
 
-/// A network, loaded for one inference thread.
 pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, DetectError> {
     let load = || {
         Session::builder(&runtime.environment)?
@@ -207,7 +204,6 @@ pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, Dete
     })
 }
 
-/// The first line of what ONNX Runtime says.
 pub(super) fn first_line(e: &impl ToString) -> String {
     e.to_string().lines().next().unwrap_or_default().to_owned()
 }

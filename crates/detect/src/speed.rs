@@ -48,7 +48,6 @@ pub struct Speed {
     pub ms_range: [f64; 2],
 }
 
-/// Why a file of times cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SpeedError {
     #[error(transparent)]

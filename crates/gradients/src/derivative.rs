@@ -26,9 +26,6 @@ type Rgb = [f64; 3];
 
 /// What is wrong with a program's gradient, as a sentence about it; `first` is what it says of `image`. Of a partial gradient only sign and scale
 /// are checked, along itself.
-///
-/// # Errors
-/// Those of `look`.
 pub(super) fn fault(
     image: &[Rgb],
     first: &ImageLoss,

@@ -11,7 +11,6 @@ pub enum DeviceKind {
     Wgpu,
 }
 
-/// Why a device cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DeviceError {
     #[error("this program was built without {0}")]

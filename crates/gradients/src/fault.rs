@@ -17,8 +17,6 @@ pub enum NetworkFault {
     WholeInput(usize),
     #[error("its input {0} holds fractions where whole numbers belong")]
     FractionInput(usize),
-    #[error("its output {0} is never computed")]
-    NotComputed(String),
     #[error("it takes {1} {0} and gets {2}")]
     Count(&'static str, usize, usize),
     #[error("a tensor of rank {0} has no axis {1}")]

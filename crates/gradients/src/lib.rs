@@ -83,7 +83,6 @@ pub enum WhiteBoxError {
 /// What one anchor of a detector says about the classes that count as the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// In pixels of the image.
     pub box_px: BoxPx,
     /// Highest confidence C of the classes that count, 0 to 1.
     pub confidence: f64,
@@ -96,7 +95,6 @@ pub struct Prediction {
 
 /// A differentiable detector.
 pub trait WhiteBox {
-    /// The name of its manifest.
     fn name(&self) -> &str;
 
     /// The overlap above which a better box hides another in scoring.
@@ -126,7 +124,6 @@ pub trait WhiteBox {
     }
 }
 
-/// What an attack moves an image against.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageLoss {
     /// `−ln(1 − C)`.
@@ -137,7 +134,6 @@ pub struct ImageLoss {
     pub gradient: Vec<[f64; 3]>,
 }
 
-/// A detector's answer about one image.
 pub trait ForwardPass {
     fn predictions(&self) -> &[Prediction];
 

@@ -10,7 +10,6 @@ use super::{Boxes, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Gradients, Manifest, ProgramDetector, ProgramImage, ProgramPhoto};
 
-/// A program and the labels that count as the model.
 pub struct ProgramWhiteBox {
     program: ProgramDetector,
     manifest: Manifest,
@@ -21,9 +20,6 @@ pub struct ProgramWhiteBox {
 
 impl ProgramWhiteBox {
     /// `labels`: the indices into its labels that count as the model; `differentiates`: it is asked for gradients.
-    ///
-    /// # Errors
-    /// It gives no gradients, or takes no pixels.
     pub fn open(
         program: ProgramDetector,
         manifest: Manifest,

@@ -38,9 +38,6 @@ pub enum CopiesError {
 
 /// Where the copy of each photo goes, as the option of this name asks; `named` gives a name by the photo's own without its ending, and a number from 1
 /// for those of one name.
-///
-/// # Errors
-/// A folder that holds one of the photos or cannot be written; a file in the way that no run has drawn.
 pub fn places(
     folder: &Path,
     photos: &[PathBuf],
@@ -82,7 +79,6 @@ pub fn places(
     }
 }
 
-/// Writes the image of a copy as a JPEG.
 pub fn write(place: &Path, image: &RgbImage) -> Result<(), CopiesError> {
     let mut jpeg = Vec::new();
     let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(image);

@@ -28,7 +28,6 @@ pub struct Lettering {
     pub size_px: f64,
 }
 
-/// Where a label stands relative to its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelAnchor {
     /// The place is the label's top-left corner.
@@ -45,7 +44,6 @@ pub fn readable_px(image: &RgbImage) -> (f64, f64) {
     ((longest / 700.0).max(1.5), (longest / 70.0).max(11.0))
 }
 
-/// A straight line.
 pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
     let Some([from, to]) = clipped(image, from, to, pen.width_px) else {
         return;
@@ -160,7 +158,6 @@ fn font() -> Option<FontRef<'static>> {
     FontRef::try_from_slice(scaleproof_core::FONT).ok()
 }
 
-/// Only what the font has.
 fn shown(c: char) -> char {
     match c {
         ' '..='~' | '\u{a1}'..='\u{ff}' | '…' => c,

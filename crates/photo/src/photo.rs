@@ -53,7 +53,6 @@ pub enum PhotoError {
     Damaged { path: PathBuf, reason: String },
 }
 
-/// How an iPhone is made to take JPEGs.
 pub const IPHONE_TO_JPEG: &str = "set the iPhone to Settings › Camera › Formats › Most Compatible";
 
 /// What to do with an HEIC, HEIF or AVIF image, which is read where the system has a decoder for it.
@@ -97,7 +96,6 @@ pub struct Photo {
     pub height: u32,
     /// How far EXIF turns the sensor's image clockwise to make it upright: 0, 90, 180 or 270. A mirrored image is mirrored back besides.
     pub turned_deg: u32,
-    /// Its EXIF block, if it has one.
     exif: Option<Vec<u8>>,
     header: Header,
     budget: Budget,

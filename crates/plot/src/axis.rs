@@ -2,7 +2,6 @@
 
 use scaleproof_core::geometry::extent;
 
-/// How values are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     Linear,
@@ -71,7 +70,6 @@ impl PlotAxis {
     }
 }
 
-/// A tick's value as people write it.
 pub fn tick_label(value: f64) -> String {
     // Of 0 the logarithm is below all numbers, and the digits are none.
     let digits = if value == 0.0 {

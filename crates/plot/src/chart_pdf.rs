@@ -16,9 +16,6 @@ use crate::pdf::{self, PdfError};
 const POINTS: f64 = 0.75;
 
 /// The PDF of a chart; `title` is what viewers call it.
-///
-/// # Errors
-/// An SVG that is none, or has something that none of our charts has.
 pub fn pdf_of_svg(title: &str, svg: &str) -> Result<Vec<u8>, PdfError> {
     let failed = |reason: String| PdfError { reason };
     let parsed = roxmltree::Document::parse(svg).map_err(|e| failed(e.to_string()))?;

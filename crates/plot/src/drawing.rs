@@ -13,7 +13,6 @@ const NOTE_LETTER: f64 = 6.0;
 
 /// Marks, and the part of their plane that is shown.
 pub struct Drawing {
-    /// Left, top, width and height.
     pub area: [f64; 4],
     /// What it shows, in words.
     pub label: String,

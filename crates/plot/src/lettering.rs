@@ -31,12 +31,10 @@ const LATIN_1_WIDTHS: [u16; 95] = [
     612, 634, 612, 612, 612, 612, 612, 838, 612, 634, 634, 634, 634, 592, 635, 592,
 ];
 
-/// A width and a height as text.
 pub fn size((width, height): (f64, f64)) -> String {
     format!("{} × {}", number(width), number(height))
 }
 
-/// Width of one line of text.
 pub fn width_mm(text: &str, size_mm: f64) -> f64 {
     let advance_em = |c| f64::from(thousandths(c)) / 1000.0;
     text.chars().map(advance_em).sum::<f64>() * size_mm

@@ -37,7 +37,6 @@ const INK: &str = "#1d232b";
 const FAINT: &str = "#d7dce2";
 const NOTE: &str = "#5b6573";
 
-/// The colour of the n-th series.
 pub fn colour(series: usize) -> &'static str {
     COLOURS[series % COLOURS.len()]
 }
@@ -57,7 +56,6 @@ fn round(v: f64) -> f64 {
     (v * 10.0).round() / 10.0
 }
 
-/// A finished chart as a file of its own.
 fn document(width: f64, height: f64, label: &str, content: &maud::Markup) -> String {
     let svg = maud::html! {
         svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {width} {height}")) width=(width) height=(height) role="img"

@@ -82,7 +82,6 @@ fn draw(panel: &PlotPanel) -> Markup {
     }
 }
 
-/// The stretches of a line between its gaps.
 fn runs(values: &[Option<f64>]) -> Vec<Vec<(usize, f64)>> {
     let numbered = values.iter().enumerate().map(|(i, v)| Some((i, (*v)?)));
     let numbered: Vec<Option<(usize, f64)>> = numbered.collect();

@@ -9,7 +9,6 @@ use scaleproof_core::files;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("the PDF could not be put together: {reason}")]
 pub struct PdfError {
-    /// Of the library that writes it.
     pub reason: String,
 }
 

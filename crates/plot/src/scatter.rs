@@ -25,7 +25,6 @@ pub struct Dot {
     pub share: f64,
     /// Index into the colours' names.
     pub series: usize,
-    /// Index into the shapes' names.
     pub shape: usize,
     /// Written beside it.
     pub name: Option<String>,
@@ -66,7 +65,6 @@ impl Cloud {
     }
 }
 
-/// The chart as an SVG file.
 pub fn scatter(cloud: &Cloud) -> String {
     let groups = cloud.groups.len().max(1) as f64;
     let of_note = 32.0 + LETTER * cloud.note.chars().count() as f64;

@@ -63,7 +63,6 @@ struct Overlay {
     /// How much smaller the copy is in both directions.
     scale: [f64; 2],
     width_px: f64,
-    /// Height of letters.
     size_px: f64,
 }
 
@@ -186,7 +185,6 @@ fn fate(tag: &SeenTag, examined: &LocatedPhoto, scene: &Scene) -> (DrawColour, S
     }
 }
 
-/// The tags that were seen, in words.
 fn seen(examined: &LocatedPhoto) -> String {
     let mut ids: Vec<u32> = examined.seen.iter().map(|tag| tag.id).collect();
     ids.sort_unstable();
@@ -198,7 +196,6 @@ fn seen(examined: &LocatedPhoto) -> String {
     }
 }
 
-/// A pose as two lines of words.
 fn in_words(l: &Located) -> String {
     let (v, s, b) = (&l.viewpoint, &l.sigma, &l.bin);
     format!(

@@ -57,9 +57,6 @@ impl Progress {
     }
 
     /// Does the work that this shows, and finishes when it is done; after an error it just goes.
-    ///
-    /// # Errors
-    /// Those of the work.
     pub fn during<T, E>(self, work: impl FnOnce(&Self) -> Result<T, E>) -> Result<T, E> {
         let done = work(&self)?;
         self.finish_and_clear();
@@ -107,7 +104,6 @@ impl Drop for Progress {
     }
 }
 
-/// A bar that counts photos.
 pub fn photos(what: &str, count: usize) -> Progress {
     counting(what, count, "photos")
 }
@@ -173,7 +169,6 @@ fn shown(bar: ProgressBar, what: &str, unit: Unit, template: &str) -> Progress {
     Progress::start(Work { what, unit }, bar, every, Arc::new(|line: &str| say!("{line}")))
 }
 
-/// What is counted.
 #[derive(Debug, Clone, Copy)]
 enum Unit {
     Counted(&'static str),
@@ -181,7 +176,6 @@ enum Unit {
     None,
 }
 
-/// What a line says beside the numbers.
 #[derive(Debug, Clone)]
 struct Work {
     what: String,

@@ -171,7 +171,6 @@ fn copy_name(stem: &str, number: u32) -> String {
     format!("{stem}_detections{number}.jpg")
 }
 
-/// The photo with its boxes drawn in.
 fn drawn(photo: &Photo, marks: &[Mark]) -> Result<RgbImage, PhotoError> {
     let mut image = photo.rgb(1)?;
     let (width_px, size_px) = draw::readable_px(&image);

@@ -74,11 +74,9 @@ struct Looking {
     folder: Folder,
 }
 
-/// A detector and the file of its weights.
 type WithWeights = (Manifest, PathBuf);
 
 impl Looking {
-    /// The detectors with their weights, and the photos.
     fn open(&mut self) -> Result<(Vec<WithWeights>, Vec<Photo>)> {
         Ok((self.networks(&self.detectors)?, self.photos()?))
     }
@@ -206,7 +204,6 @@ pub(super) fn present(names: &[String], folders: &WeightFolders) -> Result<Vec<M
     }
 }
 
-/// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
         named::<add::Added>("detectors-add"),

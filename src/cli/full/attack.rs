@@ -69,7 +69,6 @@ pub(in crate::cli) struct CheckArgs {
     json: bool,
 }
 
-/// The option that helps.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     networks::advice(error).or_else(|| advice::advice(error))
 }
@@ -140,7 +139,6 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     told(args.json, CheckedFrames { frames, size_px }, words, out)
 }
 
-/// The schemas of what these commands print.
 pub(in crate::cli) fn schemas() -> Vec<Named> {
     let mut all = vec![
         named::<CheckedFrames>("attack-check"),

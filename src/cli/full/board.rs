@@ -97,7 +97,6 @@ pub(in crate::cli) struct Answer {
     definition: String,
 }
 
-/// The error with the options that mend it.
 fn advised(error: BoardError) -> String {
     match &error {
         BoardError::MarkerTooLarge { .. } => format!("{error}; use a smaller --marker-mm"),

@@ -269,7 +269,6 @@ fn chart_score(args: &ScoreArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 impl ChartInput {
-    /// The session and its photos, decoded, with the truth about each.
     fn samples(&self) -> Result<(Session, Vec<PhotoSample>)> {
         let session = Session::open(&self.session)?;
         let samples = progress::photos("reading", session.photos.len())
@@ -279,7 +278,6 @@ impl ChartInput {
 }
 
 impl ChartFiles {
-    /// Writes the numbers and the charts, and says what they show.
     fn write(
         &self,
         name: &str,
@@ -298,7 +296,6 @@ impl ChartFiles {
     }
 }
 
-/// The schemas of what these commands print and write.
 pub(in crate::cli) fn schemas() -> Vec<Named> {
     vec![
         named::<ChartNumbers<capture::CaptureRow>>("chart-capture"),

@@ -47,7 +47,6 @@ pub(super) fn run(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Downloads the weights of a detector, with a bar.
 pub(in crate::cli) fn download(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
     let bar = progress::bytes(&manifest.name);
     let fetched = fetch(manifest, &folders.download_folder()?, &|done, total| {
@@ -60,7 +59,6 @@ pub(in crate::cli) fn download(manifest: &Manifest, folders: &WeightFolders) -> 
     Ok(fetched?)
 }
 
-/// What to do about an error of a download.
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     matches!(error.downcast_ref(), Some(FetchError::Taken { .. }))
         .then(|| ", or fetch into another folder by --detectors".into())

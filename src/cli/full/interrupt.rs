@@ -9,7 +9,6 @@ pub(super) fn in_background(waiting: impl Future<Output = ()> + Send + 'static) 
     });
 }
 
-/// Ends them before an interruption ends this program.
 #[cfg(unix)]
 pub(in crate::cli) fn end_programs_first() {
     use tokio::signal::unix::{SignalKind, signal};

@@ -115,7 +115,6 @@ pub(super) fn detectors(command: DetectorsCommand, out: &mut dyn Write) -> Comma
     fetch::run(args, out)
 }
 
-/// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     let mut all = vec![
         named::<scaleproof_study::advise::Advice>("advice"),

@@ -170,7 +170,6 @@ impl ModelArgs {
     }
 }
 
-/// The materials and the list of triangles that a scene's file names as paint.
 pub(crate) fn paint_of(model: &ScaleModel, scene_file: &Path) -> (Vec<String>, Option<PathBuf>) {
     let (materials, faces) = model.mesh.paint.named();
     (materials.to_vec(), faces.map(|path| scene_file.with_file_name(path)))

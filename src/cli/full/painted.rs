@@ -18,7 +18,6 @@ use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::PiecesRequest;
 use scaleproof_wrap::pieces::painted::{PaintedPieces, PaintedRequest, flattened, painted_pieces};
 
-/// Prints the sheets.
 pub(super) fn run(
     (model, texture, paints): (&Model, &Texture, &Paints),
     request: PiecesRequest,

@@ -132,7 +132,6 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>> {
     (0..count).map(one).collect()
 }
 
-/// The patches as a texture has them.
 pub(crate) fn placed(patches: &[PanelPatch]) -> Vec<PlacedPatch> {
     let patches = patches.iter().map(|patch| PlacedPatch {
         image: patch.image.pixels.clone(),

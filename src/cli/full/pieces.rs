@@ -64,7 +64,6 @@ impl PiecesArgs {
     }
 }
 
-/// Prints the pieces.
 pub(super) fn run(
     (model, painted): (&Model, &NamedTexture),
     request: &PiecesRequest,
@@ -93,7 +92,6 @@ pub(super) fn run(
     told(as_json, written(&files, facts(model, &made)), words, out)
 }
 
-/// What the captions say of a texture.
 pub(super) fn captioned(painted: &NamedTexture) -> String {
     let hash = format!("sha256 {}", painted.sha256.get(..12).unwrap_or_default());
     match &painted.texture {
@@ -170,7 +168,6 @@ fn facts(model: &Model, made: &PrintedPieces) -> PiecesAnswer {
     }
 }
 
-/// The pieces, each with its place on the sheets.
 pub(super) fn each(pieces: &[Piece], places: &[Place]) -> impl Iterator<Item = PieceAnswer> {
     let placed = pieces.iter().zip(places).enumerate();
     placed.map(|(i, (piece, place))| PieceAnswer {

@@ -95,7 +95,6 @@ pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     }
 }
 
-/// The fixed tags by family and id.
 fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
     if args.fixed == "mat" {
         let mat: Vec<_> = arrange(scene).flat.iter().map(|t| (t.family, t.id)).collect();

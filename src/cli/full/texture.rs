@@ -27,7 +27,6 @@ pub(crate) struct TextureArgs {
 
 /// A texture, as outputs name it.
 pub(crate) struct NamedTexture {
-    /// The file's name.
     pub name: String,
     pub texture: Texture,
     /// Of what it was read from: of the file, or of its hash and those of its images.
@@ -40,7 +39,6 @@ impl TextureArgs {
         self.texture.as_deref().filter(|path| is_mesh(path))
     }
 
-    /// The file that was given.
     pub(crate) fn file(&self) -> Option<&Path> {
         self.pattern.as_deref().or(self.texture.as_deref())
     }

@@ -173,7 +173,6 @@ fn facts(model: &Model, made: &Wrap) -> PanelsAnswer {
     }
 }
 
-/// What to do about an error of pieces.
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         PaintedError::Pieces(e) => advice(e)?,

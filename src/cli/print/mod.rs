@@ -101,7 +101,6 @@ impl CutSheetArgs {
         })
     }
 
-    /// One sheet as the file to write.
     pub(super) fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>> {
         Ok(self
             .output()?
@@ -176,7 +175,6 @@ fn printer(file: Option<&Path>) -> Result<Printer> {
     Ok(file.map(Printer::load).transpose()?.unwrap_or(Printer::EXACT))
 }
 
-/// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![
         named::<Written<chart::Answer>>("print-chart"),

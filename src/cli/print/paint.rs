@@ -66,7 +66,6 @@ impl PaintArgs {
 }
 
 impl Paints {
-    /// The pattern in the paints.
     pub(in crate::cli) fn painted(&self, pattern: &Pattern) -> Result<Painted, PaletteError> {
         match &self.palette {
             Some(palette) => Painted::by_palette(pattern, palette),

@@ -107,7 +107,6 @@ struct MatAnswer {
     strips: Vec<String>,
 }
 
-/// What was drawn.
 fn facts(made: &TagSheets) -> Answer {
     let sheets = made.names.iter().zip(&made.sheets).map(|(name, sheet)| SheetAnswer {
         name: name.clone(),

@@ -92,7 +92,6 @@ pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// Prints what is drawn, and says so.
 fn print(
     (args, request): (&TemplateArgs, &TemplateRequest),
     draw: &dyn Fn() -> Result<Template, TemplateError>,
@@ -137,13 +136,11 @@ fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
     print((args, &request), &draw, Grain::PixelMm, out)
 }
 
-/// Draws a template and writes it to a PDF.
 pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template> {
     let output = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
     Ok(write(&|| template(pattern, request), request, &output)?.0)
 }
 
-/// Gives the files as well.
 fn write(
     draw: &dyn Fn() -> Result<Template, TemplateError>,
     request: &TemplateRequest,

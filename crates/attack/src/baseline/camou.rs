@@ -73,9 +73,6 @@ struct Answered {
 }
 
 /// Searches until the query budget is exhausted. The pattern must have six cells a side or more.
-///
-/// # Errors
-/// A detector that cannot look.
 pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> Result<Vec<Rgb>, RunError> {
     let device = device.clone().autodiff();
     device.seed(config.seed);

@@ -14,17 +14,12 @@ const ELITE: usize = 3;
 const TOURNAMENT: usize = 3;
 /// Share of a child's cells that are replaced by random ones.
 const MUTATED: f64 = 0.03;
-/// Views a generation is looked at in.
 const VIEWS: u32 = 6;
 /// Images of the first generation: with fewer nothing is searched.
 pub const FIRST_ROUND: u64 = POPULATION as u64 * VIEWS as u64;
 /// Between two judgements, in generations.
 const NOTED_EVERY: u32 = 4;
 
-/// Searches until the query budget is exhausted.
-///
-/// # Errors
-/// A detector that cannot look.
 pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
     let mut rng = drawn_by(config.seed, u32::MAX);
     let count = oracle.view_set.grid.cells();

@@ -26,7 +26,6 @@ use super::run::{Rgb, RunError, batch};
 use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 
-/// Everything a search depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SearchConfig {
     pub method: &'static str,
@@ -64,8 +63,6 @@ pub struct BlackBox<'a> {
 }
 
 impl<'a> BlackBox<'a> {
-    /// # Errors
-    /// A checkpoint in the folder that is damaged or of another search.
     pub fn begin(
         view_set: &'a ViewSet,
         detectors: &'a [Box<dyn WhiteBox>],
@@ -105,9 +102,6 @@ impl<'a> BlackBox<'a> {
 
     /// The mean over detectors of the highest confidence of a box that meets the model; `None` when no more may be
     /// asked.
-    ///
-    /// # Errors
-    /// A detector that cannot look, or whose answer is not a number.
     pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, RunError> {
         if self.asked as u64 >= self.config.queries {
             return Ok(None);
@@ -134,9 +128,6 @@ impl<'a> BlackBox<'a> {
     }
 
     /// The mean score of a pattern over some views, each with a draw of its own; `None` when the query budget is exhausted.
-    ///
-    /// # Errors
-    /// Those of [`BlackBox::score`].
     pub fn mean_score(&mut self, views: &[(usize, Augmentation)], cells: &[Rgb]) -> Result<Option<f64>, RunError> {
         let mut sum = 0.0;
         for (view, draw) in views {
@@ -149,9 +140,6 @@ impl<'a> BlackBox<'a> {
     }
 
     /// Judges the best pattern so far and notes it; `score` is what the search thinks of it.
-    ///
-    /// # Errors
-    /// A detector that cannot look.
     pub fn note(&mut self, cells: &[Rgb], score: Option<f64>) -> Result<(), RunError> {
         self.noted += 1;
         if self.noted <= self.checkpoint.history.len() {
@@ -170,9 +158,6 @@ impl<'a> BlackBox<'a> {
     }
 
     /// What was noted.
-    ///
-    /// # Errors
-    /// A folder that takes no files.
     pub fn finish(mut self) -> Result<Vec<Entry>, RunError> {
         self.save()?;
         Ok(self.checkpoint.history)

@@ -14,9 +14,6 @@ fn colour(patch: &PlacedPatch, point: &SurfacePoint) -> Option<Rgb> {
 }
 
 /// Does any of it lie on the paint that a frame shows? `None` for a frame without positions.
-///
-/// # Errors
-/// Images that cannot be read.
 pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
     let points = set.surface(frame)?;
     Ok(points.map(|points| points.iter().any(|point| colour(patch, point).is_some())))
@@ -24,9 +21,6 @@ pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Opt
 
 /// The first of some patches that no judged view shows, if there is one: it would be judged as the plain model. A frame without positions
 /// may show any.
-///
-/// # Errors
-/// Images that cannot be read.
 pub fn first_unseen(setup: &Setup, patches: &[PlacedPatch]) -> Result<Option<usize>, FramesError> {
     for (i, patch) in patches.iter().enumerate() {
         let mut is_shown = false;
@@ -42,9 +36,6 @@ pub fn first_unseen(setup: &Setup, patches: &[PlacedPatch]) -> Result<Option<usi
 }
 
 /// Judges patches on a model of one colour (8-bit sRGB) by the views held out.
-///
-/// # Errors
-/// Frames without positions, images that cannot be read, and those of the detectors.
 pub fn judge_patches(setup: &Setup, patches: &[PlacedPatch], base_rgb: [u8; 3]) -> Result<HeldOutFigures, RunError> {
     let (view_set, frames) = (&setup.view_set, &setup.frames);
     judge_images(view_set, &setup.detectors, |view| {
@@ -59,9 +50,6 @@ pub fn judge_patches(setup: &Setup, patches: &[PlacedPatch], base_rgb: [u8; 3]) 
 
 /// The paint in each pixel of a frame (linear reflectance); later patches lie over earlier ones. `None` for a frame
 /// without positions.
-///
-/// # Errors
-/// Images that cannot be read.
 pub fn paint(
     set: &FrameSet,
     frame: &Frame,

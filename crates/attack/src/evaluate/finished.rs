@@ -54,9 +54,6 @@ struct Share {
 
 /// The figures of the pattern with the content of this file, repeated every so many millimetres, one entry for each detector. `classes`: what it
 /// was made for, where that is known.
-///
-/// # Errors
-/// A folder that holds no finished evaluation, one without this pattern, or one that counted other labels as the model.
 pub fn figures_of(
     evaluation: &Path,
     (pattern, tile_mm): (&Path, f64),

@@ -73,9 +73,6 @@ pub struct RenderedSet {
 
 impl RenderedSet {
     /// `variants` name the request's paints, in their order.
-    ///
-    /// # Errors
-    /// What [`RenderPlan::new`] refuses, names that cannot be folders or are there twice, a model that is not whole in every image.
     pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
         let mut seen = HashSet::new();
         if let Some(name) = variants
@@ -113,9 +110,6 @@ impl RenderedSet {
 
     /// Writes the session of the photos: the scene, which is the model (name, class, scale) without tags and with a bin for each viewpoint,
     /// then the list that names it.
-    ///
-    /// # Errors
-    /// A folder that takes no files.
     pub fn write_session(
         &self,
         folder: &Path,
@@ -225,7 +219,6 @@ fn folder_of(variant: &str) -> PathBuf {
     Path::new("photos").join(variant)
 }
 
-/// Names become folders.
 fn is_plain(name: &str) -> bool {
     let is_safe = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     !name.is_empty() && !name.starts_with('.') && name.chars().all(is_safe)

@@ -118,7 +118,6 @@ impl Eot {
     }
 }
 
-/// One draw of everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Augmentation {
     /// φ_rd, the random shift of the texture, and for Repeated Texture Projection its size.
@@ -129,7 +128,6 @@ pub struct Augmentation {
     pub offset_px: [f64; 2],
     noise: f64,
     noise_seed: u64,
-    /// Factors of the channels.
     white_balance: Rgb,
     blur_px: f64,
     jpeg_quality: u8,
@@ -192,7 +190,6 @@ impl Augmentation {
         }
     }
 
-    /// Some views, each with a draw of its own.
     pub fn of_each(views: Vec<usize>, eot: &Eot, rng: &mut impl Rng) -> Vec<(usize, Self)> {
         views.into_iter().map(|view| (view, Self::random(eot, rng))).collect()
     }
@@ -205,7 +202,6 @@ impl Augmentation {
         BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
     }
 
-    /// Augments an image.
     pub fn apply(&self, image: &[Rgb], size_px: [u32; 2]) -> AugmentedImage {
         let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
         let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
@@ -241,7 +237,6 @@ impl Augmentation {
     }
 }
 
-/// An augmented image and its adjoint.
 #[derive(Debug, Clone)]
 pub struct AugmentedImage {
     pub image: Vec<Rgb>,

@@ -12,7 +12,6 @@ use super::RunError;
 use super::history::Entry;
 use scaleproof_core::files;
 
-/// The name of the checkpoint in the folder of the run.
 pub const FILE: &str = "checkpoint";
 /// Between two of them.
 pub const AT_MOST: Duration = Duration::from_secs(20);
@@ -82,9 +81,6 @@ impl Checkpoint {
     }
 
     /// The checkpoint in a folder; `None` where there is none.
-    ///
-    /// # Errors
-    /// One that is damaged, or of another run.
     pub fn load(folder: &Path, key: &str) -> Result<Option<Self>, RunError> {
         let path = folder.join(FILE);
         if !path.exists() {
@@ -105,9 +101,6 @@ impl Checkpoint {
     }
 
     /// Whole or not at all. Another run may have begun in the folder meanwhile, and its checkpoint is not taken from it.
-    ///
-    /// # Errors
-    /// A folder that takes no files, or that has the checkpoint of another run.
     pub fn save(&self, folder: &Path) -> Result<(), RunError> {
         if let Err(other @ RunError::OtherRun { .. }) = Self::load(folder, &self.key) {
             return Err(other);

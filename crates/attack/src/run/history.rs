@@ -11,7 +11,6 @@ use scaleproof_core::files;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::scene::Classes;
 
-/// The name of the file in the folder of a run.
 pub const FILE: &str = "history.json";
 
 /// What was measured of a run after one of its steps.
@@ -61,9 +60,6 @@ pub struct History {
 
 impl History {
     /// The history in the folder of a result.
-    ///
-    /// # Errors
-    /// None there, or a damaged one, or one of figures that no run has.
     pub fn load(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(FILE);
         let read = serde_json::from_str::<Self>(&files::read_text(&path)?).map_err(|e| e.to_string());
@@ -119,12 +115,10 @@ impl History {
         clauses.collect()
     }
 
-    /// Images looked at in all.
     pub fn queries(&self) -> u64 {
         self.entries.last().map_or(0, |e| e.queries)
     }
 
-    /// Seconds that it took in all.
     pub fn wall_s(&self) -> f64 {
         self.entries.last().map_or(0.0, |e| e.wall_s)
     }

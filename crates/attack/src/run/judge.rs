@@ -26,9 +26,6 @@ pub struct HeldOutFigures {
 }
 
 /// Judges cells (sRGB, 0 to 1).
-///
-/// # Errors
-/// A detector that cannot look, or whose answer is not a number.
 pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<HeldOutFigures, RunError> {
     judge_images(view_set, detectors, |view| {
         Ok(view_set.textured(view, cells, &Augmentation::NONE).augmented.image)
@@ -36,9 +33,6 @@ pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb])
 }
 
 /// Judges whatever is in the images of the views held out.
-///
-/// # Errors
-/// Those of `image`, and of the detectors.
 pub fn judge_images(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
@@ -54,7 +48,6 @@ pub fn judge_images(
     })
 }
 
-/// What one detector makes of some views.
 #[derive(Default)]
 pub struct SeenByDetector {
     /// Confidence of the most confident box on the model, in each view; 0 where there is none.
@@ -80,9 +73,6 @@ impl SeenByDetector {
 }
 
 /// Lets every detector look at some views.
-///
-/// # Errors
-/// Those of `image`, and of the detectors.
 pub fn look(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
@@ -115,9 +105,6 @@ pub fn look(
 }
 
 /// The highest confidence of a box that meets the model; 0 where there is none.
-///
-/// # Errors
-/// A detector that cannot look, or whose answer is not a number.
 pub fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,

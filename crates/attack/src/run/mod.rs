@@ -55,10 +55,8 @@ use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::pattern::{Pattern, PatternError};
 
-/// A value of each channel.
 pub type Rgb = [f64; 3];
 
-/// How often a run judges its pattern.
 const JUDGED_TIMES: u32 = 12;
 
 /// Why there is no pattern.
@@ -117,7 +115,6 @@ impl From<postcard::Error> for RunError {
 /// Cells that a pattern is kept near to, by the mean squared distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Near {
-    /// Weight of the penalty in the loss.
     pub weight: f64,
     /// The cells to stay near to, as many as the pattern has, sRGB of 0 to 1.
     pub cells: Vec<Rgb>,
@@ -127,7 +124,6 @@ pub struct Near {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellColours {
-    /// Any.
     Free,
     /// The nearest of these, 8-bit sRGB.
     Palette(Vec<[u8; 3]>),
@@ -415,9 +411,6 @@ impl<'a> Attack<'a> {
 }
 
 /// The loss of one view, and its derivative with respect to the cells.
-///
-/// # Errors
-/// A detector that cannot look, or whose answer is not a number.
 pub fn loss_and_gradient<'a>(
     view_set: &ViewSet,
     detectors: &[impl Deref<Target = dyn WhiteBox + 'a>],
@@ -527,7 +520,6 @@ pub fn srgb(colours: &[[u8; 3]]) -> Vec<Rgb> {
     colours.iter().map(|rgb| rgb.map(|v| f64::from(v) / 255.0)).collect()
 }
 
-/// A pattern's cells, row by row.
 pub fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
     of_image(pattern.cells())
 }

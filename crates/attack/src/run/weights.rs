@@ -18,7 +18,6 @@ impl Against {
     /// Both, the default first.
     pub const ALL: [Self; 2] = [Self::Mean, Self::Worst];
 
-    /// Its name in files and options.
     pub fn name(self) -> &'static str {
         ["mean", "worst"][self as usize]
     }
@@ -59,7 +58,6 @@ impl DetectorWeights {
         raw.iter().map(|weight| weight / mean).collect()
     }
 
-    /// The mean loss of each detector in a step.
     pub fn observe(&mut self, losses: &[f64]) {
         // The mean of all so far, until that forgets.
         self.steps = self.steps.saturating_add(1);

@@ -13,7 +13,6 @@ const MAX_DETECTIONS: usize = 100;
 /// COCO's IoU thresholds are 0.5, 0.55, …, 0.95.
 const THRESHOLDS: u32 = 10;
 
-/// The boxes of one image and one class.
 #[derive(Debug, Clone, Default)]
 pub struct ImageBoxes {
     pub truths: Vec<BoxPx>,
@@ -68,7 +67,6 @@ pub fn ious() -> impl Iterator<Item = f64> {
 pub struct Ranked {
     /// (image, found a truth), the most confident first.
     judged: Vec<(usize, bool)>,
-    /// Truths of each image.
     truths: Vec<usize>,
 }
 

@@ -39,14 +39,12 @@ pub fn note(path: &Path) {
     }
 }
 
-/// Refuses to write over an input.
 pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
     let is_input = met().as_ref().is_some_and(|met| met.read.contains(&place(path)));
     let refused = || FileError::IsInput { path: path.to_owned() };
     if is_input { Err(refused()) } else { Ok(()) }
 }
 
-/// Refuses two outputs in one place.
 pub(super) fn refuse_twice<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
     let mut places = BTreeSet::new();
     let mut again = outputs.into_iter().filter(|path| !places.insert(place(path)));

@@ -20,13 +20,11 @@ const AT_WORK: Duration = Duration::from_secs(10);
 
 const ENDING: &str = ".scaleproof-journal";
 
-/// The note of one folder, removed when dropped.
 struct Journal {
     path: PathBuf,
     _lock: Option<File>,
 }
 
-/// Renames all to their places.
 pub(super) fn persist_all(staged: Vec<Staged>) -> Result<(), FileError> {
     // One file is whole or absent by itself.
     let folders = match staged.len() {

@@ -16,8 +16,6 @@ pub(super) enum OutputPlace {
 }
 
 impl OutputPlace {
-    /// # Errors
-    /// A folder, a socket, a block device, a link to nothing, a path without a name.
     pub(super) fn at(path: &Path) -> Result<OutputPlace, FileError> {
         let refused = |reason: &str| Err(FileError::cannot_write(path, reason));
         if is_standard_output(path) {
@@ -39,7 +37,6 @@ impl OutputPlace {
     }
 }
 
-/// Writes to a stream.
 pub(super) fn write_to(stream: &Path, content: &[u8]) -> Result<(), FileError> {
     let (written, name) = if is_standard_output(stream) {
         let mut out = std::io::stdout().lock();

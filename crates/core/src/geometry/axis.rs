@@ -42,7 +42,6 @@ impl SignedAxis {
         Self::new(self.index, !self.is_negative)
     }
 
-    /// A unit vector.
     pub fn vector(self) -> Vector3<f64> {
         let mut vector = Vector3::zeros();
         vector[self.index] = self.sign();

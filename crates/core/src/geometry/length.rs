@@ -57,9 +57,6 @@ const UNITS: [(&str, f64); 8] = [
 ];
 
 /// A length in mm: a number of mm, or of the unit behind it, as in `17.9in`.
-///
-/// # Errors
-/// What is no number, with or without its unit.
 pub fn parse_mm(text: &str) -> Result<f64, ParseFloatError> {
     let (number, mm) = in_unit(text).unwrap_or((text, 1.0));
     Ok(mm * number.trim().parse::<f64>()?)

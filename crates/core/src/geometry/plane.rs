@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 /// A point, or a vector, of a plane.
 pub type Point2 = [f64; 2];
 
-/// Euclidean distance of two points.
 pub fn distance(a: Point2, b: Point2) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
@@ -29,7 +28,6 @@ pub fn nearest_share(p: Point2, [a, b]: [Point2; 2]) -> f64 {
     along.clamp(0.0, 1.0)
 }
 
-/// The distance of a point from a segment.
 pub fn to_segment(p: Point2, [a, b]: [Point2; 2]) -> f64 {
     let along = nearest_share(p, [a, b]);
     (p[0] - a[0] - along * (b[0] - a[0])).hypot(p[1] - a[1] - along * (b[1] - a[1]))

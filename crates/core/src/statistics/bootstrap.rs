@@ -72,7 +72,6 @@ fn resampled<const K: usize, const N: usize>(
     figures.map(|drawn| interval_of(drawn, fewest))
 }
 
-/// The interval of one figure.
 pub fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<Interval> {
     let [interval] = intervals_95(clusters, |drawn| [figure(drawn)]);
     interval

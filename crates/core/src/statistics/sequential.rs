@@ -38,7 +38,6 @@ impl Wealth {
         }
     }
 
-    /// The logarithm of all of it.
     fn total(&self) -> f64 {
         let most = self.ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = self.ln.iter().map(|ln| (ln - most).exp()).sum();

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
-/// One section.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Section {
     pub kind: String,

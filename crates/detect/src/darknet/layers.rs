@@ -12,7 +12,6 @@ struct Layer {
     shape: [usize; 3],
 }
 
-/// A network on its way to ONNX.
 pub(super) struct Converter {
     graph: GraphWriter,
     input: [usize; 3],
@@ -53,7 +52,6 @@ impl Converter {
         })
     }
 
-    /// Adds the layer of a section.
     pub(super) fn add(&mut self, section: &Section, weights: &mut Weights) -> Result<()> {
         let last = self.last();
         let layer = match section.kind.as_str() {
@@ -438,7 +436,6 @@ impl Converter {
         Ok(last)
     }
 
-    /// The file, once all layers are there.
     pub(super) fn finish(mut self) -> Result<Vec<u8>> {
         let Some((_, _, row)) = self.tables.first().cloned() else {
             return Err("it has no [yolo]: only detectors of the YOLOv3 line are read".to_owned());

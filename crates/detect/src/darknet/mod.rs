@@ -13,7 +13,6 @@ use layers::Converter;
 use scaleproof_core::files;
 use weights::Weights;
 
-/// Why a Darknet network cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum DarknetError {
     #[error(transparent)]
@@ -25,9 +24,6 @@ pub enum DarknetError {
 }
 
 /// The bytes of an ONNX file that computes what Darknet computes from a configuration and its weights.
-///
-/// # Errors
-/// Files that cannot be read; a section or a setting that is not known, with its line; weights of another configuration.
 pub fn darknet_to_onnx(cfg: &Path, weights: &Path) -> Result<Vec<u8>, DarknetError> {
     let (text, bytes) = (files::read_text(cfg)?, files::read(weights)?);
     let [cfg, weights] = [cfg, weights].map(|path| path.display().to_string());

@@ -39,7 +39,6 @@ pub(super) fn anchors(
     })
 }
 
-/// The outputs of one stride.
 struct Grid {
     scores: usize,
     offsets: usize,
@@ -47,7 +46,6 @@ struct Grid {
     cells: usize,
 }
 
-/// Pairs of grids, by stride.
 pub struct Grids {
     of: Vec<Grid>,
     /// Labels that they have scores for.
@@ -55,7 +53,6 @@ pub struct Grids {
 }
 
 impl Grids {
-    /// Which outputs are scores.
     pub fn scores(&self) -> impl Iterator<Item = usize> {
         self.of.iter().map(|grid| grid.scores)
     }

@@ -4,13 +4,11 @@ use super::{Anchor, Data, HeadError, SCORE_FLOOR, Tensor, from_corners, misfit};
 use crate::nms::CandidateBox;
 use scaleproof_core::geometry::BoxPx;
 
-/// The three lists, of equal length.
 pub(super) struct Rows<'a> {
     labels: Vec<i64>,
     /// What the four numbers of a row mean is the head's business.
     boxes: &'a [[f32; 4]],
     scores: &'a [f32],
-    /// Which output the scores are.
     output: usize,
 }
 

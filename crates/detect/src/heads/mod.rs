@@ -18,7 +18,6 @@ use super::manifest::{AnchorLabels, Head, Manifest};
 use super::nms::CandidateBox;
 use scaleproof_core::geometry::BoxPx;
 
-/// One output tensor, row-major.
 #[derive(Debug, Clone)]
 pub struct Tensor {
     pub name: String,
@@ -53,7 +52,6 @@ impl Tensor {
 pub struct Anchor {
     /// In input pixels; not always solid.
     pub b: BoxPx,
-    /// Which output.
     pub output: usize,
     /// Index of its objectness, in heads that have one.
     pub objectness: Option<usize>,
@@ -79,7 +77,6 @@ pub struct Anchors {
 }
 
 impl Anchor {
-    /// An anchor with a score for every label.
     fn new(b: BoxPx, output: usize, objectness: Option<usize>, first_label: usize, label_step: usize) -> Anchor {
         Anchor {
             b,
@@ -262,13 +259,11 @@ pub fn wants_photo_size(head: &Head) -> bool {
     matches!(head, Head::Deim {})
 }
 
-/// A box in shares of an input's width and height, in pixels.
 fn scaled(b: BoxPx, [width, height]: [u32; 2]) -> BoxPx {
     let (w, h) = (f64::from(width), f64::from(height));
     BoxPx::new(b.x1 * w, b.y1 * h, b.x2 * w, b.y2 * h)
 }
 
-/// A box by centre and size.
 fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
     let [cx, cy, w, h] = [cx, cy, w, h].map(f64::from);
     BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)

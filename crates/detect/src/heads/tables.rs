@@ -69,7 +69,6 @@ pub(super) fn yolov5(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Un
     Ok(table.anchors(5, true, |_, o| centred(in_pixels([o[0], o[1], o[2], o[3]]))))
 }
 
-/// Centre and size in pixels of an input.
 fn pixels(unit: Unit, size: [u32; 2]) -> impl Fn([f32; 4]) -> [f32; 4] {
     let [w, h] = match unit {
         Unit::Pixels => [1.0; 2],

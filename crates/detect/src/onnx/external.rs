@@ -20,7 +20,6 @@ enum Kind {
 }
 
 impl Kind {
-    /// What the message in a field is.
     fn within(self, field: u64) -> Option<Kind> {
         Some(match (self, field) {
             (Kind::Model, 7) | (Kind::Attribute, 6 | 11) => Kind::Graph,

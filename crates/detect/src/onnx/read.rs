@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::wire::{Field, Fields};
 
-/// What is read of an ONNX file.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct OnnxFile {
     /// The exporter's name and the graph's, in lower case, a space between them.

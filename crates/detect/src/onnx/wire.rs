@@ -1,6 +1,5 @@
 //! The wire format of Protocol Buffers, as far as ONNX files need it. Source: protobuf.dev, "Encoding".
 
-/// What stands behind a field's number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Field<'a> {
     Int(u64),
@@ -62,7 +61,6 @@ fn varint(mut value: u64) -> Vec<u8> {
     written
 }
 
-/// A field with a whole number.
 pub(super) fn int(field: u64, value: u64) -> Vec<u8> {
     [varint(field << 3), varint(value)].concat()
 }

@@ -6,7 +6,6 @@ use super::wire::{bytes, int, single};
 const FLOAT: u64 = 1;
 const INT64: u64 = 7;
 
-/// An attribute of a node.
 pub(crate) enum Attribute<'a> {
     Int(i64),
     Ints(&'a [i64]),
@@ -28,7 +27,6 @@ impl GraphWriter {
         format!("v{}", self.names)
     }
 
-    /// The name of some constant fractions.
     pub(crate) fn floats(&mut self, shape: &[usize], values: &[f32]) -> String {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.constant(FLOAT, shape, &raw)

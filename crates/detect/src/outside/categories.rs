@@ -13,7 +13,6 @@ use scaleproof_core::files::{self, FileError};
 /// The labels of some results, and which number means which.
 pub(super) struct Categories {
     pub labels: Labels,
-    /// Labels by category id.
     by_id: BTreeMap<u64, usize>,
     /// Whose they are, as in "none of COCO's".
     whose: String,
@@ -110,7 +109,6 @@ impl Categories {
         label.ok_or_else(|| format!("the class {class} is none of the {count} labels, which count from {first}"))
     }
 
-    /// The label of a category id of a file.
     pub(super) fn of_id(&self, id: u64, path: &Path) -> Result<usize, OutsideError> {
         let unknown = || OutsideError::UnknownCategory {
             path: path.to_owned(),
@@ -163,7 +161,6 @@ fn yaml_names(text: &str) -> Result<Vec<String>, String> {
     }
 }
 
-/// Names, one a line.
 fn names(text: &str) -> Result<Vec<String>, String> {
     let names = checked(text.trim_end().lines().map(|line| line.trim().to_owned()).collect())?;
     match names.iter().position(|name| name.is_empty()) {

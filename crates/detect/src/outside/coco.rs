@@ -129,7 +129,6 @@ fn raw_box(
     Ok(RawBox { label, score, xywh })
 }
 
-/// The photos of the run as the results know them.
 struct Photos<'a> {
     request: &'a ResultsRequest<'a>,
     names: &'a PhotoNames<'a>,
@@ -217,7 +216,6 @@ impl Photos<'_> {
     }
 }
 
-/// Why two names of one photo are refused.
 fn one_photo(a: &str, b: &str, file: &str) -> String {
     format!("{a} and {b} may both be the photo {file}")
 }

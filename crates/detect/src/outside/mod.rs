@@ -52,7 +52,6 @@ pub enum OutsideError {
 /// Files of another program, and the photos they are about.
 #[derive(Debug, Clone, Copy)]
 pub struct ResultsRequest<'a> {
-    /// What the detector is called.
     pub name: &'a str,
     /// A COCO results list, or a folder of YOLO's text files.
     pub path: &'a Path,
@@ -66,7 +65,6 @@ pub struct ResultsRequest<'a> {
     pub photos: &'a [PhotoName],
 }
 
-/// Detections from outside, by the photos of a run.
 #[derive(Debug)]
 pub struct OutsideResults {
     card: ForeignCard,
@@ -77,17 +75,14 @@ pub struct OutsideResults {
     are_shares: bool,
 }
 
-/// What a file says of one photo.
 #[derive(Debug, Default)]
 struct PhotoBoxes {
     boxes: Vec<RawBox>,
     /// Width and height of the photo in px, where the file states them.
     size: Option<[u32; 2]>,
-    /// Whether the file lists the photo at all.
     is_listed: bool,
 }
 
-/// A box as its file has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct RawBox {
     label: usize,
@@ -185,9 +180,6 @@ impl OutsideResults {
     }
 
     /// The detections of the photo with this index in the run and this size in px, best first; `file` is what messages call it.
-    ///
-    /// # Errors
-    /// Boxes that cannot be of this photo.
     pub fn of_photo(
         &self,
         index: usize,

@@ -3,17 +3,14 @@
 use std::collections::HashMap;
 use std::path::{Component, Path};
 
-/// A photo of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhotoName {
-    /// As its session names it.
     pub file: String,
     /// The parts of its whole path.
     parts: Vec<String>,
 }
 
 impl PhotoName {
-    /// A photo that a session in a folder names so.
     pub fn new(folder: &Path, file: &str) -> PhotoName {
         let mut parts: Vec<String> = Vec::new();
         for part in folder.join(file).components() {
@@ -53,7 +50,6 @@ pub struct PhotoNames<'a> {
 }
 
 impl PhotoNames<'_> {
-    /// The names of some photos.
     pub fn new(photos: &[PhotoName]) -> PhotoNames<'_> {
         let (mut by_name, mut by_stem) = (HashMap::new(), HashMap::new());
         for (index, photo) in photos.iter().enumerate() {

@@ -11,7 +11,6 @@ use scaleproof_core::geometry::BoxPx;
 /// More boxes than any detector has use for; the best hundred count.
 const MOST_BOXES: usize = 10_000;
 
-/// Why an answer has nothing to use, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoAnswer {
     /// The program gives no answer about this image, and says why.
@@ -60,7 +59,6 @@ pub enum FoundLabel {
 }
 
 impl FoundLabel {
-    /// Its number among the program's labels.
     fn number(&self, labels: Labels) -> Result<usize, String> {
         let found = match self {
             FoundLabel::Number(label) => labels.name(*label).map(|_| *label),

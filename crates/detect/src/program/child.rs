@@ -29,7 +29,6 @@ pub(super) enum Silence {
     Unread,
 }
 
-/// A program that runs.
 #[derive(Debug)]
 pub(super) struct Child {
     process: Process,
@@ -43,7 +42,6 @@ pub(super) struct Child {
 }
 
 impl Child {
-    /// Starts a command in a folder.
     pub(super) fn start(command: &[String], folder: Option<&Path>) -> std::io::Result<Child> {
         let (program, arguments) = command.split_first().ok_or(std::io::ErrorKind::InvalidInput)?;
         let mut starting = Command::new(program);
@@ -80,7 +78,6 @@ impl Child {
         }
     }
 
-    /// The next line, waited for.
     pub(super) fn line(&mut self, limit: Duration) -> Result<String, Silence> {
         String::from_utf8(self.read(None, limit)?).map_err(|_| Silence::NoText)
     }

@@ -25,7 +25,6 @@ pub fn keep_programs_in_our_group() {
     ARE_APART.store(false, Ordering::Relaxed);
 }
 
-/// A program and whatever it starts.
 #[derive(Debug)]
 pub(super) struct Group(u32);
 
@@ -47,7 +46,6 @@ impl Group {
         Ok((process, group))
     }
 
-    /// Ends all of it.
     pub(super) fn kill(&self) {
         // An id that is not listed any more may be another's.
         let mark = lock(&RUNNING).remove(&self.0);

@@ -35,7 +35,6 @@ pub mod protocol {
     pub use crate::program::hello::{Hello, InputRule};
 }
 
-/// Why a program cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramError {
     #[error("cannot start `{command}`: {reason}{instead}")]
@@ -86,7 +85,6 @@ pub enum ProgramError {
     Lost(Arc<ProgramError>),
 }
 
-/// A photo that a program is to look at.
 pub struct ProgramPhoto<'a> {
     pub path: &'a Path,
     /// What messages call it.
@@ -97,17 +95,14 @@ pub struct ProgramPhoto<'a> {
     pub pixels: Option<&'a RgbImage>,
 }
 
-/// An image whose loss a program is to differentiate.
 pub struct ProgramImage<'a> {
     /// sRGB, 0 to 1, row by row.
     pub pixels: &'a [[f64; 3]],
     /// Width, height, px.
     pub size: [u32; 2],
-    /// Where the model is.
     pub model: BoxPx,
     /// Boxes that overlap it less do not meet it.
     pub least_iou: f64,
-    /// The labels that count as the model.
     pub labels: &'a [usize],
 }
 
@@ -125,7 +120,6 @@ pub struct ProgramDetector {
     hello: Hello,
     card: ForeignCard,
     limit: Duration,
-    /// The number of the last request.
     asked: AtomicU64,
     pool: Mutex<Pool>,
     freed: Condvar,
@@ -167,7 +161,6 @@ impl ProgramDetector {
         &self.card
     }
 
-    /// Whether the same photo always gets the same answer.
     pub fn is_deterministic(&self) -> bool {
         self.hello.deterministic
     }
@@ -183,9 +176,6 @@ impl ProgramDetector {
     }
 
     /// What the program finds in a photo, best first.
-    ///
-    /// # Errors
-    /// [`ProgramError::Declined`] concerns this photo; all others the program.
     pub fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
         let id = self.next_id();
         self.ask(photo.file, self.request(id, photo)?, |line, _| {
@@ -205,9 +195,6 @@ impl ProgramDetector {
     }
 
     /// The loss `−ln(1 − C)` of the surest box that meets the model in an image, and its derivative; `None` where none meets it.
-    ///
-    /// # Errors
-    /// Those of [`ProgramDetector::detect`].
     pub fn loss_and_gradient(&self, image: &ProgramImage) -> Result<Option<ProgramLoss>, ProgramError> {
         let (id, [width, height]) = (self.next_id(), image.size);
         let pixels = image.pixels.iter().flatten().flat_map(|v| (*v as f32).to_le_bytes());
@@ -301,7 +288,6 @@ impl ProgramDetector {
         ProgramError::Lost(error)
     }
 
-    /// The line about a photo, and its pixels behind it.
     fn request(&self, id: u64, photo: &ProgramPhoto) -> Result<Vec<u8>, ProgramError> {
         let [width, height] = photo.size;
         let mut line = serde_json::json!({"id": id, "task": "detect", "width": width, "height": height});
@@ -316,7 +302,6 @@ impl ProgramDetector {
     }
 }
 
-/// Starts a program and reads its hello.
 fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramError> {
     let command = spec.in_words();
     let mut child = Child::start(&spec.command, spec.folder.as_deref()).map_err(|e| ProgramError::Start {

@@ -41,9 +41,6 @@ pub enum ProgramSpecError {
 
 impl ProgramSpec {
     /// The program that a detector's name means: `exec:` and a command line, or a manifest with `command`. `None` for any other name.
-    ///
-    /// # Errors
-    /// A command line or manifest that is none.
     pub fn named(name: &str) -> Result<Option<ProgramSpec>, ProgramSpecError> {
         if let Some(line) = name.strip_prefix(PREFIX) {
             let command = words(line).and_then(|words| match words.first() {
@@ -89,7 +86,6 @@ impl ProgramSpec {
         })
     }
 
-    /// The command as a person would type it.
     pub fn in_words(&self) -> String {
         self.command.join(" ")
     }
@@ -112,13 +108,11 @@ impl ProgramSpec {
         named.filter(|path| path.is_file()).collect()
     }
 
-    /// A path as the program sees it.
     pub(super) fn seen(&self, path: &Path) -> PathBuf {
         self.folder.as_ref().map_or(path.to_owned(), |folder| folder.join(path))
     }
 }
 
-/// What runs a script, by its ending.
 pub(crate) fn interpreter(file: &str) -> Option<&'static str> {
     match Path::new(file).extension()?.to_str()? {
         "py" => Some("python3"),

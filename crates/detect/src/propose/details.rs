@@ -41,7 +41,6 @@ pub(super) fn table(outputs: &[Tensor], row: usize) -> Option<&Tensor> {
     outputs.iter().find(is_table)
 }
 
-/// The numbers in some columns of a table.
 pub(super) fn columns(t: &Tensor, of: impl std::ops::RangeBounds<usize>) -> impl Iterator<Item = f32> {
     let row = t.shape.last().copied().unwrap_or(1).max(1);
     let all = floats(t).enumerate();

@@ -101,7 +101,6 @@ impl Family {
         all.get(self as usize).ok_or_else(|| refused("a family is missing"))
     }
 
-    /// Its name, as users write it.
     pub fn name(self) -> &'static str {
         self.entry().map_or("", |entry| &entry.name)
     }
@@ -111,7 +110,6 @@ impl Family {
         Family::deserialize(name.into_deserializer()).map_err(|_: NoVariant| NoSuchFamily(name.to_owned()))
     }
 
-    /// What people call it.
     pub fn title(self) -> &'static str {
         self.entry().map_or("", |entry| &entry.title)
     }
@@ -137,7 +135,6 @@ impl Family {
         )
     }
 
-    /// How its outputs are usually read.
     pub(super) fn usual_head(self) -> Result<Head, ManifestError> {
         Ok(self.entry()?.head.clone())
     }

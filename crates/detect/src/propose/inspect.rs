@@ -15,7 +15,6 @@ use crate::onnx::{Affine, OnnxFile};
 use crate::runtime::{self, NoAnswer, first_line};
 use crate::{DetectError, Runtime};
 
-/// A network, asked.
 pub(super) struct Inspected {
     pub takes: Required,
     /// Width, height of the two images.
@@ -23,7 +22,6 @@ pub(super) struct Inspected {
     pub metadata: Metadata,
     /// The outputs for a grey image and for noise.
     pub answers: [Vec<Tensor>; 2],
-    /// The inputs as a person writes them.
     pub inputs: String,
     /// What the file says besides.
     pub file: OnnxFile,
@@ -123,7 +121,6 @@ fn open_image(input: &Outlet) -> Option<(Layout, i64, [i64; 2])> {
     }
 }
 
-/// The inputs as a person writes them.
 fn listed(inputs: &[Outlet]) -> String {
     let side = |d: i64| if d < 0 { "?".to_owned() } else { d.to_string() };
     let one = |input: &Outlet| {
@@ -135,7 +132,6 @@ fn listed(inputs: &[Outlet]) -> String {
     inputs.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// What a network requires.
 pub(super) struct Required {
     /// The input that photos go into.
     pub image: String,

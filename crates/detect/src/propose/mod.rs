@@ -70,10 +70,7 @@ pub enum ProposalNote {
     #[error(
         "{settings} are the family's usual, as no file says them: compare them with the program that the weights come from"
     )]
-    UsualInput {
-        /// Keys of the manifest.
-        settings: String,
-    },
+    UsualInput { settings: String },
 }
 
 /// Why no manifest can be proposed, as a sentence.

@@ -6,7 +6,6 @@ use super::inspect::Inspected;
 use crate::heads::{BINS, Pair, TENSORFLOW, Tensor, efficientdet, ssd};
 use crate::manifest::Layout;
 
-/// A family whose outputs have these shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FamilyCandidate {
     pub family: Family,
@@ -33,7 +32,6 @@ impl FamilyCandidate {
     }
 }
 
-/// Every family with outputs of these shapes.
 pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     let (outputs, size) = (&network.answers[0], network.size_px);
     let is_named = |name: &str| outputs.iter().any(|t| t.name.split(':').next() == Some(name));
@@ -181,7 +179,6 @@ fn labels_of_grids(
     are_alike.then_some(found)
 }
 
-/// Cells of all grids of an input.
 fn cells([width, height]: [u32; 2], strides: &[u32]) -> usize {
     let of = |s: &u32| width.div_ceil(*s) * height.div_ceil(*s);
     strides.iter().map(of).sum::<u32>() as usize

@@ -10,7 +10,6 @@ use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// A mesh in one image.
 pub struct DrawnMesh {
     pub object_mask: GrayImage,
     pub paint_mask: GrayImage,

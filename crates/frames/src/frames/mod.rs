@@ -209,7 +209,6 @@ impl FrameList {
         self.camera.camera(self.size_px)
     }
 
-    /// Where the camera stood.
     pub fn viewpoint(&self, frame: &Frame) -> Viewpoint {
         let centre = frame.pose().inverse().translation.vector;
         Viewpoint::from_camera(Point3::from(centre), Point3::from(self.target_mm))
@@ -304,7 +303,6 @@ impl Frame {
         all
     }
 
-    /// The colour, when it is flat.
     pub fn flat_rgb(&self) -> Option<[u8; 3]> {
         match self.paint {
             FramePaint::FlatRgb(rgb) => Some(rgb),

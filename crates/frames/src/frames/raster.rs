@@ -15,7 +15,6 @@ const BEHIND_PX: f64 = 3.0;
 /// Around the model where its outline is looked at.
 const MARGIN_PX: i64 = 2;
 
-/// What a pixel's centre shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Along the camera's axis, mm.

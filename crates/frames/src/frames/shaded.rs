@@ -13,7 +13,6 @@ use scaleproof_surface::mesh::{Mesh, doubled_area};
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
 
-/// Points along each side of a pixel.
 const FACTOR: u32 = 3;
 /// The share of the light that comes from everywhere.
 const AMBIENT: f64 = 0.4;
@@ -30,7 +29,6 @@ const TURNS: u32 = 24;
 /// Halvings of the interval in which the distance is looked for.
 const STEPS: usize = 8;
 
-/// Why nothing is drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum ShadedError {
     #[error("the sides of a view are 16 to 4096 px, not {width} × {height}")]
@@ -39,19 +37,14 @@ pub enum ShadedError {
     BadPitch { pitch_deg: f64 },
 }
 
-/// What is drawn.
 pub struct ShadedModel<'a> {
     pub mesh: &'a Mesh,
-    /// The texture of each material.
     pub textures: Vec<&'a Texture>,
 }
 
 impl ShadedModel<'_> {
     /// The whole model from some azimuths, from as far away as it takes from any at this pitch; and how far that is from its middle, mm. `on_view`
     /// is called after each.
-    ///
-    /// # Errors
-    /// A size or direction that cannot be drawn.
     pub fn around(
         &self,
         azimuths_deg: &[f64],
@@ -160,7 +153,6 @@ pub fn side_by_side(views: &[RgbImage]) -> RgbImage {
     all
 }
 
-/// The shares of the corners at a point of a triangle.
 fn weights(corners: &[Point3<f64>; 3], p: &Point3<f64>) -> [f64; 3] {
     let whole = doubled_area(corners);
     let [a, b, c] = corners;

@@ -38,9 +38,6 @@ pub enum AdditiveError {
 impl Additive {
     /// The flat-coloured frames of one view. Colours that share a channel's value with an earlier one are left out: the polynomial of
     /// that channel would have no answer.
-    ///
-    /// # Errors
-    /// Fewer than three colours, or images that cannot be read.
     pub fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, AdditiveError> {
         let mut additive = Self {
             colours: Vec::new(),

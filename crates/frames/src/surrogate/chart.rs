@@ -114,7 +114,6 @@ impl<'a> Method<'a> {
         Ok(Self::Network(network, reference))
     }
 
-    /// The model of a view.
     fn fit(&self, view: &View) -> Fitted {
         match *self {
             Self::ClosedForm(kind, references) => {
@@ -135,9 +134,6 @@ impl<'a> Method<'a> {
 
 /// Measures every closed form with the first two, three, … of the reference colours, and the networks with one of them. `on_view` is called
 /// after each view.
-///
-/// # Errors
-/// A view without a reference colour, a network whose reference is none, nothing to predict, images that cannot be read.
 pub fn measure(
     set: &FrameSet,
     references: &[[u8; 3]],

@@ -6,10 +6,8 @@
 
 use super::problem::DecodeProblem;
 
-/// The bounds of one use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// Of the file.
     pub bytes: u64,
     pub megapixels: u64,
     /// Megapixels times scans, of a JPEG. A scan whose data is not there takes up to 3.5 ms a megapixel: decoders
@@ -51,7 +49,6 @@ impl Budget {
         Err(DecodeProblem::TooLarge(size))
     }
 
-    /// Refuses what decoding would cost more than this.
     pub fn check(&self, cost: &DecodeCost) -> Result<(), DecodeProblem> {
         let megapixels = cost.pixels / 1_000_000;
         if megapixels > self.megapixels {
@@ -75,7 +72,6 @@ impl Budget {
     }
 }
 
-/// What decoding an image takes, as its header says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DecodeCost {
     pixels: u64,
@@ -126,7 +122,6 @@ impl DecodeCost {
         }
     }
 
-    /// Of the pixels alone, at full size.
     pub(super) fn pixel_bytes(&self) -> u64 {
         self.pixels * self.bytes_per_pixel
     }

@@ -46,10 +46,8 @@ pub(super) fn turned_deg(orientation: Orientation) -> u32 {
     }
 }
 
-/// What stands at the beginning of an image file.
 #[derive(Debug)]
 pub(super) struct Header {
-    /// Width, height as stored.
     size: [u32; 2],
     pub cost: DecodeCost,
     pub orientation: Orientation,
@@ -100,7 +98,6 @@ impl Header {
         matches!(self.colours(), Some(Colours::YCbCr | Colours::Grey))
     }
 
-    /// Width and height of the upright image.
     pub(super) fn upright_size(&self) -> [u32; 2] {
         let [width, height] = self.size;
         let is_across = lies_across(self.orientation);
@@ -115,7 +112,6 @@ impl Header {
         read.map(Some).map_err(|e| jpeg_problem(e, budget))
     }
 
-    /// The pixels of a PNG, upright.
     pub(super) fn png(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
         let (decoder, ..) = png_header(bytes, budget)?;
         let stored = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb8();

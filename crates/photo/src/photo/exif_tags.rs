@@ -38,7 +38,6 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// The tags of an EXIF block.
     pub(super) fn from_exif(exif: Exif) -> Lens {
         let number = |tag| number(&exif, tag);
         let integer = |tag| whole(&exif, tag);
@@ -99,7 +98,6 @@ pub struct Shot {
 const LONGEST: usize = 40;
 
 impl Shot {
-    /// The tags of an EXIF block.
     pub(super) fn from_exif(exif: Exif) -> Shot {
         let shown = |tag, unit: &str| {
             let text = exif.get_field(tag, In::PRIMARY)?.display_value().to_string();

@@ -19,9 +19,6 @@ pub fn reads_heif() -> bool {
 }
 
 /// The image of an HEIF file as an upright PNG; `None` where the system has no decoder for it.
-///
-/// # Errors
-/// A decoder that fails, or takes more than a minute.
 pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
     let Some(decoder) = decoder() else { return Ok(None) };
     let failed = |reason: String| PhotoError::Damaged {

@@ -14,7 +14,6 @@ pub trait Luma {
     /// Width and height, px.
     fn size(&self) -> [u32; 2];
 
-    /// All pixels.
     fn whole(&self) -> &GrayImage;
 
     /// A pixel for each square of `factor` × `factor` pixels, without what so few pixels cannot show; a rest at the right and at the bottom is left out.

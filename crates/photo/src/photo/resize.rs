@@ -22,7 +22,6 @@ pub fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     resized(picture, size, fir::FilterType::Box)
 }
 
-/// The image twice as large, by Catmull–Rom splines.
 pub fn doubled(grey: &GrayImage) -> GrayImage {
     let (width, height) = grey.dimensions();
     let pixels = convolved::<U8>(

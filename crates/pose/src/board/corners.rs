@@ -67,7 +67,6 @@ impl Definition {
     }
 }
 
-/// Every column and row, row by row.
 fn row_by_row(columns: Range<u32>, rows: Range<u32>) -> impl Iterator<Item = [u32; 2]> {
     rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
 }

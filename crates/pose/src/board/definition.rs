@@ -18,7 +18,6 @@ pub enum DefinitionError {
     Write(String),
 }
 
-/// What is wrong in a board file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BoardFault {
     #[error("{0}")]
@@ -85,10 +84,6 @@ impl Definition {
     /// Wider borders leave no code in a tag.
     const MOST_BORDER_MODULES: u32 = 4;
 
-    /// Reads a board file.
-    ///
-    /// # Errors
-    /// A file that cannot be read, is no board file, or whose numbers make no board.
     pub fn open(path: &Path) -> Result<Self, DefinitionError> {
         let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
         let refuse = |fault| DefinitionError::Content {
@@ -162,7 +157,6 @@ impl Definition {
         }
     }
 
-    /// What people call it.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Charuco { .. } => "ChArUco",
@@ -171,7 +165,6 @@ impl Definition {
         }
     }
 
-    /// One line for people.
     pub fn line(&self) -> String {
         match self {
             Self::Charuco {

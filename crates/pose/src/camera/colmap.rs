@@ -6,7 +6,6 @@
 use super::chosen::chosen;
 use super::{Camera, CameraFault};
 
-/// Lines that say something.
 fn lines(text: &str) -> impl Iterator<Item = Vec<&str>> {
     let lines = text
         .lines()

@@ -89,7 +89,6 @@ impl Fields {
         number.map(Some)
     }
 
-    /// The text under a name, if there is one.
     pub(super) fn text(&self, name: &str) -> Option<&str> {
         match self.find(&[name])?.1 {
             Value::Text(text) => Some(text),

@@ -8,7 +8,6 @@ use roxmltree::Node;
 use super::chosen::chosen;
 use super::{Camera, CameraFault};
 
-/// Whether a file is one, by its root.
 pub(super) fn is(root: Node) -> bool {
     ["document", "calibration"].contains(&root.tag_name().name())
 }

@@ -6,7 +6,6 @@
 use super::fields::Fields;
 use super::{Camera, CameraFault};
 
-/// Whether a file is one.
 pub(super) fn is(fields: &Fields) -> bool {
     fields.has("fl_x") || fields.has("camera_angle_x") || (fields.has("frames") && fields.has("camera_model"))
 }

@@ -1,5 +1,4 @@
-//! The projection of a point into the image, its derivatives by the point, the pose and the camera, and the way back from
-//! a pixel to the direction that it looks in.
+//! Projects points into the image, with the derivatives by point, pose and camera, and pixels back to viewing directions.
 //!
 //! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction"), or a fisheye
 //! (`fisheye.rs`).
@@ -25,7 +24,6 @@ const NEWTON_STEPS: usize = 50;
 /// A direction is found when it projects this close to the pixel.
 const EXACT_PX: f64 = 1e-6;
 
-/// The pixel of a point, and its Jacobians.
 pub struct ProjectedPoint {
     pub pixel: [f64; 2],
     /// By the point in the camera frame, px per mm.

@@ -20,7 +20,6 @@ const LOOKED_AT: usize = 12;
 /// So many photos are searched for tags of all families, or mirrored.
 const SEARCHED_AGAIN: usize = 4;
 
-/// What photos are located with, and the files it comes from.
 pub struct LocateFiles {
     pub scene: Scene,
     pub scene_file: PathBuf,

@@ -14,7 +14,6 @@ use crate::camera::{Camera, SizeError};
 use crate::scene::{Scene, TagFamily};
 use crate::tags::SeenTag;
 
-/// What seems wrong with all photos of a set.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Diagnosis {
     /// The tags are larger or smaller than the scene says.
@@ -367,7 +366,6 @@ fn camera_sizes(errors: &[SizeError], camera_file: &str) -> String {
     format!("{camera_file} is for photos of {own}, and these are {sizes}, {advice}")
 }
 
-/// The families of a scene.
 fn families(scene: &Scene) -> String {
     let names: Vec<&str> = scene.families().into_iter().map(TagFamily::name).collect();
     names.join(" and ")

@@ -9,17 +9,14 @@ use crate::camera::Camera;
 use crate::scene::{Scene, Tag, TagFamily};
 use crate::tags::SeenTag;
 
-/// Tags by family and id.
 pub(super) type TagSet = BTreeSet<(TagFamily, u32)>;
 
-/// What a factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FactorKind<'a> {
     /// Every tag's `size_mm`, about its centre.
     TagSize,
     /// The `size_mm` of some tags, about their centres.
     PartSize(&'a TagSet),
-    /// fx and fy.
     Focal,
 }
 
@@ -34,7 +31,6 @@ pub struct Factor {
     pub cost_of_one: f64,
     /// Photos that say something: two tags or more.
     pub telling: usize,
-    /// Those of them that are located without doubt with the factor.
     pub healed: usize,
     /// The best factors of single photos: the middle half lies between these.
     pub middle_half: [f64; 2],

@@ -91,7 +91,6 @@ pub enum Warning {
 /// A bin less probable than this is given with a warning.
 const SURE_BIN: f64 = 0.95;
 
-/// Locates the camera from the tags of one photo with the default solver.
 pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
     locate_by(Solver::default(), seen, scene, camera)
 }

@@ -7,7 +7,6 @@ use super::factor::{self, Factor, FactorKind, TagSet};
 use super::matches::Ignored;
 use crate::scene::{Scene, Tag, TagFamily};
 
-/// A factor of the sizes of some of the tags.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartSize {
     pub size: Factor,

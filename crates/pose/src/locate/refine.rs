@@ -24,12 +24,10 @@ const ROUGH: Limits = Limits {
     ..LIMITS
 };
 
-/// The normal equations of all corners at one pose.
 pub(super) struct CornerEquations<'a> {
     pose: Rigid,
     /// JᵀWJ by (ω, υ) of [`stepped`].
     pub information: Matrix6<f64>,
-    /// JᵀWr.
     gradient: Vector6<f64>,
     /// Σ 2ρ(|r|), px²: the sum of squares as long as no residual is longer than the threshold.
     cost: f64,

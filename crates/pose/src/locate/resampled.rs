@@ -70,7 +70,6 @@ impl Resampled {
         self.share(|v| bins.bin_of(v) == *bin)
     }
 
-    /// The share whose azimuth is out of a bin by more than a margin.
     pub(super) fn share_beyond(&self, bin: &Bin, bins: &Bins, margin_deg: f64) -> f64 {
         let edge_deg = bins.azimuth_deg / 2.0 + margin_deg;
         self.share(|v| turn(bin.azimuth_deg, v.azimuth_deg).abs() > edge_deg)

@@ -9,7 +9,6 @@ use crate::camera::Camera;
 use crate::scene::corners_in_tag_mm;
 use scaleproof_core::geometry::Rigid;
 
-/// How a pose is found from matched tags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), as they come.
@@ -31,7 +30,6 @@ impl Solver {
         [BestTag, Sqpnp, SqpnpRefined, EveryBranch]
     }
 
-    /// A stable name for tables and programs.
     pub fn name(self) -> &'static str {
         match self {
             Solver::BestTag => "ippe_best_tag",
@@ -41,7 +39,6 @@ impl Solver {
         }
     }
 
-    /// The matches this solver looks at.
     pub(super) fn used<'a>(self, matches: Vec<Match<'a>>) -> Vec<Match<'a>> {
         match self {
             Solver::BestTag => largest(&matches, 1),
@@ -93,7 +90,6 @@ fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
     largest(matches, BRANCHED_TAGS).into_iter().flat_map(branches).collect()
 }
 
-/// So many of the largest tags, the largest first.
 pub(super) fn largest<'a>(matches: &[Match<'a>], most: usize) -> Vec<Match<'a>> {
     let mut largest = matches.to_vec();
     largest.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));

@@ -79,7 +79,6 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<QuadraticForm> {
     form.iter().all(|v| v.is_finite()).then_some(form)
 }
 
-/// The minimum of the form on the rotations near a start.
 fn minimum(start: Matrix3<f64>, form: &QuadraticForm) -> Matrix3<f64> {
     let limits = Limits {
         first_damping: 1e-6,
@@ -90,7 +89,6 @@ fn minimum(start: Matrix3<f64>, form: &QuadraticForm) -> Matrix3<f64> {
     nearest_rotation(&minimise(OnRotations::at(start, form), &limits).rotation)
 }
 
-/// The form at a rotation.
 struct OnRotations<'a> {
     rotation: Matrix3<f64>,
     cost: f64,

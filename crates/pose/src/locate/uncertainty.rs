@@ -75,7 +75,6 @@ impl Sigma {
     }
 }
 
-/// How far a pose may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {
     /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`scaleproof_core::geometry::rigid::stepped`].
@@ -123,9 +122,7 @@ pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
     NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
 }
 
-/// One tag's part in the normal equations.
 struct TagTerms {
-    /// JᵀJ of its corners.
     information: Matrix6<f64>,
     /// JᵀT, with the derivatives T of its corners by a displacement of the tag, mm.
     displaced: Matrix6x3<f64>,

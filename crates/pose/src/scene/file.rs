@@ -254,7 +254,6 @@ fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
     })
 }
 
-/// The tag as its card was printed.
 fn as_printed(tag: Tag, cards: CardsTable) -> Result<Tag, SceneFault> {
     let (right, up) = match cards.turned_deg {
         0 => (tag.right, tag.up),

@@ -95,13 +95,10 @@ pub struct MeshFacts {
     pub paint: Paint,
 }
 
-/// Which of a mesh is paint.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Paint {
-    /// All of it.
     #[default]
     All,
-    /// The materials with these names.
     Materials(Vec<String>),
     /// The triangles whose numbers this file lists; its path counts from the scene file's folder.
     Faces(PathBuf),
@@ -182,7 +179,6 @@ pub enum Envelope {
     Box,
     /// The convex hull of a mesh.
     Hull(PathBuf),
-    /// A mesh.
     Mesh(PathBuf),
 }
 

@@ -63,9 +63,6 @@ pub enum RingError {
 impl TagRing {
     /// Lays the ring out. Ids: the flat tags from 0, counter-clockwise from the first after the front; then two for each tent
     /// card, the outer face first.
-    ///
-    /// # Errors
-    /// Numbers out of bounds, too few or too many tags, and a ring in which things would overlap.
     pub fn scene(&self) -> Result<Scene, RingError> {
         self.check()?;
         let bins = checked_bins(self.bins.clone())?;
@@ -136,7 +133,6 @@ impl TagRing {
         self.tag_mm * self.family.width_with_white()
     }
 
-    /// Length of a tent card's face.
     fn face_mm(&self) -> f64 {
         self.with_white_mm() + 2.0 * CARD_MARGIN_MM
     }

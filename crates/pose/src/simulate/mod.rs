@@ -20,7 +20,6 @@ const GRAZING: f64 = 0.2;
 /// The model's box is taken smaller by this on each side, so that it does not hide what lies on it, mm.
 const SKIN_MM: f64 = 1.0;
 
-/// Errors of a detector's corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Standard deviation of most corners, px per axis.
@@ -29,13 +28,11 @@ pub struct Noise {
     pub tail_share: f64,
 }
 
-/// A photo that was never taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedView {
     /// The truth: where the camera stood, and `T_camera_model`.
     pub viewpoint: Viewpoint,
     pub pose: Rigid,
-    /// What the detector saw.
     pub seen: Vec<SeenTag>,
     /// What the photographer believes to have on the table and in hand; differs from the truth only by the fault.
     pub scene: Scene,
@@ -112,7 +109,6 @@ impl<'a> Simulator<'a> {
         pixels.iter().all(is_inside).then(|| self.noisy(pixels))
     }
 
-    /// Pixels with the detector's noise.
     fn noisy(&mut self, pixels: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
         pixels.map(|pixel| {
             let is_tail = self.rng.random::<f64>() < self.noise.tail_share;

@@ -29,7 +29,6 @@ impl AprilTagC {
         ", decimate 1)"
     );
 
-    /// A detector for some families.
     pub fn new(families: &[TagFamily]) -> Result<AprilTagC, StartError> {
         let start = |family| {
             let builder = DetectorBuilder::new().add_family_bits(c_family(family), MAX_HAMMING);

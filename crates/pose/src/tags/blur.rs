@@ -20,7 +20,6 @@ const ALIKE_PX2: f64 = 0.02;
 /// The blur across one straight edge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeBlur {
-    /// Unit normal of the edge in the image.
     pub normal: [f64; 2],
     /// Standard deviation across the edge, px; infinity where the edge is too blurred to be fitted.
     pub px: f64,

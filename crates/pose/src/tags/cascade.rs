@@ -38,7 +38,6 @@ const ENOUGH_TAGS: usize = 2;
 /// Finders in turn. Holds C memory, so each thread makes its own.
 pub struct Cascade {
     stages: Vec<Stage>,
-    /// What the first of them is shown.
     first: View,
 }
 
@@ -70,7 +69,6 @@ enum Need {
 }
 
 impl Cascade {
-    /// A detector for some families.
     pub fn new(families: &[TagFamily]) -> Result<Cascade, StartError> {
         let reduced = View::Reduced(SEARCHED_PX);
         let c = || -> Result<Box<dyn Search>, StartError> { Ok(Box::new(AprilTagC::new(families)?)) };
@@ -277,7 +275,6 @@ pub struct CoarseToFine {
 }
 
 impl CoarseToFine {
-    /// A detector for some families.
     pub fn new(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
         Ok(CoarseToFine {
             search: AprilTagC::new(families)?,

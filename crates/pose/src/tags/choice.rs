@@ -30,7 +30,6 @@ pub enum TagDetectorChoice {
 /// How OpenCV moves the corners of the polygon it found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ArucoRefiner {
-    /// Not at all.
     None,
     /// `cornerSubPix`.
     Subpix,

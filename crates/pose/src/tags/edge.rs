@@ -88,7 +88,6 @@ impl BandPixels {
         })
     }
 
-    /// The sums of all pixels.
     fn sums(&self, parameters: &Parameters) -> Sums {
         let whole = self.light.len() / LANES * LANES;
         let lists = [&self.along, &self.across, &self.light].map(|list| list.split_at(whole));
@@ -154,10 +153,8 @@ fn sums_by_avx2(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
     sums_by::<LANES>(lists, parameters)
 }
 
-/// The normal equations of all pixels for one edge.
 struct EdgeEquations<'a> {
     parameters: Parameters,
-    /// JᵀJ.
     information: SMatrix<f64, 5, 5>,
     /// Jᵀr of the misfit r = light − model.
     gradient: Parameters,

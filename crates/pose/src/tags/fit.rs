@@ -16,7 +16,6 @@ impl<S: Search> TagDetector for WithFittedCorners<S> {
     }
 }
 
-/// The found tags with their corners fitted to the image.
 pub(super) fn fitted(found: Vec<Found>, luma: &dyn Luma) -> Vec<SeenTag> {
     let fits: Vec<TagFit> = found.into_iter().map(|found| TagFit::new(found, luma)).collect();
     seen(fits.iter())
@@ -30,7 +29,6 @@ pub(super) fn seen<'a>(fits: impl Iterator<Item = &'a TagFit> + Clone) -> Vec<Se
     fits.map(|fit| fit.seen(usual)).collect()
 }
 
-/// A tag and the lines along its sides.
 pub(super) struct TagFit {
     pub found: Found,
     part: Part,

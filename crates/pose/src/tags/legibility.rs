@@ -20,12 +20,10 @@ const DULL_EDGE: f64 = 0.2;
 /// Every so many pixels, across and down, four neighbours are measured.
 const STRIDE: usize = 4;
 
-/// See the module.
 pub(super) struct Legibility {
     /// The levels of the darkest and the brightest 0.5 % of the pixels.
     dark: f64,
     levels: f64,
-    /// Standard deviation of a pixel's noise, grey levels.
     noise: f64,
     /// By how much the sharpest 0.1 % of neighbours differ.
     edge: f64,
@@ -69,7 +67,6 @@ impl Legibility {
         self.edge < DULL_EDGE * self.levels
     }
 
-    /// The image with all grey levels.
     pub(super) fn stretched(&self, grey: &GrayImage) -> GrayImage {
         let level = |v: usize| ((v as f64 - self.dark) * 255.0 / self.levels).round().clamp(0.0, 255.0) as u8;
         let table: [u8; 256] = std::array::from_fn(level);

@@ -52,7 +52,6 @@ impl MergedTags {
         self.fits.iter().position(is_here)
     }
 
-    /// The tags with the corners of their fits.
     pub(super) fn seen(&self) -> Vec<SeenTag> {
         fit::seen(self.fits.iter())
     }

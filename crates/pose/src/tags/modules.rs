@@ -15,7 +15,6 @@ impl Modules {
         Self { side, black }
     }
 
-    /// Modules along each side.
     pub fn side(&self) -> usize {
         self.side
     }

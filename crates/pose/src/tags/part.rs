@@ -41,12 +41,10 @@ impl Part {
         }
     }
 
-    /// Places of the image in the part.
     pub(super) fn inside(&self, places_px: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
         places_px.map(|place| [0, 1].map(|k| place[k] - self.origin[k]))
     }
 
-    /// Places of the part in the image.
     pub(super) fn in_image(&self, places_px: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
         places_px.map(|place| [0, 1].map(|k| place[k] + self.origin[k]))
     }

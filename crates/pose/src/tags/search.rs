@@ -24,7 +24,6 @@ pub(super) enum Strength {
     SmallTags,
 }
 
-/// A library that finds tags.
 pub(super) trait Search {
     /// Every tag of the library's families in an image that the library can search.
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found>;

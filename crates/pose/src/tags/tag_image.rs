@@ -74,7 +74,6 @@ impl CFamily {
         unsafe { self.family.as_ref() }
     }
 
-    /// The library's image of a tag.
     fn modules(&self, id: u32) -> Option<Modules> {
         if id >= self.raw().ncodes {
             return None; // the C function would end the program

@@ -15,13 +15,11 @@ const MOST_OFF_MM: f64 = 0.4;
 /// Fewer pixels than this a side of a patch, and the parts of one could not be distinguished.
 const LEAST_PATCH_PX: f64 = 20.0;
 
-/// A chart found in a photo.
 #[derive(Debug, Clone)]
 pub struct FoundChart {
     pub layout: ChartLayout,
     /// Homography from the chart frame (mm) to pixels.
     to_px: Matrix3<f64>,
-    /// Its inverse.
     to_mm: Matrix3<f64>,
     /// Root mean square distance of the tag corners from where a flat sheet has them.
     pub off_mm: f64,
@@ -35,16 +33,12 @@ impl FoundChart {
         mapped(&self.to_px, at_mm)
     }
 
-    /// The point of the chart at a pixel.
     pub fn mm(&self, at_px: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_mm, at_px)
     }
 }
 
 /// Finds the chart that the tags belong to. Other tags may be in the photo.
-///
-/// # Errors
-/// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the photo.
 pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);

@@ -9,7 +9,6 @@ use scaleproof_pose::scene::TagFamily;
 pub const CELL_MM: f64 = 11.0;
 /// Side of the printed patch in the middle of its cell; the rest is bare paper.
 pub const PATCH_MM: f64 = 10.0;
-/// The tags' family.
 pub const FAMILY: TagFamily = TagFamily::Tag36h11;
 /// Outer edge of a tag's black border: its white ring ends with its two by two cells.
 pub const TAG_MM: f64 = TAG_CELLS as f64 * CELL_MM * 0.8;
@@ -32,7 +31,6 @@ impl ChartKind {
     /// All, the largest first.
     pub const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
 
-    /// Its name, levels, first tag, and columns and rows.
     fn row(self) -> (&'static str, &'static [u8], u32, (usize, usize)) {
         match self {
             Self::Rgb6 => ("rgb6", &[0, 51, 102, 153, 204, 255], 582, (16, 18)),
@@ -57,7 +55,6 @@ impl ChartKind {
         [0, 1, 2, 3, 4].map(|i| self.row().2 + i)
     }
 
-    /// Columns and rows of cells.
     pub fn grid(self) -> (usize, usize) {
         self.row().3
     }
@@ -77,7 +74,6 @@ impl ChartCell {
     }
 }
 
-/// A square of one colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ColourPatch {
     pub cell: ChartCell,
@@ -85,7 +81,6 @@ pub struct ColourPatch {
     pub asked_rgb: [u8; 3],
 }
 
-/// A tag of the chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChartTag {
     pub id: u32,
@@ -100,11 +95,9 @@ impl ChartTag {
     }
 }
 
-/// A chart laid out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartLayout {
     pub kind: ChartKind,
-    /// Width and height.
     pub size_mm: (f64, f64),
     pub tags: Vec<ChartTag>,
     /// Cells of bare paper, spread evenly.
@@ -114,7 +107,6 @@ pub struct ChartLayout {
 }
 
 impl ChartLayout {
-    /// The layout of a chart.
     pub fn new(kind: ChartKind) -> Self {
         let (columns, rows) = kind.grid();
         let (right, bottom) = (columns - TAG_CELLS, rows - TAG_CELLS);

@@ -17,7 +17,6 @@ pub enum Surface {
     Quadratic,
 }
 
-/// The white of the paper over the chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartLight {
     pub surface: Surface,

@@ -36,7 +36,6 @@ const MOST_DISAGREEMENT: f64 = 3.0;
 /// A printer with coloured inks makes more than this share of the colours of sRGB; noise on grey makes less.
 const LEAST_GAMUT: f64 = 0.01;
 
-/// What one photo says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartReading {
     pub kind: ChartKind,
@@ -47,7 +46,6 @@ pub struct ChartReading {
     pub quality: Quality,
 }
 
-/// A cell and what the camera saw of it.
 type Sampled = (ChartCell, PatchSample);
 
 /// How good a photo is for reading.
@@ -70,9 +68,6 @@ pub struct Quality {
 }
 
 /// Reads the chart in a photo.
-///
-/// # Errors
-/// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ColourChartError`].
 pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartReading, ColourChartError>, PhotoError> {
     let (luma, rgb) = (photo.luma()?, photo.rgb(1)?);
     Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))

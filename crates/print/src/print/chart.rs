@@ -21,7 +21,6 @@ pub enum ChartPrintError {
     NoTagImage { id: u32 },
 }
 
-/// A chart ready to be written.
 #[derive(Debug, Clone)]
 pub struct PrintedChart {
     pub layout: ChartLayout,
@@ -31,9 +30,6 @@ pub struct PrintedChart {
 }
 
 /// Draws the chart with the most colours that the paper has room for.
-///
-/// # Errors
-/// A roll; paper without room for the smallest chart, upright and across.
 pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     // The chart's y runs down, the page's up.

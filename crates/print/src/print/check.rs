@@ -35,9 +35,6 @@ pub struct CheckPlan {
 }
 
 /// Plans the check page, which is upright, so that its x is the printer's. The correction of the media is tried out on it.
-///
-/// # Errors
-/// A margin that is no length, paper too small for the boxes and their blanks.
 pub fn plan(media: &Media) -> Result<CheckPlan, SheetError> {
     let page = match media.paper {
         Stock::Cut(paper) => paper.portrait(),
@@ -69,10 +66,6 @@ pub fn plan(media: &Media) -> Result<CheckPlan, SheetError> {
     })
 }
 
-/// Draws the check page.
-///
-/// # Errors
-/// As for [`plan`].
 pub fn check(media: &Media) -> Result<Vec<Sheet>, SheetError> {
     let plan = plan(media)?;
     let mut marks = rulers(&plan.frame);

@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use super::SheetError;
 
-/// A day of the Gregorian calendar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Date {
     year: u16,

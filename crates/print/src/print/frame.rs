@@ -72,9 +72,6 @@ pub struct PageFrame {
 
 impl PageFrame {
     /// The areas of a page with this setup.
-    ///
-    /// # Errors
-    /// A margin that is no length, paper too small for the rulers and the captions.
     pub fn new(page: Paper, setup: PageSetup) -> Result<Self, SheetError> {
         let margin_mm = length::strip_mm("margin", setup.margin_mm)?;
         let share = setup.share();
@@ -109,9 +106,6 @@ impl PageFrame {
     }
 
     /// The page itself, or of a roll a piece that is just long enough for a usable area of this length.
-    ///
-    /// # Errors
-    /// As for [`PageFrame::new`].
     pub fn cut_off(self, stock: Stock, usable_mm: f64) -> Result<Self, SheetError> {
         match stock {
             Stock::Cut(_) => Ok(self),
@@ -119,7 +113,6 @@ impl PageFrame {
         }
     }
 
-    /// The rectangle of the whole page.
     pub fn whole(&self) -> RectMm {
         RectMm::new(0.0, 0.0, self.page.width_mm, self.page.height_mm)
     }
@@ -131,12 +124,10 @@ impl PageFrame {
         RectMm::sized((left, bottom), (width_mm, height_mm))
     }
 
-    /// The usable width and height.
     pub fn usable_size(&self) -> (f64, f64) {
         (self.usable.width_mm(), self.usable.height_mm())
     }
 
-    /// This page with marks.
     pub fn sheet(&self, trim: RectMm, bleed: RectMm, marks: Vec<Mark>) -> Sheet {
         Sheet {
             width_mm: self.page.width_mm,

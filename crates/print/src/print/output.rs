@@ -6,7 +6,6 @@ use super::sheet::Sheet;
 use super::{SheetError, pdf, svg};
 use scaleproof_core::files::{self, FileError};
 
-/// What sheets are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SheetFormat {
     /// One file with all sheets.
@@ -15,7 +14,6 @@ pub enum SheetFormat {
     Svg,
 }
 
-/// Why an output cannot take sheets.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     #[error("{path} does not say whether PDF or SVG is meant: let it end in .pdf or .svg", path = path.display())]
@@ -26,7 +24,6 @@ pub enum OutputError {
     File(#[from] FileError),
 }
 
-/// Where sheets go, and as what.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetOutput {
     path: PathBuf,
@@ -36,9 +33,6 @@ pub struct SheetOutput {
 
 impl SheetOutput {
     /// An output in the requested format, else in that of its ending. Standard output, pipes and devices take a PDF.
-    ///
-    /// # Errors
-    /// Another ending, or none; SVG on standard output; what cannot be written to.
     pub fn named(path: &Path, format: Option<SheetFormat>) -> Result<Self, OutputError> {
         let format = format.map_or_else(|| format_of(path), Ok)?;
         if format == SheetFormat::Svg && files::is_standard_output(path) {

@@ -2,10 +2,8 @@
 
 use crate::print::sheet::{PointMm, RectMm};
 
-/// Free paper between two things, for scissors.
 const GAP_MM: f64 = 4.0;
 
-/// The place of a packed thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// From 0.
@@ -50,7 +48,6 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     Ok(spots.into_iter().flatten().collect())
 }
 
-/// Things side by side under one line.
 struct PackedRow {
     page: usize,
     /// Where the next thing begins.

@@ -130,16 +130,11 @@ pub enum Orientation {
     /// Whichever needs fewer sheets; portrait if both need the same.
     #[default]
     Auto,
-    /// The short side across.
     Portrait,
-    /// The long side across.
     Landscape,
 }
 
 /// Reads `WIDTHxHEIGHT` in millimetres or with a unit.
-///
-/// # Errors
-/// Anything but two numbers with an `x` between them. Whether the numbers make sense is for the caller to say.
 pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
     let sides = parse_sides_mm(&text.to_ascii_lowercase()).map(<(f64, f64)>::from);
     sides.ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })

@@ -44,7 +44,6 @@ pub enum PatchError {
     },
 }
 
-/// An image on a panel.
 #[derive(Debug, Clone)]
 pub struct PanelPatch {
     /// How the captions call it: its file name.
@@ -54,12 +53,10 @@ pub struct PanelPatch {
     pub side: Side,
     /// Its middle in the panel's plane: (u, v), see [`Side`].
     pub at_mm: Point,
-    /// Width and height on the panel.
     pub size_mm: (f64, f64),
 }
 
 impl PanelPatch {
-    /// The image over an area of a page.
     fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
         match stamp {
             Some(stamp) => Mark::Stamped {
@@ -117,7 +114,6 @@ impl PanelPatch {
     }
 }
 
-/// Patches on their pages.
 #[derive(Debug, Clone, Default)]
 pub struct Patches {
     /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
@@ -129,10 +125,6 @@ pub struct Patches {
 }
 
 /// Draws patches on the panels of a model.
-///
-/// # Errors
-/// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
-/// layout refuses.
 pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
     check_scale(request.scale)?;
     // All before the first is drawn: a panel's sheets show every patch on it.
@@ -166,9 +158,6 @@ pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) 
 }
 
 /// Refuses a patch with a place or size that no patch has.
-///
-/// # Errors
-/// That place or size.
 pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
     for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {

@@ -18,7 +18,7 @@ use scaleproof_plot::lettering;
 use scaleproof_plot::pdf::{PdfError, bytes_of, font, name};
 
 /// What the pages call the one font of every sheet until [`embed_font`] exchanges it. printpdf encodes the text of its built-in
-/// fonts in WinAnsi, one byte a letter, which is all a Latin-1 font needs; its own embedding would number the glyphs anew for
+/// fonts in WinAnsi, one byte a letter, which is all a Latin-1 font needs; its own embedding would give the glyphs other numbers in
 /// every file.
 const STAND_IN: BuiltinFont = BuiltinFont::Helvetica;
 

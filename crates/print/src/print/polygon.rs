@@ -72,7 +72,6 @@ pub fn slices(
     })
 }
 
-/// The part of a polygon within a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
     let turn = doubled_area(*a, *b, *c).signum();
     let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * doubled_area(*from, *to, *p));
@@ -100,7 +99,6 @@ fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Vec<Point> {
     part
 }
 
-/// The area of a convex polygon.
 pub fn area(polygon: &[Point]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else {
         return 0.0;

@@ -18,7 +18,6 @@ pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
 /// A printer that is further off than this share scales on purpose, which its settings must undo.
 pub const MOST_OFF: f64 = 0.05;
 
-/// Why nothing is known of a printer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PrinterError {
     #[error(
@@ -151,9 +150,6 @@ impl Printer {
 
 impl PrinterFile {
     /// Reads a `printer.toml`.
-    ///
-    /// # Errors
-    /// As for [`Printer::load`], and colours that contradict themselves.
     pub fn load(path: &Path) -> Result<Self, PrinterError> {
         let text = files::read_text(path).map_err(|e| e.to_string());
         text.and_then(|text| Self::parse(&text))

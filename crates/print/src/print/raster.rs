@@ -28,7 +28,6 @@ const MOST_PIXELS: f64 = 3e8;
 /// Pixels per inch that are worth printing.
 const DPI: std::ops::RangeInclusive<f64> = 36.0..=2400.0;
 
-/// A triangle of the surface, flat.
 #[derive(Debug, Clone)]
 pub struct FlatTriangle {
     pub flat_mm: [Point; 3],
@@ -107,7 +106,6 @@ impl PixelGrid {
     }
 }
 
-/// Why nothing is drawn as pixels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RasterError {
     #[error("a resolution of {} dpi cannot be printed; use 36 to 2400 dpi, as in 300", shown(*dpi))]
@@ -117,9 +115,6 @@ pub enum RasterError {
 }
 
 /// Refuses a resolution that no printer has, and areas that take too many pixels at it.
-///
-/// # Errors
-/// Less than 36 dpi or more than 2400; more than 300 million pixels.
 pub fn check(dpi: f64, area_mm2: f64) -> Result<(), RasterError> {
     if !DPI.contains(&dpi) {
         return Err(RasterError::Dpi { dpi });
@@ -255,7 +250,6 @@ impl<'a> FlatPaint<'a> {
         Some(found)
     }
 
-    /// Adds the cells of a triangle in a convex polygon on it.
     fn add_cells(&self, i: usize, polygon: &[Point], found: &mut Found) -> Option<()> {
         let [across, up] = self.cells[i]?;
         let (columns, rows) = (across.cells(polygon), up.cells(polygon));
@@ -338,7 +332,6 @@ fn spread(count: usize) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Colours of a pixel, each with its weight.
 #[derive(Default)]
 struct Found {
     first: Option<[u8; 3]>,

@@ -3,7 +3,6 @@
 use super::sheet::{Mark, PointMm, TextAnchor};
 use scaleproof_plot::lettering::CAP_HEIGHT;
 
-/// Length of every ruler.
 pub const LENGTH_MM: f64 = 100.0;
 /// Depth of the strip a ruler takes: ticks and labels.
 pub const DEPTH_MM: f64 = 8.5;

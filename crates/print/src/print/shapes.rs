@@ -7,11 +7,9 @@ use scaleproof_pose::tags::{Modules, TagImage};
 /// A closed convex outline, counter-clockwise.
 pub type OutlineMm = Vec<PointMm>;
 
-/// Where a square of modules lies on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TagPlacement {
     pub centre: PointMm,
-    /// Unit vector along the square's rows, to its right.
     pub right: [f64; 2],
     pub module_mm: f64,
 }
@@ -73,7 +71,6 @@ pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
     vec![beside(from, -1.0), beside(to, -1.0), beside(to, 1.0), beside(from, 1.0)]
 }
 
-/// Strokes along a closed outline.
 pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
     sides(outline).map(|(a, b)| stroke(*a, *b, width_mm)).collect()
 }

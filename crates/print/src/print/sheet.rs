@@ -13,7 +13,6 @@ pub type Srgb8 = [u8; 3];
 pub const BLACK: Srgb8 = [0, 0, 0];
 pub const WHITE: Srgb8 = [255, 255, 255];
 
-/// A place on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointMm {
     pub x_mm: f64,
@@ -56,19 +55,16 @@ impl RectMm {
         }
     }
 
-    /// A rectangle of some width and height, by its lower left corner.
     pub fn sized((left_mm, bottom_mm): (f64, f64), (width_mm, height_mm): (f64, f64)) -> Self {
         Self::new(left_mm, bottom_mm, left_mm + width_mm, bottom_mm + height_mm)
     }
 
-    /// The rectangle around some points.
     pub fn around<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> Self {
         let none = Self::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
         let point = |p: &PointMm| Self::new(p.x_mm, p.y_mm, p.x_mm, p.y_mm);
         points.into_iter().fold(none, |all, p| all.union(point(p)))
     }
 
-    /// The rectangle around two rectangles.
     pub fn union(self, other: Self) -> Self {
         Self::new(
             self.left_mm.min(other.left_mm),
@@ -93,7 +89,6 @@ impl RectMm {
         Self::new(self.left_mm + x, self.bottom_mm + y, self.right_mm + x, self.top_mm + y)
     }
 
-    /// Whether the rectangle lies within another.
     pub fn is_within(&self, outer: &Self) -> bool {
         self.left_mm >= outer.left_mm
             && self.right_mm <= outer.right_mm
@@ -122,7 +117,6 @@ impl RectMm {
         self.top_mm - self.bottom_mm
     }
 
-    /// The corners, counter-clockwise.
     pub fn outline(&self) -> Vec<PointMm> {
         let [l, b, r, t] = self.edges();
         [(l, b), (r, b), (r, t), (l, t)].map(PointMm::from).to_vec()
@@ -137,7 +131,6 @@ pub enum TextAnchor {
     Right,
 }
 
-/// A filled rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fill {
     pub area: RectMm,
@@ -164,7 +157,6 @@ pub struct Line {
     pub colour: Srgb8,
 }
 
-/// One line of text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
     pub at: PointMm,
@@ -234,7 +226,6 @@ impl Mark {
         sides(outline).map(move |(from, to)| Self::stroke([*from, *to], width_mm, None, colour))
     }
 
-    /// A filled rectangle.
     pub fn fill(area: RectMm, colour: Srgb8) -> Self {
         Self::Fill(Fill { area, colour })
     }
@@ -245,7 +236,6 @@ impl Mark {
         Self::Area { outlines, colour }
     }
 
-    /// Black text.
     pub fn text(at: impl Into<PointMm>, size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
         Self::Text(Text {
             at: at.into(),
@@ -297,7 +287,6 @@ impl Mark {
     }
 }
 
-/// One page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
     pub width_mm: f64,

@@ -45,7 +45,6 @@ struct SvgPage {
     clips: usize,
     definitions: String,
     content: String,
-    /// What a cutter follows, the trim last.
     cuts: String,
     /// Whether an outline is cut instead of the trim.
     cuts_piece: bool,

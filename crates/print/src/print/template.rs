@@ -95,9 +95,7 @@ pub enum Front {
     Left,
     /// As on the model's right side.
     Right,
-    /// As on roof and hood.
     Up,
-    /// To the bottom of the sheets.
     Down,
     /// On the front and the rear, which have none.
     None,
@@ -147,9 +145,6 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
 }
 
 /// Draws the sheets of a texture without cells: an image, repeated, of no more than `dpi` pixels per inch.
-///
-/// # Errors
-/// As of [`template`], and a repeat that is less than a millimetre wide or high.
 pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) -> Result<Template, TemplateError> {
     let tile_mm = check_tile(request)?;
     if !(36.0..=2400.0).contains(&dpi) {
@@ -201,9 +196,6 @@ fn drawn(
 }
 
 /// Width and height of a printed cell of the pattern.
-///
-/// # Errors
-/// Numbers that are not positive, cells below [`MIN_CELL_MM`].
 pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
     let cell_mm = check_tile(request)? / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
@@ -238,7 +230,6 @@ pub(super) struct PatternStamp {
     height_mm: f64,
 }
 
-/// What a block looks like.
 enum Block {
     Cells(Arc<Stamp>),
     /// Its width and height in mm are a little more than the block's: it runs on into the next repeat.
@@ -246,7 +237,6 @@ enum Block {
 }
 
 impl PatternStamp {
-    /// Whole repeats of an image of this size.
     fn from_image(repeat: &RgbImage, (wide_mm, high_mm): (f64, f64), size_mm: (f64, f64)) -> Self {
         let (columns, rows) = repeat.dimensions();
         let pixel_mm = (wide_mm / f64::from(columns), high_mm / f64::from(rows));
@@ -267,7 +257,6 @@ impl PatternStamp {
         }
     }
 
-    /// Whole repeats of a pattern's cells.
     pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
         let (columns, rows) = (pattern.columns(), pattern.rows());
         let across = repeats(cell_mm * f64::from(columns), size_mm.0) * columns;

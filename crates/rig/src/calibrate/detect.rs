@@ -77,9 +77,6 @@ const LARGEST_MISS: f64 = 1.0 / 3.0;
 const LEAST_ROOM_PX: f64 = 2.4;
 
 /// Refuses a board whose markers OpenCV does not know.
-///
-/// # Errors
-/// A ChArUco board of an unknown dictionary.
 pub fn check(board: &Definition) -> Result<(), DictionaryError> {
     match board {
         Definition::Charuco { dictionary, .. } => MarkerDictionary::named(dictionary).map(drop),
@@ -93,9 +90,6 @@ pub fn check(board: &Definition) -> Result<(), DictionaryError> {
 /// without a camera), refined as a saddle point. AprilGrid: Kalibr's tag corners touch black squares, so they are saddle points too.
 /// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board, in reduced copies of large photos; the corners
 /// are then refined as saddle points at full size.
-///
-/// # Errors
-/// The reason why the photo cannot be used.
 pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
     if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {

@@ -1,4 +1,4 @@
-//! Photos of a board, or of tags whose places are known, become a camera no larger than they bear out, with what it is worth, or a reason why not.
+//! Photos of a board, or of tags whose places are known, become the smallest camera model that fits them, with its uncertainty, or a reason why there is none.
 
 mod detect;
 mod doubt;
@@ -53,7 +53,6 @@ pub const LEAST_PHOTOS: usize = 4;
 /// orientation share one camera, and `Camera::for_photo` turns that camera with each photo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardPhoto {
-    /// The photo's name, for people.
     pub file: String,
     /// Width and height in the sensor's frame, px.
     pub size: (u32, u32),
@@ -96,7 +95,7 @@ pub struct PhotoResult {
     pub edge_width_px: Option<f64>,
 }
 
-/// A camera and what it is worth.
+/// A calibrated camera and its uncertainty.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     /// The board; `None` where it was the tags of a scene.
@@ -124,7 +123,6 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The chosen model.
     pub fn chosen_model(&self) -> &CandidateModel {
         &self.models[self.chosen]
     }

@@ -41,17 +41,14 @@ impl LensModel {
         LensModel::Rational,
     ];
 
-    /// What people call it.
     pub fn name(self) -> &'static str {
         self.facts().0
     }
 
-    /// How many numbers are fitted.
     pub fn parameters(self) -> usize {
         self.facts().1
     }
 
-    /// Its name, and how many numbers are fitted.
     fn facts(self) -> (&'static str, usize) {
         match self {
             LensModel::F => ("f", 1),

@@ -80,7 +80,6 @@ struct PhotoAnswer<'a> {
     edge_width_px: Option<f64>,
 }
 
-/// What programs read of a calibration.
 pub fn answer(found: &Calibration) -> CalibrationAnswer<'_> {
     let (c, s) = (&found.camera, &found.sigmas);
     let photos = found.photos.iter().map(|p| PhotoAnswer {

@@ -9,7 +9,6 @@ use scaleproof_pose::camera::projection::{by_step, project_unchecked};
 /// Cells of the map across the longer side of the image.
 const CELLS: u32 = 16;
 
-/// One cell of the map.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
 pub struct MapCell {
     /// Its middle, px.

@@ -131,7 +131,6 @@ pub(super) fn unknowns(net: &TagNetwork, poses: &Poses) -> usize {
     6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
 }
 
-/// Places of the free poses in the system.
 struct Slots {
     tags: Vec<Option<usize>>,
     photos: Vec<Option<usize>>,
@@ -303,7 +302,6 @@ impl<'a> NetworkEquations<'a> {
         Some(Blocks { tags, photos })
     }
 
-    /// The poses after the step that solves the equations.
     fn moved(&self, damping: f64) -> Option<Poses> {
         let step = self.solved(
             damping,

@@ -20,7 +20,6 @@ const EXPECTED: [f64; LENS] = [0.01, 0.05, 0.2];
 /// what is left of renders is no noise, and any further number explains some of it.
 const LENS_SIGMAS: f64 = 8.0;
 
-/// What is known about a fitted lens.
 pub(super) struct FittedLens {
     /// The covariance of its numbers for corners of σ = 1 px.
     pub covariance: SMatrix<f64, LENS, LENS>,

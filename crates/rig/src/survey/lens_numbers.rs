@@ -22,7 +22,6 @@ fn numbers(camera: &Camera) -> SMatrix<f64, PARAMETERS, LENS> {
     numbers
 }
 
-/// The camera with a changed lens.
 pub(super) fn changed(camera: &Camera, by: &LensNumbers) -> Camera {
     let mut parameters = camera.parameters();
     let step = numbers(camera) * by;

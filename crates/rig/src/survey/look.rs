@@ -10,7 +10,6 @@ use scaleproof_pose::camera::{Camera, FittedCamera, SizeError};
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_pose::tags::{AprilTagC, SeenTag, StartError, TagDetector};
 
-/// Why photos cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
 pub enum SurveyPhotoError {
     #[error(transparent)]
@@ -23,7 +22,6 @@ pub enum SurveyPhotoError {
     Twice { photo: PathBuf, first: PathBuf },
 }
 
-/// What was seen in the photos of a survey.
 #[derive(Debug)]
 pub struct SurveyPhotos {
     /// In the order of the photos.
@@ -36,9 +34,6 @@ pub struct SurveyPhotos {
 ///
 /// A survey has one camera. A photo that EXIF turned, or that was made smaller, is fitted as any photo, and its corners are moved back
 /// into the image that the camera file is for.
-///
-/// # Errors
-/// A photo that cannot be used, or is given twice.
 pub fn look(
     photos: &[PathBuf],
     scene: &Scene,

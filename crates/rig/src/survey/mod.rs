@@ -44,10 +44,8 @@ const NOISE_FLOOR_PX: f64 = 0.1;
 /// many photos show it. In a room of real paper (`swatbotics`) the residuals are 0.8 times what is expected, yet a chain of tags is off by as much as expected.
 const NOISE_WEIGHT: f64 = 8.0;
 
-/// The tags that were found in one photo.
 #[derive(Debug, Clone)]
 pub struct PhotoTags {
-    /// What messages call the photo.
     pub name: String,
     pub seen: Vec<SeenTag>,
 }
@@ -57,14 +55,12 @@ pub struct PhotoTags {
 pub struct SurveyInput<'a> {
     /// Model, bins, and the fixed tags' poses; other tags only lend their sizes.
     pub scene: &'a Scene,
-    /// The tags that keep the scene's pose.
     pub fixed: &'a [(TagFamily, u32)],
     /// Sizes of `family`; they go before those of the scene.
     pub sizes: Option<&'a Sizes>,
     pub family: TagFamily,
 }
 
-/// A surveyed scene.
 #[derive(Debug, Clone)]
 pub struct Survey {
     /// The given model and bins; the fixed tags as given, then the surveyed ones with their σ, by family and id.

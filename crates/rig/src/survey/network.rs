@@ -22,7 +22,6 @@ pub(super) struct SizedTag {
     pub fixed: Option<Rigid>,
 }
 
-/// One tag in one photo.
 #[derive(Debug, Clone)]
 pub(super) struct Sighting {
     /// Index into [`TagNetwork::tags`].
@@ -46,7 +45,6 @@ impl Sighting {
     }
 }
 
-/// All sightings by one camera.
 #[derive(Debug, Clone)]
 pub(super) struct TagNetwork {
     /// The survey's camera; it fits every photo.

@@ -69,7 +69,6 @@ pub enum LeftOutReason {
 }
 
 impl LeftOutReason {
-    /// A stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
             LeftOutReason::NoSize => "no_size",

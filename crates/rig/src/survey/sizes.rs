@@ -8,7 +8,6 @@ use std::str::FromStr;
 pub struct Sizes(Vec<(RangeInclusive<u32>, f64)>);
 
 impl Sizes {
-    /// The size of a tag, when one is given.
     pub fn size_mm(&self, id: u32) -> Option<f64> {
         self.0.iter().find(|(ids, _)| ids.contains(&id)).map(|(_, size)| *size)
     }

@@ -30,7 +30,6 @@ const LEAST_MOVE_MM: f64 = 1.0;
 /// A size further than this from the stated one is wrong; paper and printers are better.
 const SIZE_TOLERANCE: f64 = 0.01;
 
-/// What is wrong with a tag.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum TagFault {
     /// It stands elsewhere in the other photos.

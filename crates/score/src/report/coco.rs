@@ -113,7 +113,6 @@ impl Categories {
         others.find(|(_, known)| *known == name).map(|(id, _)| *id)
     }
 
-    /// The category of a detector's label.
     pub(super) fn id(&self, detector: &EvaluatedDetector, label: usize) -> Option<u32> {
         let is_model = detector.counted.contains(&label);
         is_model

@@ -29,7 +29,6 @@ fn mapped(detector: &EvaluatedDetector) -> Option<String> {
     (!renamed.is_empty()).then(|| format!("{}: {}", manifest.name, renamed.join(", ")))
 }
 
-/// A detector's own labels that count.
 pub(super) fn labels_of(detector: &EvaluatedDetector) -> Vec<&'static str> {
     let names = detector.counted.iter().map(|label| detector.labels().name(*label));
     names.flatten().collect()

@@ -5,7 +5,6 @@ use super::{counted, paired};
 use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
 use scaleproof_core::spelling::{self, digits};
 
-/// What the tables of an evaluation are made of.
 pub struct Evaluation<'a> {
     pub scores: &'a Scores,
     /// The variants as the tables list them, the base first.

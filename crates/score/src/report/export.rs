@@ -8,7 +8,6 @@ use crate::score::{ScoredPhoto, Scores};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Labels, flat_name};
 
-/// Why nothing was exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     #[error(transparent)]
@@ -21,7 +20,6 @@ pub enum ExportError {
     AlikeNames { a: String, b: String },
 }
 
-/// Formats that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportFormat {
     /// `annotations.json` with `images`, `annotations` and `categories`.

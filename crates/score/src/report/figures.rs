@@ -12,10 +12,8 @@ const AGAINST_TIME: &str = "ap_against_time";
 /// The chart that a report has only when photos were made worse.
 const ROBUSTNESS: &str = "robustness";
 
-/// A file's name and content.
 pub(super) type File = (String, Vec<u8>);
 
-/// The charts of a report.
 pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<File>, ReportError> {
     let textures = || html::legend(scores);
     let (found, precision_recall): (Vec<_>, Vec<_>) = html::curves::charts(scores)
@@ -72,7 +70,6 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
     Ok(all)
 }
 
-/// The drops of a comparison, one chart for each figure.
 pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<Vec<File>, ReportError> {
     let drawings = html::comparison::charts(scores, comparison);
     let explained = Explained {

@@ -10,7 +10,6 @@ pub fn render(scores: &Scores) -> Result<String, ReportError> {
     csv_of(scores.summaries.iter().flat_map(|s| rows(scores, s)))
 }
 
-/// A group of photos, and what is known of it.
 #[derive(Default)]
 struct Group<'a> {
     /// `all`, `azimuth`, `cell` (azimuth × pitch × distance), `place` or `condition`.

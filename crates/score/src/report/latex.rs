@@ -74,7 +74,6 @@ fn below(scores: &Scores, results: &[Compared]) -> String {
     )
 }
 
-/// Sentences as comments, a line each.
 fn comments(sentences: impl Iterator<Item = String>) -> String {
     let lines = sentences.map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")));
     lines.collect()

@@ -10,7 +10,6 @@ pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) ->
     results.find(|r| r.detector == detector && r.variant == variant)
 }
 
-/// A finding as people say it.
 pub(super) fn in_words(finding: Finding) -> &'static str {
     match finding {
         Finding::Drop => "a drop",
@@ -26,7 +25,6 @@ pub fn briefly(finding: Finding) -> &'static str {
     in_words(finding).split(',').next().unwrap_or_default()
 }
 
-/// Whether a difference is shown.
 pub(super) fn is_shown(d: &Difference) -> bool {
     d.finding.is_shown()
 }

@@ -17,7 +17,6 @@ pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportErro
     ])
 }
 
-/// What they are called.
 pub(super) const NAMES: [&str; 2] = ["protocol.csv", "protocol.tex"];
 
 fn csv(table: &ProtocolTable) -> Result<String, ReportError> {
@@ -61,7 +60,6 @@ pub(super) fn lines(scores: &Scores, table: &ProtocolTable) -> Vec<String> {
     [head].into_iter().chain(aligned(&rows)).collect()
 }
 
-/// Rows whose columns stand below each other.
 pub(super) fn aligned(rows: &[&Vec<String>]) -> Vec<String> {
     let wide = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));

@@ -34,7 +34,6 @@ pub(super) fn tau(row: &RankingRow) -> String {
     }
 }
 
-/// What was found, in words.
 pub(super) fn found(row: &RankingRow) -> &'static str {
     match row.finding {
         RankingFinding::Holds => "the order holds",
@@ -43,7 +42,6 @@ pub(super) fn found(row: &RankingRow) -> &'static str {
     }
 }
 
-/// What explains the table and the charts.
 pub(super) fn note(ranking: &Ranking) -> String {
     format!(
         "Against {}. Textures are ordered by AP@0.5 in the places and bins that have photos of all of them. τ: Kendall's τ-b of the two orders, from 1 (alike) to −1 (upside down), with a 95 % interval over \

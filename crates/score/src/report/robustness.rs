@@ -6,10 +6,8 @@ use super::{ReportError, csv_of, protocol};
 use crate::score::{BASE_LOST, Difference, Robustness, SEVERITIES, Scores, Survival};
 use scaleproof_plot::distinct;
 
-/// The file of every comparison at every severity.
 pub(super) const NAME: &str = "robustness.csv";
 
-/// What the cells of the table are.
 pub(super) fn heading() -> String {
     format!(
         "severities at which a drop of AP@0.5 is shown, corrected at each severity over detectors and textures, and where it is shown at severity 0 (reduced to 640 px, no worse; ?: too few photos to tell anywhere; \

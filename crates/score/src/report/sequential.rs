@@ -17,7 +17,6 @@ pub(super) fn unit(sequential: &Sequential) -> &'static str {
     }
 }
 
-/// Two lines for each detector and variant.
 pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
     let unit = unit(sequential);
     let mut lines = vec![format!(
@@ -62,7 +61,6 @@ pub(super) fn repeats(course: &Course) -> String {
     }
 }
 
-/// The figures that have decisions.
 pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
     [
         ("hit rate", &course.hit_rate),
@@ -105,7 +103,6 @@ pub(super) fn rounds(decision: &Decision, unit: &str) -> String {
     }
 }
 
-/// What explains the table and the charts.
 pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
     let sessions = spelling::choose(scores.sessions.len(), "session lists", "sessions list");
     format!(

@@ -16,7 +16,6 @@ use scaleproof_core::files;
 #[derive(Debug)]
 pub struct Cache {
     folder: PathBuf,
-    /// What every entry depends on.
     program: String,
     problems: Mutex<Problems>,
 }
@@ -29,7 +28,6 @@ struct Problems {
     not_written: Option<String>,
 }
 
-/// The name of an entry.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Key(String);
 

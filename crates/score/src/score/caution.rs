@@ -14,7 +14,6 @@ use scaleproof_session::envelope;
 use scaleproof_session::session::Session;
 use scaleproof_session::session::contents::are_copies;
 
-/// Every caution of a run, as sentences.
 pub(super) fn cautions(
     photos: &[ScoredPhoto],
     not_scored: &[NotScored],

@@ -22,7 +22,6 @@ pub struct EvaluatedDetector {
     pub counted: Vec<usize>,
 }
 
-/// Where a detector's detections come from.
 #[derive(Debug, Clone)]
 pub enum DetectionSource {
     /// ONNX Runtime runs these weights, whose hash was checked.
@@ -31,7 +30,6 @@ pub enum DetectionSource {
     Recorded(Vec<Recorded>),
     /// Files that another program wrote.
     Outside(Arc<OutsideResults>),
-    /// A program that runs.
     Program(Arc<ProgramDetector>),
     /// A function of this process.
     Called(Arc<CalledDetector>),
@@ -55,7 +53,6 @@ pub enum EvaluatedDetectorError {
     ClassMap { detector: String, fault: String },
 }
 
-/// The folder of a session that holds recordings.
 const RECORDED: &str = "recorded";
 
 impl EvaluatedDetector {
@@ -196,7 +193,6 @@ pub fn evaluated_detectors(
     manifests.into_iter().map(detector).collect()
 }
 
-/// The ONNX Runtime, when some detector runs.
 pub fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
     let is_needed = detectors.iter().any(EvaluatedDetector::is_live);
     is_needed.then(Runtime::load).transpose()

@@ -75,7 +75,6 @@ pub const MATCH_IOU: f64 = 0.5;
 /// A photo counts as a hit when the matching detection is at least this confident, unless [`Criteria`] say otherwise.
 pub const HIT_CONFIDENCE: f64 = 0.5;
 
-/// The variant that drops are measured from.
 pub const BASE_VARIANT: &str = "normal";
 
 /// What the words of a comparison mean, stored beside its numbers: (name, definition).

@@ -35,7 +35,6 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// One thread a core, nothing kept.
     fn default() -> Options {
         Options {
             threads: workers::thread_count(),
@@ -80,7 +79,6 @@ impl NotScoredReason {
     }
 }
 
-/// One photo to be scored.
 pub(super) struct ScoringJob<'a> {
     /// From 1, in the order of the sessions.
     pub id: u64,
@@ -178,7 +176,6 @@ const SAME_BOX_IOU: f64 = 0.95;
 /// The least size that a perceptual hash is made from, px.
 const HASHED_FROM_PX: [u32; 2] = [64, 64];
 
-/// What each thread owns.
 pub(super) struct Observer<'a> {
     families: &'a [TagFamily],
     detectors: &'a [EvaluatedDetector],
@@ -191,7 +188,6 @@ pub(super) struct Observer<'a> {
     loaded: Vec<Option<Detector>>,
 }
 
-/// A part of a photo, of which there is an image.
 pub(super) struct PhotoPart<'a> {
     pub path: &'a Path,
     /// As the session names it.
@@ -221,7 +217,6 @@ impl PhotoPart<'_> {
 /// Why a photo could not be observed.
 #[derive(Debug, thiserror::Error)]
 enum Stop {
-    /// It is left out.
     #[error(transparent)]
     Photo(#[from] NotScoredReason),
     /// The run ends.

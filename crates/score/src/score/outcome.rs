@@ -18,7 +18,6 @@ pub enum Verdict {
     Found,
 }
 
-/// What one detector made of the model in one photo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotoOutcome {
     /// Highest confidence among detections of the class that overlap the truth enough; 0 for a miss.
@@ -36,7 +35,6 @@ pub struct PhotoOutcome {
 #[derive(Debug, Clone, Copy)]
 pub struct Thresholds {
     pub confidence: f64,
-    /// Overlap with the truth box.
     pub iou: f64,
 }
 
@@ -71,7 +69,6 @@ impl PhotoOutcome {
         }
     }
 
-    /// What each detector made of a photo.
     pub(super) fn of_each(
         detectors: &[EvaluatedDetector],
         found: &[Vec<Detection>],

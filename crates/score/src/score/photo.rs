@@ -67,7 +67,6 @@ pub struct ScoredPhoto {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagMark {
     pub id: u32,
-    /// In pixels of the photo, around the tag.
     pub corners_px: [[f64; 2]; 4],
     /// True when the pose rests on it.
     pub is_used: bool,

@@ -5,7 +5,6 @@ use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Recorded, RecordedError, RecordedPhoto, Recording, SCORE_FLOOR};
 use scaleproof_session::session::Session;
 
-/// Why the detections of a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     #[error("{session} has a recording of {detector} already")]

@@ -83,14 +83,12 @@ impl Settings {
         Ok(AppliedSettings { file, sha256, settings })
     }
 
-    /// The tag detector that is named, else the usual one.
     pub fn tags(&self) -> Result<TagDetectorChoice, StartError> {
         self.tag_detector
             .as_deref()
             .map_or_else(|| Ok(TagDetectorChoice::default()), str::parse)
     }
 
-    /// The definition that is named, if any.
     pub fn ap(&self) -> Result<Option<ApDefinition>, String> {
         let named = self.ap.as_deref().map(ApDefinition::from_name).transpose();
         named.map_err(|e| e.to_string())

@@ -64,7 +64,6 @@ impl ShardId {
             .ok_or_else(|| ShardIdError::NoShard { text: text.to_owned() })
     }
 
-    /// The name of this shard's file.
     pub fn file_name(&self) -> String {
         format!("shard_{}_of_{}.scaleproof", self.index, self.count)
     }
@@ -228,7 +227,6 @@ pub struct Shard {
     pub observed: ShardObservations,
 }
 
-/// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
 pub enum ShardError {
     #[error(transparent)]
@@ -287,7 +285,6 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 const MAGIC: &str = "scaleproof shard, version ";
 
 impl Shard {
-    /// Writes the shard into a folder and returns the file's path.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, ShardError> {
         let content = postcard::to_allocvec(self)?;
         let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));

@@ -11,7 +11,6 @@ pub(super) struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    /// Each of some detectors.
     pub(super) fn each(detectors: &'a [EvaluatedDetector]) -> impl Iterator<Item = (Side<'a>, &'a EvaluatedDetector)> {
         let side = |(detector, evaluated): (usize, &'a EvaluatedDetector)| {
             let counted = &evaluated.counted;
@@ -20,7 +19,6 @@ impl<'a> Side<'a> {
         detectors.iter().enumerate().map(side)
     }
 
-    /// The detector of a name.
     pub(super) fn named(scores: &'a Scores, name: &str) -> Option<Side<'a>> {
         let mut all = Side::each(&scores.detectors);
         all.find(|(_, d)| d.manifest.name == name).map(|(side, _)| side)

@@ -255,7 +255,6 @@ fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> O
     groups.into_iter().filter_map(figures).collect()
 }
 
-/// The figures of each value of a condition.
 fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<ConditionFigures> {
     let figures = by(photos, side, |p| group.group_of(p));
     let values = in_order(figures.keys().cloned().collect()).into_iter();

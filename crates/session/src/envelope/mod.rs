@@ -24,7 +24,6 @@ use visible::Pieces;
 /// The mesh's box may differ from the scene's by this share of each side, as it may when panels are printed.
 const TOLERANCE: f64 = 0.03;
 
-/// Why the mesh of a scene cannot be its envelope.
 #[derive(Debug, thiserror::Error)]
 pub enum EnvelopeError {
     #[error(transparent)]
@@ -67,15 +66,12 @@ enum Shape {
         edges: Vec<[usize; 2]>,
         triangles: Vec<[usize; 3]>,
     },
-    /// The hull of these points, drawn anew in each photo: the hull of a projection is the projection of the hull.
+    /// The convex hull of these points, computed in each photo: the hull of a projection is the projection of the hull.
     Hull(Vec<Point3<f64>>),
 }
 
 impl EnvelopeShape {
     /// The envelope that a scene names; `folder` is the scene file's, from which the mesh's path counts.
-    ///
-    /// # Errors
-    /// A mesh that cannot be read, or that is not as large as the model and in its place.
     pub fn open(model: &ScaleModel, folder: &Path) -> Result<Self, EnvelopeError> {
         match &model.envelope {
             Envelope::Box => Ok(Self::of_box(model)),
@@ -84,7 +80,6 @@ impl EnvelopeShape {
         }
     }
 
-    /// The box of the model's size.
     pub fn of_box(model: &ScaleModel) -> Self {
         Self::surface(&Mesh::cuboid(model.size_mm), model)
     }
@@ -116,9 +111,6 @@ impl EnvelopeShape {
 
     /// The box around what the photo holds of the model. In pixels from the photo's corner, as detectors and COCO
     /// count; [`Camera::project`] counts from the middle of the first pixel. `pose` is `T_camera_model`.
-    ///
-    /// # Errors
-    /// A camera inside the model's box, a model partly where the lens model says nothing, a model out of the photo.
     pub fn box_in_photo(&self, pose: &Rigid, camera: &Camera) -> Result<BoxPx, NoTruth> {
         if self.holds(&pose.inverse_transform_point(&Point3::origin())) {
             return Err(NoTruth::InsideModel);
@@ -138,7 +130,6 @@ impl EnvelopeShape {
         visible::box_of(&pieces, camera)
     }
 
-    /// True inside the model's box.
     fn holds(&self, p: &Point3<f64>) -> bool {
         let [length, width, height] = self.size_mm;
         p.x.abs() < length / 2.0 && p.y.abs() < width / 2.0 && (0.0..height).contains(&p.z)

@@ -29,9 +29,6 @@ pub(super) struct Pieces<'a> {
 }
 
 /// The box around the part of the surface that is in the photo.
-///
-/// # Errors
-/// Nothing in the photo, or a part where the lens model ends and the photo does not.
 pub(super) fn box_of(pieces: &Pieces, camera: &Camera) -> Result<BoxPx, NoTruth> {
     let mut view = VisibleBox::new(camera);
     let pixels: Vec<_> = pieces.points.iter().map(|p| view.pixel(p)).collect();

@@ -204,7 +204,6 @@ impl Contents {
     }
 }
 
-/// A line of a session in short.
 pub fn line(name: &str, what: &str) -> String {
     format!("{name:<9}{what}")
 }

@@ -44,10 +44,8 @@ fn given(variant: &str, folder: &Path) -> String {
     format!("{variant}={}", folder.display())
 }
 
-/// A folder whose photos all show one texture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhotoFolder {
-    /// The texture on the model.
     pub variant: String,
     /// Where they were taken, where it is another place than that of the other folders.
     pub place: Option<String>,
@@ -61,15 +59,12 @@ pub struct Listing {
     pub photos: Vec<String>,
     /// Names of images in formats that are not read.
     pub other_images: Vec<String>,
-    /// Names of folders.
     pub folders: Vec<String>,
 }
 
-/// A folder that was listed.
 #[derive(Debug, Clone)]
 pub struct Listed {
     pub given: PhotoFolder,
-    /// Its whole path, without links.
     pub real: PathBuf,
     pub listing: Listing,
 }
@@ -84,9 +79,6 @@ pub struct Gathered {
 }
 
 /// Makes a session of folders: their photos in the order of the folders and by name, of `place` where a folder names none of its own.
-///
-/// # Errors
-/// Folders that are missing, given twice or without photos; whatever is wrong with the scene, the camera or the names.
 pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str) -> Result<Gathered, FoldersError> {
     let mut listed: Vec<Listed> = Vec::new();
     for folder in folders {
@@ -124,7 +116,6 @@ pub(super) fn joined(folder: &str, name: &str) -> String {
     }
 }
 
-/// A path as text, as sessions keep it.
 pub(super) fn text_path(path: &Path) -> Result<String, FoldersError> {
     let part = |part: Component| part.as_os_str().to_str().map(str::to_owned);
     let parts: Option<Vec<String>> = path.components().map(part).collect();
@@ -153,9 +144,6 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
 
 impl Listing {
     /// Looks into a folder.
-    ///
-    /// # Errors
-    /// It cannot be read; a photo's name that is no text.
     pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
         let mut listing = Listing::default();
         for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
@@ -210,7 +198,6 @@ impl Listing {
         self.other_images.extend(twins);
     }
 
-    /// Whether a file is taken for a photo, by its name.
     pub fn is_photo(path: &Path) -> bool {
         is_readable(&path.extension().unwrap_or_default().to_string_lossy().to_lowercase())
     }

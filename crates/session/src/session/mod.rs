@@ -188,9 +188,6 @@ impl Session {
 }
 
 /// The text of a `session.json` at a place, of a scene and a camera file named from its folder. It is read back before it is returned.
-///
-/// # Errors
-/// Whatever keeps [`Session::open`] from opening it.
 pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEntry>) -> Result<String, SessionError> {
     let file = SessionFile {
         scene: scene.into(),
@@ -206,7 +203,6 @@ fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
     FileError::syntax(path, e.line(), words(e, "a session"))
 }
 
-/// What is wrong with some JSON, without the place.
 fn words(e: &serde_json::Error, what: &str) -> String {
     let text = e.to_string();
     match text.split(" at line ").next().unwrap_or(&text) {

@@ -39,7 +39,6 @@ pub struct NewSession<'a> {
     pub copy: bool,
 }
 
-/// What a file of the session is made of.
 enum Content {
     Bytes(Vec<u8>),
     CopyOf(PathBuf),
@@ -225,7 +224,6 @@ fn real_place(folder: &Path) -> Result<PathBuf, FileError> {
     Err(failed("no part of the path exists".into()))
 }
 
-/// The path of a file from a folder that it lies in.
 fn inside(file: &Path, home: &Path) -> Option<PathBuf> {
     let real = file.canonicalize().ok()?;
     real.strip_prefix(home).ok().map(Path::to_owned)

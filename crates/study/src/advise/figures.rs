@@ -45,9 +45,6 @@ pub struct FigureAdvice {
 pub(super) const BOX_MARGIN: f64 = 0.01;
 
 /// Compares the textures by every definition of AP, and by the box instead of the model's outline. `by_box`: the same photos scored by the box, where that is another envelope.
-///
-/// # Errors
-/// No texture to compare.
 pub fn advise_figures(scores: &Scores, by_box: Option<&Scores>, base: &str) -> Result<FigureAdvice, CompareError> {
     let envelope = scores.sessions[0].scene.model.envelope.name();
     let usual_way = (scores, scores.criteria.ap);

@@ -15,10 +15,8 @@ use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, Session};
 
-/// A photo to be located.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    /// As the session names it.
     pub file: String,
     /// Upright.
     pub luma: GrayImage,
@@ -46,7 +44,6 @@ impl Sample {
     }
 }
 
-/// What a way makes of a photo.
 #[derive(Debug, Clone)]
 pub(super) struct Answer {
     pub ms: f64,

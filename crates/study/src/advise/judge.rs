@@ -8,9 +8,6 @@ use super::way::{Question, Way};
 use scaleproof_core::spelling::count;
 
 /// Judges every way by the answers of each photo.
-///
-/// # Errors
-/// No photo that is located.
 pub(super) fn put_together(
     ways: &[Way],
     answers: &[&[Answer]],

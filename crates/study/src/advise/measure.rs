@@ -13,7 +13,6 @@ use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 /// The tag detectors of one thread.
 pub(super) type Opened = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
 
-/// What one photo says.
 pub(super) struct Measured {
     /// By the ways, in their order.
     pub answers: Vec<Answer>,
@@ -46,16 +45,12 @@ pub(super) struct UsualPose {
     /// The camera as it fits the photo.
     pub fitted: FittedCamera,
     pub located: Located,
-    /// Every tag that was found.
     pub seen: FoundTags,
     /// Those that the pose rests on: they are left out one by one.
     pub reference: Vec<SeenTag>,
 }
 
 /// Measures every way on a photo; a way that several questions share, once.
-///
-/// # Errors
-/// A camera of another shape than the photo.
 pub(super) fn measure(
     sample: &Sample,
     ways: &[Way],

@@ -61,9 +61,6 @@ const FINDERS: [TagDetectorChoice; 5] = [
 ];
 
 /// Measures every way of every step on the photos of a session. `on_photo` is called after each photo.
-///
-/// # Errors
-/// No photos, none that is located; a camera of another shape; a tag detector that does not start.
 pub fn advise_poses(
     samples: &[Sample],
     scene: &Scene,

@@ -11,7 +11,6 @@ use scaleproof_core::spelling::{count, digits};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use scaleproof_score::report::briefly;
 
-/// The whole page.
 pub fn page(all: &Advice) -> String {
     let advice = &all.poses;
     let lead = html! {
@@ -48,7 +47,6 @@ const HOW: &str = "Held out: a tag is left out, the pose is made of the others, 
     “More than the best”: the difference from the most accurate way that locates as many photos, on the same photos, with its 95 % interval (2,000 resamples of the photos). Advised is the smallest way that \
     loses no photo, moves none to another bin and none by more than five standard deviations of its usual pose, is not shown worse, whose error is within a twentieth of the smallest, and, of tags, whose poses are at most a twentieth less certain; of solvers, whose time is little beside the search, the usual one where it is such a way. Moved: how far the viewpoints are from the usual ones, middle photo.";
 
-/// As a heading begins.
 fn capital(title: &str) -> String {
     let mut letters = title.chars();
     let first = letters.next().map(char::to_uppercase);
@@ -109,7 +107,6 @@ fn section(advice: &PoseAdvice, question: Question) -> Markup {
     }
 }
 
-/// Held-out error against milliseconds.
 fn chart(question: Question, own: &[&Choice]) -> String {
     let most_located = own.iter().map(|choice| choice.located).max().unwrap_or(1).max(1);
     let dots = own.iter().enumerate().filter_map(|(i, choice)| {

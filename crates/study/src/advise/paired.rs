@@ -91,7 +91,6 @@ fn direction_deg(a: &Located, b: &Located) -> f64 {
     direction(a).angle(&direction(b)).to_degrees()
 }
 
-/// Of the direction in which a viewpoint lies.
 fn sigma_deg(located: &Located) -> f64 {
     let sigma = located.sigma;
     (sigma.azimuth_deg * located.viewpoint.pitch_deg.to_radians().cos()).hypot(sigma.pitch_deg)

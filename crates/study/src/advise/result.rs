@@ -140,7 +140,6 @@ pub enum CameraVerdict {
 }
 
 impl PoseAdvice {
-    /// The answers to a question.
     pub fn choices_for(&self, question: Question) -> impl Iterator<Item = &Choice> {
         self.choices.iter().filter(move |choice| choice.question == question)
     }

@@ -111,7 +111,6 @@ pub(super) fn camera(check: &CameraCheck) -> String {
     }
 }
 
-/// In what the refitted cameras differ from the file.
 fn refitted(check: &CameraCheck) -> String {
     let two = |values: [f64; 2], places: usize| {
         let [a, b] = values.map(|value| digits(value, places));

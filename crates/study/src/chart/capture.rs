@@ -35,9 +35,6 @@ pub struct CaptureRow {
 
 /// Measures every tag detector with the common fit on the same frames (JPEG files), one after the other on one thread: decoding, tags, pose,
 /// gates, and the sentence. `on_done` is called after each frame of each row.
-///
-/// # Errors
-/// A detector that does not start; a frame that cannot be decoded, or of another shape than the camera's.
 pub fn measure(
     frames: &[(String, Vec<u8>)],
     scene: &Scene,

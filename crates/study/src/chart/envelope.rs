@@ -64,9 +64,6 @@ pub fn placed(
 }
 
 /// The envelopes of a model: its box, and with a mesh its hull and its surface.
-///
-/// # Errors
-/// A mesh that cannot be read.
 pub fn envelopes(mesh: Option<&Path>, model: &ScaleModel) -> Result<Vec<(&'static str, EnvelopeShape)>, EnvelopeError> {
     let mut shapes = vec![("box", EnvelopeShape::of_box(model))];
     if let Some(path) = mesh {

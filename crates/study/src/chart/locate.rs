@@ -55,9 +55,6 @@ pub struct PhotoSample {
 
 impl PhotoSample {
     /// The photos of a session, decoded, with the truth about each. `on_photo` is called after each.
-    ///
-    /// # Errors
-    /// A photo that cannot be read; a file that does not say the truth about all of them.
     pub fn of_session(session: &Session, truth: &Path, on_photo: impl Fn()) -> Result<Vec<Self>, MeasureError> {
         let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
         let samples = session.photos.iter().zip(true_views(truth, &names)?);
@@ -119,7 +116,6 @@ pub struct LocateRow {
 }
 
 impl LocateRow {
-    /// Milliseconds a photo takes.
     pub fn ms(&self) -> f64 {
         self.find_ms + self.solve_ms
     }
@@ -138,10 +134,6 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 
 /// Measures every combination, one photo after the other on one thread. `on_done` is called after each photo of each
 /// tag detector.
-///
-/// # Errors
-/// A detector that reads the scene's families but does not start; those that do not read them are left out. A photo that the camera does not
-/// fit.
 pub fn measure(
     samples: &[PhotoSample],
     scene: &Scene,

@@ -64,17 +64,11 @@ pub struct ChartNumbers<'a, R> {
 
 impl<'a, R> ChartNumbers<'a, R> {
     /// Rows that were measured on a session, and on files besides the session's.
-    ///
-    /// # Errors
-    /// A file that cannot be read.
     pub fn new(session: &Session, read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
         Self::over(&[session], read, rows)
     }
 
     /// Rows that were measured on several sessions.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
     pub fn over(sessions: &[&Session], read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
         let others = read
             .iter()

@@ -31,9 +31,6 @@ pub struct StageTime {
 }
 
 /// Measures every detector alone on one thread, so many rounds. `on_photo` is called after each photo.
-///
-/// # Errors
-/// As scoring has them; a session of which no photo can be scored.
 pub fn measure(
     session: &Session,
     detectors: Vec<EvaluatedDetector>,

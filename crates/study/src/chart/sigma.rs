@@ -52,7 +52,6 @@ pub struct SigmaView {
     pub truth_sigma: Sigma,
 }
 
-/// What the answers to some views were.
 #[derive(Debug, Clone, Default)]
 pub struct SigmaErrors {
     pub views: usize,
@@ -96,9 +95,6 @@ pub struct SigmaRow {
 
 /// The views of a session's photos: its tags one by one, by random twos and threes, and by random fours and more. Also of copies of the photos lit
 /// unevenly, if asked for. `on_photo` is called after each photo.
-///
-/// # Errors
-/// A photo that cannot be read or that the camera does not fit; a truth file that does not know it.
 pub fn of_photos(
     session: &Session,
     truth: &Path,
@@ -247,7 +243,6 @@ impl SigmaErrors {
         }
     }
 
-    /// What these errors say of σ.
     pub fn row(&self, material: &str, tags: usize) -> SigmaRow {
         let [azimuth, pitch, distance] = std::array::from_fn(|i| self.coverages(i));
         SigmaRow {
@@ -285,9 +280,6 @@ fn numbers(sigma: &Sigma) -> [f64; 3] {
 
 /// Rows of sessions, those of one name together, and of views simulated on the first of them, with copies of its photos lit unevenly; without views, of
 /// the photos alone. `on_photo` is called after each photo of [`photos`].
-///
-/// # Errors
-/// As [`of_photos`].
 pub fn measure(
     sessions: &[(Session, PathBuf)],
     views: usize,

@@ -12,7 +12,6 @@ use scaleproof_pose::simulate::normal;
 /// Four corners of a tag in the image, px.
 pub(super) type TagCorners = [[f64; 2]; 4];
 
-/// What is wrong with a photo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spoil {
     /// Out of focus: Gaussian blur, σ in px.

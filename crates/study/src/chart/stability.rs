@@ -48,7 +48,6 @@ struct Conditions {
     /// One tag is seen alone, under this angle to its normal.
     tilt_deg: Option<f64>,
     fault: Option<SimulatedFault>,
-    /// As it truly is.
     camera: Camera,
 }
 
@@ -93,7 +92,6 @@ impl Conditions {
         Some(all)
     }
 
-    /// The view of a seed, if any tag is seen on it.
     fn view(&self, scene: &Scene, seed: u64) -> Option<SimulatedView> {
         if let Some(tilt_deg) = self.tilt_deg {
             return self.lone_tag(scene, tilt_deg, seed);
@@ -173,7 +171,6 @@ pub struct SweepStep {
     pub silently_wrong: f64,
 }
 
-/// Answers gathered for one step.
 #[derive(Default)]
 struct Tally {
     views: usize,
@@ -244,9 +241,6 @@ fn sweep_step(at: SweepAmount, scene: &Scene, camera: &Camera, views: u64, seed:
 }
 
 /// Every way to spoil the photos, with some tag detectors and the default solver. `on_done` is called after each spoiled photo.
-///
-/// # Errors
-/// A detector that does not start.
 pub fn on_photos(
     samples: &[PhotoSample],
     scene: &Scene,
@@ -282,7 +276,6 @@ pub fn on_photos(
     Ok(steps.into_iter().flatten().collect())
 }
 
-/// The ways to spoil a photo, each at each of its amounts.
 fn spoils() -> impl Iterator<Item = (Spoil, SweepAmount)> {
     amounts(OF_PHOTOS).filter_map(|at| Some((Spoil::named(at.0)?, at)))
 }
@@ -294,9 +287,6 @@ pub fn photo_steps(photos: usize) -> usize {
 
 /// Copies of the photos, each spoiled in one way by one amount, both at random, from harmless to hopeless. None is cut: a camera file fits no cut
 /// photo.
-///
-/// # Errors
-/// A detector that does not start.
 pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -> Result<Vec<PhotoSample>, StartError> {
     let ways: Vec<(Spoil, SweepAmount)> = spoils().filter(|(spoil, _)| *spoil != Spoil::Crop).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -314,7 +304,6 @@ pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -
     Ok(samples.iter().zip(&places).flat_map(copies_of).collect())
 }
 
-/// Where the tags are in the photos as they were taken.
 fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>>, StartError> {
     workers::map(
         samples,

@@ -59,27 +59,18 @@ struct TruthSigma {
 }
 
 /// The true viewpoints of some photos, in their order.
-///
-/// # Errors
-/// An unreadable file, one that is no truth file, a photo it does not know.
 pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
     let keys = "\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …";
     about(path, files, keys, |view: &Viewpoint| *view)
 }
 
 /// The standard deviations of these viewpoints themselves, where the file states them as `sigma`; 0 otherwise.
-///
-/// # Errors
-/// As [`true_views`].
 pub(super) fn true_sigmas(path: &Path, files: &[&str]) -> Result<Vec<Sigma>, TruthError> {
     let keys = "\"sigma\": {\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …}";
     about(path, files, keys, |truth: &TruthSigma| truth.sigma.unwrap_or(EXACT))
 }
 
 /// The exact boxes around the model's outline in some photos, in their order, px.
-///
-/// # Errors
-/// As [`true_views`].
 pub fn true_boxes(path: &Path, files: &[&str]) -> Result<Vec<BoxPx>, TruthError> {
     let keys = "\"box_xyxy_px\": [x1, y1, x2, y2]";
     about(path, files, keys, |truth: &TrueBox| truth.box_xyxy_px)

@@ -59,9 +59,6 @@ pub enum AxesDoubt {
 }
 
 /// Finds the front and the top in the frame of the mesh's file; what is `given` of the two is taken.
-///
-/// # Errors
-/// A shape that does not tell, or tells as much for another answer.
 pub fn propose_axes(mesh: &Mesh, given: [Option<SignedAxis>; 2]) -> Result<AxesProposal, AxesDoubt> {
     let cloud = Cloud::new(mesh);
     let [front, up] = given;
@@ -176,7 +173,6 @@ impl Cloud {
         met as f64 / mirrored.len().max(1) as f64
     }
 
-    /// The cells in which points lie, each once.
     fn cells(&self, cell: impl Fn(&Point3<f64>) -> [i64; 3]) -> Vec<[i64; 3]> {
         let mut cells: Vec<_> = self.points.iter().map(cell).collect();
         cells.sort_unstable();
@@ -184,7 +180,6 @@ impl Cloud {
         cells
     }
 
-    /// What is seen from the side.
     fn outline(&self, [length, height]: [usize; 2]) -> Outline {
         let mut columns = vec![(f64::INFINITY, f64::NEG_INFINITY); COLUMNS];
         let [long, high] = [length, height].map(|axis| self.sides[axis].max(f64::MIN_POSITIVE));

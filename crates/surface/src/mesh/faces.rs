@@ -8,7 +8,6 @@ use scaleproof_core::files;
 /// Nine bytes a triangle, and room for comments of an editor.
 const MOST_BYTES: u64 = 16 * MAX_TRIANGLES as u64;
 
-/// Triangles of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceList {
     /// Each once, rising.
@@ -20,9 +19,6 @@ pub struct FaceList {
 impl FaceList {
     /// Reads whole numbers with white space between them: the indices of triangles from 0 on, in the order of the mesh's file, where a
     /// polygon of more corners counts as the triangles that it is cut into.
-    ///
-    /// # Errors
-    /// An unreadable or empty file, what is no whole number, a triangle that the mesh does not have.
     pub fn load(path: &Path, mesh: &Mesh) -> Result<Self, MeshError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         Self::parse(&String::from_utf8_lossy(&bytes), mesh.triangles().len()).map_err(|reason| MeshError::FaceList {

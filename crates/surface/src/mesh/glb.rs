@@ -45,7 +45,6 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// What the tree refers to.
 struct File {
     buffers: Buffers,
     /// Of each material.

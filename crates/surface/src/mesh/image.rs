@@ -31,7 +31,6 @@ impl Look {
     }
 }
 
-/// The file of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImageSource {
     File(PathBuf),

@@ -91,7 +91,6 @@ pub enum MeshError {
     NoLength,
 }
 
-/// Triangles in space, each with a material.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     points: Vec<Point3<f64>>,
@@ -128,9 +127,6 @@ pub fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
 
 impl Mesh {
     /// Reads a file and puts it into the model frame. Corners at the same place become one.
-    ///
-    /// # Errors
-    /// An unreadable, damaged or too large file, another format, no faces, and whatever [`MeshPlacement`] cannot do.
     pub fn load(path: &Path, placement: &MeshPlacement) -> Result<Self, MeshError> {
         let extension = path.extension().map(|e| e.to_ascii_lowercase());
         let read = match extension.as_ref().and_then(|e| e.to_str()) {
@@ -244,9 +240,6 @@ impl Mesh {
     }
 
     /// Which materials these names mean.
-    ///
-    /// # Errors
-    /// A name the mesh does not have.
     pub fn materials_named(&self, names: &[String]) -> Result<Vec<usize>, MeshError> {
         let unknown = |name: &&String| !self.materials.contains(name);
         if let Some(name) = names.iter().find(unknown) {
@@ -310,9 +303,6 @@ impl Mesh {
     }
 
     /// Refuses what is no model for a table: a file in another unit, or damaged.
-    ///
-    /// # Errors
-    /// A longest side below 10 mm or above 5000 mm.
     pub fn check_is_model(&self) -> Result<(), MeshError> {
         let size = self.size_mm();
         if LONGEST_SIDE_MM.contains(&size.into_iter().fold(0.0, f64::max)) {
@@ -323,9 +313,6 @@ impl Mesh {
     }
 
     /// Refuses the car itself, as a glTF in metres usually is, where a model of 1:`scale` is needed and its length is not given.
-    ///
-    /// # Errors
-    /// A longest side above 1500 mm.
     pub fn check_is_scale_model(&self, scale: f64) -> Result<(), MeshError> {
         let size = self.size_mm();
         if size.into_iter().all(|mm| mm <= LONGEST_UNMEASURED_MM) {
@@ -357,7 +344,6 @@ fn rounded(mm: f64) -> f64 {
     (mm * 1000.0).round() / 1000.0
 }
 
-/// Why a reader of one format gave up.
 enum Trouble {
     Damaged(String),
     TooManyTriangles,
@@ -433,7 +419,6 @@ impl Soup {
     }
 }
 
-/// The corner with this index.
 fn corner(points: &[Point3<f64>], index: usize) -> Result<Point3<f64>, Trouble> {
     points
         .get(index)

@@ -1,6 +1,5 @@
 //! Which materials of a mesh are its paint, by their names and by how much of them is seen.
 
-/// In names of what is painted.
 const PAINT: [&str; 7] = ["paint", "body", "lack", "karosserie", "livery", "coat", "exterior"];
 /// In names of what is not.
 const OTHER: [&str; 33] = [

@@ -11,7 +11,6 @@ use scaleproof_core::geometry::length::is_size;
 /// Nothing is so short in any unit; scaling it up would leave the range of numbers.
 const LEAST_LENGTH: f64 = 1e-9;
 
-/// Whether the file's name says glTF.
 pub fn is_gltf(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
 }
@@ -61,9 +60,6 @@ impl MeshPlacement {
     }
 
     /// The rotation from the frame of this file into the model frame.
-    ///
-    /// # Errors
-    /// A front and an up along the same axis.
     pub fn rotation(&self, file: &Path) -> Result<Matrix3<f64>, MeshError> {
         self.turn(Self::usual(file))
     }

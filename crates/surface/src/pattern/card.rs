@@ -39,7 +39,6 @@ pub enum CardError {
 }
 
 impl Card {
-    /// Where the card of a pattern lies.
     pub fn path(pattern: &Path) -> PathBuf {
         pattern.with_extension("json")
     }
@@ -56,9 +55,6 @@ impl Card {
 }
 
 /// The width of a repeat: as given, else as the pattern's card says.
-///
-/// # Errors
-/// Nothing given, and no card, a damaged one, one whose width is none, or one of another pattern. A pattern for each side.
 pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
     match (card(path, pattern), given) {
         (Ok(Card { sides: true, .. }), _) => Err(CardError::OfSides {
@@ -77,9 +73,6 @@ pub fn says_sides(path: &Path) -> bool {
 }
 
 /// The card of a pattern.
-///
-/// # Errors
-/// None, a damaged one, one whose width is none, one of another pattern.
 pub fn card(path: &Path, pattern: &Pattern) -> Result<Card, CardError> {
     let card = Card::path(path);
     if !card.is_file() {

@@ -28,7 +28,6 @@ pub fn grid_of(image: &RgbImage) -> Option<[u32; 2]> {
     exact(&across, &down).or_else(|| noisy(&across, &down))
 }
 
-/// The cells' colours.
 pub fn cells_of(image: &RgbImage, grid: [u32; 2]) -> RgbImage {
     averaged(image, grid, MIDDLE)
 }

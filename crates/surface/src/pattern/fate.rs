@@ -39,7 +39,6 @@ pub struct PatternFate {
     pub colours: Vec<ColourFate>,
 }
 
-/// How a pattern fares on a printer.
 pub fn fate(pattern: &Pattern, printer: &PrintedColours) -> PatternFate {
     let gamut = printer.gamut();
     let counts = pattern.colour_counts().into_iter();

@@ -15,7 +15,6 @@ const STARTS: usize = 4;
 /// The corners of a grid cell that each tetrahedron visits from (0, 0, 0) to (1, 1, 1): the order in which the channels step.
 const STEPS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
-/// A printer's map from requested to printed colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gamut {
     levels: Vec<u8>,
@@ -23,7 +22,6 @@ pub struct Gamut {
     nodes: Vec<Lab>,
 }
 
-/// The printable colour nearest to a requested one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Best {
     /// 8-bit sRGB to ask the printer for.
@@ -85,7 +83,6 @@ impl Gamut {
         })
     }
 
-    /// Volume in CIELAB.
     pub fn volume(&self) -> f64 {
         let cells = cube(self.levels.len() - 1);
         let tetrahedra = cells.flat_map(|corner| STEPS.map(|steps| (corner, steps)));

@@ -21,9 +21,6 @@ pub enum PatternImportError {
 }
 
 /// The image in cells, each the mean of its area in linear light.
-///
-/// # Errors
-/// No cells, more than [`MAX_CELLS`] along a side, or more than pixels.
 pub fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<Pattern, PatternImportError> {
     let (width, height) = picture.pixels.dimensions();
     let fits = |cells: u32, pixels: u32| (1..=MAX_CELLS.min(pixels)).contains(&cells);

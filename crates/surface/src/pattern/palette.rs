@@ -45,7 +45,6 @@ pub enum PaletteError {
     TooManyUsed { used: usize },
 }
 
-/// A paint of a palette.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Paint {
     pub name: String,
@@ -60,7 +59,6 @@ impl Paint {
     }
 }
 
-/// The paints that someone has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Palette {
     paints: Vec<Paint>,
@@ -83,10 +81,6 @@ struct PaintEntry {
 
 impl Palette {
     /// Reads a palette file.
-    ///
-    /// # Errors
-    /// A file that is missing or no TOML, unknown keys, fewer than two paints or more than [`MAX_PALETTE`], a paint without a name,
-    /// two of one name or of one colour, a channel outside 0 to 255.
     pub fn load(path: &Path) -> Result<Self, PaletteError> {
         let bad = |reason: String| PaletteError::BadFile {
             path: path.to_owned(),
@@ -137,14 +131,12 @@ impl Palette {
 #[derive(Debug, Clone, PartialEq)]
 pub struct UsedPaint {
     pub paint: Paint,
-    /// Cells of one repeat of the pattern.
     pub cells: u32,
     /// CIEDE2000 of the paint against the pattern's colours: mean over its cells, and the largest.
     pub mean_delta_e: f64,
     pub max_delta_e: f64,
 }
 
-/// A pattern in paints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Painted {
     /// Most cells first, unless they were put in another order.
@@ -157,9 +149,6 @@ pub struct Painted {
 impl Painted {
     /// Reduces a pattern to `count` paints: k-means over its cells in CIELAB (Lloyd 1982), the best of some starts by k-means++
     /// (Arthur & Vassilvitskii 2007) from fixed seeds. The paints are the clusters' means, rounded to 8-bit sRGB.
-    ///
-    /// # Errors
-    /// Fewer than two paints, more than [`MAX_PAINTS`] or than the pattern has colours, or clusters that round to one colour.
     pub fn by_count(pattern: &Pattern, count: usize) -> Result<Self, PaletteError> {
         let bad_count = || PaletteError::BadCount {
             asked: i64::try_from(count).unwrap_or(i64::MAX),
@@ -192,9 +181,6 @@ impl Painted {
 
     /// Gives every cell the paint of the palette that is nearest by CIEDE2000, the earlier of two that are equally near. Paints that
     /// no cell takes are left out.
-    ///
-    /// # Errors
-    /// One paint would be nearest to everything, or more than [`MAX_PAINTS`] would be used.
     pub fn by_palette(pattern: &Pattern, palette: &Palette) -> Result<Self, PaletteError> {
         let colours = Colours::new(pattern);
         let labs: Vec<Lab> = palette.paints.iter().map(|paint| Lab::from_rgb(paint.rgb)).collect();
@@ -277,7 +263,6 @@ impl Painted {
 struct Colours {
     rgb: Vec<[u8; 3]>,
     lab: Vec<Lab>,
-    /// How many cells have each.
     cells: Vec<u32>,
 }
 

@@ -17,7 +17,6 @@ const MAX_PIXELS: u32 = 16_384;
 /// Of a file that NumPy saved.
 const MOST_ARRAY_BYTES: u64 = 1 << 30;
 
-/// Why an image cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("the image {path} cannot be used ({reason})", path = path.display())]
 pub struct PictureError {
@@ -37,9 +36,6 @@ pub struct Picture {
 
 impl Picture {
     /// Reads what photos are read from, or an array that NumPy saved.
-    ///
-    /// # Errors
-    /// An unreadable file, and whatever [`Picture::from_bytes`] refuses.
     pub fn load(path: &Path) -> Result<Self, PictureError> {
         let bad = |reason: String| PictureError {
             path: path.to_owned(),

@@ -150,7 +150,6 @@ impl PrintedColours {
         self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect()
     }
 
-    /// The colours that can be printed.
     pub fn gamut(&self) -> Gamut {
         let measured = self.measured();
         // `check` refuses a file with a colour missing, and a chart has all.

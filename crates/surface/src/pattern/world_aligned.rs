@@ -98,7 +98,6 @@ impl Side {
     }
 }
 
-/// A pattern mapped onto the world.
 #[derive(Debug, Clone, Copy)]
 pub struct WorldAligned<'a> {
     pub pattern: &'a Pattern,

@@ -13,7 +13,6 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Renderers work with 2 to 8.
 const MOST_SIDE: u64 = 64;
 
-/// A cube of colours for each triangle.
 #[derive(Debug, Clone)]
 pub struct FaceTexels {
     /// Texels along a side of the cube, and along an edge of the triangle.

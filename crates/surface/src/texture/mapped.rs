@@ -57,9 +57,6 @@ pub struct Mapped {
 
 impl MappedImages {
     /// One image instead of those that the mesh's file names; it lies as they do. `paint`: the materials that are painted, all when empty.
-    ///
-    /// # Errors
-    /// An image that cannot be used, painted triangles without coordinates.
     pub fn from_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
         let picture = Picture::load(path)?;
         let map = |material| Map {
@@ -80,9 +77,6 @@ impl MappedImages {
     }
 
     /// The images that the mesh's own file names.
-    ///
-    /// # Errors
-    /// A painted material without image, or whose image cannot be used; painted triangles without coordinates.
     pub fn from_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
         let mut collected = Collected::default();
         let mut skins = vec![Skin::None; mesh.materials().len()];
@@ -207,16 +201,13 @@ impl Map {
 /// The place of what is drawn with nothing.
 const NOWHERE: (Skin, TextureCoordinates) = (Skin::None, [[0.0; 2]; 3]);
 
-/// What a material is drawn with.
 #[derive(Debug, Clone, Copy)]
 enum Skin {
     None,
     Plain([u8; 3]),
-    /// The index of a map.
     Image(usize),
 }
 
-/// The images of a mesh, each decoded once.
 #[derive(Default)]
 struct Collected {
     maps: Vec<Map>,

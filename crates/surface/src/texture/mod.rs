@@ -51,7 +51,6 @@ pub enum TextureError {
     OtherShape { triangle: usize },
 }
 
-/// A point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     /// Of the mesh.
@@ -91,9 +90,7 @@ pub enum Texture {
     Flat([u8; 3]),
     /// A pattern, repeated and aligned with the world.
     Tile(Tile),
-    /// A pattern for each side.
     Sides(SidePatterns),
-    /// Images on texture coordinates.
     Images(MappedImages),
     /// Colours of each triangle by itself.
     Faces(FaceTexels),
@@ -130,7 +127,6 @@ impl Texture {
         }
     }
 
-    /// The colour of a cell of a triangle.
     pub fn cell(&self, triangle: usize, cell: [i64; 2]) -> [u8; 3] {
         let middle = cell.map(|number| number as f64 + 0.5);
         match self {

@@ -9,14 +9,12 @@ use super::SurfacePoint;
 use crate::mesh::Mesh;
 use crate::pattern::world_aligned::Side;
 
-/// An image on everything that looks to one side.
 #[derive(Debug, Clone)]
 pub struct PlacedPatch {
     pub image: Arc<RgbImage>,
     pub side: Side,
     /// Its middle in the side's plane, (u, v) in mm.
     pub at_mm: [f64; 2],
-    /// Width and height.
     pub size_mm: (f64, f64),
 }
 

@@ -7,9 +7,6 @@ use crate::mesh::Mesh;
 const ROUNDING: f64 = 1e-4;
 
 /// Holds a mesh that brings a texture against the one that is painted, by the lengths of their triangles' edges.
-///
-/// # Errors
-/// Another number of triangles, a triangle of another shape.
 pub fn check_same_shape(textured: &Mesh, given: &Mesh) -> Result<(), TextureError> {
     let counts = [textured, given].map(|mesh| mesh.triangles().len());
     if counts[0] != counts[1] {

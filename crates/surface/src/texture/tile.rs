@@ -6,7 +6,6 @@ use crate::mesh::Mesh;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 use crate::pattern::{Pattern, PatternError};
 
-/// A pattern and its size on the model.
 #[derive(Debug, Clone)]
 pub struct Tile {
     pub pattern: Pattern,
@@ -21,7 +20,6 @@ impl Tile {
         Self { pattern, cell_mm }
     }
 
-    /// The width of a repeat.
     pub fn tile_mm(&self) -> f64 {
         self.cell_mm * f64::from(self.pattern.columns())
     }
@@ -47,7 +45,6 @@ impl Tile {
             .map(|p| side.project(&p).map(|mm| mm / self.cell_mm))
     }
 
-    /// The colour at a place among the cells.
     pub(super) fn cell(&self, place: [f64; 2]) -> [u8; 3] {
         self.mapped().colour_at(place.map(|cells| cells * self.cell_mm))
     }
@@ -95,7 +92,6 @@ impl SidePatterns {
         }))
     }
 
-    /// The pattern that a triangle has.
     pub(super) fn tile(&self, triangle: usize) -> &Tile {
         &self.tiles[self.sides[triangle] as usize]
     }

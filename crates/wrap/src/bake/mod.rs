@@ -61,7 +61,6 @@ impl BakedFace {
         0.5 * geometry::doubled_area(a, b, c).abs()
     }
 
-    /// The point with these shares of the corners.
     fn at(&self, shares: [f64; 3]) -> SurfacePoint {
         SurfacePoint::in_part(self.triangle, &self.weights, shares)
     }
@@ -94,9 +93,6 @@ pub struct BakeRequest<'a> {
 }
 
 /// Bakes a texture.
-///
-/// # Errors
-/// No paint, paint that cannot be unwrapped or does not fit.
 pub fn bake(request: &BakeRequest) -> Result<Baked, BakeError> {
     let BakeRequest { mesh, size_px, .. } = *request;
     let [width, height] = size_px;

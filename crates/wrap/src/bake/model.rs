@@ -30,7 +30,6 @@ pub struct TexturedFace {
     pub skin: usize,
 }
 
-/// What a material looks like.
 pub struct Skin {
     /// Unique, without blanks.
     pub name: String,
@@ -107,7 +106,6 @@ impl TexturedModel {
     }
 }
 
-/// What an image's file ends in.
 pub(super) fn ending(image: &[u8]) -> &'static str {
     if image.starts_with(&[0xff, 0xd8]) { "jpg" } else { "png" }
 }

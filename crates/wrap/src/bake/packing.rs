@@ -12,9 +12,6 @@ const STEPS: usize = 7;
 const SHARES: (f64, f64) = (0.95, 0.02);
 
 /// Packs charts into an image, as large as they fit: coordinates in the unit square.
-///
-/// # Errors
-/// They do not fit.
 pub(super) fn into_image(
     charts: &[FlatChart],
     [width, height]: [u32; 2],

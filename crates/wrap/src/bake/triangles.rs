@@ -23,15 +23,11 @@ pub struct TriangleImage {
     pub image: Arc<RgbImage>,
     /// What lies beyond its borders.
     pub wrap: Wrap,
-    /// Of each triangle of the mesh.
     pub coordinates: Vec<Option<TextureCoordinates>>,
 }
 
 impl TriangleImage {
     /// Keeps an image on texture coordinates; draws any other texture into a new image, each triangle by itself.
-    ///
-    /// # Errors
-    /// No paint, or more triangles than the image takes.
     pub fn new(mesh: &Mesh, materials: &[usize], texture: &Texture) -> Result<Self, BakeError> {
         let paint: Vec<usize> = mesh.painted(materials).collect();
         if paint.is_empty() {

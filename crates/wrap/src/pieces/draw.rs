@@ -28,18 +28,12 @@ const CUT_HALO_MM: f64 = 0.45;
 const FOLD_DASH_MM: (f64, f64) = (1.5, 1.0);
 
 /// What a piece may measure so that it fits on one of the pages with all that stands around it.
-///
-/// # Errors
-/// A width of tabs that cannot be glued, and paper too small for rulers.
 pub fn fits_mm(request: &PiecesRequest) -> Result<[f64; 2], PiecesError> {
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
     pages::fits_mm(request, AROUND_MM + tabs_mm.unwrap_or(0.0))
 }
 
 /// Draws flattened pieces of a mesh.
-///
-/// # Errors
-/// Paper that holds no rulers or not the largest piece, lengths, cells and a resolution that cannot be printed.
 pub fn pieces(
     mesh: &Mesh,
     flat: &Unwrapped,
@@ -105,9 +99,7 @@ pub fn pieces(
     Ok(made)
 }
 
-/// Outlines of a piece in its plane.
 struct Outlines {
-    /// What is printed of the texture.
     printed: Region,
     /// What is printed at all: the texture and the tabs.
     ink: Region,

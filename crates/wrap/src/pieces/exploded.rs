@@ -104,7 +104,6 @@ struct NumberSpot {
     room_mm: f64,
 }
 
-/// What a pixel shows.
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
     /// Towards the viewer.
@@ -114,7 +113,6 @@ struct Pixel {
     rgb: [u8; 3],
 }
 
-/// One view, rendered.
 struct View {
     area: RectMm,
     width: usize,
@@ -273,7 +271,6 @@ impl View {
     }
 }
 
-/// How far each piece is moved.
 fn moves(pieces: &[Piece]) -> Vec<Vector3<f64>> {
     let mut corners = pieces.iter().flat_map(|piece| piece.corners.iter().flatten());
     let Some(first) = corners.next() else { return Vec::new() };

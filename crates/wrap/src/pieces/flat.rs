@@ -27,7 +27,6 @@ pub struct Border {
     pub outward: Point,
 }
 
-/// A piece, its long side along x.
 #[derive(Debug, Clone)]
 pub struct Piece {
     pub triangles: Vec<FlatTriangle>,
@@ -46,7 +45,6 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// All pieces of an unwrapped mesh.
     pub fn all(flat: &Unwrapped) -> Vec<Self> {
         let charts = flat.charts.iter();
         charts.map(|chart| Self::new(chart, &flat.points_mm)).collect()

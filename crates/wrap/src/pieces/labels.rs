@@ -50,7 +50,6 @@ pub struct Signs {
 }
 
 impl Signs {
-    /// The lines from what labels name to their labels.
     pub fn leaders(&self) -> impl Iterator<Item = [Point; 2]> {
         self.labels.iter().map(|label| [label.names, label.at])
     }
@@ -124,7 +123,6 @@ impl LetterSearch<'_> {
         [0.01].into_iter().chain(inner).chain([0.99]).collect()
     }
 
-    /// The letter on one side at a share of the seam, and how far it is from there.
     fn find(&self, places: &[Places], side: usize, share: f64) -> Option<(f64, Label)> {
         let place = self.seam.place(self.pieces, side, share)?;
         let (away, at) = match self.tab {

@@ -57,7 +57,6 @@ pub enum PiecesError {
     TooLarge { piece: usize },
 }
 
-/// What to print.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecesRequest {
     /// The size that pieces must fit is that of the paper.
@@ -69,7 +68,6 @@ pub struct PiecesRequest {
 }
 
 impl PiecesRequest {
-    /// What the document is called.
     pub fn title(&self) -> String {
         format!("Pieces of {}", self.sheets.name)
     }
@@ -88,23 +86,19 @@ impl PiecesRequest {
         Ok(unwrap(mesh, materials, &request, progress)?)
     }
 
-    /// What the captions are made of.
     fn template(&self) -> TemplateRequest {
         self.sheets.template(Side::Front, (1.0, 1.0))
     }
 }
 
-/// The pieces of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct PrintedPieces {
     pub pieces: Vec<Piece>,
     pub seams: Vec<Seam>,
-    /// Where each piece lies on the sheets.
     pub places: Vec<Place>,
     /// Each piece with its tabs, in its plane: what is cut out.
     pub cut: Vec<Region>,
     pub frame: PageFrame,
-    /// What was drawn.
     pub flat: Unwrapped,
     /// Length of the seams that have no letter on one of their sides.
     pub unlettered_mm: f64,
@@ -119,7 +113,6 @@ impl PrintedPieces {
         ["assembly".to_owned()].into_iter().chain(sheets).collect()
     }
 
-    /// How many sheets carry pieces.
     pub fn sheets(&self) -> usize {
         pages::sheets(&self.places)
     }
@@ -129,12 +122,10 @@ impl PrintedPieces {
         self.cut.iter().map(Region::border_mm).sum()
     }
 
-    /// The share of the visible paint that is on pieces.
     pub fn visible_share(&self) -> f64 {
         self.flat.surface_mm2() / self.flat.visible_mm2.max(f64::MIN_POSITIVE)
     }
 
-    /// One sentence a fact.
     pub fn facts(&self) -> Vec<String> {
         let mut facts = vec![
             format!(
@@ -181,9 +172,6 @@ pub fn reason(reason: LeftOutReason) -> &'static str {
 
 /// Cuts the paint of some materials (by index; all if there are none) of a mesh in the model frame into pieces that fit on the paper, and
 /// flattens them. `progress` is called with the share that is done.
-///
-/// # Errors
-/// Bounds that no pieces keep, and whatever refuses the paper.
 pub fn flattened(
     surface: (&Mesh, &[usize]),
     request: &PiecesRequest,

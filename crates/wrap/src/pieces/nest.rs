@@ -10,7 +10,6 @@ const GAP_MM: f64 = 1.0;
 /// Turns that are tried: multiples of this, and the shape's own box along and across.
 const TURN_DEG: f64 = 15.0;
 
-/// Where a shape lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     /// From 0.
@@ -123,7 +122,6 @@ struct Cells {
     rows: Vec<Vec<u64>>,
 }
 
-/// Where a turned shape fits.
 #[derive(Debug, Clone, Copy)]
 struct Spot {
     turn: usize,

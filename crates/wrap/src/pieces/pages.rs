@@ -33,9 +33,6 @@ fn good_ones<T, E>(results: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>
 }
 
 /// What a piece may measure so that it fits on one of the pages with all that stands around it.
-///
-/// # Errors
-/// Paper too small for rulers.
 pub fn fits_mm(request: &PiecesRequest, around_mm: f64) -> Result<[f64; 2], PiecesError> {
     let size = |frame: &PageFrame| {
         [frame.usable.width_mm(), frame.usable.height_mm()].map(|mm| (mm - 2.0 * around_mm - 4.0).max(0.0))
@@ -108,7 +105,6 @@ pub fn sheet_frames(
     Ok((0..sheets(places)).map(one).collect::<Result<_, _>>()?)
 }
 
-/// How many sheets carry pieces.
 pub fn sheets(places: &[Place]) -> usize {
     places.iter().map(|place| place.page + 1).max().unwrap_or(0)
 }

@@ -21,7 +21,6 @@ pub struct Seam {
     pub length_mm: f64,
 }
 
-/// One edge on both sides of a seam.
 #[derive(Debug, Clone, Copy)]
 pub struct SeamEdge {
     pub sides: [BorderId; 2],
@@ -38,7 +37,6 @@ impl SeamEdge {
     }
 }
 
-/// A place of a seam on one of its pieces.
 #[derive(Debug, Clone, Copy)]
 pub struct SeamPlace {
     pub at: Point,
@@ -51,7 +49,6 @@ impl Seam {
         self.edges.first().map_or([0; 2], |edge| edge.sides.map(|id| id.piece))
     }
 
-    /// The place at a share of its length on one of its sides.
     pub fn place(&self, pieces: &[Piece], side: usize, share: f64) -> Option<SeamPlace> {
         let mut rest = share.clamp(0.0, 1.0) * self.length_mm;
         let last = self.edges.len().checked_sub(1)?;

@@ -14,7 +14,6 @@ const BEND_DEG: f64 = 20.0;
 /// Between a tab and what else is there, for the knife.
 const GAP_MM: f64 = 0.6;
 
-/// The tabs of one piece.
 #[derive(Debug, Clone, Default)]
 pub struct Tabs {
     pub region: Region,
@@ -105,7 +104,6 @@ impl Line {
     }
 }
 
-/// A seam on one of its sides.
 fn lines(seam: &Seam, pieces: &[Piece], side: usize) -> Vec<Line> {
     let line = |edge: &SeamEdge| {
         let [from, to] = edge.ends(pieces, side);

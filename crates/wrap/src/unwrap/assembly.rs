@@ -23,7 +23,6 @@ const WORST: f64 = 2.5;
 /// Larger pieces take seconds for each trial.
 const MOST_FACES: usize = 10_000;
 
-/// Faces that are flat together.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub faces: Vec<usize>,
@@ -35,7 +34,6 @@ pub(super) struct Piece {
     turn: f64,
 }
 
-/// What is summed up over pieces.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sums {
     pub area: f64,

@@ -91,7 +91,6 @@ struct Merge<'a> {
     level: &'static Level,
     /// `None` once done, or if one of its pieces is no more.
     trials: Vec<Option<Trial>>,
-    /// Of each piece.
     trials_of: Vec<Vec<usize>>,
     /// The bits of a trial's cost, which have the order of the costs, and the trial.
     queue: BinaryHeap<Reverse<(u64, usize)>>,

@@ -72,7 +72,6 @@ pub struct FlatFace {
     pub stretch: f64,
 }
 
-/// One piece.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
     pub faces: Vec<FlatFace>,
@@ -98,7 +97,6 @@ pub struct LeftOut {
     pub reason: LeftOutReason,
 }
 
-/// The pieces and what they keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unwrapped {
     /// Model frame.
@@ -115,7 +113,6 @@ pub struct Unwrapped {
 }
 
 impl Unwrapped {
-    /// True area of all pieces.
     pub fn surface_mm2(&self) -> f64 {
         self.charts.iter().map(|chart| chart.surface_mm2).sum()
     }
@@ -139,9 +136,6 @@ pub enum UnwrapError {
 }
 
 /// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` is called with the share that is done.
-///
-/// # Errors
-/// Nothing to cut, too much of it, and bounds that cannot be kept.
 pub fn unwrap(
     mesh: &Mesh,
     materials: &[usize],

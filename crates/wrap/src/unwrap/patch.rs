@@ -12,7 +12,6 @@ const HALVINGS: usize = 10;
 pub(super) struct Patch {
     /// Into the places.
     pub corners: Vec<[usize; 3]>,
-    /// How many places there are.
     places: usize,
     laid: Vec<[Vector2<f64>; 2]>,
     pub area: Vec<f64>,
@@ -85,7 +84,6 @@ impl Patch {
         self.corners[face].map(|c| flat[c])
     }
 
-    /// The stretch of each face.
     pub(super) fn stretches(&self, flat: &Flat) -> Vec<f64> {
         let faces = 0..self.corners.len();
         faces.map(|f| stretch(self.singular_values(flat, f))).collect()

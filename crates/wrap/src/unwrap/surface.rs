@@ -28,18 +28,14 @@ pub(super) struct Face {
     pub corners: [usize; 3],
 }
 
-/// The paint.
 #[derive(Debug)]
 pub(super) struct Surface {
     pub points: Vec<Point3<f64>>,
     pub faces: Vec<Face>,
-    /// Triangles of the mesh without area.
     lines: Vec<usize>,
 }
 
 impl Surface {
-    /// # Errors
-    /// No paint, or too much.
     pub(super) fn new(mesh: &Mesh, materials: &[usize], fits_mm: Option<[f64; 2]>) -> Result<Self, UnwrapError> {
         let paint = mesh.painted(materials);
         let count = paint.clone().count();

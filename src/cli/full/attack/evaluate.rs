@@ -147,7 +147,6 @@ fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> 
     Ok(compared)
 }
 
-/// Names, paints, and those of them that are patterns.
 type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
 
 impl EvaluateArgs {
@@ -234,8 +233,6 @@ impl EvaluateArgs {
         }
     }
 
-    /// # Errors
-    /// A photo that cannot be scored: the tables would miss it on one side.
     fn scores(&self, folder: &Path, (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>)) -> Result<Scores> {
         let sessions = vec![Session::open(folder)?];
         let mut detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;

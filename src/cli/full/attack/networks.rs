@@ -77,7 +77,6 @@ pub(super) fn camou(device: DeviceKind, oracle: &mut BlackBox, config: &SearchCo
     Ok((camou::FIRST_ROUND, camou::search(oracle, config, &device.open()?)?))
 }
 
-/// The option that helps in training.
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         DtnError::Additive(error) => super::advice::advice(error)?,
@@ -97,7 +96,6 @@ pub(in crate::cli) fn keep_refusals_quiet() {
     }));
 }
 
-/// The schemas of what these commands print.
 pub(super) fn schemas() -> Vec<Named> {
     vec![named::<train_dtn::TrainedNetwork>("attack-train-dtn")]
 }

@@ -99,7 +99,6 @@ impl Deref for OnFrames {
 }
 
 impl Looking {
-    /// Width of one repeat on the model.
     pub(super) fn tile_mm(&self) -> f64 {
         self.tile_mm.unwrap_or(TILE_MM)
     }
@@ -146,7 +145,6 @@ impl Looking {
 }
 
 impl OnFrames {
-    /// Cells along each side.
     pub(super) fn cells(&self) -> u32 {
         self.cells.unwrap_or(CELLS)
     }
@@ -201,7 +199,6 @@ impl OnFrames {
         ))
     }
 
-    /// Writes the result of a method, and says what it is.
     pub(super) fn write(
         &self,
         setup: &Setup,
@@ -339,7 +336,6 @@ pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
     Ok(pattern)
 }
 
-/// The pattern of a file, which must be square.
 pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     let pattern = pattern_of(path)?;
     if pattern.columns() == pattern.rows() {
@@ -355,7 +351,6 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern> {
     }
 }
 
-/// A program, and its name and hash.
 fn program_box(program: ProgramDetector, class: &Classes, differentiates: bool) -> Result<(String, Box<dyn WhiteBox>)> {
     let manifest = Manifest::of_foreign(program.card());
     if let Some(fault) = manifest.class_map_fault() {

@@ -204,7 +204,6 @@ fn say_left_out(left_out: &[LeftOutPhoto], out: &mut dyn Write) -> std::io::Resu
     lines.try_for_each(|left| writeln!(out, "left out: {}: {}", left.what, left.reason))
 }
 
-/// What the sessions show besides the flat colours.
 fn other_variants(flats: &[FlatVariant], sessions: &[Session]) -> impl Iterator<Item = LeftOutPhoto> {
     let mut all = variants(sessions);
     all.retain(|variant| flats.iter().all(|flat| flat.variant != *variant));

@@ -210,7 +210,6 @@ pub(super) fn named(text: &str) -> (String, &Path) {
     }
 }
 
-/// A texture on the model.
 pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint> {
     let texture = load_texture(path, model)?.texture;
     let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
@@ -248,18 +247,15 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
     }
 }
 
-/// A colour as six hexadecimal digits.
 pub(super) fn hex(text: &str) -> Result<[u8; 3]> {
     light::from_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
 }
 
-/// Several colours.
 pub(super) fn hexes(texts: &[String]) -> Result<Vec<[u8; 3]>> {
     texts.iter().map(|text| hex(text)).collect()
 }
 
-/// The file of a model that is to be rendered.
 pub(super) fn mesh_file(model: &Model) -> Result<PathBuf, String> {
     let file = model.file.clone();
     file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh, or a scene that names one".to_owned())

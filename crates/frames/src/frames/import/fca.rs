@@ -33,7 +33,6 @@ const DROPS_M: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 /// What is known besides the folder.
 #[derive(Debug, Clone)]
 pub struct FcaRequest {
-    /// The mesh at model scale.
     pub mesh: Mesh,
     /// Indices of the materials that are the paint; all when empty.
     pub materials: Vec<usize>,
@@ -55,7 +54,6 @@ pub struct FcaFrames {
     pub lowest_vehicle_m: f64,
 }
 
-/// A file of the folder, read.
 struct Shot {
     name: String,
     image: RgbImage,
@@ -64,9 +62,6 @@ struct Shot {
 }
 
 /// Everything that a folder becomes: the list and the images, as files of `output`.
-///
-/// # Errors
-/// No or too many files, broken archives, arrays of other shapes or kinds, poses that are no numbers or do not show the mesh.
 pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaFrames, FrameImportError> {
     let (value, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
     let is_view = FIELDS_OF_VIEW_DEG.contains(&value);

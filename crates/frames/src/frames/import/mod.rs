@@ -34,7 +34,6 @@ use scaleproof_photo::photo::{Photo, PhotoError};
 /// Horizontal; what a pinhole camera can have.
 const FIELDS_OF_VIEW_DEG: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
-/// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameImportError {
     #[error(transparent)]

@@ -38,8 +38,6 @@ impl Archive {
         })
     }
 
-    /// # Errors
-    /// No such array, one that is damaged, of objects, or in Fortran's order.
     pub(super) fn array(&mut self, name: &str) -> Result<Array, FrameImportError> {
         let files = self.zip.file_names();
         let mut names: Vec<&str> = files.filter_map(|file| file.strip_suffix(".npy")).collect();

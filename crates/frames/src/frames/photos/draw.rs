@@ -24,7 +24,6 @@ pub(super) struct Canvas<'a> {
     pub sides: Vec<Option<Side>>,
 }
 
-/// The images of a view, and what was seen of it.
 pub(super) struct ViewImages {
     /// Masks and, at [`FACTOR`]² places of each pixel, positions.
     pub shape: DrawnMesh,
@@ -44,9 +43,6 @@ struct Source<'a> {
 
 impl Canvas<'_> {
     /// `None` when the model is partly behind a camera.
-    ///
-    /// # Errors
-    /// Photos that cannot be read.
     pub(super) fn draw(&self, view: &PhotosOfView) -> Result<Option<ViewImages>, PhotosError> {
         let fine = self.size_px.map(|px| (px * FACTOR) as usize);
         let pinhole = self.pinhole.finer(FACTOR);
@@ -119,7 +115,6 @@ impl Canvas<'_> {
 
 type PaintPlace = (Side, Point3<f64>, Option<Vec<[f64; 3]>>);
 
-/// The images while they are added up.
 struct Sums {
     size_px: [usize; 2],
     pixels: Vec<Pixel>,

@@ -13,7 +13,6 @@ const LEAST_TAGS: usize = 2;
 /// Tags whose paper changed by more than this from the median, as the median over the tags: the light itself changed.
 const MOST_SPREAD: f64 = 0.1;
 
-/// Why two photos cannot be brought to one exposure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unmatched {
     #[error(
@@ -35,9 +34,6 @@ pub enum Unmatched {
 }
 
 /// The factor for each channel's linear light that brings a photo to the exposure of the reference: the median over the tags.
-///
-/// # Errors
-/// Too few tags in both, their paper clipped or dark, light that changed from tag to tag.
 pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatched> {
     let of_both = photo.papers.iter().filter_map(|paper| {
         let same = |p: &&TagPaper| (p.family, p.id) == (paper.family, paper.id);

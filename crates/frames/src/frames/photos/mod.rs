@@ -69,11 +69,9 @@ pub struct FlatPhoto {
     pub flat_rgb: [u8; 3],
     pub place: String,
     pub bin: Bin,
-    /// Fits the photo.
     pub camera: Camera,
     /// `T_camera_model`.
     pub pose: Rigid,
-    /// The white paper of the tags that the pose rests on.
     pub papers: Vec<TagPaper>,
 }
 
@@ -138,7 +136,6 @@ impl LeftOutPhoto {
 }
 
 impl FlatPhoto {
-    /// The photo's file name.
     pub fn name(&self) -> String {
         self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
@@ -164,9 +161,6 @@ impl FlatPhoto {
 
 /// Makes frames for a folder, without writing them; no files where no view has every colour. `on_view` is called after each view, with how many
 /// there are; from any thread.
-///
-/// # Errors
-/// A mesh without paint, photos that cannot be read.
 pub fn make(
     request: &PhotoFramesRequest,
     photos: &[FlatPhoto],

@@ -52,9 +52,6 @@ pub struct LocatedPhotos {
 }
 
 /// The mesh that all scenes name.
-///
-/// # Errors
-/// Scenes of different models, without a mesh or without tags; a session without a camera.
 pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
     let mut common: Option<(&Session, Mesh)> = None;
     for session in sessions {
@@ -75,14 +72,11 @@ pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
     common.map(|(_, mesh)| mesh).ok_or(SessionsError::None)
 }
 
-/// The variants of all photos.
 pub fn variants(sessions: &[Session]) -> BTreeSet<&str> {
     let photos = sessions.iter().flat_map(|s| &s.photos);
     photos.map(|p| p.variant.as_str()).collect()
 }
 
-/// # Errors
-/// A variant that no photo has.
 pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(), SessionsError> {
     let known = variants(sessions);
     let unknown = flats.iter().find(|flat| !known.contains(flat.variant.as_str()));
@@ -92,10 +86,8 @@ pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(),
     })
 }
 
-/// A photo to be located, and the colour it shows.
 pub type ColouredEntry<'a> = (&'a Session, &'a PhotoEntry, [u8; 3]);
 
-/// The photos in one of the colours.
 pub fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<ColouredEntry<'a>> {
     let of_session = |session: &'a Session| {
         session.photos.iter().filter_map(move |entry| {
@@ -107,9 +99,6 @@ pub fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<Colou
 }
 
 /// Locates every photo in one of the colours. `on_photo` is called after each, from any thread.
-///
-/// # Errors
-/// No detector of their tags.
 pub fn locate_flats(
     sessions: &[Session],
     flats: &[FlatVariant],

@@ -21,7 +21,6 @@ pub struct Other<'a> {
     pub turn_deg: f64,
 }
 
-/// One photo in each colour.
 #[derive(Debug, Clone)]
 pub struct PhotosOfView<'a> {
     pub reference: &'a FlatPhoto,

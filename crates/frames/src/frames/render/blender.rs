@@ -9,14 +9,12 @@ use serde_json::Value;
 use super::RenderError;
 use scaleproof_core::files::{self, FileError};
 
-/// What Blender runs.
 pub const SCRIPT: &str = include_str!("render_frames.py");
 /// The package and the versions the script is written for.
 const PACKAGE: &str = "bpy==4.5.*";
 /// The Python that package is built for.
 const PYTHON: &str = "3.11";
 
-/// A Python with Blender.
 #[derive(Debug, Clone)]
 pub struct Python {
     program: String,
@@ -34,9 +32,6 @@ pub enum BlenderEvent {
 }
 
 /// Finds Python 3.11 and, in `cache`, Blender; installs Blender there when it is missing, after it has called `say`.
-///
-/// # Errors
-/// No Python 3.11, or no way to install.
 pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError> {
     let program = files::environment::text("SCALEPROOF_PYTHON").unwrap_or_else(|| format!("python{PYTHON}"));
     let version = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"];
@@ -97,9 +92,6 @@ pub fn log(work: &Path) -> PathBuf {
 }
 
 /// Runs the script on a plan in a work folder, and calls `on_event` as images become whole. Returns whether Blender came to its end.
-///
-/// # Errors
-/// What the script refuses, and whatever `on_event` refuses; Blender is then stopped.
 pub fn run(
     python: &Python,
     plan: &Value,

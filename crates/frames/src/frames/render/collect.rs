@@ -9,7 +9,6 @@ use super::plan::{LINEAR_MAX, Missing, RenderPlan};
 use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb, light};
 use scaleproof_core::files;
 
-/// Puts images into the folder of a plan.
 pub(super) struct Collector<'a> {
     pub plan: &'a RenderPlan,
     pub folder: &'a Path,

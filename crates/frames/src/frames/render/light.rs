@@ -9,7 +9,6 @@ use crate::frames::require;
 /// The panoramas that come with Blender 4.5.
 const OWN: &str = "city courtyard forest interior night studio sunrise sunset";
 
-/// A panorama at infinity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panorama {
     /// `None` for one of Blender's own, which `name` names.

@@ -22,7 +22,6 @@ pub(super) const LINEAR_MAX: f64 = 4.0;
 /// How often light may be reflected on its way.
 const BOUNCES: u32 = 4;
 
-/// A checked request, with everything derived from it.
 #[derive(Debug, Clone)]
 pub struct RenderPlan {
     request: RenderRequest,
@@ -43,7 +42,6 @@ pub struct PlannedFrame {
     pub colour: usize,
 }
 
-/// What a folder still lacks.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Missing {
     pub frames: Vec<PlannedFrame>,
@@ -58,8 +56,6 @@ impl Missing {
 }
 
 impl RenderPlan {
-    /// # Errors
-    /// Nothing to render, numbers out of range, cameras inside the model, a mesh without paint or files that cannot be read.
     pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
         check(&request)?;
         let hash = |file: &Path| files::read(file).map(|bytes| files::sha256_hex(&bytes));
@@ -108,7 +104,6 @@ impl RenderPlan {
         (0..self.request.lights.len()).flat_map(move |light| (0..viewpoints).map(move |viewpoint| (light, viewpoint)))
     }
 
-    /// All of it, as if nothing were there yet.
     pub fn everything(&self) -> Missing {
         Missing {
             frames: self.frames(),
@@ -121,7 +116,6 @@ impl RenderPlan {
         Positions::around(&self.request.mesh, self.request.factor)
     }
 
-    /// How a viewpoint is called in file names.
     pub fn view_name(&self, viewpoint: usize) -> String {
         let v = &self.request.viewpoints[viewpoint];
         format!("az{}_p{}_d{}", v.azimuth_deg, v.pitch_deg, v.distance_mm)
@@ -228,7 +222,6 @@ impl RenderPlan {
         })
     }
 
-    /// The finished list.
     pub fn list(&self) -> FrameList {
         let r = &self.request;
         let mut list = FrameList {
@@ -266,9 +259,6 @@ impl RenderPlan {
     }
 
     /// The box of the whole mesh as scoring counts, from the corner of the top-left pixel.
-    ///
-    /// # Errors
-    /// The mesh is not whole in the image, so that its box would be that of a part.
     pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
         let [width, height] = self.request.size_px.map(f64::from);
         let whole = self

@@ -17,7 +17,6 @@ use scaleproof_wrap::bake::TriangleImage;
 /// Roughness of the paint's coat where nothing else is said.
 pub const ROUGHNESS: f64 = 0.5;
 
-/// What to render.
 #[derive(Debug, Clone)]
 pub struct RenderRequest {
     pub mesh: Mesh,
@@ -47,7 +46,6 @@ pub struct RenderRequest {
     pub made_by: String,
 }
 
-/// What is on the model.
 #[derive(Debug, Clone)]
 pub enum RenderPaint {
     /// 8-bit sRGB of the diffuse reflectance.

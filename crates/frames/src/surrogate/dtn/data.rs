@@ -17,13 +17,11 @@ const EXPOSURE: f64 = 0.7;
 const TINT: f64 = 0.2;
 /// Every fourth of the views' azimuths, and of the flat colours of frames without linear light, is kept for validation.
 const EVERY: usize = 4;
-/// Colours a validation view is predicted in.
 const VALIDATION_COLOURS: usize = 8;
 
 /// The pixels that the paint covers by half or more, row by row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PaintPixels {
-    /// Column, row.
     pub at: Vec<[u32; 2]>,
     low: [u32; 2],
     /// Width and height of the box around them.
@@ -60,7 +58,6 @@ pub(super) struct PaintWindow {
 pub(super) struct CropPlacement {
     x: usize,
     y: usize,
-    /// Left and right exchanged.
     mirrored: bool,
 }
 
@@ -118,13 +115,11 @@ impl PaintWindow {
     }
 }
 
-/// The paint of one view in flat colours.
 #[derive(Debug, Clone)]
 pub struct TrainingView {
     place: String,
     azimuth_deg: f64,
     pub paint: PaintPixels,
-    /// Linear light, from which any colour is made.
     light: Option<Additive>,
     /// Without linear light: sRGB 0 to 1 of the paint's pixels in these colours and no other.
     images: Vec<([u8; 3], Vec<[f32; 3]>)>,
@@ -195,7 +190,6 @@ impl TrainingView {
         self.images.iter().map(|(colour, _)| *colour)
     }
 
-    /// A colour to learn from.
     pub(super) fn colour(&self, set: &TrainingSet, rng: &mut impl Rng) -> [u8; 3] {
         if self.light.is_some() {
             return std::array::from_fn(|_| rng.random());
@@ -207,7 +201,6 @@ impl TrainingView {
         }
     }
 
-    /// The colours it is validated in.
     pub(super) fn validation_colours(&self, set: &TrainingSet) -> Vec<[u8; 3]> {
         if self.light.is_none() {
             return self.colours().filter(|c| set.unseen.contains(c)).collect();
@@ -240,9 +233,6 @@ pub struct TrainingSet {
 impl TrainingSet {
     /// Reads frames, reduced to a width. With `validation`, all views of `folders` are learnt from and those of `validation` are not; without,
     /// the views are divided: validation has the last place and every fourth azimuth, training neither.
-    ///
-    /// # Errors
-    /// Frames that cannot be read or reduced to the width; no view with the references and another colour.
     pub fn read(
         folders: &[FrameSet],
         validation: Option<&FrameSet>,

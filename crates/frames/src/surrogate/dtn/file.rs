@@ -8,8 +8,6 @@ use scaleproof_core::files;
 
 const MAGIC: &str = "scaleproof dtn 1\n";
 
-/// # Errors
-/// A file that cannot be written.
 pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
     let content = postcard::to_allocvec(state).map_err(|e| DtnError::Tensor(e.to_string()))?;
     let head = format!("{MAGIC}{}\n", files::sha256_hex(&content));
@@ -17,8 +15,6 @@ pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
     Ok(())
 }
 
-/// # Errors
-/// A file that cannot be read, is of another kind, or damaged.
 pub fn load(path: &Path) -> Result<TrainingState, DtnError> {
     let bytes = files::read(path)?;
     let path = || path.to_owned();

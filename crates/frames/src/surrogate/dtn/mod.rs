@@ -32,7 +32,6 @@ use crate::frames::FramesError;
 use crate::surrogate::additive::AdditiveError;
 use scaleproof_core::files::FileError;
 
-/// The least width that networks are trained at.
 pub const LEAST_WIDTH_PX: u32 = 16;
 
 /// The widths that images of a size can be reduced to, for a sentence.

@@ -49,7 +49,6 @@ impl Architecture {
     /// Windows are a multiple of so many pixels, for every depth.
     pub const ALIGN_PX: usize = 1 << Self::MAX_DEPTH;
 
-    /// The network's name in tables.
     pub fn name(&self) -> String {
         let formula = match self.transformer {
             Transformer::Texture => "",
@@ -69,13 +68,11 @@ impl Architecture {
 
 /// Channels at 1/2, 1/4, 1/8 and 1/16 of the size.
 const WIDTHS: [usize; 4] = [16, 32, 64, 96];
-/// Channels at the full size.
 const FULL_SIZE_WIDTH: usize = 24;
 
 /// A darker reference shows too little for a first guess, sRGB.
 const DARKEST_REFERENCE: f32 = 0.25;
 
-/// The shape of a convolution.
 #[derive(Debug, Clone, Copy)]
 struct Conv {
     ins: usize,
@@ -87,7 +84,6 @@ struct Conv {
 }
 
 impl Conv {
-    /// Weights of one of its outputs.
     fn count(&self) -> usize {
         self.ins * self.kernel * self.kernel
     }
@@ -216,13 +212,11 @@ pub(super) fn tensors(lists: &[Vec<f32>], shapes: &[[usize; 4]], device: &Device
     fits(lists, shapes).then(|| lists.iter().zip(shapes).map(tensor).collect())
 }
 
-/// Whether lists have the lengths of these shapes.
 pub(super) fn fits(lists: &[Vec<f32>], shapes: &[[usize; 4]]) -> bool {
     let lengths = shapes.iter().map(|shape| shape.iter().product::<usize>());
     lists.iter().map(Vec::len).eq(lengths)
 }
 
-/// A tensor's values, the last dimension fastest.
 pub(super) fn values(tensor: Tensor<4>) -> Result<Vec<f32>, DtnError> {
     tensor.try_into_vec_as().map_err(|e| DtnError::Tensor(format!("{e:?}")))
 }

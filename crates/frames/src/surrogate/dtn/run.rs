@@ -29,9 +29,6 @@ impl TrainingBudget {
 }
 
 /// Trains until the budget is spent and saves at the end and every half minute. `on_step` is called with each step's loss.
-///
-/// # Errors
-/// A loss that is no number: what was saved before stands. A file that cannot be written.
 pub fn train(
     trainer: &mut Trainer,
     set: &TrainingSet,

@@ -10,7 +10,6 @@ use super::{DtnError, Transformer};
 use crate::frames::{Coverage, light};
 use crate::surrogate::renderer::{NeuralRenderer, Renderer};
 
-/// A network that is trained.
 #[derive(Debug, Clone)]
 pub struct DtnNetwork {
     pub architecture: Architecture,

@@ -87,7 +87,6 @@ pub struct Trainer {
     device: Device,
 }
 
-/// One view of a batch.
 struct Sample<'a> {
     view: &'a TrainingView,
     placement: CropPlacement,
@@ -116,9 +115,6 @@ impl TrainingPlan {
 
 impl Trainer {
     /// Begins, or resumes what `path` holds.
-    ///
-    /// # Errors
-    /// Training by another plan, and a state that does not fit its own architecture.
     pub fn begin(
         plan: TrainingPlan,
         known: Option<TrainingState>,
@@ -136,8 +132,6 @@ impl Trainer {
         }
     }
 
-    /// # Errors
-    /// Only for a state that does not fit its own architecture.
     pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
         let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
         let state = TrainingState {
@@ -153,8 +147,6 @@ impl Trainer {
         Self::go_on(state, device)
     }
 
-    /// # Errors
-    /// A state whose weights do not fit its architecture.
     pub fn go_on(state: TrainingState, device: Device) -> Result<Self, DtnError> {
         let layout = LayerShapes::new(state.plan.architecture);
         let shapes = layout.shapes();
@@ -183,8 +175,6 @@ impl Trainer {
         })
     }
 
-    /// # Errors
-    /// Weights that are no numbers any more.
     pub fn state(&self) -> Result<TrainingState, DtnError> {
         let lists = |tensors: &[Tensor<4>]| tensors.iter().map(|t| self.list(t)).collect::<Result<Vec<_>, _>>();
         let moments = self.moments.iter().flatten();
@@ -215,9 +205,6 @@ impl Trainer {
     }
 
     /// One step; returns its loss.
-    ///
-    /// # Errors
-    /// A loss that is no number.
     pub fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
         let (window, batch) = self.batch(set);
         let pixels = window.pixels();
@@ -362,9 +349,6 @@ impl TrainingState {
     }
 
     /// The trained network.
-    ///
-    /// # Errors
-    /// Weights that do not fit the architecture.
     pub fn network(self, device: Device) -> Result<DtnNetwork, DtnError> {
         Ok(Trainer::go_on(self, device)?.network())
     }

@@ -38,7 +38,6 @@ impl Grid {
 /// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Projection {
-    /// Cells of the pattern.
     pub cells: usize,
     /// Where each pixel's entries start, and the end.
     pub starts: Vec<usize>,
@@ -73,7 +72,6 @@ impl Projection {
         &self.entries
     }
 
-    /// Pixels of the image.
     pub fn pixels(&self) -> usize {
         self.starts.len() - 1
     }

@@ -12,10 +12,8 @@ use super::{Grid, Projection};
 use crate::frames::{Coverage, Frame, FrameList};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Points along each side of a pixel.
 const PARTS: u32 = 3;
 
-/// The random part φ_rd of the transformation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jitter {
     /// To the right and down, in repeats of the pattern.

@@ -18,7 +18,6 @@ pub struct Misplacement {
 }
 
 impl Misplacement {
-    /// Where it should.
     pub const NONE: Self = Self {
         size: 1.0,
         turn_deg: 0.0,
@@ -48,9 +47,6 @@ fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
 /// The projections for a frame, one for each of some misplacements; `None` for a frame without positions. Where a misplaced pose would see no
 /// paint, the paint is taken from where it should be: the model itself stays in its place. `of_sides`: each side of the model has a square
 /// pattern of its own, and they lie below each other in the grid, in the order of [`Side::ALL`].
-///
-/// # Errors
-/// Images that cannot be read.
 pub fn project(
     set: &FrameSet,
     frame: &Frame,

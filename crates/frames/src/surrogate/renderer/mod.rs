@@ -21,7 +21,6 @@ use image::RgbImage;
 
 use crate::frames::{Coverage, Frame, FrameSet, FramesError};
 
-/// An image of the view in a flat colour.
 #[derive(Debug, Clone)]
 pub struct FlatImage {
     /// 8-bit sRGB of the paint's reflectance.
@@ -31,16 +30,12 @@ pub struct FlatImage {
 
 impl FlatImage {
     /// The image of a frame; `None` where its paint is not of one colour.
-    ///
-    /// # Errors
-    /// An image that cannot be read.
     pub fn read(set: &FrameSet, frame: &Frame) -> Result<Option<Self>, FramesError> {
         let read = |flat_rgb| set.rgb(frame).map(|image| Self { flat_rgb, image });
         frame.flat_rgb().map(read).transpose()
     }
 }
 
-/// Predicts the image of one view.
 pub trait Renderer {
     /// `paint`: linear reflectance of the paint in each pixel, row by row. The result is sRGB, 0 to 1.
     fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;

@@ -18,7 +18,6 @@ const CLIPPED: u8 = 255;
 /// Which images a fit uses, as bits.
 type Used = u32;
 
-/// A fitted model of one view.
 #[derive(Debug, Clone)]
 pub struct PerPixel {
     /// `None` for a polynomial in sRGB.
@@ -32,9 +31,6 @@ impl PerPixel {
     ///
     /// The tone curve is the exponent with which an affine model explains the images best; it takes three colours to tell, and with two the
     /// curve is sRGB's.
-    ///
-    /// # Errors
-    /// Too few or too many images, or images of different sizes.
     pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
         let needed = kind.least_colours();
         let found = (0..3).map(|c| distinct(flats, c)).min().unwrap_or(0);

@@ -19,7 +19,6 @@ impl Tone {
         light::decode(x).powf(self.power)
     }
 
-    /// The value of light, clipped.
     pub fn value(self, light: f64) -> f64 {
         light::encode(light.clamp(0.0, 1.0).powf(1.0 / self.power))
     }

@@ -108,7 +108,6 @@ impl Convolution {
         }
     }
 
-    /// Where a tile's outputs lie.
     fn output(&self, tile: &Tile) -> usize {
         tile.group * self.group_outputs() * self.windows.area() + tile.rows.start * self.windows.count[1]
     }

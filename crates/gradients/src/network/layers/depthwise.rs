@@ -143,7 +143,6 @@ impl pulp::WithSimd for Rows<'_> {
     }
 }
 
-/// A row of windows' sums.
 #[inline(always)]
 fn gather(sums: &mut [f32], bias: f32, numbers: &[f32], taps: &[(usize, f32)]) {
     for (block, sums) in sums.chunks_mut(LANES).enumerate() {

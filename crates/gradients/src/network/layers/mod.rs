@@ -33,11 +33,9 @@ pub(super) trait Layer: Send + Sync {
     fn forward(&self, inputs: Vec<Array>, keeps: bool) -> (Array, Option<Back<'_>>);
 }
 
-/// The sums of what comes back to the inputs of one layer.
 pub(super) struct Sums<'a> {
     /// Of every slot of the network.
     pub all: &'a mut [Option<Vec<f32>>],
-    /// Which slots the inputs are.
     pub slots: &'a [usize],
 }
 

@@ -14,7 +14,6 @@ struct Run {
 }
 
 pub(crate) struct Moved {
-    /// How many numbers each input has.
     inputs: Vec<usize>,
     runs: Vec<Run>,
     count: usize,

@@ -10,7 +10,6 @@ pub(crate) struct Windows {
     pub dilation: [usize; 2],
     /// Rows above, columns on the left that the image is enlarged by.
     pub before: [usize; 2],
-    /// How many windows there are.
     pub count: [usize; 2],
 }
 

@@ -129,7 +129,6 @@ fn mean_layer(arguments: &[Argument]) -> Option<Box<dyn Layer>> {
     Some(Box::new(Separate::new(channels, [rows, columns], weights)))
 }
 
-/// The image, the weights and the bias of a convolution.
 type Weighted = (Tensor<4>, Tensor<4>, Option<Tensor<1>>);
 
 fn weighted(mut inputs: Inputs) -> Result<Weighted> {
@@ -209,7 +208,6 @@ fn pool(window: Window, ceil_mode: bool, counts_border: Option<bool>) -> Operato
     })
 }
 
-/// One number a channel.
 fn global(of_all: fn(Tensor<4>) -> Tensor<4>) -> Operator {
     Operator::new(move |mut inputs| Floats::from_rank(of_all(inputs.floats(0)?.of_rank::<4>()?)))
 }

@@ -71,7 +71,6 @@ fn clip(low: Option<ClipInput>, high: Option<ClipInput>) -> Operator {
     })
 }
 
-/// A derivative per channel for what is below zero.
 fn prelu(mut inputs: Inputs) -> Result<Floats> {
     let (v, derivative) = (inputs.floats(0)?, inputs.floats(1)?);
     bounded(broadcast(&v.shape(), &derivative.shape())?)?;

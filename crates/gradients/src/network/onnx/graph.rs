@@ -30,7 +30,6 @@ pub(super) struct Graph {
     pub input: Slot,
     /// Name and slot.
     pub outputs: Vec<(String, Slot)>,
-    /// How many slots there are.
     pub slots: usize,
 }
 
@@ -97,7 +96,6 @@ impl Graph {
         read.for_each(|read| *read = other);
     }
 
-    /// A slot of its own.
     pub(super) fn new_slot(&mut self) -> Slot {
         self.slots += 1;
         self.slots - 1
@@ -105,7 +103,6 @@ impl Graph {
 }
 
 impl GraphStep {
-    /// The outputs for some inputs, with their slots.
     pub(super) fn run(
         &self,
         values: Vec<Option<Value>>,

@@ -53,7 +53,6 @@ pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Resu
     Ok(masks)
 }
 
-/// The outputs, and whatever is only moved on the way to them.
 fn moved_to_outputs(graph: &Graph) -> BTreeSet<Slot> {
     let mut asked: BTreeSet<Slot> = graph.outputs.iter().map(|(_, slot)| *slot).collect();
     for step in graph.steps.iter().rev() {

@@ -30,12 +30,10 @@ use value::{Floats, Held, Value, full};
 use crate::network::quietly::quietly;
 use crate::{NetworkFault, WhiteBoxError};
 
-/// A network for images of one shape.
 pub struct OnnxNetwork {
     file: String,
     plan: Plan,
     outputs: Vec<String>,
-    /// How many numbers an image has.
     count: usize,
     logits: Vec<Vec<bool>>,
 }
@@ -48,7 +46,6 @@ pub struct Output {
     /// Where [`Output::is_logit`] says so, the logit of the sigmoid that the file ends in.
     pub raw: Vec<f32>,
     pub is_logit: Vec<bool>,
-    /// Whether they are whole numbers, such as labels.
     pub is_whole: bool,
 }
 
@@ -68,7 +65,6 @@ impl Output {
         }
     }
 
-    /// What the file itself answers.
     pub fn values(&self) -> Vec<f32> {
         let sigmoid = |z: f32| 1.0 / (1.0 + (-z).exp());
         let both = self.raw.iter().zip(&self.is_logit);
@@ -87,9 +83,6 @@ pub struct NetworkPass<'a> {
 impl OnnxNetwork {
     /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors. `photo_size`
     /// is for a network whose second input is the photo's width and height.
-    ///
-    /// # Errors
-    /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
     pub fn read(
         bytes: &[u8],
         file: &str,
@@ -117,9 +110,6 @@ impl OnnxNetwork {
     }
 
     /// The outputs for an image's numbers, row-major. With `keeps_way` what [`NetworkPass::vjp`] needs stays in memory.
-    ///
-    /// # Errors
-    /// A number of numbers that is not the shape's.
     pub fn forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_>, WhiteBoxError> {
         let failed = |reason: NetworkFault| {
             let file = self.file.clone();

@@ -23,7 +23,6 @@ pub(super) enum Argument {
 }
 
 impl Argument {
-    /// The numbers of a constant.
     pub(super) fn numbers(&self) -> Option<Vec<f32>> {
         match self {
             Argument::Constant(Value::Floats(v)) => v.values().ok(),
@@ -31,7 +30,6 @@ impl Argument {
         }
     }
 
-    /// The shape of what follows from the image.
     pub(super) fn image_shape(&self) -> Option<&[usize]> {
         match self {
             Argument::Image(shape) => Some(shape),
@@ -165,11 +163,9 @@ pub(super) enum Rearranged {
 /// Larger whole numbers are not all among those of 32 bits.
 const MOST_INDICES: usize = 1 << 24;
 
-/// The inputs of one operator.
 pub(super) struct Inputs<'a> {
     /// Those left out are `None`.
     pub values: Vec<Option<Value>>,
-    /// Where all tensors lie.
     pub device: &'a Device,
 }
 

@@ -24,7 +24,6 @@ pub(super) enum Part {
 }
 
 impl Part {
-    /// The slots that are read.
     pub(super) fn inputs(&self) -> Vec<Slot> {
         match self {
             Part::Layer(part) => part.inputs.clone(),

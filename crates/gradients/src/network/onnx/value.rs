@@ -90,7 +90,6 @@ impl Value {
         }
     }
 
-    /// A constant of the file.
     pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value> {
         let shape = data.shape().to_vec();
         if data.dtype().is_float() {
@@ -141,7 +140,6 @@ impl Floats {
         Ok(Floats { x, rank })
     }
 
-    /// Another tensor of the same rank.
     pub(super) fn map(self, f: impl FnOnce(Tensor<RANK>) -> Tensor<RANK>) -> Floats {
         let (x, rank) = (f(self.x), self.rank);
         Floats { x, rank }

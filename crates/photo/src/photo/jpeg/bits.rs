@@ -70,7 +70,6 @@ impl<'a> Bits<'a> {
         }
     }
 
-    /// One bit.
     #[inline(always)]
     pub(super) fn bit(&mut self) -> bool {
         self.load();

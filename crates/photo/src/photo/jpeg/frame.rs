@@ -6,7 +6,6 @@ use super::segments::{START_OF_SCAN, Segment, Segments};
 /// The first image of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::photo) struct Frame {
-    /// Width, height as stored.
     pub size: [u32; 2],
     pub is_progressive: bool,
     pub components: Vec<FrameComponent>,
@@ -24,11 +23,9 @@ pub(in crate::photo) struct FrameComponent {
     pub id: u8,
     /// Samples across and down for each unit of the coarsest component, 1 to 4.
     pub sampling: [u32; 2],
-    /// Which quantization table.
     pub table: u8,
 }
 
-/// What the components are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::photo) enum Colours {
     Grey,
@@ -80,7 +77,6 @@ impl Frame {
         })
     }
 
-    /// The largest samplings across and down.
     pub(super) fn most_sampling(&self) -> [u32; 2] {
         most_sampling(&self.components)
     }

@@ -59,7 +59,6 @@ impl HuffmanTable {
         Some(table)
     }
 
-    /// Writes a code into all places that begin with it.
     fn enter(&mut self, code: u32, length: u32, symbol: u8) -> Option<()> {
         if code >> length != 0 {
             return None;
@@ -82,7 +81,6 @@ impl HuffmanTable {
         Some(())
     }
 
-    /// What stands behind the next bits, which are loaded.
     #[inline(always)]
     fn entry(&self, bits: &mut Bits) -> Entry {
         bits.load();

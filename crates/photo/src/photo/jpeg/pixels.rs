@@ -104,7 +104,6 @@ impl Coefficients {
 /// An upright image that is filled by rows as they are stored.
 struct Canvas<P> {
     pixels: Vec<P>,
-    /// Width and height of the upright image.
     upright: [usize; 2],
     /// The place of the first stored pixel.
     start: isize,
@@ -113,7 +112,6 @@ struct Canvas<P> {
 }
 
 impl<P: Copy + Default> Canvas<P> {
-    /// For a stored image of a width and height.
     fn new(orientation: Orientation, [width, height]: [usize; 2]) -> Canvas<P> {
         let (swaps, from_end) = flips(orientation);
         let upright = if swaps { [height, width] } else { [width, height] };
@@ -167,7 +165,6 @@ struct Plane<'a> {
     size: [usize; 2],
     /// Three groups of rows in turn.
     kept: Vec<u8>,
-    /// A row while it is enlarged, and after.
     enlarged_row: Vec<u8>,
     sums: Vec<u16>,
 }

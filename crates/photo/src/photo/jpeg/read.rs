@@ -8,10 +8,8 @@ use super::scan::{self, Part, Scan, ScanComponent};
 use super::segments::{START_OF_SCAN, Segment, Segments};
 use super::standard;
 
-/// All that a JPEG's data says.
 #[derive(Debug)]
 pub(in crate::photo) struct Coefficients {
-    /// Width, height as stored.
     pub(super) size: [u32; 2],
     /// The largest samplings across and down.
     pub(super) most_sampling: [u32; 2],
@@ -28,7 +26,6 @@ const WRONG_TABLE: JpegError = JpegError::Damaged("invalid Huffman or quantisati
 const WRONG_SCAN: JpegError = JpegError::Damaged("a scan's header cannot be");
 const NO_DATA: JpegError = JpegError::Damaged("it has no data for one of its colours");
 
-/// Tables as they stand at some place of the file.
 #[derive(Default)]
 struct Tables {
     quantisation: [Option<[u16; 64]>; 4],
@@ -113,7 +110,6 @@ fn components(frame: &Frame, bytes: Option<usize>) -> Vec<Component> {
     made.collect()
 }
 
-/// How many groups of blocks lie across and down.
 fn groups(frame: &Frame) -> [usize; 2] {
     let most = frame.most_sampling();
     [0, 1].map(|i| frame.size[i].div_ceil(8 * most[i]) as usize)

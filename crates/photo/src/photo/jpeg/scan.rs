@@ -24,7 +24,6 @@ pub(super) struct Scan<'a> {
 /// Which of the frame's components, with the Huffman tables of its DC and AC coefficients.
 pub(super) type ScanComponent<'a> = (usize, Option<&'a HuffmanTable>, Option<&'a HuffmanTable>);
 
-/// Which part of the coefficients a scan has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Part {
     /// All of it.
@@ -58,7 +57,6 @@ const GOES_ON: JpegError = JpegError::Damaged("its data goes on behind the pictu
 const OUT_OF_ORDER: JpegError = JpegError::Damaged("its restart markers are out of order");
 const NO_PICTURE: JpegError = JpegError::Damaged("its data is of no picture");
 
-/// Decodes a scan's data.
 pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> Result<(), JpegError> {
     let mut intervals = Intervals::new(data);
     let mut bytes = Vec::new();
@@ -101,7 +99,6 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
 /// What is carried from block to block within an interval.
 struct State<'a> {
     bits: Bits<'a>,
-    /// The last DC coefficient of each component of the scan.
     last_dc: [i32; 4],
     /// Blocks that still have nothing new.
     empty_blocks: u32,

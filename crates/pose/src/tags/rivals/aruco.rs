@@ -8,7 +8,6 @@ use crate::scene::TagFamily;
 use crate::tags::search::{Found, Search};
 use crate::tags::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 
-/// OpenCV's ArUco detector at full size.
 pub(super) struct ArucoOpenCv {
     searches: Vec<(TagFamily, MarkerSearch)>,
     /// Where the refiner has the centre of the first pixel, px.
@@ -16,7 +15,6 @@ pub(super) struct ArucoOpenCv {
 }
 
 impl ArucoOpenCv {
-    /// A detector for some families.
     pub(super) fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
         let choice = TagDetectorChoice::Aruco(refiner, CornersBy::Fit);
         let start = |family| MarkerSearch::new(dictionary(family), 1, refiner).map_err(|e| e.message);

@@ -24,7 +24,6 @@ pub struct SeenMarker {
     pub corners_px: [[f64; 2]; 4],
 }
 
-/// A search for the markers of one dictionary.
 pub struct MarkerSearch {
     #[cfg(not(opencv_aruco_in_objdetect))]
     detector: (Ptr<Dictionary>, Ptr<DetectorParameters>),
@@ -121,9 +120,6 @@ impl MarkerDictionary {
     ];
 
     /// A dictionary by OpenCV's name for it.
-    ///
-    /// # Errors
-    /// A name OpenCV does not have.
     pub fn named(name: &str) -> Result<Self, DictionaryError> {
         let (name, number) = known(name)?;
         let markers = || {
@@ -158,16 +154,12 @@ impl MarkerDictionary {
 }
 
 /// A search for the markers of a dictionary, with black borders of so many modules; corners are as the outline gives them, not refined.
-///
-/// # Errors
-/// A name OpenCV does not have.
 pub fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSearch, DictionaryError> {
     let (name, number) = known(dictionary)?;
     let border_modules = i32::try_from(border_modules).unwrap_or(i32::MAX);
     MarkerSearch::new(number, border_modules, ArucoRefiner::None).map_err(|e| failed(name, e))
 }
 
-/// OpenCV's name and number.
 fn known(name: &str) -> Result<(&'static str, i32), DictionaryError> {
     let mut all = MarkerDictionary::NAMES.into_iter().zip(0..);
     let known = all.find(|(known, _)| known.eq_ignore_ascii_case(name));

@@ -55,7 +55,6 @@ pub enum BoardError {
     Definition(#[from] DefinitionError),
 }
 
-/// The kinds of calibration boards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoardKind {
     Charuco,
@@ -78,7 +77,6 @@ pub struct BoardRequest {
     pub media: Media,
 }
 
-/// A board ready to be written.
 #[derive(Debug, Clone)]
 pub struct Board {
     pub definition: Definition,
@@ -88,9 +86,6 @@ pub struct Board {
 }
 
 /// The definition of a board that can be printed.
-///
-/// # Errors
-/// Numbers that make no board, too few markers in the dictionary, modules too small to print.
 pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
     let (columns, rows) = request.squares;
     let (squares, square_mm) = ([columns, rows], request.square_mm);
@@ -180,10 +175,6 @@ fn printable(module_mm: f64) -> Result<(), BoardError> {
     Ok(())
 }
 
-/// Draws a board in the middle of one sheet.
-///
-/// # Errors
-/// A roll, numbers that make no board, too few markers in the dictionary, a board larger than the paper.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     let media = request.media;
     media.check_is_cut()?;

@@ -50,18 +50,14 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
 /// A paint, counted from 0, and its area.
 type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
-/// The contents of the table of paints.
 pub struct Legend<'a> {
     pub painted: &'a Painted,
-    /// Of each paint.
     pub areas: &'a [PaintArea],
-    /// What all paints together make up.
     pub whole: &'a str,
     /// Below the table.
     pub notes: &'a [&'a str],
 }
 
-/// The pages of the table of paints.
 pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sheet> {
     let Legend { painted, areas, .. } = *legend;
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
@@ -90,7 +86,6 @@ pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sh
     lines.chunks(rows).enumerate().map(page).collect()
 }
 
-/// A table on its way down a page.
 struct Table<'a> {
     frame: &'a PageFrame,
     factor: f64,
@@ -134,7 +129,6 @@ impl Table<'_> {
         }
     }
 
-    /// An area, and the mean and the largest colour difference.
     fn numbers(&mut self, area: &PaintArea, (mean, largest): (f64, f64)) {
         let cm2 = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| format!("{:.2}", mm2 / CM2));
         let off = [mean, largest].map(|off| format!("{off:.1}"));

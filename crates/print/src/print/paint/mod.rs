@@ -67,7 +67,6 @@ pub enum PaintError {
     TooManyCells { cells: usize },
 }
 
-/// A request for paint sheets of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaintRequest {
     /// As for a template. Overlap and bleed have no meaning: the sheets have rims and are laid edge to edge.
@@ -79,7 +78,6 @@ pub struct PaintRequest {
 }
 
 impl PaintRequest {
-    /// The document's title.
     pub fn title(&self) -> String {
         let TemplateRequest {
             pattern_name, tile_mm, ..
@@ -103,7 +101,6 @@ pub struct PaintArea {
 }
 
 impl PaintArea {
-    /// What becomes of the area of all of some paints.
     pub fn sum(areas: &[Self]) -> Self {
         areas.iter().fold(Self::default(), |sum, area| Self {
             cells_mm2: sum.cells_mm2 + area.cells_mm2,
@@ -113,12 +110,10 @@ impl PaintArea {
     }
 }
 
-/// The pages, and what is on them.
 #[derive(Debug, Clone)]
 pub struct PaintSheets {
     pub layout: SheetLayout,
     pub cell_mm: f64,
-    /// For each of the paints.
     pub areas: Vec<PaintArea>,
     /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
     pub pages: Vec<Sheet>,
@@ -127,7 +122,6 @@ pub struct PaintSheets {
 }
 
 impl PaintSheets {
-    /// What becomes of the area of all paints.
     pub fn whole(&self) -> PaintArea {
         PaintArea::sum(&self.areas)
     }
@@ -140,10 +134,6 @@ impl PaintSheets {
 }
 
 /// Draws the sheets. A sheet on which a paint does not occur, or cannot be sprayed, gets no stencil of it.
-///
-/// # Errors
-/// Whatever [`super::template::template`] refuses; a least width outside [`MIN_FEATURE_MM`] to [`MAX_FEATURE_MM`]; cells below three
-/// times that; too many pages; too many cells.
 pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest) -> Result<PaintSheets, PaintError> {
     let cell_mm = cell_mm(pattern, &request.template)?;
     check_features(cell_mm, pattern.columns(), request.min_feature_mm)?;
@@ -209,7 +199,6 @@ pub fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(),
     Ok(())
 }
 
-/// Refuses paints on sheets that are too many pages, stencils and sheets to paint by number.
 pub fn check_pages(paints: usize, sheets: usize) -> Result<(), PaintError> {
     let pages = (paints + 1) * sheets;
     if pages > MAX_SHEETS {

@@ -12,9 +12,7 @@ use crate::print::sheet::sides;
 /// Units in a millimetre.
 pub const PER_MM: f64 = 10_000.0;
 
-/// A corner, in units.
 pub type PlanePoint = IntPoint<i32>;
-/// A closed outline.
 pub type PlaneOutline = Vec<PlanePoint>;
 
 /// Millimetres to the nearest unit. Beyond 100 m, where nothing is printed, the value is held.
@@ -26,7 +24,6 @@ pub fn mm(units: i32) -> f64 {
     f64::from(units) / PER_MM
 }
 
-/// A corner as a point of the plane, in units.
 pub fn point(p: PlanePoint) -> [f64; 2] {
     [f64::from(p.x), f64::from(p.y)]
 }
@@ -38,7 +35,6 @@ pub struct Area {
     pub pieces: Vec<Vec<PlaneOutline>>,
 }
 
-/// An upright rectangle by its edges, y up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Bounds {
     pub left: i32,
@@ -111,7 +107,6 @@ impl Area {
         operation(&self.flat(), &other.flat(), OverlayRule::Difference)
     }
 
-    /// This area and what more outlines enclose, which run counter-clockwise.
     pub fn with(&self, more: &[PlaneOutline]) -> Self {
         operation(&self.flat(), more, OverlayRule::Union)
     }

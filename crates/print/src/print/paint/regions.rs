@@ -15,7 +15,6 @@ pub struct CellGrid<'a> {
     pub cell_mm: f64,
 }
 
-/// Neighbouring cells of one paint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaintPatch {
     pub paint: usize,

@@ -23,7 +23,6 @@ const HOLE_MM: f64 = 3.0;
 /// Corners of a registration hole.
 const HOLE_CORNERS: u32 = 24;
 
-/// Width of a registration hole.
 pub fn hole_mm(min_feature_mm: f64) -> f64 {
     HOLE_MM.max(min_feature_mm)
 }
@@ -35,19 +34,16 @@ pub fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     crosses.collect()
 }
 
-/// The arms of a cross, from near its middle to far from it.
 pub fn cross((x, y): (f64, f64), near: f64, far: f64) -> [Mark; 4] {
     [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
         .map(|(dx, dy)| Mark::line((x + near * dx, y + near * dy), (x + far * dx, y + far * dy), LINE_MM))
 }
 
-/// A round hole.
 pub fn disc((x, y): (f64, f64), radius: f64) -> Vec<PointMm> {
     let corners = circle([x, y], radius, HOLE_CORNERS);
     corners.map(|[x, y]| PointMm::new(x, y)).collect()
 }
 
-/// The middles of a rim's corners.
 fn corners(outer: RectMm, rim_mm: f64) -> impl Iterator<Item = (f64, f64)> {
     let middles = outer.grown(-0.5 * rim_mm).outline();
     middles.into_iter().map(|p| (p.x_mm, p.y_mm))

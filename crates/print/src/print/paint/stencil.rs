@@ -39,7 +39,6 @@ pub struct Rules {
 /// A stencil, in the frame of the outlines it was made from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stencil {
-    /// To be cut out.
     pub openings: Area,
     /// Material where the paint belongs: to be touched up. With `openings` it makes up the requested area, exactly.
     pub bridges: Area,
@@ -93,9 +92,6 @@ impl Slant {
 
 /// Cuts `openings` (counter-clockwise outlines, which may overlap), as far as they lie in `region`, from material that reaches a
 /// rim beyond the region's bounds.
-///
-/// # Errors
-/// [`NoStencil`], which bounds the search.
 pub fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules) -> Result<Stencil, NoStencil> {
     let region = Area::of(region);
     let outer = region.bounds().unwrap_or_default().grown(units(rules.rim_mm));
@@ -110,9 +106,6 @@ pub fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules)
 }
 
 /// What is cut of `asked` from a sheet of material, and what is not. What is thin or apart in the sheet itself stays so.
-///
-/// # Errors
-/// [`NoStencil`], which bounds the search.
 pub fn openings_and_bridges(
     asked: &Area,
     whole: &Area,
@@ -143,7 +136,6 @@ pub fn openings_and_bridges(
     }
 }
 
-/// The parts of openings that lie off something.
 fn off(mut openings: Area, something: &Area) -> Area {
     openings
         .pieces

@@ -55,7 +55,6 @@ fn lies_flat(tag: &Tag) -> bool {
 }
 
 impl<'a> Arrangement<'a> {
-    /// Every tag on a plain card.
     pub fn plain(scene: &'a Scene) -> Self {
         Self {
             cards: scene.tags.iter().collect(),

@@ -2,7 +2,7 @@
 
 use super::piece::CutPiece;
 use super::tent::{FlatTag, Fold, Net, SIDE_MM, Tent};
-use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
+use super::{Instead, LINE_MM, TagPrintError, image_of};
 use crate::print::shapes::{TagPlacement, black_modules};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, TextAnchor, sides};
 use scaleproof_plot::lettering::{fitting_size_mm, number};
@@ -20,7 +20,6 @@ const UP_MM: f64 = 4.0;
 const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
-/// The card of each tag.
 pub fn plain<'a>(tags: &[&'a Tag]) -> Result<Vec<CutPiece<'a>>, TagPrintError> {
     let piece = |tag: &&'a Tag| {
         let (tag, image) = (*tag, image_of(tag)?);
@@ -47,12 +46,7 @@ fn plain_marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
         -width / 2.0 - 0.5 * (STRIP_MM + PLAIN_UP_MM),
         PLAIN_UP_MM,
     ));
-    let name = format!(
-        "id {} · {} · {} mm",
-        tag.id,
-        family_name(tag.family),
-        number(tag.size_mm)
-    );
+    let name = format!("id {} · {} · {} mm", tag.id, tag.family.name(), number(tag.size_mm));
     let size_mm = fitting_size_mm(&name, TEXT_MM, (width - PLAIN_UP_MM - 4.0).max(1.0));
     let baseline = (at.x_mm + 1.0, at.y_mm + 0.5 * (STRIP_MM - 0.7 * size_mm));
     let mut marks = vec![
@@ -125,7 +119,7 @@ fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
 /// What the card is, on the side it stands on.
 fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
     let [a, b] = &tent.tags;
-    let family = |tag: &Tag| format!("{} · {} mm", family_name(tag.family), mm(tag.size_mm));
+    let family = |tag: &Tag| format!("{} · {} mm", tag.family.name(), mm(tag.size_mm));
     let [family_a, family_b] = [a, b].map(family);
     let families = if family_a == family_b {
         family_a

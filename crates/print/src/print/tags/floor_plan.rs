@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::mat::{ARROW_MM, GREY, GroundWindow};
-use super::{TagPrintError, captions, family_name};
+use super::{TagPrintError, captions};
 use crate::print::media::Media;
 use crate::print::shapes::{OutlineMm, stroke, stroked};
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
@@ -64,7 +64,6 @@ pub struct FloorPlace {
 }
 
 impl FloorPlace {
-    /// The place of a tag's card.
     pub fn from_tag(tag: &Tag) -> Self {
         let normal = tag.right.cross(&tag.up);
         let azimuth = |v: &Vector3<f64>| v.y.atan2(v.x).to_degrees().rem_euclid(360.0);
@@ -86,9 +85,6 @@ impl FloorPlace {
 }
 
 /// The pages: the drawing and the table, which runs on over as many as it needs.
-///
-/// # Errors
-/// Paper too small for the rulers.
 pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     if tags.is_empty() {
         return Ok(Vec::new());
@@ -252,7 +248,7 @@ fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
     let [length, width, _] = scene.model.size_mm;
     let (c, place) = (tag.centre_mm, FloorPlace::from_tag(tag));
     let family = if scene.families().len() > 1 {
-        format!("{} ", family_name(tag.family))
+        format!("{} ", tag.family.name())
     } else {
         String::new()
     };

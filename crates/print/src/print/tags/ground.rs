@@ -34,9 +34,6 @@ pub struct Ground {
 
 impl Ground {
     /// The best way to print the ground of a scene; `others` are the sizes of what else is cut out of cards.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers, too many sheets.
     pub fn new(
         mat: Mat,
         arrangement: &Arrangement,
@@ -132,7 +129,6 @@ impl Ground {
         self.layout.sheets.iter().map(SheetPlan::id).collect()
     }
 
-    /// A region of the layout on the ground.
     pub fn ground(&self, region: TemplateRect) -> RectMm {
         on_ground(self.paper, region)
     }

@@ -55,7 +55,6 @@ fn overlap(a: &RectMm, b: &RectMm) -> bool {
     a.left_mm < b.right_mm && b.left_mm < a.right_mm && a.bottom_mm < b.top_mm && b.bottom_mm < a.top_mm
 }
 
-/// The strips of a mat.
 pub fn strips<'a>(ground: &'a Ground) -> Vec<CutPiece<'a>> {
     let piece = |strip: &'a PlaceStrip| CutPiece {
         size_mm: (strip.length_mm, WIDTH_MM),

@@ -26,7 +26,6 @@ const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
 /// What of the page's height they may take.
 const THUMBNAIL_SHARE: f64 = 0.45;
 
-/// The contents of the map page.
 pub struct TagMap<'a> {
     pub scene: &'a Scene,
     pub media: Media,
@@ -39,10 +38,6 @@ pub struct TagMap<'a> {
 }
 
 impl TagMap<'_> {
-    /// Draws the map page.
-    ///
-    /// # Errors
-    /// Paper too small for the rulers.
     pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
         let mut page = self.media.both_ways()?.swap_remove(0);
         if !page.setup.turned {
@@ -58,7 +53,6 @@ impl TagMap<'_> {
         Ok(page.labelled(page.printable, marks, &captions, "map"))
     }
 
-    /// The map above small images of the other pages.
     fn pictures(&self, room: RectMm) -> Vec<Mark> {
         let (mut marks, top) = self.thumbnails(room);
         let bottom_mm = top + GAP_MM;
@@ -203,7 +197,6 @@ impl TagMap<'_> {
     }
 }
 
-/// A page with cards, drawn small.
 fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
     let paper = page.page.page;
     let scale = (cell.width_mm() / paper.width_mm).min(cell.height_mm() / paper.height_mm);
@@ -223,7 +216,6 @@ fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {
     Mark::Area { outlines, colour }
 }
 
-/// A grey sheet with a thin outline.
 fn paper(cell: RectMm) -> [Mark; 2] {
     let outline = area(stroked(&cell.outline(), THIN_MM), BLACK);
     [Mark::fill(cell, PAPER), outline]

@@ -35,7 +35,6 @@ pub struct Mat {
     pub model: Vec<OutlineMm>,
     /// The model and the flat tags, with a border.
     pub core: RectMm,
-    /// The ground of each tent card.
     pub tents: Vec<RectMm>,
     /// The flat tags with their white rings, by id.
     pub tags: Vec<(u32, OutlineMm)>,
@@ -58,9 +57,6 @@ pub struct Label {
 
 impl Mat {
     /// The mat of a scene: the model's outline, the flat tags, and an outline for each tent card.
-    ///
-    /// # Errors
-    /// A tag that cannot be drawn.
     pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
         let mut mat = Mat::default();
         mat.add_model(&scene.model);
@@ -149,7 +145,6 @@ impl Mat {
         self.labels.push(Label { at, size_mm, text });
     }
 
-    /// The ground with all tent cards.
     pub fn whole(&self) -> RectMm {
         self.tents.iter().copied().fold(self.core, RectMm::union)
     }
@@ -185,7 +180,6 @@ fn level_unit(x: f64, y: f64) -> [f64; 2] {
 /// Which point of the ground lies where on a page, how it is turned, and how much smaller it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroundWindow {
-    /// On the ground.
     pub centre: PointMm,
     /// Where `centre` lies on the page.
     pub at: PointMm,
@@ -205,7 +199,6 @@ impl GroundWindow {
         }
     }
 
-    /// A point of the ground on the page.
     pub fn on_page(&self, p: PointMm) -> PointMm {
         let (x, y) = (p.x_mm - self.centre.x_mm, p.y_mm - self.centre.y_mm);
         let [c, s] = self.right;
@@ -215,7 +208,6 @@ impl GroundWindow {
         )
     }
 
-    /// An outline of the ground on the page.
     pub fn outline(&self, outline: &[PointMm]) -> OutlineMm {
         outline.iter().map(|p| self.on_page(*p)).collect()
     }

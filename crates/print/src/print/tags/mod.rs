@@ -25,7 +25,7 @@ use super::sheet::{RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::spelling::{count, list};
 use scaleproof_plot::lettering::number;
-use scaleproof_pose::scene::{Scene, Tag, TagFamily};
+use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::TagImage;
 
 /// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
@@ -55,7 +55,6 @@ pub enum TagPrintError {
     },
 }
 
-/// What could be printed instead of something too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instead {
     Nothing,
@@ -73,7 +72,6 @@ impl fmt::Display for Instead {
     }
 }
 
-/// What the user should know of the tags on paper.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TagNote {
     /// The mat puts tags at 0 that the scene has at this height.
@@ -111,7 +109,6 @@ impl fmt::Display for TagNote {
     }
 }
 
-/// A request for the tags of a scene on paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagRequest {
     pub media: Media,
@@ -121,16 +118,13 @@ pub struct TagRequest {
     pub whole_mat: bool,
 }
 
-/// The tags of a scene on their pages.
 #[derive(Debug, Clone)]
 pub struct TagSheets {
     /// The map, the floor plan of plain cards, cards and strips, then the mat.
     pub sheets: Vec<Sheet>,
     /// What each sheet is called on the map, and in the name of its file.
     pub names: Vec<String>,
-    /// One line for each kind of thing printed.
     pub contents: Vec<String>,
-    /// Everything that is cut out of cards.
     pub cut_out: Vec<CutOut>,
     pub ground: Option<Ground>,
     pub notes: Vec<TagNote>,
@@ -140,16 +134,12 @@ pub struct TagSheets {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CutOut {
     pub name: String,
-    /// Index of its sheet.
     pub sheet: usize,
     /// Where it lies in true millimetres (page frame).
     pub area: RectMm,
 }
 
 /// Draws the tags of a scene.
-///
-/// # Errors
-/// A scene without tags, tags too small to print, cards too large for the paper.
 pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagPrintError> {
     if scene.tags.is_empty() {
         return Err(TagPrintError::NoTags);
@@ -211,7 +201,6 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     })
 }
 
-/// Everything that is cut out of shared pages.
 fn pieces<'a>(
     arrangement: &'a Arrangement,
     ground: Option<&'a Ground>,
@@ -222,7 +211,6 @@ fn pieces<'a>(
     Ok(pieces)
 }
 
-/// The ground mat, if the scene needs one.
 fn ground(scene: &Scene, arrangement: &Arrangement, request: &TagRequest) -> Result<Option<Ground>, TagPrintError> {
     if arrangement.flat.is_empty() && arrangement.tents.is_empty() {
         return Ok(None);
@@ -270,7 +258,6 @@ fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<TagNote> {
     notes
 }
 
-/// How to cut what is on the pages with cards.
 fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
     let tents = [
         "Cut along the solid lines, crease along the dashed ones, fold away from the print, glue the tab inside the base.",
@@ -287,10 +274,9 @@ fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
     }
 }
 
-/// The image of a tag, checked to be printable.
 fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
     let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
-        family: family_name(tag.family),
+        family: tag.family.name(),
         id: tag.id,
     })?;
     let module_mm = tag.size_mm / image.border_modules() as f64;
@@ -298,13 +284,6 @@ fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
         return Err(TagPrintError::ModuleTooSmall { id: tag.id, module_mm });
     }
     Ok(image)
-}
-
-fn family_name(family: TagFamily) -> &'static str {
-    TagFamily::ALL
-        .iter()
-        .find(|(known, _)| *known == family)
-        .map_or("an unknown family", |(_, name)| name)
 }
 
 /// The lines at the foot of every page.

@@ -10,10 +10,8 @@ use scaleproof_plot::lettering::size;
 
 type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 
-/// One thing to cut out.
 pub struct CutPiece<'a> {
     pub size_mm: (f64, f64),
-    /// What the map calls it.
     pub name: String,
     /// What an error calls it, and what else could be done then.
     pub what: String,
@@ -22,7 +20,6 @@ pub struct CutPiece<'a> {
     pub draw: Draw<'a>,
 }
 
-/// A page with pieces.
 pub struct PiecePage {
     pub page: PageFrame,
     pub marks: Vec<Mark>,
@@ -31,9 +28,6 @@ pub struct PiecePage {
 }
 
 /// Spreads pieces over the fewest pages, the paper used upright or across.
-///
-/// # Errors
-/// Paper too small for the rulers, and whatever the drawing refuses; pieces too large for the paper.
 pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPrintError> {
     if pieces.is_empty() {
         return Ok(Vec::new());
@@ -78,9 +72,6 @@ pub fn placed(pieces: &[CutPiece], media: Media) -> Result<(PageFrame, Vec<Spot>
 }
 
 /// How many pages things of some sizes take.
-///
-/// # Errors
-/// As for [`placed`].
 pub fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
     let unnamed = |_| ("a card".to_owned(), Instead::Nothing);
     Ok(count(&packed(sizes, media, unnamed)?.1))

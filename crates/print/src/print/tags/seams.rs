@@ -39,7 +39,6 @@ impl SeamAxis {
         [first].into_iter().chain(seams).chain([last]).collect()
     }
 
-    /// How many sheets the axis takes at least.
     pub fn sheets(&self) -> usize {
         let exact = (self.high_mm - self.low_mm - self.overlap_mm) / self.step();
         (exact - 1e-6 / self.usable_mm).ceil().max(1.0) as usize

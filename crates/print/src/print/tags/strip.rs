@@ -6,7 +6,6 @@ use super::tent::Tent;
 use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 
-/// Width of a place strip.
 pub const WIDTH_MM: f64 = 36.0;
 /// What of a strip lies beneath its card.
 const UNDER_MM: f64 = 18.0;
@@ -18,7 +17,6 @@ const STEP_MM: f64 = 0.5;
 /// Paper around the foot of a card that stands on the mat.
 const FOOT_MM: f64 = 2.0;
 
-/// The way from the mat to a tent card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaceStrip {
     /// Of the tent card, from 0.
@@ -103,13 +101,11 @@ impl PlaceStrip {
         Some(strip(longest, ROOT_MM.start() + longest - least))
     }
 
-    /// The strip's outline on the ground.
     pub fn outline(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, x, y)
     }
 
-    /// The part that is glued onto the mat.
     pub fn root(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, -x + self.root_mm, y)
@@ -136,7 +132,6 @@ impl PlaceStrip {
         }
     }
 
-    /// The strip's rectangle on such a page.
     pub fn area(&self, at: PointMm) -> RectMm {
         RectMm::sized((at.x_mm, at.y_mm), (self.length_mm, WIDTH_MM))
     }

@@ -98,7 +98,6 @@ impl Tent {
         })
     }
 
-    /// The card before folding.
     pub fn net(&self) -> Net {
         let tab_mm = TAB_MM.min(0.8 * self.base_mm);
         let ends = [0.0, tab_mm, tab_mm + self.face_mm, tab_mm + 2.0 * self.face_mm];
@@ -163,7 +162,6 @@ pub struct Net {
     pub tags: Vec<FlatTag>,
 }
 
-/// A fold across the whole card, parallel to x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fold {
     pub y_mm: f64,
@@ -171,14 +169,12 @@ pub struct Fold {
     pub turn_deg: f64,
 }
 
-/// A tag on the flat card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatTag {
     /// [`FACE_A`] or [`FACE_B`].
     pub panel: usize,
     pub tag: Tag,
     pub centre_mm: Point2<f64>,
-    /// Unit vector to the upright tag's right.
     pub right: Vector2<f64>,
 }
 

@@ -38,7 +38,6 @@ const MAP_HEIGHT_MM: f64 = 11.0;
 /// A map of one row of many sheets would otherwise be a hairline.
 const MAP_LEAST_MM: f64 = 1.5;
 
-/// All marks of one sheet besides the pattern.
 pub fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     [guides(layout, plan), around(layout, plan, captions)].concat()
 }
@@ -59,7 +58,6 @@ pub fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     [ghost_lines(layout, plan), crop_marks(plan), sides(layout, plan)].concat()
 }
 
-/// Both rulers of a page.
 pub fn rulers(frame: &PageFrame) -> Vec<Mark> {
     [
         ruler::horizontal(frame.horizontal_ruler),
@@ -151,7 +149,6 @@ pub struct Captions {
 }
 
 impl Captions {
-    /// The captions of a pattern whose cells are this large.
     pub fn new(pattern: &Pattern, request: &TemplateRequest, cell_mm: f64) -> Self {
         Self::from_repeat(pattern.sha256(), request, &format!("cell {} mm", number(cell_mm)))
     }
@@ -168,7 +165,6 @@ impl Captions {
         Self::of_image(request, &facts)
     }
 
-    /// The captions of an image that is printed as it is, with these facts about it.
     pub fn of_image(request: &TemplateRequest, facts: &str) -> Self {
         Self {
             piece: None,
@@ -267,7 +263,6 @@ fn key(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark>
     marks
 }
 
-/// Where a sheet lies on a map of the template.
 pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
     let size = layout.size_mm();
     let x = |mm: f64| map.left_mm + map.width_mm() * mm / size.0;

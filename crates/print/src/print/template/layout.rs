@@ -44,7 +44,6 @@ pub struct TemplateRect {
     pub bottom_mm: f64,
 }
 
-/// One sheet of a template.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetPlan {
     /// From 0, from the top.
@@ -62,10 +61,8 @@ pub struct SheetPlan {
     pub printed: RectMm,
 }
 
-/// A template spread over sheets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetLayout {
-    /// What all sheets have in common.
     pub frame: PageFrame,
     /// The page with the instructions: as the sheets, or a short piece of the roll.
     pub cover: PageFrame,
@@ -76,10 +73,6 @@ pub struct SheetLayout {
 }
 
 /// Spreads a template over the fewest sheets. All sheets carry equally large pieces, so that none is a sliver.
-///
-/// # Errors
-/// Lengths out of bounds, paper too small for the rulers, an overlap as large as the usable area, more than [`MAX_SHEETS`]
-/// sheets.
 pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
     check(request)?;
     let mut layout = match request.orientation {
@@ -225,7 +218,6 @@ impl SheetLayout {
         (sheets, page.width_mm * page.height_mm * sheets as f64)
     }
 
-    /// Width and height of the whole template.
     pub fn size_mm(&self) -> (f64, f64) {
         let owns = || self.sheets.iter().map(|plan| plan.own);
         (

@@ -28,9 +28,6 @@ const LEADER_MM: f64 = 0.15;
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
 /// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
-///
-/// # Errors
-/// No surface on any side, and whatever the layout and the cells of a template refuse.
 pub fn wrap(mesh: &Mesh, materials: &[usize], texture: &Texture, request: &WrapRequest) -> Result<Wrap, WrapError> {
     let paint = PaintedSurface::of_materials(mesh, materials);
     let panels = paint.panels();
@@ -119,7 +116,6 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// A face as its panel shows it.
 fn flat_triangle(face: &Face) -> FlatTriangle {
     let side = face.side;
     FlatTriangle {

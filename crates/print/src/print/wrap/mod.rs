@@ -65,7 +65,6 @@ pub struct WrapRequest {
 }
 
 impl WrapRequest {
-    /// The document's title.
     pub fn title(&self) -> String {
         format!("Panels of {}", self.name)
     }
@@ -84,7 +83,6 @@ impl WrapRequest {
         Ok((template, layout, [low[0] - room_mm, high[1] + room_mm]))
     }
 
-    /// A panel of this size as a template.
     pub fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
             Side::Left => Front::Left,
@@ -110,7 +108,6 @@ impl WrapRequest {
     }
 }
 
-/// A panel and the sheets it is spread over.
 #[derive(Debug, Clone)]
 pub struct SpreadPanel {
     pub panel: Panel,
@@ -134,7 +131,6 @@ pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
     ]
 }
 
-/// The panels of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct Wrap {
     pub pieces: Vec<SpreadPanel>,
@@ -142,7 +138,6 @@ pub struct Wrap {
     pub surface_mm2: f64,
     /// Length of the seams between panels that found no room for a letter.
     pub unlettered_mm: f64,
-    /// Of a pattern.
     pub cell_mm: Option<f64>,
     /// The instructions, then the sheets of each piece, as the printer needs them.
     pub pages: Vec<Sheet>,
@@ -176,7 +171,6 @@ impl Wrap {
         (self.surface_mm2 - printed).max(0.0)
     }
 
-    /// One sentence a panel, then one on the whole.
     pub fn facts(&self) -> Vec<String> {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();
@@ -207,9 +201,6 @@ impl Wrap {
 }
 
 /// Refuses a mesh that is not as large as the scene says.
-///
-/// # Errors
-/// A side of the mesh's box that differs by more than 3 %.
 pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
     let mesh_mm = mesh.size_mm();
     let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;

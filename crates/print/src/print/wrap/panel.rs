@@ -10,7 +10,6 @@ use scaleproof_core::geometry;
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// The sides that are printed.
 pub const PRINTED: [Side; 5] = [Side::Left, Side::Right, Side::Roof, Side::Front, Side::Rear];
 
 /// Edges bent by more than this are drawn.
@@ -18,7 +17,6 @@ const FEATURE_DEG: f64 = 30.0;
 /// A surface this much farther out hides what is behind it, mm.
 const BEFORE_MM: f64 = 0.3;
 
-/// One side of the model, flat.
 #[derive(Debug, Clone)]
 pub struct Panel {
     pub side: Side,
@@ -26,7 +24,6 @@ pub struct Panel {
     pub region: Region,
     /// Visible edges inside the region that are bent or where another material begins: (u, v), mm.
     pub edges: Vec<[Point; 2]>,
-    /// True area of the surface.
     pub surface_mm2: f64,
     /// Area of the surface after projection into the side's plane, every layer counted.
     pub projected_mm2: f64,
@@ -35,7 +32,6 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Area on paper.
     pub fn flat_mm2(&self) -> f64 {
         self.region.area_mm2()
     }
@@ -46,7 +42,6 @@ impl Panel {
     }
 }
 
-/// A painted triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
     /// Among those of the mesh.
@@ -59,7 +54,6 @@ pub struct Face {
     pub stretch: f64,
 }
 
-/// The painted surface of a model.
 #[derive(Debug, Clone)]
 pub struct PaintedSurface {
     pub faces: Vec<Face>,
@@ -152,7 +146,6 @@ impl PaintedSurface {
     }
 }
 
-/// The place of a mesh corner that the face has.
 pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
     let place = face.triangle.corners.iter().position(|c| *c == corner);
     face.corners[place.unwrap_or_default()]

@@ -11,7 +11,6 @@ use scaleproof_core::geometry::{self, to_segment};
 
 /// A place in a plane, mm.
 pub type Point = [f64; 2];
-/// A closed outline.
 pub type Contour = Vec<Point>;
 
 /// Length of a segment of a rounded corner, as a share of its radius.
@@ -60,7 +59,6 @@ impl Region {
         Self(self.0.iter().map(|shape| shape.iter().map(outline).collect()).collect())
     }
 
-    /// Length of all its outlines.
     pub fn border_mm(&self) -> f64 {
         self.edges().map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
     }
@@ -74,7 +72,6 @@ impl Region {
         Self(self.0.outline(&style))
     }
 
-    /// Every outline, outer ones and holes.
     pub fn contours(&self) -> impl Iterator<Item = &Contour> {
         self.0.iter().flatten()
     }

@@ -17,7 +17,6 @@ pub const CLEAR_MM: f64 = 2.4;
 /// How much farther from the seam a letter may stand.
 const FARTHEST_MM: f64 = 4.0;
 
-/// A letter beside a panel, in the panel's plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeamMark {
     pub letter: String,
@@ -34,7 +33,6 @@ pub struct PanelSeams {
     pub unlettered_mm: f64,
 }
 
-/// A run of mesh edges between two panels.
 struct Seam {
     sides: [Side; 2],
     edges: Vec<[Point3<f64>; 2]>,

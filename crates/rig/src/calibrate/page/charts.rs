@@ -32,7 +32,6 @@ pub(super) fn coverage(found: &Calibration) -> Markup {
     figure(found, "Coverage", &note, &body)
 }
 
-/// Seen minus projected, enlarged.
 pub(super) fn residuals(found: &Calibration) -> Markup {
     let (w, _) = size(found);
     let residuals = found.photos.iter().flat_map(|p| &p.residuals_px);
@@ -55,7 +54,6 @@ pub(super) fn residuals(found: &Calibration) -> Markup {
     figure(found, "Residuals", &note, &body)
 }
 
-/// The map of the projection's standard deviation.
 pub(super) fn uncertainty(found: &Calibration) -> Markup {
     let (w, h) = size(found);
     let map = &found.map;

@@ -7,7 +7,6 @@ use maud::{Markup, html};
 use super::{Calibration, numbers};
 use scaleproof_plot::plain_page;
 
-/// The whole page.
 pub fn page(found: &Calibration) -> String {
     let camera = &found.camera;
     let lead = html! {

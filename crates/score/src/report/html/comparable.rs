@@ -8,7 +8,6 @@ use crate::report::{certainty, paired};
 use crate::score::{ConditionFigures, Scores, Summary, protocol_table};
 use scaleproof_plot::distinct;
 
-/// A row for each detector and texture.
 pub(super) fn figures(scores: &Scores) -> Markup {
     let head = html! {
         (heads("detector", &["texture"])) th { "AP@[.5:.95]" } th { "mAR" } th { "mAR 50" } th { "FPPI" }

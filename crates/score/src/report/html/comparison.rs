@@ -13,7 +13,6 @@ const LEFT: f64 = 200.0;
 const ROW: f64 = 31.0;
 const WIDTH: f64 = 1060.0;
 
-/// The whole page.
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol;
     let lead = format!(
@@ -90,7 +89,6 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     }
 }
 
-/// The chart of each figure, by its name.
 pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
     let all = FIGURES.into_iter();
     all.map(|figure| (figure.1, forest(scores, comparison, figure)))

@@ -15,7 +15,6 @@ const MOST_PHOTOS: usize = 400;
 /// Detections of the class below the hit confidence are drawn when enlarged, from here up.
 const WEAKEST_DRAWN: f64 = 0.1;
 
-/// The photos of which the run kept a preview.
 fn previewed(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
     scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
 }

@@ -6,7 +6,6 @@ use super::{SIDE, SQUARE, colour, colour_names, points, small_charts};
 use crate::score::{Curves, HitRateFrom, Scores, curves};
 use scaleproof_plot::Drawing;
 
-/// The charts of every detector.
 pub(super) fn section(scores: &Scores) -> Markup {
     let both = charts(scores).into_iter().flat_map(|(title, charts)| {
         let captions = ["found from a confidence", "precision over recall"];

@@ -8,7 +8,6 @@ use crate::report::{counted, paired};
 use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures, Finding};
 use scaleproof_core::spelling;
 
-/// The whole page.
 pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
     let model = &scores.sessions[0].scene.model;

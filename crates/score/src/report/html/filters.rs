@@ -49,7 +49,6 @@ pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto], outcomes: &[(&str, &
     }
 }
 
-/// The distinct values of the bins, ascending.
 fn values(bins: &BTreeSet<Bin>, of: fn(&Bin) -> f64, name: fn(f64) -> String) -> Vec<(String, String)> {
     let mut values: Vec<f64> = bins.iter().map(of).collect();
     values.sort_by(f64::total_cmp);

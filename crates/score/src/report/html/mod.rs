@@ -164,7 +164,6 @@ fn rows_by_detector(
     }
 }
 
-/// What people call a detector.
 fn title_of(detector: &EvaluatedDetector) -> Markup {
     html! { (detector.manifest.title) }
 }
@@ -174,7 +173,6 @@ fn colour_names(names: &[&str]) -> Markup {
     html! { @for (i, name) in names.iter().enumerate() { li { i style=(format!("background:{}", colour(i))) {} (name) } } }
 }
 
-/// Charts side by side, each above its caption.
 fn small_charts(charts: impl IntoIterator<Item = (Markup, Drawing)>) -> Markup {
     html! {
         div.small-charts {

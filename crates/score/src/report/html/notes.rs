@@ -7,7 +7,6 @@ use crate::report::{counted, provenance, truth_boxes, verdict};
 use crate::score::{Compared, Comparison, NotScored, Scores};
 use scaleproof_core::spelling;
 
-/// What was found, above everything else.
 pub(super) fn verdict(scores: &Scores, results: &[Compared]) -> Markup {
     html! { @for sentence in verdict::sentences(scores, results) { p.verdict { (sentence) "." } } }
 }
@@ -27,7 +26,6 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     }
 }
 
-/// A table of photos and why they are left out.
 pub(super) fn photos_with_reasons(photos: &[NotScored]) -> Markup {
     let rows = html! {
         @for p in photos {

@@ -71,7 +71,6 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<(Marku
     Some((section, tail))
 }
 
-/// The pairs of all textures.
 fn pairs<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<Pair<'a>> {
     let textures = scaleproof_plot::distinct(comparison.results.iter().map(|r| r.variant.as_str()));
     let of = |texture: &str| paired_photos(scores, &comparison.base, texture);

@@ -28,7 +28,6 @@ pub(super) fn row(scores: &Scores) -> Markup {
     }
 }
 
-/// The chart of each detector, by its title.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
     let variants = scores.variants();
     let all = scores.detectors.iter().map(|c| {

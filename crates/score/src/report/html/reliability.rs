@@ -10,7 +10,6 @@ use scaleproof_plot::Drawing;
 /// With fewer detections the error says little.
 const FEW: usize = 100;
 
-/// One diagram per detector.
 pub(super) fn diagrams(scores: &Scores) -> Markup {
     let all = reliability(&scores.photos, &scores.detectors);
     let captioned = charts(scores).into_iter().zip(&all);
@@ -26,7 +25,6 @@ pub(super) fn diagrams(scores: &Scores) -> Markup {
     }
 }
 
-/// The diagram of each detector, by its title.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
     let all = reliability(&scores.photos, &scores.detectors);
     let titles = scores.detectors.iter().map(|c| c.manifest.title.as_str());

@@ -14,7 +14,6 @@ const PLANE: Plane = Plane {
 /// Of the last severity.
 const LAST: f64 = 5.0;
 
-/// What explains a chart.
 pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: a drop of AP@0.5 from the base is shown there after correction; hollow: none is.";
 
 /// `None` where it was not asked for.
@@ -95,7 +94,6 @@ fn short(amount: &str) -> &str {
     }
 }
 
-/// The base of the first variant's pairs.
 fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
     let first = from_base.first().map(|row| row.variant.as_str());
     let own = from_base.iter().filter(|row| Some(row.variant.as_str()) == first);

@@ -36,7 +36,6 @@ pub fn decide_together(comparisons: &mut [Comparison]) {
 }
 
 impl Finding {
-    /// Whether a difference is shown.
     pub fn is_shown(self) -> bool {
         matches!(self, Finding::Drop | Finding::Rise)
     }

@@ -111,7 +111,6 @@ pub fn paired_photos<'a>(scores: &'a Scores, base: &str, variant: &str) -> Vec<(
     cells.into_iter().flat_map(|cell| cell.pairs).collect()
 }
 
-/// Whether photos of two variants can be compared.
 pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
 }
@@ -177,7 +176,6 @@ fn compared(
     }
 }
 
-/// The hits of each azimuth bin, tested together.
 fn by_azimuth(cells: &[Cell], by: ClusteredBy, side: Side) -> Vec<BinHits> {
     // Cells come in the order of their bins, azimuth first.
     let groups = cells.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
@@ -227,7 +225,6 @@ fn hits(clusters: &[Cluster], side: Side) -> Hits {
     }
 }
 
-/// The difference of a figure that is a mean over photos.
 fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Difference {
     let sum = |c: &Cluster| {
         let base = c.pairs.iter().map(|(photo, _)| figure(photo)).sum();

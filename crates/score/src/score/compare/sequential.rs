@@ -20,9 +20,6 @@ struct Look<'a> {
 }
 
 /// Compares every variant with `base`, in the order in which the sessions list the photos, the first pair of each place and bin. `least` must lie in (0, 1).
-///
-/// # Errors
-/// As [`super::compare`].
 pub fn sequential(
     scores: &Scores,
     base: &str,

@@ -51,8 +51,6 @@ pub struct Expected {
     pub saved: f64,
 }
 
-/// # Errors
-/// Rates and drops that are none, and drops too small for photos.
 pub fn sequential_plan(
     (base_rate, drop): (f64, f64),
     power: f64,

@@ -20,7 +20,6 @@ pub const LONGEST_PX: u32 = 640;
 /// Severities of a corruption are 1 to this; 0 is the reduced photo, no worse.
 pub const SEVERITIES: u8 = 5;
 
-/// A way in which photos get worse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Corruption {
     /// Out of focus: `defocus_blur`.
@@ -35,7 +34,6 @@ pub enum Corruption {
     Haze,
     /// Too few pixels: `pixelate`.
     Scale,
-    /// A part of the model is outside the photo.
     Crop,
 }
 

@@ -20,9 +20,6 @@ struct Image {
 }
 
 /// Reads COCO annotations ("Data format", object detection) of photos in a folder, for a detector whose labels count as its manifest says.
-///
-/// # Errors
-/// What is no such file; boxes that are none; no category that is a label.
 pub fn labelled_photos(path: &Path, folder: &Path, detector: &Manifest) -> Result<LabelledPhotos, FileError> {
     let labels = || 0..detector.labels.count();
     let first_of = |name: &str| labels().find(|label| detector.counts_as(*label) == Some(name));

@@ -2,9 +2,7 @@
 
 use scaleproof_detect::{Channels, Kernel, Manifest, Pad, Resize, wants_photo_size};
 
-/// A manifest changed in one thing.
 pub struct Feeding {
-    /// What is different.
     pub what: String,
     pub manifest: Manifest,
     /// How many entries further down the list its labels are taken to be.

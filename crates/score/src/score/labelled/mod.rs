@@ -16,7 +16,6 @@ use scaleproof_photo::photo::{Photo, PhotoError};
 pub use coco::labelled_photos;
 pub use trials::{LEAST_GAIN, Trial, Trials, trials};
 
-/// Why a detector cannot be held against labels.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelledError {
     #[error(transparent)]
@@ -25,7 +24,6 @@ pub enum LabelledError {
     Detector(#[from] DetectError),
 }
 
-/// Photos with all their objects.
 #[derive(Debug)]
 pub struct LabelledPhotos {
     pub photos: Vec<LabelledPhoto>,
@@ -43,7 +41,6 @@ pub struct LabelledPhoto {
 
 #[derive(Debug, Clone)]
 struct Object {
-    /// Index into the detector's labels.
     label: usize,
     box_px: BoxPx,
     is_crowd: bool,
@@ -62,7 +59,6 @@ pub struct Averages {
 type Found = Vec<Vec<Detection>>;
 
 impl LabelledPhotos {
-    /// Boxes that count, and how many labels they have.
     pub fn counts(&self) -> [usize; 2] {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
         let labels = objects.filter(|object| !object.is_crowd).map(|object| object.label);
@@ -85,10 +81,6 @@ impl LabelledPhotos {
         }
     }
 
-    /// What a detector finds in all photos.
-    ///
-    /// # Errors
-    /// A photo that cannot be read, or a detector that fails.
     pub fn look(
         &self,
         manifest: &Manifest,
@@ -120,7 +112,6 @@ impl LabelledPhotos {
         (!of_label.is_empty()).then_some(Averages { ap_50_95, ap_50 })
     }
 
-    /// The boxes of a label in each photo.
     fn images(&self, found: &Found, label: usize, shift: i64) -> Vec<ImageBoxes> {
         let boxes = |(photo, found): (&LabelledPhoto, &Vec<Detection>)| {
             let own = |is_crowd: bool| {

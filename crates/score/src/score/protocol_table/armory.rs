@@ -4,7 +4,6 @@ use scaleproof_core::ap::{ImageBoxes, Ranked};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
 
-/// What Armory counts in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmoryRates {
     pub true_positive: f64,

@@ -55,7 +55,6 @@ pub fn protocol_table(scores: &Scores) -> Option<ProtocolTable> {
 /// Fields of PADetBench's results.
 const PADETBENCH: [&str; 6] = ["adv_type", "benchmark", "model_name", "mAP 50", "mAR 50", "ASR"];
 
-/// Columns of Armory's evaluations.
 const ARMORY: [&str; 8] = [
     "detector",
     "texture",
@@ -99,7 +98,6 @@ fn by_texture(
     )
 }
 
-/// A detector's photos of one texture.
 struct Shown<'a> {
     side: Side<'a>,
     detector: &'a EvaluatedDetector,

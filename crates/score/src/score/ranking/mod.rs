@@ -120,7 +120,6 @@ impl<'a> CellPhotos<'a> {
     }
 }
 
-/// Variants whose APs can be drawn.
 struct VariantAps {
     variants: Vec<ClusteredAp>,
     cells: usize,

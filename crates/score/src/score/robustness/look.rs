@@ -63,7 +63,6 @@ pub(super) fn at(
     seen.collect()
 }
 
-/// What a condition makes of a photo.
 struct View {
     condition: Condition,
     /// What is left of the reduced photo: x1, y1, x2, y2, px.
@@ -108,7 +107,6 @@ impl View {
         }
     }
 
-    /// Of the reduced photo.
     fn image(&self, file: &str, reduced: &RgbImage) -> Result<RgbImage, ScoreError> {
         let Some((kind, severity)) = self.condition else {
             return Ok(reduced.clone());

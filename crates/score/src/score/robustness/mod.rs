@@ -24,9 +24,6 @@ type Seen = Vec<Result<ScoredPhoto, NotScoredReason>>;
 
 /// Looks at every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with the random
 /// control where there is one. `None` where no photos pair. `on_photo` is called after each photo.
-///
-/// # Errors
-/// Detections that were not made here, photos that have changed, detectors that fail.
 pub fn under_corruption(
     scores: &Scores,
     corruptions: &[Corruption],
@@ -67,9 +64,6 @@ pub fn under_corruption(
 }
 
 /// Finds out before a run whether its drops can be followed on photos that are made worse.
-///
-/// # Errors
-/// One texture alone; a detector that does not look at pixels here: stored detections say nothing of other images.
 pub fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Result<(), ScoreError> {
     let photos = sessions.iter().flat_map(|s| &s.photos);
     let mut variants = photos.map(|photo| &photo.variant);

@@ -9,7 +9,6 @@ use crate::score::{Comparison, Criteria, Protocol, ScoredPhoto, Scores};
 use scaleproof_core::files;
 
 impl SealedPlan {
-    /// In what a comparison differs from the plan, as sentences.
     pub fn deviations(&self, scores: &Scores, comparison: &Comparison) -> Result<Vec<String>, SealError> {
         let mut all = self.of_criteria(&scores.criteria, &comparison.base);
         all.extend(self.of_scenes(scores)?);

@@ -123,7 +123,6 @@ pub enum SealError {
     Unwritable(#[from] serde_json::Error),
 }
 
-/// The largest plan that is read.
 const MOST_BYTES: u64 = 4 << 20;
 
 impl SealedDetector {
@@ -136,7 +135,6 @@ impl SealedDetector {
 }
 
 impl SealedPlan {
-    /// How many photos it asks for.
     pub fn photos(&self) -> usize {
         self.textures.len() * self.views.len() * usize::from(self.places)
     }
@@ -146,9 +144,6 @@ impl SealedPlan {
     }
 
     /// Writes a new file, and returns its seal.
-    ///
-    /// # Errors
-    /// The file is there.
     pub fn write(self, path: &Path) -> Result<String, SealError> {
         if path.exists() {
             return Err(SealError::Exists(path.display().to_string()));

@@ -50,9 +50,6 @@ struct About {
 
 /// Reads COCO's `images`, `annotations` and `categories`; a box of any label of `class` is the model's. An image or its annotation's `attributes`
 /// may have `variant`, `place`, `azimuth_deg`, `pitch_deg` and `distance_mm`.
-///
-/// # Errors
-/// Broken syntax, numbers that are none, several boxes in one photo.
 pub fn parse(text: &str, class: &Classes) -> Result<ImportedRows, ImportFault> {
     let fault = |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
     let file: File<Image, Attributes> = serde_json::from_str(text).map_err(fault)?;
@@ -92,7 +89,6 @@ pub fn parse(text: &str, class: &Classes) -> Result<ImportedRows, ImportFault> {
 
 type Boxes<'a> = BTreeMap<u64, Vec<&'a Annotation<Attributes>>>;
 
-/// The annotations of a class by image.
 fn boxes<'a>(file: &'a File<Image, Attributes>, class: &Classes) -> Result<Boxes<'a>, ImportFault> {
     let is_own = |c: &&Category| c.name == class.joined() || class.labels().contains(&c.name);
     let own = file.categories.iter().filter(is_own);

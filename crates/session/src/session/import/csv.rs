@@ -25,9 +25,6 @@ const COLUMNS: [&str; 10] = [
 const NEEDED: [&str; 5] = ["file", "x1", "y1", "x2", "y2"];
 
 /// Reads a table with the header `file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm`, boxes in px; every box is the model's.
-///
-/// # Errors
-/// Broken syntax, numbers that are none.
 pub fn parse(text: &str, _: &Classes) -> Result<ImportedRows, ImportFault> {
     // Spreadsheets mark UTF-8 with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);

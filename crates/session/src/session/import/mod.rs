@@ -16,7 +16,6 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_photo::photo::{self, PhotoError};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 
-/// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionImportError {
     #[error(transparent)]
@@ -54,13 +53,11 @@ pub struct ImportRequest<'a> {
     pub variant: Option<&'a str>,
 }
 
-/// A session ready to be written.
 #[derive(Debug)]
 pub struct Imported {
     /// Place and text of the `session.json`.
     pub path: PathBuf,
     pub text: String,
-    /// The session as it will be read.
     pub session: Session,
     /// Photos that the file names without a box of the model, as it names them.
     pub without_box: Vec<String>,
@@ -69,7 +66,6 @@ pub struct Imported {
 /// The photos of an annotation file, in its order, and the names of those without a box of the class.
 pub type ImportedRows = (Vec<ImportedPhoto>, Vec<String>);
 
-/// What a file says about one photo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedPhoto {
     /// Where it says so: `line 3`, or `image 17`.
@@ -105,9 +101,6 @@ impl ImportFault {
 }
 
 /// Makes a session of an annotation file. Nothing is written yet.
-///
-/// # Errors
-/// Whatever is wrong with the file, a photo it names, the scene or the camera; a session that is there already.
 pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
     let path = request.folder.join("session.json");
     if path.exists() {

@@ -38,7 +38,6 @@ pub fn cover(
     })
 }
 
-/// From printed sheets to a painted model.
 fn steps(request: &PaintedRequest) -> Vec<String> {
     let mut steps = vec![
         "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.".to_owned(),

@@ -30,7 +30,6 @@ pub struct Material {
     pub sheet: Area,
     /// The middles of the registration holes, in the piece's plane.
     pub holes: Vec<Point>,
-    /// Where the paint is named.
     pub tag: Option<Point>,
 }
 
@@ -111,7 +110,6 @@ impl Material {
     }
 }
 
-/// Places along an outline.
 fn along(outline: &Contour) -> Vec<Point> {
     let places = |(a, b): (&Point, &Point)| {
         let (a, b) = (*a, *b);

@@ -61,7 +61,6 @@ pub struct PaintedRequest {
 }
 
 impl PaintedRequest {
-    /// What the document is called.
     pub fn title(&self) -> String {
         format!("Paint sheets of {}", self.pieces.sheets.name)
     }
@@ -81,7 +80,6 @@ pub struct PieceStencil {
     pub bridges: Area,
 }
 
-/// The painted pieces of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct PaintedPieces {
     pub pieces: Vec<Piece>,
@@ -91,14 +89,12 @@ pub struct PaintedPieces {
     pub painted: Painted,
     /// Of each paint, on paper. The first has no stencil.
     pub areas: Vec<PaintArea>,
-    /// Of each piece.
     pub regions: Vec<PaintedPiece>,
     pub materials: Vec<Material>,
     /// Those with an opening, paint by paint.
     pub stencils: Vec<PieceStencil>,
     /// Parts of a paint's area that are too narrow to be cut: how many, and their area, mm².
     pub narrow: (usize, f64),
-    /// What was drawn.
     pub flat: Unwrapped,
     pub min_feature_mm: f64,
     /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
@@ -108,7 +104,6 @@ pub struct PaintedPieces {
 }
 
 impl PaintedPieces {
-    /// How many sheets carry pieces, once.
     pub fn sheets(&self) -> usize {
         pages::sheets(&self.places)
     }
@@ -151,9 +146,6 @@ impl PaintedPieces {
 
 /// Cuts the paint of some materials of a mesh into pieces that fit on the paper with the rims of their stencils, as
 /// [`super::flattened`] does.
-///
-/// # Errors
-/// What cannot be a stencil's least width, bounds that no pieces keep, and whatever refuses the paper.
 pub fn flattened(
     surface: (&Mesh, &[usize]),
     tile: &Tile,
@@ -169,9 +161,6 @@ pub fn flattened(
 }
 
 /// Draws the stencils of flattened pieces, and the pieces to paint by number.
-///
-/// # Errors
-/// Too many cells or pages, a shape without stencil, paper that does not hold the largest piece.
 pub fn painted_pieces(
     mesh: &Mesh,
     flat: &Unwrapped,

@@ -45,7 +45,6 @@ impl Upright {
     }
 }
 
-/// What the paints take of a piece.
 #[derive(Debug, Clone)]
 pub struct PaintedPiece {
     pub upright: Upright,
@@ -60,7 +59,6 @@ struct Corner {
     flat: Point,
 }
 
-/// The regions of a flattened piece that each paint covers.
 pub fn painted_piece((mesh, tile): (&Mesh, &Tile), painted: &Painted, piece: &Piece) -> PaintedPiece {
     let laid: Vec<[Corner; 3]> = piece.triangles.iter().map(|t| corners(mesh, tile, t)).collect();
     let upright = Upright { turn: turn(&laid) };

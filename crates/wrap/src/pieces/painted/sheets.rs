@@ -40,7 +40,6 @@ pub fn flat(area: &Area, upright: &Upright) -> Region {
     Region::new(pieces.map(|piece| piece.iter().map(contour).collect()).collect())
 }
 
-/// Draws the sheets of one model.
 pub struct Drawing<'a> {
     pub made: &'a PaintedPieces,
     pub signs: &'a [Signs],
@@ -86,7 +85,6 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// An area of a piece on its page.
     fn on_page(&self, piece: usize, area: &Area) -> Vec<Vec<PointMm>> {
         let region = flat(area, &self.made.regions[piece].upright);
         moved(self.pen(piece).region(&region).contours(), [0.0; 2])
