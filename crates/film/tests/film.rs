@@ -35,7 +35,7 @@ fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
                 pitch_deg: 15.0,
                 distance_mm: 850.0,
             },
-            sigma_azimuth_deg: 0.02,
+            shutter: None,
             blur_px: Some(blur_px),
             is_model_whole: true,
             bin_probability: 1.0,
