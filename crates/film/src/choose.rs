@@ -12,6 +12,8 @@ use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 
 /// A frame blurred by more than this, px (standard deviation), is chosen only where no sharper one stands nearby.
 const SHARP_PX: f64 = MAX_BLUR_PX;
+/// Nor one that motion smears over more than this, px: less than the 1.5 px that are promised, as the blur is known to some hundredths.
+const SMEARED_PX: f64 = 1.3;
 /// What nearby means, in azimuth and in pitch.
 const NEARBY_DEG: f64 = 5.0;
 /// Frames whose blur differs by less, px, are equally sharp: among them the nearest to the middle of the bin is the best.
@@ -137,9 +139,11 @@ impl Wish<'_> {
             })
         });
         let all: Vec<Fit> = fit.collect();
+        let sharpest_px = all.iter().map(|fit| fit.blur_px).fold(f64::INFINITY, f64::min);
         let is_blurred_beside = |one: &Fit| {
             let beats = |other: &Fit| other.blur_px < one.blur_px && other.is_nearby(one);
-            one.blur_px > SHARP_PX && all.iter().any(beats)
+            let is_blurred = one.blur_px > SHARP_PX || smear_px(one.blur_px, sharpest_px) > SMEARED_PX;
+            is_blurred && all.iter().any(beats)
         };
         all.iter().filter(|one| !is_blurred_beside(one)).copied().collect()
     }
@@ -200,6 +204,12 @@ impl Wish<'_> {
         chosen.sort_by_key(|one| one.at);
         chosen
     }
+}
+
+/// How long a straight motion smears a point that without it is blurred as in the sharpest frame: a uniform line of length L has the variance L²/12,
+/// and convolution adds variances.
+fn smear_px(blur_px: f64, sharpest_px: f64) -> f64 {
+    (12.0 * (blur_px.powi(2) - sharpest_px.powi(2)).max(0.0)).sqrt()
 }
 
 /// A frame that may be chosen.

@@ -69,7 +69,7 @@ impl Journal {
     /// # Errors
     /// A full disk.
     pub fn add(&mut self, look: &Look) -> Result<(), FileError> {
-        let line = serde_json::to_string(look).map_err(|e| FileError::cannot_write(&self.path, e.to_string()))?;
+        let line = line(look).ok_or_else(|| FileError::cannot_write(&self.path, "a frame makes no line"))?;
         writeln!(self.to, "{line}").map_err(|e| FileError::write(&self.path, &e))?;
         self.waiting += 1;
         if self.waiting < AT_ONCE {
@@ -106,7 +106,7 @@ pub fn read(bytes: &[u8], about: &About) -> Option<Vec<Look>> {
     }
     let mut looks: Vec<Look> = Vec::new();
     for line in lines {
-        let Ok(look) = serde_json::from_str::<Look>(line) else {
+        let Some(look) = look(line) else {
             break;
         };
         let is_next = looks
@@ -118,4 +118,19 @@ pub fn read(bytes: &[u8], about: &About) -> Option<Vec<Look>> {
         looks.push(look);
     }
     Some(looks)
+}
+
+/// A frame as a line: postcard's bytes in hex, since floats must come back bit for bit, which JSON's do not.
+fn line(look: &Look) -> Option<String> {
+    let bytes = postcard::to_allocvec(look).ok()?;
+    Some(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// The frame of a line.
+fn look(line: &str) -> Option<Look> {
+    let pairs = line.as_bytes().chunks(2);
+    let byte = |pair: &[u8]| u8::from_str_radix(str::from_utf8(pair).ok()?, 16).ok();
+    let bytes: Vec<u8> = pairs.map(byte).collect::<Option<_>>()?;
+    let (look, rest) = postcard::take_from_bytes(&bytes).ok()?;
+    rest.is_empty().then_some(look)
 }

@@ -98,11 +98,11 @@ fn the_sharpest_of_each_bin_are_chosen_apart_in_time() {
     let bins = bins();
     // Of equally sharp frames (1, 2) the one nearer to the bin's middle; frame 3 is too soon after it for a second one.
     let looks = [
-        frame(0, 350.0, 1.0),
+        frame(0, 350.0, 0.71),
         frame(1, 356.0, 0.61),
         frame(2, 1.0, 0.62),
         frame(3, 4.0, 0.7),
-        frame(6, 10.0, 0.9),
+        frame(6, 10.0, 0.7),
         frame(9, 60.0, 1.4),
     ];
     let numbers = |per_bin| -> Vec<u64> {
