@@ -7,6 +7,9 @@ use super::model::ALL;
 
 /// At most so many groups of photos are left out in turn.
 const MOST_GROUPS: usize = 20;
+/// So many of a film: frames that follow each other err alike, and stay together (the jackknife of blocks: Künsch 1989, "The Jackknife and the Bootstrap for General Stationary
+/// Observations").
+const FILM_GROUPS: usize = 8;
 
 /// A covariance of the camera's parameters, raised to what the photos bear out.
 ///
@@ -14,8 +17,8 @@ const MOST_GROUPS: usize = 20;
 /// photo, and paper bends. So each parameter's standard deviation is at least the jackknife's over the photos, σ² = (g − 1)/g · Σ (θᵢ − θ̄)²
 /// with θᵢ fitted without the i-th of g groups of photos (Efron & Tibshirani 1993, "An Introduction to the Bootstrap", section 11.5).
 /// The correlations stay. The second value is the largest factor by which a focal length's standard deviation was raised.
-pub(super) fn raised(covariance: DMatrix<f64>, fit: &CameraFit, views: &[View]) -> (DMatrix<f64>, f64) {
-    let Some(variances) = variances(fit, views) else {
+pub(super) fn raised(covariance: DMatrix<f64>, fit: &CameraFit, views: &[View], is_film: bool) -> (DMatrix<f64>, f64) {
+    let Some(variances) = variances(fit, views, is_film) else {
         return (covariance, 1.0);
     };
     let numbers = fit.model.parameters_to_numbers();
@@ -34,14 +37,15 @@ pub(super) fn raised(covariance: DMatrix<f64>, fit: &CameraFit, views: &[View]) 
 }
 
 /// The jackknife's variances of the camera's numbers; `None` where a fit without some photos fails.
-fn variances(fit: &CameraFit, views: &[View]) -> Option<[f64; ALL]> {
-    let groups = views.len().min(MOST_GROUPS);
+fn variances(fit: &CameraFit, views: &[View], is_film: bool) -> Option<[f64; ALL]> {
+    let groups = views.len().min(if is_film { FILM_GROUPS } else { MOST_GROUPS });
+    let group_of = |i: usize| if is_film { i * groups / views.len() } else { i % groups };
     let without = |group: usize| {
         let kept = views
             .iter()
             .zip(&fit.poses)
             .enumerate()
-            .filter(|(i, _)| i % groups != group);
+            .filter(|(i, _)| group_of(*i) != group);
         let (views, poses): (Vec<View>, Vec<_>) = kept.map(|(_, (view, pose))| (view.clone(), *pose)).unzip();
         Some(fit::fit(fit.model, &views, fit.camera, poses)?.camera.values)
     };

@@ -209,7 +209,7 @@ fn fitted(
     doubt::determined(&models, chosen, &views, target)?;
     doubt::fits(&fit, &views, size, target)?;
     let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
-    let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views);
+    let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views, !motion.is_empty());
     let covariance = shutter::raised(covariance, &fit, &views, &cleaned.board_photos, motion);
     let middle_mm = target.middle_mm();
     ladder::compare(&mut models, chosen, middle_mm);
