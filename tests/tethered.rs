@@ -100,7 +100,7 @@ fn log(camera: &Path) -> Vec<String> {
 fn a_tethered_camera_is_triggered_where_its_live_view_is_right_and_the_photos_are_kept_as_they_are() {
     let (camera, out) = (camera(8), tempfile::tempdir().unwrap());
     let session = out.path().join("session");
-    // The third photo finds the card full. The photographer comes round again.
+    // The third photo finds the card full. The photographer changes it, which moves the camera.
     set(camera.path(), "fail_2", "PTP Store Full\n");
     let output = capture(camera.path(), &session);
     let told = stdout(&output);
