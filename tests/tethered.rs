@@ -100,7 +100,7 @@ fn log(camera: &Path) -> Vec<String> {
 fn a_tethered_camera_is_triggered_where_its_live_view_is_right_and_the_photos_are_kept_as_they_are() {
     let (camera, out) = (camera(8), tempfile::tempdir().unwrap());
     let session = out.path().join("session");
-    // The third photo finds the card full. The photographer comes round again.
+    // The third photo finds the card full. The photographer changes it, which moves the camera.
     set(camera.path(), "fail_2", "PTP Store Full\n");
     let output = capture(camera.path(), &session);
     let told = stdout(&output);
@@ -109,6 +109,13 @@ fn a_tethered_camera_is_triggered_where_its_live_view_is_right_and_the_photos_ar
     let sidecar = read_json(&session.join("normal_000.capture.json"));
     assert_eq!(sidecar["source"], "Canon EOS 90D IMG_0000.JPG");
     assert!(sidecar["gates"]["moved_px"].is_null(), "a photo is judged by itself");
+    assert_eq!(sidecar["camera"]["device"], "Canon EOS 90D");
+    assert_eq!(
+        stderr(&output).matches("cannot be held").count(),
+        1,
+        "said once: {}",
+        stderr(&output)
+    );
     assert!(told.contains("hold it still where it is told"), "{told}");
     assert!(
         told.contains("the camera's card is full: empty it, or put in another"),

@@ -10,6 +10,8 @@ use scaleproof_core::files;
 
 /// What a program gets to end by itself: gphoto2 finishes what the camera is at, and closes the connection.
 const GRACE: Duration = Duration::from_secs(3);
+/// After its end its last words are heard within this; what it started itself may hold its standard error open.
+const HEARD_WITHIN: Duration = Duration::from_secs(1);
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
 /// So much of what it says is kept, bytes; what follows is read and left.
@@ -30,6 +32,7 @@ pub(super) struct RunningProgram(Arc<Process>);
 struct Process {
     child: Mutex<Child>,
     said: Arc<Mutex<Vec<u8>>>,
+    listening: std::thread::JoinHandle<()>,
 }
 
 impl RunningProgram {
@@ -43,14 +46,13 @@ impl RunningProgram {
         locked(&RUNNING).insert(child.id());
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
         let said = Arc::new(Mutex::new(Vec::new()));
+        let heard = Arc::clone(&said);
         let program = RunningProgram(Arc::new(Process {
             child: Mutex::new(child),
-            said: Arc::clone(&said),
+            said,
+            listening: std::thread::spawn(move || stderr.into_iter().for_each(|stderr| listen(stderr, &heard))),
         }));
-        let (Some(stdout), Some(stderr)) = (stdout, stderr) else {
-            return Err(std::io::ErrorKind::BrokenPipe.into());
-        };
-        std::thread::spawn(move || listen(stderr, &said));
+        let stdout = stdout.ok_or(std::io::ErrorKind::BrokenPipe)?;
         Ok((program, stdout))
     }
 
@@ -80,8 +82,12 @@ impl RunningProgram {
         self.0.stop();
     }
 
-    /// What it has said on standard error.
+    /// What it has said on standard error: all of it once it has ended, which may be heard a moment later.
     pub(super) fn said(&self) -> String {
+        let began = Instant::now();
+        while self.ended().is_some() && !self.0.listening.is_finished() && began.elapsed() < HEARD_WITHIN {
+            std::thread::sleep(LOOK_AGAIN);
+        }
         String::from_utf8_lossy(&locked(&self.0.said)).into_owned()
     }
 }

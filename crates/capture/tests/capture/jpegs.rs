@@ -39,7 +39,7 @@ impl Read for Pieces {
 fn cut(bytes: Vec<u8>, length: usize) -> Vec<Vec<u8>> {
     let mut jpegs = Jpegs::new(Pieces { bytes, at: 0, length });
     let mut found = Vec::new();
-    while let Some(jpeg) = jpegs.read_next().unwrap() {
+    while let Some(jpeg) = jpegs.next_jpeg().unwrap() {
         found.push(jpeg);
     }
     found
@@ -84,14 +84,14 @@ proptest! {
 fn what_is_no_jpeg_for_32_megabytes_ends_it_and_is_not_held() {
     let endless = [0xFF, 0xD8, 0xFF, 0xE0].into_iter().cycle();
     for bytes in [vec![7; 40 << 20], endless.take(40 << 20).collect::<Vec<u8>>()] {
-        let error = Jpegs::new(&bytes[..]).read_next().unwrap_err();
+        let error = Jpegs::new(&bytes[..]).next_jpeg().unwrap_err();
         assert_eq!(error.to_string(), "what it sends is no JPEG");
     }
     // A scan without an end.
     let head = [0xFF, 0xD8, 0xFF, 0xDA, 0, 2];
     let long = head.as_slice().chain(std::io::repeat(1));
     assert_eq!(
-        Jpegs::new(long).read_next().unwrap_err().to_string(),
+        Jpegs::new(long).next_jpeg().unwrap_err().to_string(),
         "what it sends is no JPEG"
     );
 }

@@ -36,7 +36,7 @@ impl<R: Read> Jpegs<R> {
     ///
     /// # Errors
     /// The stream cannot be read, or has no JPEG within 32 MB.
-    pub fn read_next(&mut self) -> io::Result<Option<Vec<u8>>> {
+    pub fn next_jpeg(&mut self) -> io::Result<Option<Vec<u8>>> {
         let mut left_out = 0;
         while left_out < MOST_BYTES {
             match self.start()? {

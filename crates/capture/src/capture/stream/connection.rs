@@ -99,7 +99,7 @@ impl MotionJpeg {
 
 impl Connection for MotionJpeg {
     fn image(&mut self) -> Result<RawImage, String> {
-        let bytes = match self.jpegs.read_next() {
+        let bytes = match self.jpegs.next_jpeg() {
             Ok(Some(bytes)) => bytes,
             Ok(None) => return Err(self.reason()),
             Err(e) => return Err(e.to_string()),

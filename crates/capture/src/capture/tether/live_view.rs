@@ -79,7 +79,7 @@ impl Device for Movie {
         if let Some(first) = self.first.take() {
             return Ok(first);
         }
-        let bytes = match self.jpegs.read_next() {
+        let bytes = match self.jpegs.next_jpeg() {
             Ok(Some(bytes)) => bytes,
             ended => {
                 // What it says comes before it ends, and it ends with status 0, too, when it could not.

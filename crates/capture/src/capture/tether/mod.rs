@@ -37,6 +37,8 @@ pub struct Tether {
     /// Width and height of the camera file.
     size: [u32; 2],
     way: Way,
+    /// Those of the last live view, which has ended when a photo comes.
+    settings: Option<CameraSettings>,
 }
 
 /// How photos come about.
@@ -88,7 +90,13 @@ impl Tether {
             Some(Err(e)) => return Err(e),
             None => button(port.as_deref(), "this model has none".into())?,
         };
-        Ok(Tether { model, port, size, way })
+        Ok(Tether {
+            model,
+            port,
+            size,
+            way,
+            settings: None,
+        })
     }
 
     fn frame(&self, (name, original): (String, Original), purpose: Purpose) -> SourceFrame {
@@ -141,7 +149,8 @@ impl FrameSource for Tether {
             Way::LiveView { view, shutter } => {
                 if let Some(is_by_hand) = shutter.was_released() {
                     // One program at a time may use the camera.
-                    *view = None;
+                    let ended = view.take();
+                    self.settings = ended.and_then(|view| view.camera.settings()).or(self.settings.take());
                     let photo = triggered(self.port.as_deref());
                     let photo = photo.unwrap_or_else(|e| ("photo".into(), Original::Unreadable(e.to_string())));
                     return Ok(Some(self.frame(photo, Purpose::Released { is_by_hand })));
@@ -163,7 +172,10 @@ impl FrameSource for Tether {
 
     fn settings(&self) -> Option<CameraSettings> {
         match &self.way {
-            Way::LiveView { view, .. } => view.as_ref()?.camera.settings(),
+            Way::LiveView { view, .. } => {
+                let running = view.as_ref().and_then(|view| view.camera.settings());
+                running.or_else(|| self.settings.clone())
+            }
             Way::Button { .. } => None,
         }
     }
