@@ -37,6 +37,8 @@ pub enum Refusal {
     Blurred,
     /// No whole tag is large enough to tell how sharp it is.
     BlurUnknown,
+    /// The frame before has no pose, so that the camera's motion, and what a rolling shutter makes of it, is not known.
+    MotionUnknown,
     /// Too high or too low for the scene's bins.
     Pitch,
     /// Too near or too far for the scene's bins.
@@ -47,12 +49,13 @@ pub enum Refusal {
 
 impl Refusal {
     /// All, in the order in which a frame is checked.
-    pub const ALL: [Refusal; 8] = [
+    pub const ALL: [Refusal; 9] = [
         Refusal::NoTags,
         Refusal::Unsure,
         Refusal::ModelCut,
         Refusal::Blurred,
         Refusal::BlurUnknown,
+        Refusal::MotionUnknown,
         Refusal::Pitch,
         Refusal::Distance,
         Refusal::BinEdge,
@@ -66,6 +69,7 @@ impl Refusal {
             Refusal::ModelCut => "model cut off",
             Refusal::Blurred => "blurred",
             Refusal::BlurUnknown => "sharpness unknown",
+            Refusal::MotionUnknown => "motion unknown",
             Refusal::Pitch => "wrong height",
             Refusal::Distance => "wrong distance",
             Refusal::BinEdge => "between two bins",
@@ -109,6 +113,7 @@ impl Wish<'_> {
             (!view.is_model_whole, Refusal::ModelCut),
             (view.blur_px.is_some_and(|px| px > self.most_blur_px), Refusal::Blurred),
             (view.blur_px.is_none(), Refusal::BlurUnknown),
+            (view.shutter.is_none(), Refusal::MotionUnknown),
             (
                 (v.pitch_deg - bin.pitch_deg).abs() > tolerance.pitch_deg,
                 Refusal::Pitch,

@@ -62,9 +62,9 @@ fn hue(refusal: Refusal) -> &'static str {
     // After the blues, which are near to that of fit frames.
     match place {
         0..=3 => colour(1),
-        4 => colour(8),
-        5 => colour(2),
-        6 => colour(4),
+        4 | 5 => colour(8),
+        6 => colour(2),
+        7 => colour(4),
         _ => colour(3),
     }
 }

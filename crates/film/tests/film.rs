@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
 use scaleproof_film::journal::{About, Journal, read};
 use scaleproof_film::look::{GROUP, Look, Unplaced, View};
+use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 
 fn bins() -> Bins {
@@ -35,7 +36,11 @@ fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
                 pitch_deg: 15.0,
                 distance_mm: 850.0,
             },
-            shutter: None,
+            shutter: Some(Sigma {
+                azimuth_deg: 0.02,
+                pitch_deg: 0.01,
+                distance_mm: 0.1,
+            }),
             blur_px: Some(blur_px),
             is_model_whole: true,
             bin_probability: 1.0,
@@ -81,6 +86,7 @@ fn each_fault_is_named() {
         (with(good, |v| v.is_model_whole = false), Refusal::ModelCut),
         (with(good, |v| v.blur_px = Some(3.1)), Refusal::Blurred),
         (with(good, |v| v.blur_px = None), Refusal::BlurUnknown),
+        (with(good, |v| v.shutter = None), Refusal::MotionUnknown),
         (with(good, |v| v.viewpoint.pitch_deg = 22.0), Refusal::Pitch),
         (with(good, |v| v.viewpoint.distance_mm = 700.0), Refusal::Distance),
         (with(good, |v| v.bin_probability = 0.9), Refusal::BinEdge),
