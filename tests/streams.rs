@@ -135,8 +135,14 @@ fn what_is_no_camera_is_refused_in_a_sentence_and_nothing_is_left() {
         .unwrap()
         .port();
     let refused = [
-        (format!("http://u:s3cret@127.0.0.1:{port}/page"), "it is no motion JPEG"),
-        (format!("http://u:s3cret@127.0.0.1:{port}/list"), "it is no motion JPEG"),
+        (
+            format!("http://u:s3cret@127.0.0.1:{port}/page"),
+            "it sent no motion JPEG",
+        ),
+        (
+            format!("http://u:s3cret@127.0.0.1:{port}/list"),
+            "it sent no motion JPEG",
+        ),
         (
             format!("http://u:s3cret@127.0.0.1:{port}/away"),
             "/away cannot be used (",

@@ -91,7 +91,7 @@ impl MotionJpeg {
         let last = last.rsplit("] ").next().unwrap_or(last);
         match last.strip_prefix(&shown).unwrap_or(last).trim() {
             "" => "the camera closed it".into(),
-            "Invalid data found when processing input" => "it is no motion JPEG".into(),
+            "Invalid data found when processing input" | "End of file" => "it sent no motion JPEG".into(),
             last => last.to_owned(),
         }
     }
