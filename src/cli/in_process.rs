@@ -3,36 +3,19 @@
 
 use std::ffi::OsString;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, OnceLock};
 
 use clap::{FromArgMatches, Parser};
 
+pub use super::own_file::begin;
 use super::{
     Outcome, Result, advice, at_hand, command, done, is_mistake, locate, mistakes, score as score_command, sessions,
 };
-use scaleproof_core::files;
 use scaleproof_detect::CalledDetector;
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::locate::LocatedPhoto;
 use scaleproof_score::score::{self, EvaluatedDetector, Scores};
-
-/// Notes the file of the module that holds this code; called once before anything else.
-///
-/// # Errors
-/// The file cannot be read.
-pub fn begin(module: &Path) -> std::result::Result<(), String> {
-    let hash = files::hashed(module).map_err(|e| e.to_string())?;
-    MODULE.get_or_init(|| hash.1);
-    Ok(())
-}
-
-static MODULE: OnceLock<String> = OnceLock::new();
-
-/// SHA-256 of the module that holds this code, on which results depend that are kept; empty in the program, whose own file is hashed.
-pub(super) fn module() -> &'static str {
-    MODULE.get().map_or("", String::as_str)
-}
 
 /// What a command printed, and how it ended.
 #[derive(Debug)]

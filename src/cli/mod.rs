@@ -24,6 +24,7 @@ mod merge;
 mod mistakes;
 mod output;
 mod overview;
+mod own_file;
 mod pattern;
 mod patterns;
 mod photos;

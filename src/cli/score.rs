@@ -10,7 +10,7 @@ use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
-use super::{CommandResult, Outcome, Result, at_hand, in_process, progress, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, own_file, progress, sessions};
 use scaleproof_core::{files, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -104,7 +104,7 @@ impl Effort {
             "{}; {}{}",
             tags.provenance(),
             runtime.unwrap_or_default(),
-            in_process::module()
+            own_file::module()
         );
         let folder = self
             .cache
