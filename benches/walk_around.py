@@ -14,6 +14,9 @@ photos of captures/skyline show. What is simulated, in this order:
 The truth of a frame is `T_camera_model` (mm) in the middle of the exposure of the image's middle row, and for its first and last row. `blur_px`: how far the middle row's exposure
 smears the eight corners of the model's box, root mean square; `shear_px`: how far they move during the read-out.
 
+captures/walk is: walk_around.py normal --size 1280x720 --fps 12 --seconds 10 --from-deg -22.5 --round-deg 360 --steps 8 --pace 0.97 --exposure-ms 8 --readout-ms 10 --shake 0.5
+--noise 1 --preset slow --mbit 1.05, and random with --paint random --seed 2.
+
 Needs: pip install moderngl numpy opencv-python-headless trimesh scipy; ffmpeg; a library libEGL.
 """
 
