@@ -565,7 +565,10 @@ fn shells_complete_names_and_not_files() {
         "ask.sh",
         format!("COMP_WORDS=(scaleproof capture --source \"$1\")\nCOMP_CWORD=3\n{script}{ask}"),
     );
-    for (typed, names) in [("", "camera gphoto2 http:// rtsp:// watch: replay: upload"), ("re", "replay:")] {
+    for (typed, names) in [
+        ("", "camera gphoto2 http:// rtsp:// watch: replay: upload"),
+        ("re", "replay:"),
+    ] {
         let output = std::process::Command::new("bash")
             .arg(&asked)
             .arg(typed)
@@ -574,7 +577,10 @@ fn shells_complete_names_and_not_files() {
         assert_eq!(stdout(&output).trim(), names, "{}", stderr(&output));
     }
     for (shell, words) in [
-        ("zsh", "SOURCE:(camera gphoto2 http\\:// rtsp\\:// watch\\: replay\\: upload)"),
+        (
+            "zsh",
+            "SOURCE:(camera gphoto2 http\\:// rtsp\\:// watch\\: replay\\: upload)",
+        ),
         (
             "fish",
             "-r -f -a \"camera\\t''\ngphoto2\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nreplay:\\t''\nupload\\t''\"",

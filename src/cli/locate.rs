@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, Result, photos, progress};
+use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::{spelling, workers};
 use scaleproof_photo::copies;
@@ -341,8 +342,8 @@ fn row(path: &Path, answer: &PhotoAnswer) -> String {
             let (v, b) = (&l.viewpoint, &l.bin);
             let bin = format!("{}°/{}°/{} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm);
             format!(
-                "{name:<28} {:>8.2}° {:>6.3}° {:>7.2}° {:>8.1} mm {bin:>16} {:>4.0} % {:>5} {:>4.2} px",
-                v.azimuth_deg,
+                "{name:<28} {:>8}° {:>6.3}° {:>7.2}° {:>8.1} mm {bin:>16} {:>4.0} % {:>5} {:>4.2} px",
+                direction_text(v.azimuth_deg, 2),
                 l.sigma.azimuth_deg,
                 v.pitch_deg,
                 v.distance_mm,

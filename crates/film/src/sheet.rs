@@ -5,6 +5,7 @@ use std::io::Cursor;
 use image::{ImageFormat, Rgb, RgbImage, imageops};
 
 use crate::keep::Kept;
+use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_photo::draw::{LabelAnchor, Lettering, label};
 
 const GAP_PX: u32 = 8;
@@ -50,7 +51,8 @@ fn words(one: &Kept) -> String {
         .pair
         .map_or(String::new(), |(_, pair)| format!(", pair {:.1}°", pair.apart_deg));
     format!(
-        "{:.1}°, {:.2} s{blur}{pair}",
-        one.viewpoint.azimuth_deg, one.frame.time_s
+        "{}°, {:.2} s{blur}{pair}",
+        direction_text(one.viewpoint.azimuth_deg, 1),
+        one.frame.time_s
     )
 }

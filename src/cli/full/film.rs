@@ -16,6 +16,7 @@ use crate::cli::sessions::{self, FolderFiles};
 use crate::cli::{CommandResult, Result};
 use scaleproof_capture::capture::{MAX_BLUR_PX, Measures};
 use scaleproof_core::files;
+use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_core::spelling::count;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_film::choose::{Chosen, Refusal, Wish, refused};
@@ -607,8 +608,14 @@ fn words(answer: &Answer) -> String {
             format!(", {:.2}° from {}", pair.difference.apart_deg, pair.file)
         });
         lines.push(format!(
-            "  {}: frame {} at {:.2} s, {:.2}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{pair}",
-            one.file, one.frame, one.time_s, v.azimuth_deg, s.azimuth_deg, v.pitch_deg, v.distance_mm
+            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{pair}",
+            one.file,
+            one.frame,
+            one.time_s,
+            direction_text(v.azimuth_deg, 2),
+            s.azimuth_deg,
+            v.pitch_deg,
+            v.distance_mm
         ));
     }
     if let Some(variant) = &answer.paired_with {

@@ -1,11 +1,18 @@
 //! Angles.
 
 use proptest::prelude::*;
-use scaleproof_core::geometry::angle::{turn, wrap_360};
+use scaleproof_core::geometry::angle::{direction_text, turn, wrap_360};
 
 #[test]
 fn a_tiny_negative_angle_stays_below_360() {
     assert_eq!(wrap_360(-1e-18), 0.0);
+}
+
+#[test]
+fn what_rounds_to_360_is_0() {
+    assert_eq!(direction_text(359.996, 2), "0.00");
+    assert_eq!(direction_text(359.994, 2), "359.99");
+    assert_eq!(direction_text(45.06, 1), "45.1");
 }
 
 #[test]
