@@ -18,7 +18,7 @@ fn the_sentence_names_the_command_and_what_was_meant() {
         ),
         (
             "scaleproof score s --recored -o x",
-            "'scaleproof score' has no option '--recored': did you mean '--record' or '--recorded'? (see scaleproof score --help)",
+            "'scaleproof score' has no option '--recored': did you mean '--recorded' or '--record'? (see scaleproof score --help)",
         ),
         (
             "scaleproof scene new --scale 1:18 -o x",
