@@ -299,7 +299,7 @@ pub fn link(from: &Path, to: &Path) -> Result<(), FileError> {
 
 /// SHA-256 of some bytes, in lower-case hex.
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+    hex(&Sha256::digest(bytes))
 }
 
 /// SHA-256 of a file of any length, in lower-case hex, read in parts.
@@ -314,7 +314,11 @@ pub fn sha256_of_file(path: &Path) -> Result<String, FileError> {
             count => hash.update(&part[..count]),
         }
     }
-    Ok(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
+    Ok(hex(&hash.finalize()))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// The last part of a path; a path without one stays whole.

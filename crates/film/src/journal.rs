@@ -39,7 +39,7 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal at a place, and returns what it says already of whole groups of frames. One about something else, or that is damaged, is begun anew.
+    /// Opens the journal at a place, and returns what it says already of whole groups of frames. One about something else, or that is damaged, begins again.
     ///
     /// # Errors
     /// A place that cannot be written.
@@ -50,7 +50,7 @@ impl Journal {
         looks.truncate(looks.len() - looks.len() % GROUP);
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let wrong = |e: serde_json::Error| FileError::cannot_write(path, e.to_string());
-        // Written anew: the last line may be half a line.
+        // Written again: the last line may be half a line.
         let mut to = BufWriter::new(File::create(path).map_err(failed)?);
         let head = serde_json::to_string(about).map_err(wrong)?;
         writeln!(to, "{head}").map_err(failed)?;

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::choose::Chosen;
 use crate::look::Look;
-use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance};
+use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::rigid;
 use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
@@ -270,20 +270,5 @@ impl Keeper<'_> {
             is_by_hand: false,
             camera: None,
         }
-    }
-}
-
-fn sidecar_of(file: &str) -> String {
-    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-    format!("{stem}.capture.json")
-}
-
-/// A variant as the beginning of a file name: ASCII letters and digits, and dashes for all else, but none at the ends.
-pub fn slug(variant: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-    let dashed: String = variant.chars().map(plain).take(40).collect();
-    match dashed.trim_matches('-') {
-        "" => "photo".into(),
-        name => name.into(),
     }
 }

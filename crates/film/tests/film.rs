@@ -197,7 +197,7 @@ proptest! {
         prop_assert_eq!(looks, Some(Vec::new()));
     }
 
-    /// The issue's own rule, counted anew for any walk.
+    /// The issue's own rule, counted here for any walk.
     #[test]
     fn no_frame_blurred_above_one_and_a_half_px_is_chosen_where_a_sharper_one_is_within_5_degrees(
         walk in proptest::collection::vec((0.0..360.0f64, 0.4..2.9f64), 1..60), per_bin in 1usize..4,

@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::io::Read;
-use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -19,14 +18,9 @@ const MOST_SAID: u64 = 1 << 20;
 
 /// Whether the system has the programs that videos are read with.
 pub fn reads_video() -> bool {
-    ["ffmpeg", "ffprobe"].iter().all(|name| find(name).is_some())
-}
-
-/// A program's file in the folders of `PATH`.
-fn find(name: &str) -> Option<PathBuf> {
-    let folders = environment::variable("PATH")?;
-    let mut places = std::env::split_paths(&folders).map(|folder| folder.join(name));
-    places.find(|place| place.is_file())
+    ["ffmpeg", "ffprobe"]
+        .iter()
+        .all(|name| environment::program(name).is_some())
 }
 
 /// A command that reads nothing from the terminal; `name` is the video's.
@@ -35,7 +29,7 @@ pub(crate) fn command(program: &'static str, name: &str) -> Result<Command, Vide
         name: name.to_owned(),
         program,
     };
-    let mut command = Command::new(find(program).ok_or_else(missing)?);
+    let mut command = Command::new(environment::program(program).ok_or_else(missing)?);
     command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

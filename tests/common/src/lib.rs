@@ -2,6 +2,7 @@
 
 pub mod onnx;
 pub mod rendered;
+pub mod served;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

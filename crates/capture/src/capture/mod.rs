@@ -45,7 +45,7 @@ pub use live::{CameraSettings, LiveCamera};
 pub use programs::interrupt_programs;
 pub use replay::Replay;
 pub use source::{FrameSource, Original, Purpose, Shutter, SourceError, SourceFrame, SourceName};
-pub use store::{Sidecar, Store, StoreError};
+pub use store::{Sidecar, Store, StoreError, sidecar_of, slug};
 pub use tether::Tether;
 pub use watch::Watch;
 

@@ -136,8 +136,7 @@ fn listen(mut stderr: impl Read, said: &Mutex<Vec<u8>>) {
 
 /// Whether the system has a program of this name.
 pub(super) fn is_there(name: &str) -> bool {
-    let folders = files::environment::variable("PATH").unwrap_or_default();
-    std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
+    files::environment::program(name).is_some()
 }
 
 /// Locks what no thread leaves half written, even if it panics.

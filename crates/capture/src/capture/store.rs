@@ -196,14 +196,14 @@ impl Store {
 }
 
 /// The name of a photo's sidecar.
-pub(super) fn sidecar_of(photo: &str) -> String {
+pub fn sidecar_of(photo: &str) -> String {
     let stem = photo.rsplit_once('.').map_or(photo, |(stem, _)| stem);
     format!("{stem}{SIDECAR}")
 }
 
 /// A variant as the beginning of a file name: ASCII letters and digits, and dashes for all else, but none at the ends: programs take a name
 /// that begins with one for an option.
-fn slug(variant: &str) -> String {
+pub fn slug(variant: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let dashed: String = variant.chars().map(plain).take(40).collect();
     match dashed.trim_matches('-') {

@@ -2,7 +2,6 @@
 //! front of each when the session has another photo.
 
 use std::io::{BufRead, BufReader, Write};
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -14,49 +13,11 @@ use scaleproof_photo::photo::Photo;
 use scaleproof_pose::camera::Camera;
 
 use super::stored::{capture, skyline};
+use scaleproof_testing::served::{MULTIPART, part, serve, taken};
 
 /// A photo of the stored session.
 fn photo(number: usize) -> Vec<u8> {
     std::fs::read(skyline(&format!("normal_{number:03}.jpg"))).unwrap()
-}
-
-/// How many photos a session has.
-fn taken(session: &Path) -> usize {
-    let there = std::fs::read_dir(session).into_iter().flatten().flatten();
-    there
-        .filter(|entry| entry.file_name().to_string_lossy().ends_with(".capture.json"))
-        .count()
-}
-
-/// A server at a free port of loopback. `answer` is given the number of each connection, the head of its request, and the connection.
-fn serve(answer: impl Fn(usize, &str, &mut TcpStream) -> std::io::Result<()> + Send + Sync + 'static) -> u16 {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    let port = listener.local_addr().unwrap().port();
-    std::thread::spawn(move || {
-        for (number, connection) in listener.incoming().enumerate() {
-            let mut connection = connection.unwrap();
-            let mut head = String::new();
-            let mut reader = BufReader::new(connection.try_clone().unwrap());
-            while !head.ends_with("\r\n\r\n") && reader.read_line(&mut head).is_ok_and(|count| count > 0) {}
-            // A client that has left is no fault.
-            let _ = answer(number, &head, &mut connection);
-        }
-    });
-    port
-}
-
-const MULTIPART: &str = "HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n";
-
-fn part(connection: &mut TcpStream, jpeg: &[u8]) -> std::io::Result<()> {
-    write!(
-        connection,
-        "--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n",
-        jpeg.len()
-    )?;
-    connection.write_all(jpeg)?;
-    connection.write_all(b"\r\n")?;
-    std::thread::sleep(Duration::from_millis(40));
-    Ok(())
 }
 
 /// Photographs until a session has so many photos; the sentences of frames that were none.

@@ -53,11 +53,7 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
 }
 
 fn decoder() -> Option<PathBuf> {
-    let folders: Vec<PathBuf> = std::env::split_paths(&files::environment::variable("PATH")?).collect();
-    let mut places = DECODERS
-        .iter()
-        .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
-    places.find(|place| place.is_file())
+    DECODERS.iter().find_map(|name| files::environment::program(name))
 }
 
 /// Whether it ended well; it is killed when it takes too long.
