@@ -16,5 +16,7 @@ mod outside;
 mod paint;
 #[path = "surface/pattern.rs"]
 mod pattern;
+#[path = "surface/simplified.rs"]
+mod simplified;
 #[path = "surface/world_aligned.rs"]
 mod world_aligned;

@@ -9,11 +9,18 @@ use nalgebra::Matrix3;
 use super::vehicle;
 use crate::cli::{Result, units};
 use scaleproof_core::spelling::{count, quoted};
+use scaleproof_plot::lettering;
 use scaleproof_pose::scene::{ScaleModel, Scene};
 use scaleproof_print::print::template::check_scale;
 use scaleproof_print::print::wrap::check_size;
 use scaleproof_session::envelope;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement, SignedAxis, propose_axes};
+use scaleproof_wrap::unwrap::MAX_TRIANGLES;
+
+/// Of a mesh with more triangles of paint than can be cut into pieces, so many are left.
+const SIMPLIFIED: usize = 100_000;
+/// By how much a simplified surface may move, mm: about the thickness of paper.
+const PAPER_MM: f64 = 0.1;
 
 /// The model.
 #[derive(clap::Args, Clone)]
@@ -63,6 +70,23 @@ impl Model {
     pub(crate) fn in_words(&self) -> String {
         let [length, width, height] = self.mesh.size_mm();
         format!("a model of {length:.0} × {width:.0} × {height:.0} mm")
+    }
+
+    /// Leaves out triangles of a scan, which has more of them than pieces need, where the surface stays the same for scissors and paper.
+    pub(super) fn simplify(&mut self, keep_coordinates: bool) {
+        let painted = self.mesh.painted(&self.materials).count();
+        if painted <= MAX_TRIANGLES {
+            return;
+        }
+        let all = self.mesh.triangles().len();
+        let most = all * SIMPLIFIED / painted;
+        let simplified = self.mesh.simplified(most, PAPER_MM, keep_coordinates);
+        self.mesh = simplified.mesh;
+        say!(
+            "note: {all} triangles of the mesh were simplified to {}, which moves its surface by about {} mm",
+            self.mesh.triangles().len(),
+            lettering::number((simplified.moved_mm * 1000.0).ceil() / 1000.0)
+        );
     }
 }
 

@@ -43,6 +43,18 @@ impl TextureArgs {
         self.pattern.as_deref().or(self.texture.as_deref())
     }
 
+    /// Whether the texture belongs to the triangles of the model as its file has them.
+    pub(super) fn is_of_triangles(&self, model: &Model) -> bool {
+        let is_own = |mesh: &Path| {
+            model
+                .file
+                .as_ref()
+                .is_some_and(|file| file == mesh || files::is_same(file, mesh))
+        };
+        let is_of_triangles = |path: &Path| extension(path) == "npy" || (is_mesh(path) && !is_own(path));
+        self.texture.as_deref().is_some_and(is_of_triangles)
+    }
+
     pub(crate) fn load(&self, model: &Model) -> Result<NamedTexture> {
         match (&self.pattern, &self.texture) {
             (Some(path), _) => {

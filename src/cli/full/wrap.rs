@@ -67,7 +67,10 @@ impl SheetArgs {
 }
 
 pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
-    let model = args.model.load_or(args.texture.mesh())?;
+    let mut model = args.model.load_or(args.texture.mesh())?;
+    if !args.pieces.panels && !args.texture.is_of_triangles(&model) {
+        model.simplify(args.texture.texture.is_some());
+    }
     let painted = args.texture.load(&model)?;
     let request = || -> Result<WrapRequest> {
         Ok(WrapRequest {

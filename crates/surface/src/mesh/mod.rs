@@ -16,6 +16,7 @@ mod paint;
 mod placement;
 mod ply;
 mod polygon;
+mod simplify;
 mod stl;
 mod text;
 
@@ -25,6 +26,7 @@ pub use image::{ImageSource, Look, Wrap};
 pub use paint::{PaintDoubt, propose_paint};
 pub use placement::{MeshPlacement, is_gltf};
 pub use scaleproof_core::geometry::SignedAxis;
+pub use simplify::Simplified;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
