@@ -37,7 +37,7 @@ pub enum Refusal {
     Blurred,
     /// No whole tag is large enough to tell how sharp it is.
     BlurUnknown,
-    /// The frame before has no pose, so that the camera's motion, and what a rolling shutter makes of it, is not known.
+    /// The frame before or after has no pose, so that the camera's motion, and what a rolling shutter makes of it, is not known.
     MotionUnknown,
     /// Too high or too low for the scene's bins.
     Pitch,
@@ -113,7 +113,7 @@ impl Wish<'_> {
             (!view.is_model_whole, Refusal::ModelCut),
             (view.blur_px.is_some_and(|px| px > self.most_blur_px), Refusal::Blurred),
             (view.blur_px.is_none(), Refusal::BlurUnknown),
-            (view.shutter.is_none(), Refusal::MotionUnknown),
+            (view.motion.is_none() || view.response.is_none(), Refusal::MotionUnknown),
             (
                 (v.pitch_deg - bin.pitch_deg).abs() > tolerance.pitch_deg,
                 Refusal::Pitch,

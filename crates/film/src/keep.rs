@@ -4,17 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use image::RgbImage;
+use nalgebra::{Point3, Vector6};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::choose::Chosen;
-use crate::look::Look;
+use crate::look::{Look, Looker, Motion};
+use crate::motion::{self, ReadOut, Track, at_middle_row};
 use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
-use scaleproof_core::geometry::rigid;
+use scaleproof_core::geometry::rigid::step_between;
+use scaleproof_core::geometry::{Rigid, rigid};
 use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Located, Sigma};
+use scaleproof_pose::locate::{Located, ShutterResponse, Sigma, step_sigma};
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, VideoFrame};
@@ -26,6 +29,8 @@ const QUALITY: u8 = 95;
 const THUMBNAIL_PX: u32 = 320;
 /// So often at most, frames that turn out unfit at full size are replaced by others.
 const MOST_ROUNDS: usize = 4;
+/// So many frames before and after a chosen one say how the camera moved in it.
+const BESIDE: u64 = 2;
 
 /// Why frames could not be kept.
 #[derive(Debug, thiserror::Error)]
@@ -67,6 +72,7 @@ pub struct Kept {
     pub at: usize,
     pub frame: VideoFrame,
     pub bin: Bin,
+    /// When the image's middle row was read.
     pub viewpoint: Viewpoint,
     pub sigma: Sigma,
     pub measures: Measures,
@@ -96,6 +102,65 @@ impl PairDifference {
             pitch_deg: to.pitch_deg - from.pitch_deg,
             distance_mm: to.distance_mm - from.distance_mm,
         }
+    }
+}
+
+/// What a rolling shutter did to a chosen frame.
+struct Shutter<'a> {
+    /// As it was when the frame was looked at.
+    pose: Rigid,
+    response: ShutterResponse,
+    motion: Motion,
+    read_out: ReadOut,
+    /// Doubts of the motions of all chosen frames.
+    usual: &'a [Vector6<f64>],
+}
+
+impl Shutter<'_> {
+    fn corrected(&self, pose: &Rigid, scene: &Scene) -> (Rigid, Sigma) {
+        let (corrected, sigma) = at_middle_row(pose, &self.response, &self.motion, self.read_out, self.usual, scene);
+        // A look and the search of the photo that differ saw different tags: the response is that of the look.
+        let differ = step_sigma(&[step_between(&self.pose, pose)], pose, scene);
+        (corrected, sigma.and(&differ))
+    }
+}
+
+/// A photo that is written, before the motion in its frame is known: frames after it say that, too.
+struct Draft {
+    kept: Kept,
+    located: Located,
+    sha256: String,
+    target: Viewpoint,
+}
+
+/// Chosen frames, and those beside them that were not looked at.
+fn with_those_beside(chosen: &BTreeMap<u64, Chosen>, track: &Track) -> Vec<u64> {
+    let all: BTreeSet<u64> = chosen.keys().flat_map(|number| beside(*number)).collect();
+    all.into_iter()
+        .filter(|number| chosen.contains_key(number) || !track.has(*number))
+        .collect()
+}
+
+fn beside(number: u64) -> std::ops::RangeInclusive<u64> {
+    number.saturating_sub(BESIDE)..=number + BESIDE
+}
+
+/// Locates a frame beside a chosen one.
+fn look_beside(frame: &Frame<RgbImage>, chosen: &BTreeMap<u64, Chosen>, track: &mut Track, looker: &mut Looker) {
+    let near = chosen.keys().find(|number| beside(**number).contains(&frame.number));
+    let luma = image::imageops::grayscale(&frame.image);
+    let pose = near.and_then(|near| looker.pose_near(&luma, track.pose(*near)?));
+    if let Some(pose) = pose {
+        track.add(frame.number, frame.time_s, pose);
+    }
+}
+
+/// These frames of a video.
+fn only(numbers: Vec<u64>) -> Selection {
+    Selection {
+        numbers: Some(numbers),
+        is_whole: false,
+        ..Selection::default()
     }
 }
 
@@ -134,6 +199,9 @@ impl Keeper<'_> {
         goes_on: &impl Fn() -> bool,
     ) -> Result<Vec<Kept>, KeepError> {
         let mut judge = Judge::new(self.scene, self.detector, false)?;
+        let mut looker = Looker::new(self.scene, self.camera, self.video.turned_deg, self.detector)?;
+        let mut track = Track::new(looks);
+        let read_out = motion::read_out(looks);
         let (mut unfit, mut kept) = (BTreeSet::new(), BTreeMap::<usize, Kept>::new());
         for _ in 0..MOST_ROUNDS {
             let chosen: BTreeMap<usize, Chosen> = choose(&unfit).into_iter().map(|one| (one.at, one)).collect();
@@ -148,24 +216,41 @@ impl Keeper<'_> {
             if missing.is_empty() {
                 break;
             }
-            let numbers = Some(missing.keys().copied().collect());
-            let selection = Selection {
-                numbers,
-                is_whole: false,
-                ..Selection::default()
-            };
-            for frame in self.video.rgb(&selection)? {
+            let mut drafts = Vec::new();
+            for frame in self.video.rgb(&only(with_those_beside(&missing, &track)))? {
                 let frame = frame?;
-                let Some(one) = missing.get(&frame.number) else {
-                    continue;
-                };
-                let shutter = looks[one.at].shows.as_ref().ok().and_then(|view| view.shutter);
-                match self.keep(folder, &frame, (one, shutter), &mut judge)? {
-                    Some(photo) => drop(kept.insert(one.at, photo)),
-                    None => drop(unfit.insert(one.at)),
+                match missing.get(&frame.number) {
+                    None => look_beside(&frame, &missing, &mut track, &mut looker),
+                    Some(one) => {
+                        match self.draft(folder, &frame, one, &mut judge)? {
+                            Some(draft) => drafts.push(draft),
+                            None => drop(unfit.insert(one.at)),
+                        }
+                        if !goes_on() {
+                            return Err(KeepError::Interrupted);
+                        }
+                    }
                 }
-                if !goes_on() {
-                    return Err(KeepError::Interrupted);
+            }
+            let motion = |draft: &Draft| track.motion(draft.kept.frame.number);
+            let usual: Vec<Vector6<f64>> = drafts.iter().filter_map(|draft| Some(motion(draft)?.doubt)).collect();
+            for draft in drafts {
+                let shutter = looks[draft.kept.at].shows.as_ref().ok().and_then(|view| {
+                    Some(Shutter {
+                        pose: view.pose(),
+                        response: view.response?,
+                        motion: motion(&draft)?,
+                        read_out,
+                        usual: &usual,
+                    })
+                });
+                let at = draft.kept.at;
+                match shutter {
+                    Some(shutter) => drop(kept.insert(at, self.finish(folder, draft, &shutter)?)),
+                    None => {
+                        files::remove(&folder.join(&draft.kept.file))?;
+                        unfit.insert(at);
+                    }
                 }
             }
         }
@@ -178,14 +263,14 @@ impl Keeper<'_> {
             .try_for_each(|name| files::remove(&folder.join(name)))
     }
 
-    /// Writes one frame; `None` when at full size it is not what it was taken for.
-    fn keep(
+    /// Writes the photo of one frame; `None` when at full size it is not what it was taken for.
+    fn draft(
         &self,
         folder: &Path,
         frame: &Frame<RgbImage>,
-        (one, shutter): (&Chosen, Option<Sigma>),
+        one: &Chosen,
         judge: &mut Judge,
-    ) -> Result<Option<Kept>, KeepError> {
+    ) -> Result<Option<Draft>, KeepError> {
         let turned_deg = self.video.turned_deg;
         let (bytes, ending) = match self.png {
             true => (photo::sensor_png(&frame.image, turned_deg), "png"),
@@ -216,7 +301,7 @@ impl Keeper<'_> {
             at: one.at,
             bin: one.bin,
             viewpoint: located.viewpoint,
-            sigma: shutter.map_or(located.sigma, |shutter| located.sigma.and(&shutter)),
+            sigma: located.sigma,
             measures: judged.measures,
             pair: one
                 .pair
@@ -229,11 +314,26 @@ impl Keeper<'_> {
             frame: video_frame,
             file,
         };
-        let sidecar = self.sidecar(&kept, &photo, &located, target);
-        let text = serde_json::to_string_pretty(&sidecar).map_err(|e| FileError::content(&path, e))?;
         files::replace_atomically(&path, photo.bytes())?;
-        files::replace_atomically(&folder.join(sidecar_of(&kept.file)), (text + "\n").as_bytes())?;
-        Ok(Some(kept))
+        Ok(Some(Draft {
+            kept,
+            located,
+            sha256: photo.sha256,
+            target,
+        }))
+    }
+
+    /// Corrects what a rolling shutter did, and writes what is known of the photo beside it.
+    fn finish(&self, folder: &Path, mut draft: Draft, shutter: &Shutter) -> Result<Kept, KeepError> {
+        let (pose, by_shutter) = shutter.corrected(&draft.located.pose, self.scene);
+        let target_mm = self.scene.model.target_mm();
+        draft.kept.viewpoint = Viewpoint::from_camera(pose.inverse() * Point3::origin(), target_mm);
+        draft.kept.sigma = draft.located.sigma.and(&by_shutter);
+        let path = folder.join(sidecar_of(&draft.kept.file));
+        let text =
+            serde_json::to_string_pretty(&self.sidecar(&draft, &pose)).map_err(|e| FileError::content(&path, e))?;
+        files::replace_atomically(&path, (text + "\n").as_bytes())?;
+        Ok(draft.kept)
     }
 
     /// The viewpoint that a frame was chosen for: another photo's, or the middle of its bin.
@@ -246,7 +346,8 @@ impl Keeper<'_> {
         })
     }
 
-    fn sidecar(&self, kept: &Kept, photo: &Photo, located: &Located, target: Viewpoint) -> Sidecar {
+    fn sidecar(&self, draft: &Draft, pose: &Rigid) -> Sidecar {
+        let (kept, located) = (&draft.kept, &draft.located);
         Sidecar {
             photo: PhotoEntry {
                 file: kept.file.clone(),
@@ -255,15 +356,15 @@ impl Keeper<'_> {
                 frame: Some(kept.frame.clone()),
                 ..PhotoEntry::default()
             },
-            sha256: photo.sha256.clone(),
+            sha256: draft.sha256.clone(),
             source: format!(
                 "{}, frame {} at {:.3} s",
                 kept.frame.video, kept.frame.number, kept.frame.time_s
             ),
-            target,
-            viewpoint: located.viewpoint,
+            target: draft.target,
+            viewpoint: kept.viewpoint,
             sigma: kept.sigma,
-            T_camera_model: rigid::rows(&located.pose),
+            T_camera_model: rigid::rows(pose),
             tags: located.tags.clone(),
             rms_px: located.rms_px,
             gates: kept.measures,

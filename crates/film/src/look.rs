@@ -4,11 +4,13 @@
 //! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
 
 use image::GrayImage;
+use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
 use scaleproof_core::geometry::Rigid;
+use scaleproof_core::geometry::rigid::{from_rotation_vector, to_rotation_vector};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Abstention, Located, Sigma, locate_luma, shutter_sigma};
+use scaleproof_pose::locate::{Abstention, Located, ShutterResponse, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{Appearance, StartError, TagDetector, TagDetectorChoice};
 
@@ -33,14 +35,27 @@ pub struct Look {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct View {
     pub viewpoint: Viewpoint,
-    /// What a rolling shutter adds to the viewpoint's standard deviations, by the motion since the frame before; `None` where that has no pose.
-    pub shutter: Option<Sigma>,
+    /// The pose `T_camera_model`: rotation vector (rad) and translation (mm).
+    pub pose: [[f64; 3]; 2],
+    /// How the pose answers a motion of the camera; `None` where it is open.
+    pub response: Option<ShutterResponse>,
+    /// How the camera moved, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
+    #[serde(skip)]
+    pub motion: Option<Motion>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
     /// Whether the model's whole box lies in the image.
     pub is_model_whole: bool,
     /// The probability that the viewpoint's bin is the right one.
     pub bin_probability: f64,
+}
+
+/// The motion of the camera in the middle of a frame, as steps of its pose (rad and mm) per second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    pub per_s: Vector6<f64>,
+    /// One standard deviation of it, in the direction in which it may be off.
+    pub doubt: Vector6<f64>,
 }
 
 /// Why a frame has no pose.
@@ -61,8 +76,6 @@ pub struct Looker<'a> {
     thorough: Box<dyn TagDetector>,
     /// Poses of the last two frames, the older first.
     poses: [Option<Rigid>; 2],
-    /// When the last frame was shown, s.
-    last_s: f64,
     looked: usize,
     lost: u32,
 }
@@ -90,7 +103,6 @@ impl<'a> Looker<'a> {
             fast,
             thorough: detector.open(&families)?,
             poses: [None, None],
-            last_s: 0.0,
             looked: 0,
             lost: 0,
         })
@@ -114,21 +126,18 @@ impl<'a> Looker<'a> {
             self.lost += 1;
         }
         let pose = photo.result.as_ref().ok().map(|located| located.pose);
-        let before = self.poses[1].map(|pose| (pose, time_s - self.last_s));
         self.poses = [self.poses[1], pose];
-        self.last_s = time_s;
         if pose.is_some() {
             self.lost = 0;
         }
         let shows = match (&photo.result, &photo.fitted) {
             (Ok(located), Ok(fitted)) => {
                 let blur_px = Appearance::measure(luma, &photo.seen).blur_px;
-                let shutter = before.and_then(|(pose, seconds)| {
-                    shutter_sigma(located, (&pose, seconds), self.scene, &fitted.camera, fitted.turned_deg)
-                });
+                let response =
+                    ShutterResponse::new(located, &photo.seen, self.scene, &fitted.camera, fitted.turned_deg);
                 Ok(View::new(
                     located,
-                    shutter,
+                    response,
                     blur_px,
                     self.is_model_whole(&located.pose, &fitted.camera),
                 ))
@@ -137,6 +146,14 @@ impl<'a> Looker<'a> {
             (_, Err(_)) => Err(Unplaced::Unsure),
         };
         Look { number, time_s, shows }
+    }
+
+    /// The pose of a frame near one of a known pose.
+    pub fn pose_near(&mut self, luma: &GrayImage, near: &Rigid) -> Option<Rigid> {
+        self.located(luma, Some(near), false)
+            .result
+            .ok()
+            .map(|located| located.pose)
     }
 
     fn located(
@@ -174,10 +191,18 @@ impl<'a> Looker<'a> {
 }
 
 impl View {
-    fn new(located: &Located, shutter: Option<Sigma>, blur_px: Option<f64>, is_model_whole: bool) -> View {
+    /// `T_camera_model`.
+    pub fn pose(&self) -> Rigid {
+        let [rvec, tvec] = self.pose;
+        from_rotation_vector(rvec, tvec)
+    }
+
+    fn new(located: &Located, response: Option<ShutterResponse>, blur_px: Option<f64>, is_model_whole: bool) -> View {
         View {
             viewpoint: located.viewpoint,
-            shutter,
+            pose: to_rotation_vector(&located.pose).into(),
+            response,
+            motion: None,
             blur_px: blur_px.filter(|px| px.is_finite()),
             is_model_whole,
             bin_probability: located.bin_probability,

@@ -1,11 +1,15 @@
 //! The crate's tests: which frames are chosen, and what is kept of a run. The stored walk is tested through the program.
 
+#[path = "film/motion.rs"]
+mod motion;
+
+use nalgebra::Vector6;
 use proptest::prelude::*;
 
 use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
 use scaleproof_film::journal::{About, Journal, read};
-use scaleproof_film::look::{GROUP, Look, Unplaced, View};
-use scaleproof_pose::locate::Sigma;
+use scaleproof_film::look::{GROUP, Look, Motion, Unplaced, View};
+use scaleproof_pose::locate::ShutterResponse;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 
 fn bins() -> Bins {
@@ -36,10 +40,11 @@ fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
                 pitch_deg: 15.0,
                 distance_mm: 850.0,
             },
-            shutter: Some(Sigma {
-                azimuth_deg: 0.02,
-                pitch_deg: 0.01,
-                distance_mm: 0.1,
+            pose: [[0.0; 3], [0.0, 0.0, 850.0]],
+            response: Some(ShutterResponse::default()),
+            motion: Some(Motion {
+                per_s: Vector6::zeros(),
+                doubt: Vector6::zeros(),
             }),
             blur_px: Some(blur_px),
             is_model_whole: true,
@@ -86,7 +91,7 @@ fn each_fault_is_named() {
         (with(good, |v| v.is_model_whole = false), Refusal::ModelCut),
         (with(good, |v| v.blur_px = Some(3.1)), Refusal::Blurred),
         (with(good, |v| v.blur_px = None), Refusal::BlurUnknown),
-        (with(good, |v| v.shutter = None), Refusal::MotionUnknown),
+        (with(good, |v| v.motion = None), Refusal::MotionUnknown),
         (with(good, |v| v.viewpoint.pitch_deg = 22.0), Refusal::Pitch),
         (with(good, |v| v.viewpoint.distance_mm = 700.0), Refusal::Distance),
         (with(good, |v| v.bin_probability = 0.9), Refusal::BinEdge),
@@ -171,7 +176,8 @@ fn a_journal_goes_on_behind_its_last_whole_line_and_only_for_the_same_video() {
             shows: Err(Unplaced::NoTags),
             ..frame(n, 0.0, 0.0)
         },
-        _ => frame(n, 0.1 + n as f64 / 3.0, 0.6),
+        // The motion is set again, from all frames.
+        _ => with(frame(n, 0.1 + n as f64 / 3.0, 0.6), |view| view.motion = None),
     };
     let looks: Vec<Look> = (0..2 * GROUP as u64).map(look).collect();
     let (mut journal, known) = Journal::open(&path, &about()).unwrap();

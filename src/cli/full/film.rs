@@ -387,6 +387,7 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
         let to = args.to.map_or(String::new(), |to| format!(" and before {to} s"));
         return Err(format!("{} has no frame after {} s{to}", args.video.display(), args.from).into());
     }
+    scaleproof_film::motion::set(&mut looks);
     Ok((journal, looks))
 }
 

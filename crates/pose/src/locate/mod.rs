@@ -44,7 +44,7 @@ pub use matches::{Ignored, IgnoredTag, area_px};
 pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
 pub use planar::planar_branches;
 pub use relabelled::{CardFault, Relabelled};
-pub use shutter::{READ_OUT_S, shutter_sigma};
+pub use shutter::{READ_OUT_S, ShutterResponse, step_sigma};
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
 pub use uncertainty::{Sigma, Uncertainty, bin_probability, expected_px2};
