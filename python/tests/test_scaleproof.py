@@ -18,6 +18,9 @@ HOME = Path(__file__).parents[2]
 SKYLINE = HOME / "captures/skyline"
 FRAMES = HOME / "captures/skyline_frames"
 
+# A shell's background processes are started deaf to Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 def program(*words):
     return subprocess.run([sys.executable, "-m", "scaleproof", *map(str, words)], capture_output=True, text=True)
@@ -230,6 +233,28 @@ def test_an_interruption_ends_a_run():
     with pytest.raises(KeyboardInterrupt):
         scaleproof.score(SKYLINE, slow, progress=False)
     assert time.monotonic() - start < 5
+
+
+def test_an_interruption_ends_a_command_that_then_writes_nothing(tmp_path):
+    threads = lambda: len(os.listdir("/proc/self/task"))
+    calibrate = lambda folder: scaleproof.calibrate(
+        HOME / "captures/board", board=HOME / "calibration/charuco_9x7_22mm.toml", output=tmp_path / folder / "c.yaml"
+    )
+    # Once to its end, after which OpenCV keeps its threads.
+    calibrate("whole")
+    before = threads()
+    timer = threading.Timer(0.03, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        calibrate("interrupted")
+    timer.join()
+    start = time.monotonic()
+    while threads() > before:
+        assert time.monotonic() - start < 60
+        time.sleep(0.01)
+    assert [path.name for path in tmp_path.iterdir()] == ["whole"]
+    # And the process goes on.
+    assert scaleproof.plan(0.3).pairs == 37
 
 
 def test_threads_of_python_work_side_by_side(scene, camera):

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
+use crate::workers::interruption;
 use place::OutputPlace;
 use staged::Staged;
 
@@ -169,12 +170,14 @@ pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> R
 /// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
 /// the place of one is replaced, never followed: the folder may come from somebody else.
 pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
+    interruption::check();
     files.iter().try_for_each(|(path, _)| inputs::refuse(path.as_ref()))?;
     let mut staged = Vec::new();
     for (path, content) in files {
         journal::tidy(folder_of(path.as_ref()));
         staged.push(Staged::write(path.as_ref(), content.as_ref())?);
     }
+    interruption::check();
     journal::persist_all(staged)
 }
 

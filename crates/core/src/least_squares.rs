@@ -1,5 +1,7 @@
 //! Levenberg–Marquardt (Marquardt 1963): one loop for every least-squares problem, dense or in blocks.
 
+use crate::workers::interruption;
+
 /// A least-squares problem, linearised at one point.
 pub trait LeastSquares: Sized {
     /// Sum of the (weighted) squared residuals.
@@ -32,6 +34,7 @@ const LEAST_DAMPING: f64 = 1e-12;
 pub fn minimise<P: LeastSquares>(start: P, limits: &Limits) -> P {
     let (mut at, mut damping) = (start, limits.first_damping);
     for _ in 0..limits.most_trials {
+        interruption::check();
         let cost = at.cost();
         let next = at.stepped(damping);
         let gain = next.as_ref().map_or(f64::NEG_INFINITY, |next| cost - next.cost());

@@ -1,10 +1,12 @@
-//! Work spread over threads that each own a state (a tag detector, inference sessions) which must not be shared; how long some takes; and
-//! memory that the next item takes over.
+//! Work spread over threads that each own a state (a tag detector, inference sessions) which must not be shared; how long some takes; work that is
+//! given up; and memory that the next item takes over.
 
+pub mod interruption;
 pub mod memory;
 pub mod stopwatch;
 
 use std::convert::Infallible;
+use std::panic::resume_unwind;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
@@ -51,15 +53,17 @@ pub fn map_over<T: Sync, S, R: Send, E: Send>(
         if result.is_err() {
             stop.store(true, Ordering::Relaxed);
         }
-        // A poisoned lock means a worker panicked; the scope passes that panic on, so what is in here no longer matters.
+        // A poisoned lock means a worker panicked; that panic is passed on, so what is in here no longer matters.
         done.lock().unwrap_or_else(|e| e.into_inner()).push((i, result));
     };
+    let flag = interruption::flag();
     let run = || {
+        interruption::heed(flag.clone());
         let mut state = match make_state() {
             Ok(state) => state,
             Err(e) => return push(usize::MAX, Err(e)),
         };
-        while !stop.load(Ordering::Relaxed) {
+        while !stop.load(Ordering::Relaxed) && !interruption::is_set() {
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(item) = items.get(i) else { break };
             push(i, work(&mut state, item));
@@ -67,10 +71,17 @@ pub fn map_over<T: Sync, S, R: Send, E: Send>(
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, items.len().max(1)) {
-            scope.spawn(run);
+        let threads: Vec<_> = (0..threads.clamp(1, items.len().max(1)))
+            .map(|_| scope.spawn(&run))
+            .collect();
+        for thread in threads {
+            // Also what an interrupted one unwinds with.
+            if let Err(panic) = thread.join() {
+                resume_unwind(panic);
+            }
         }
     });
+    interruption::check();
     let mut done = done.into_inner().unwrap_or_else(|e| e.into_inner());
     done.sort_by_key(|(i, _)| *i);
     done.into_iter().map(|(_, result)| result).collect()

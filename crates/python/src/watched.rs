@@ -1,10 +1,12 @@
 //! Work in another thread, while the thread that called from Python watches for Ctrl-C, shows progress and calls Python's functions.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
 
 use pyo3::prelude::*;
+use scaleproof_core::workers::interruption;
 
 use crate::unpanicked;
 
@@ -16,7 +18,7 @@ const EVERY: Duration = Duration::from_millis(50);
 pub struct Course {
     pub of: AtomicUsize,
     pub done: AtomicUsize,
-    pub stop: std::sync::Arc<AtomicBool>,
+    pub stop: Arc<AtomicBool>,
 }
 
 impl Course {
@@ -95,15 +97,22 @@ pub enum Event<R> {
     Done,
 }
 
-/// Work that nothing can stop: after Ctrl-C it goes on by itself, and its result is dropped.
+/// Work that unwinds soon after Ctrl-C, and writes no file from then on; nobody waits for that.
 pub fn alone<T: Send + 'static>(py: Python<'_>, work: impl FnOnce() -> T + Send + 'static) -> PyResult<T> {
     let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || drop(sender.send(unpanicked(work))));
+    let flag = Arc::new(AtomicBool::new(false));
+    let heeded = Arc::clone(&flag);
+    std::thread::spawn(move || {
+        interruption::heed(Some(heeded));
+        drop(sender.send(unpanicked(work)));
+    });
     py.detach(move || {
         loop {
             match receiver.recv_timeout(EVERY) {
                 Ok(done) => return done,
-                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
+                Err(RecvTimeoutError::Timeout) => {
+                    Python::attach(|py| py.check_signals()).inspect_err(|_| flag.store(true, Ordering::Relaxed))?;
+                }
                 Err(RecvTimeoutError::Disconnected) => return unpanicked(|| panic!("a thread ended")),
             }
         }

@@ -31,15 +31,20 @@ fn package() -> tempfile::TempDir {
     folder
 }
 
-/// Runs Python with the package and with what `./run test` has installed for it.
-fn python(package: &Path, arguments: &[&str]) {
+/// What `./run test` has installed for the tests of the package.
+fn installed() -> PathBuf {
     let installed = home().join(".cache/python-tests");
     let named = std::env::var_os("SCALEPROOF_PYTHON_TESTS").map_or(installed, PathBuf::from);
     let place = named.display();
     assert!(named.is_dir(), "{place} has no packages: start this test by ./run test");
-    let output = Command::new("python3")
+    named
+}
+
+/// Runs a Python with the package, and with another folder of packages.
+fn python(program: &str, (package, others): (&Path, &Path), arguments: &[&str]) {
+    let output = Command::new(program)
         .args(arguments)
-        .env("PYTHONPATH", std::env::join_paths([package, &named]).unwrap())
+        .env("PYTHONPATH", std::env::join_paths([package, others]).unwrap())
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("MYPYPATH", package)
         .current_dir(package)
@@ -53,7 +58,17 @@ fn python(package: &Path, arguments: &[&str]) {
 fn the_package_does_what_the_program_does() {
     let (package, tests) = (package(), home().join("python/tests"));
     let options = ["-m", "pytest", "-q", "-p", "no:cacheprovider"];
-    python(package.path(), &[&options[..], &[tests.to_str().unwrap()]].concat());
+    let arguments = [&options[..], &[tests.to_str().unwrap()]].concat();
+    python("python3", (package.path(), &installed()), &arguments);
+}
+
+#[test]
+fn the_renderer_in_pytorch_is_the_attack_s() {
+    let (package, test) = (package(), home().join("python/tests/in_torch.py"));
+    let out = tempfile::tempdir().unwrap();
+    let arguments = [test.to_str().unwrap(), out.path().to_str().unwrap()];
+    // Debian's PyTorch needs no graphics card, and is built for Debian's Python. The folder has `scaleproof_detector`.
+    python("/usr/bin/python3", (package.path(), &home().join("python")), &arguments);
 }
 
 #[test]
@@ -68,8 +83,6 @@ fn types_are_whole() {
         "--cache-dir",
         cache.to_str().unwrap(),
     ];
-    python(
-        package.path(),
-        &[&options[..], &[example.to_str().unwrap(), "scaleproof"]].concat(),
-    );
+    let arguments = [&options[..], &[example.to_str().unwrap(), "scaleproof"]].concat();
+    python("python3", (package.path(), &installed()), &arguments);
 }
