@@ -16,5 +16,7 @@ mod jpeg;
 mod luma;
 #[path = "photo/perceptual.rs"]
 mod perceptual;
+#[path = "photo/resample.rs"]
+mod resample;
 #[path = "photo/sizes.rs"]
 mod sizes;

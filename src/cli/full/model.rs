@@ -15,10 +15,11 @@ use scaleproof_print::print::template::check_scale;
 use scaleproof_print::print::wrap::check_size;
 use scaleproof_session::envelope;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement, SignedAxis, propose_axes};
-use scaleproof_wrap::unwrap::MAX_TRIANGLES;
 
-/// Of a mesh with more triangles of paint than can be cut into pieces, so many are left.
-const SIMPLIFIED: usize = 100_000;
+/// A mesh with more triangles of paint than this is simplified, since cutting it into pieces takes minutes and gives the same pieces.
+const MOST_TRIANGLES: usize = 30_000;
+/// So many are left, where the surface allows it.
+const SIMPLIFIED: usize = 12_000;
 /// By how much a simplified surface may move, mm: about the thickness of paper.
 const PAPER_MM: f64 = 0.1;
 
@@ -75,7 +76,7 @@ impl Model {
     /// Leaves out triangles of a scan, which has more of them than pieces need, where the surface stays the same for scissors and paper.
     pub(super) fn simplify(&mut self, keep_coordinates: bool) {
         let painted = self.mesh.painted(&self.materials).count();
-        if painted <= MAX_TRIANGLES {
+        if painted <= MOST_TRIANGLES {
             return;
         }
         let all = self.mesh.triangles().len();
