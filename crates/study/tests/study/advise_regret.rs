@@ -1,6 +1,7 @@
 //! What `advise` advises without the truth, held against the best choice with it; and whether it knows another camera's file.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use crate::common;
 
@@ -16,6 +17,7 @@ use scaleproof_study::advise::{CameraVerdict, Choice, PoseAdvice, Question, Samp
 use scaleproof_study::chart::{Spoil, locate::is_silently_wrong, true_views};
 
 /// A session whose truth is known.
+#[derive(Clone)]
 struct Known {
     name: &'static str,
     samples: Vec<Sample>,
@@ -182,11 +184,14 @@ impl Setup {
     }
 }
 
+/// Photos of the usual setup: rendered once for all tests.
+static USUAL_SESSION: LazyLock<Known> = LazyLock::new(|| USUAL.rendered("usual", |_| true));
+
 /// Twelve sessions that are rendered and differ: few tags, wide and long lenses, small models, bad light.
 fn rendered_sessions() -> Vec<Known> {
     let all = |_: u32| true;
     vec![
-        USUAL.rendered("usual", all),
+        USUAL_SESSION.clone(),
         Setup { cards: 4, ..USUAL }.rendered("4 cards", all),
         USUAL.rendered("flat tags alone", |id| id < 8),
         USUAL.rendered("outer faces alone", |id| id >= 8 && id % 2 == 0),
@@ -220,9 +225,7 @@ fn rendered_sessions() -> Vec<Known> {
             ..USUAL
         }
         .rendered("small and far", all),
-        USUAL
-            .rendered("", all)
-            .spoiled("dark and noisy", &[(Spoil::Exposure, -2.5), (Spoil::Noise, 6.0)]),
+        USUAL_SESSION.spoiled("dark and noisy", &[(Spoil::Exposure, -2.5), (Spoil::Noise, 6.0)]),
         Setup {
             pitch_deg: 45.0,
             size: (640, 480),
@@ -346,12 +349,14 @@ fn what_is_advised_is_nearly_the_best_choice() {
 /// The file of a camera with another zoom or lens is known by the photos; turned photos say the same as upright ones.
 #[test]
 fn the_file_of_another_camera_is_noticed() {
-    let rendered = || USUAL.rendered("usual", |_| true);
-    let known = rendered();
-    let right = advice(&known).camera_check.unwrap();
+    let known = &*USUAL_SESSION;
+    let right = advice(known).camera_check.unwrap();
     assert_eq!(right.verdict, CameraVerdict::Fits, "{right:?}");
     let wrong = |camera: Camera| {
-        let known = Known { camera, ..rendered() };
+        let known = Known {
+            camera,
+            ..known.clone()
+        };
         advice(&known).camera_check.unwrap()
     };
     let mut zoomed = known.camera.clone();
@@ -373,7 +378,7 @@ fn the_file_of_another_camera_is_noticed() {
         ..USUAL
     }
     .rendered("zoomed", |_| true);
-    let mut mixed = rendered();
+    let mut mixed = known.clone();
     for (own, other) in mixed.samples.iter_mut().zip(other_zoom.samples).step_by(2) {
         *own = other;
     }
@@ -397,7 +402,7 @@ fn the_file_of_another_camera_is_noticed() {
                 ..sample.clone()
             })
             .collect(),
-        ..rendered()
+        ..known.clone()
     };
     let turned = advice(&turned).camera_check.unwrap();
     assert_eq!(turned.verdict, CameraVerdict::Fits);
