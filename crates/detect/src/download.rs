@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::Manifest;
+use super::onnx::external_files;
 use super::weights::other_hash;
 use scaleproof_core::files;
+use scaleproof_core::spelling;
 
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
@@ -38,6 +40,10 @@ pub enum FetchError {
     TooLarge { name: String },
     #[error("{path} is already there and is not the file {name} was described with: move it away", path = path.display())]
     Taken { name: String, path: PathBuf },
+    #[error(
+        "the network of {name} keeps tensors in {file}, which is no file beside it that could be fetched: put both into a folder by hand"
+    )]
+    TensorsElsewhere { name: String, file: String },
     #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
     NoPart { path: PathBuf },
 }
@@ -55,7 +61,7 @@ const SLOW_START_S: f64 = 60.0;
 /// Downloads a detector's weights into a folder. `progress` receives the bytes so far and, if known, in all.
 ///
 /// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified. The right file that is
-/// there already stays, and another one is never replaced.
+/// there already stays, and another one is never replaced. Files that hold the network's tensors are fetched from beside it.
 pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u64>)) -> Result<PathBuf, FetchError> {
     fetch_within(manifest, folder, progress, PATIENCE)
 }
@@ -72,46 +78,111 @@ pub fn fetch_within(
         return Err(FetchError::NoUrl { name, file });
     }
     let (target, part) = (folder.join(&file), folder.join(format!("{file}.part")));
-    if std::fs::symlink_metadata(&target).is_ok() {
-        return match other_hash(manifest, &target)? {
-            None => Ok(target),
-            Some(_) => Err(FetchError::Taken { name, path: target }),
-        };
+    let is_there = std::fs::symlink_metadata(&target).is_ok();
+    let network = if is_there { &target } else { &part };
+    if !is_there {
+        collect(manifest, &manifest.weights.url, &part, progress, patience)?;
     }
-    let have = match std::fs::symlink_metadata(&part) {
-        Ok(about) if about.is_file() => about.len(),
-        // A link is not followed: the download would be written to wherever it points.
-        Ok(_) => return Err(FetchError::NoPart { path: part }),
-        Err(_) => 0,
-    };
-    if let Some(response) = request(manifest, folder, have, patience)? {
-        let failed = |e: std::io::Error| files::FileError::write(&part, &e);
-        std::fs::create_dir_all(folder).map_err(failed)?;
-        let resumed = response.status() == 206 && have > 0;
-        let have = if resumed { have } else { 0 };
-        let mut to = open_part(&part, resumed).map_err(failed)?;
-        let received = receive(manifest, response, &mut to, have, progress, patience);
-        if matches!(received, Err(FetchError::TooLarge { .. })) {
-            files::remove(&part)?;
+    let fetched = fetch_tensors(manifest, network, folder, progress, patience)?;
+    if other_hash(manifest, network)?.is_some() {
+        // What was read is an input, which `files::remove` keeps.
+        let remove = |file: &Path| std::fs::remove_file(file).map_err(|e| files::FileError::write(file, &e));
+        fetched.iter().try_for_each(|file| remove(file))?;
+        if is_there {
+            return Err(FetchError::Taken { name, path: target });
         }
-        received?;
-        to.sync_all().map_err(failed)?;
-    }
-    let failed = |e: std::io::Error| files::FileError::write(&target, &e);
-    if other_hash(manifest, &part)?.is_some() {
-        std::fs::remove_file(&part).map_err(failed)?;
+        remove(&part)?;
         let url = manifest.weights.url.clone();
         return Err(FetchError::WrongFile { name, url });
     }
-    std::fs::rename(&part, &target).map_err(failed)?;
+    if !is_there {
+        std::fs::rename(&part, &target).map_err(|e| files::FileError::write(&target, &e))?;
+    }
     Ok(target)
+}
+
+/// Downloads the files with a network's tensors that are not there yet, and returns those.
+fn fetch_tensors(
+    manifest: &Manifest,
+    network: &Path,
+    folder: &Path,
+    progress: &dyn Fn(u64, Option<u64>),
+    patience: Duration,
+) -> Result<Vec<PathBuf>, FetchError> {
+    let bytes = files::read(network)?;
+    let mut fetched = Vec::new();
+    for file in external_files(&bytes) {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        if file.starts_with('.') || !file.chars().all(is_plain) {
+            return Err(FetchError::TensorsElsewhere {
+                name: manifest.name.clone(),
+                file: spelling::quoted(file),
+            });
+        }
+        let (target, part) = (folder.join(file), folder.join(format!("{file}.part")));
+        if std::fs::symlink_metadata(&target).is_err() {
+            collect(
+                manifest,
+                &beside(&manifest.weights.url, file),
+                &part,
+                progress,
+                patience,
+            )?;
+            std::fs::rename(&part, &target).map_err(|e| files::FileError::write(&target, &e))?;
+            fetched.push(target);
+        }
+    }
+    Ok(fetched)
+}
+
+/// The address of a file beside another.
+fn beside(url: &str, file: &str) -> String {
+    let (place, query) = url.split_at(url.find(['?', '#']).unwrap_or(url.len()));
+    let folder = place.rsplit_once('/').map_or(place, |(folder, _)| folder);
+    format!("{folder}/{file}{query}")
+}
+
+/// Collects what is at an address in a file, from where an earlier call broke off.
+fn collect(
+    manifest: &Manifest,
+    url: &str,
+    part: &Path,
+    progress: &dyn Fn(u64, Option<u64>),
+    patience: Duration,
+) -> Result<(), FetchError> {
+    let folder = files::folder_of(part);
+    let have = match std::fs::symlink_metadata(part) {
+        Ok(about) if about.is_file() => about.len(),
+        // A link is not followed: the download would be written to wherever it points.
+        Ok(_) => return Err(FetchError::NoPart { path: part.to_owned() }),
+        Err(_) => 0,
+    };
+    let Some(response) = request(manifest, url, folder, have, patience)? else {
+        return Ok(());
+    };
+    let failed = |e: std::io::Error| files::FileError::write(part, &e);
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let resumed = response.status() == 206 && have > 0;
+    let have = if resumed { have } else { 0 };
+    let mut to = open_part(part, resumed).map_err(failed)?;
+    let received = receive(manifest, response, &mut to, have, progress, patience);
+    if matches!(received, Err(FetchError::TooLarge { .. })) {
+        files::remove(part)?;
+    }
+    received?;
+    Ok(to.sync_all().map_err(failed)?)
 }
 
 type Response = ureq::http::Response<ureq::Body>;
 
 /// Asks for the file from byte `have` on. `None`: there is nothing after it, the part is already whole.
-fn request(manifest: &Manifest, folder: &Path, have: u64, patience: Duration) -> Result<Option<Response>, FetchError> {
-    let url = &manifest.weights.url;
+fn request(
+    manifest: &Manifest,
+    url: &str,
+    folder: &Path,
+    have: u64,
+    patience: Duration,
+) -> Result<Option<Response>, FetchError> {
     let agent: ureq::Agent = ureq::Agent::config_builder()
         .timeout_connect(Some(Duration::from_secs(8)))
         .timeout_recv_response(Some(Duration::from_secs(30)))
@@ -136,7 +207,7 @@ fn request(manifest: &Manifest, folder: &Path, have: u64, patience: Duration) ->
         416 if have > 0 => Ok(None),
         status => Err(FetchError::Refused {
             name: manifest.name.clone(),
-            url: url.clone(),
+            url: url.to_owned(),
             status,
         }),
     }

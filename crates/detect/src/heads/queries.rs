@@ -10,7 +10,7 @@ use crate::nms::CandidateBox;
 /// score = sigmoid(logit), and every pair of box and label is a candidate of its own, as the repository's `PostProcess` ranks
 /// them; no suppression needed.
 pub(super) fn rfdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
-    let (boxes, (_, logits), columns) = tables(outputs, labels)?;
+    let (boxes, (_, logits), columns) = rfdetr_tables(outputs, labels)?;
     let [w, h] = size.map(|side| side as f32);
     let rows = boxes.chunks_exact(4).zip(logits.chunks_exact(columns));
     let pairs = rows.flat_map(|(b, logits)| {
@@ -26,15 +26,8 @@ pub(super) fn rfdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Resul
 /// score = softmax over all columns; a box is of its best label, "no object" left out, and nothing is suppressed. Source: Carion et al. 2020, and
 /// `post_process_object_detection` of Transformers' `DetrImageProcessor`.
 pub(super) fn detr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
-    let columns = labels + 1;
-    let logits = Tensor::shaped(
-        outputs,
-        |shape| matches!(shape, [1, _, c] if *c == columns && columns != 4),
-    );
-    let boxes = logits.and_then(|(i, _)| Tensor::shaped(outputs, |shape| *shape == [1, outputs[i].shape[1], 4]));
-    let (Some((_, logits)), Some((_, boxes))) = (logits, boxes) else {
-        return Err(misfit("detr", format!("boxes 1×n×4 and logits 1×n×{columns}"), outputs));
-    };
+    let (boxes, (_, logits), columns) = tables(outputs, |columns| columns == labels + 1)
+        .ok_or_else(|| misfit("detr", format!("boxes 1×n×4 and logits 1×n×{}", labels + 1), outputs))?;
     let rows = boxes.as_chunks::<4>().0.iter().zip(logits.chunks_exact(columns));
     let found = rows.filter_map(|(b, logits)| {
         let highest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -47,7 +40,7 @@ pub(super) fn detr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<
 
 /// RF-DETR's boxes with the logits of all labels each: the pairs of [`rfdetr`], for a gradient.
 pub(super) fn rfdetr_anchors(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
-    let (boxes, (output, _), columns) = tables(outputs, labels)?;
+    let (boxes, (output, _), columns) = rfdetr_tables(outputs, labels)?;
     let of_box = |(i, b): (usize, &[f32])| {
         let b = scaled(centred([b[0], b[1], b[2], b[3]]), size);
         Anchor::new(b, output, None, i * columns, 1)
@@ -61,25 +54,24 @@ pub(super) fn rfdetr_anchors(outputs: &[Tensor], size: [u32; 2], labels: usize) 
 /// Boxes, logits with their output's number, and how many logits a box has.
 type Tables<'a> = (&'a [f32], (usize, &'a [f32]), usize);
 
-/// RF-DETR's two tables. With three or four labels both have four columns: then the boxes are the output named so, or the first.
-fn tables(outputs: &[Tensor], labels: usize) -> Result<Tables<'_>, HeadError> {
-    let find = || {
-        let of_four = |t: &Tensor| matches!(t.shape[..], [1, _, 4]);
-        let is_named = |t: &Tensor| t.name.contains("box") || t.name.contains("det");
-        let named = outputs.iter().position(is_named).filter(|i| of_four(&outputs[*i]));
-        let at = named.or_else(|| outputs.iter().position(of_four))?;
-        // Transformers' networks with a column for "no object" take a softmax over all columns.
-        let is_of_transformers = outputs.iter().any(|t| t.name == "pred_boxes");
-        let fits = |columns: usize| columns == labels || (columns == labels + 1 && !is_of_transformers);
-        let (logits, columns) = outputs.iter().enumerate().find_map(|(i, t)| match t.shape[..] {
-            [1, n, columns] if i != at && n == outputs[at].shape[1] && fits(columns) => {
-                Some(((i, t.floats()?), columns))
-            }
-            _ => None,
-        })?;
-        Some((outputs[at].floats()?, logits, columns))
-    };
-    find().ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))
+fn rfdetr_tables(outputs: &[Tensor], labels: usize) -> Result<Tables<'_>, HeadError> {
+    // Transformers' networks with a column for "no object" take a softmax over all columns.
+    let is_of_transformers = outputs.iter().any(|t| t.name == "pred_boxes");
+    let fits = |columns: usize| columns == labels || (columns == labels + 1 && !is_of_transformers);
+    tables(outputs, fits).ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))
+}
+
+/// The two tables of a DETR. Where both have four columns the boxes are the output named so, or the first.
+fn tables(outputs: &[Tensor], fits: impl Fn(usize) -> bool) -> Option<Tables<'_>> {
+    let of_four = |t: &Tensor| matches!(t.shape[..], [1, _, 4]);
+    let is_named = |t: &Tensor| t.name.contains("box") || t.name.contains("det");
+    let named = outputs.iter().position(is_named).filter(|i| of_four(&outputs[*i]));
+    let at = named.or_else(|| outputs.iter().position(of_four))?;
+    let (logits, columns) = outputs.iter().enumerate().find_map(|(i, t)| match t.shape[..] {
+        [1, n, columns] if i != at && n == outputs[at].shape[1] && fits(columns) => Some(((i, t.floats()?), columns)),
+        _ => None,
+    })?;
+    Some((outputs[at].floats()?, logits, columns))
 }
 
 /// YOLOv10, YOLO26 and other YOLOs that need no suppression: one table 1×n×6: x1 y1 x2 y2 in input pixels, score, label. Source: Wang et

@@ -47,6 +47,8 @@ pub enum Family {
     HfDetr,
     /// DETR and YOLOS, with a softmax over labels and "no object".
     Detr,
+    /// Conditional and DAB DETR: fed as DETR, scored by sigmoids.
+    ConditionalDetr,
     /// Before its postprocessing.
     Efficientdet,
     TfOd,
@@ -120,7 +122,9 @@ impl Family {
         usual.size_px = size_px.unwrap_or_default();
         match (self, size_px) {
             (Family::TfOd | Family::Torchvision, None) => usual.resize = Resize::Original,
-            (Family::Detr, None) => (usual.resize, usual.size_px) = (Resize::ShortestEdge, [800, 1333]),
+            (Family::Detr | Family::ConditionalDetr, None) => {
+                (usual.resize, usual.size_px) = (Resize::ShortestEdge, [800, 1333])
+            }
             (Family::ZooRcnn, None) => (usual.resize, usual.size_px) = (Resize::ShortSide, [800, 800]),
             _ => {}
         }
@@ -131,7 +135,7 @@ impl Family {
     pub(super) fn takes_any_size(self) -> bool {
         matches!(
             self,
-            Family::TfOd | Family::Torchvision | Family::ZooRcnn | Family::Detr
+            Family::TfOd | Family::Torchvision | Family::ZooRcnn | Family::Detr | Family::ConditionalDetr
         )
     }
 

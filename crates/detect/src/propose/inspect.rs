@@ -30,12 +30,12 @@ pub(super) struct Inspected {
 /// The side of the images where neither the file nor the user says one.
 const OPEN_SIDE_PX: u32 = 640;
 
-/// Loads a network and runs it twice, each time within the limit. `size_px` is the user's, for files that leave it open.
+/// Loads a network and runs it twice, each time within the limit. `size_px`, for files that leave it open: the user's, and its preprocessor's.
 pub(super) fn inspect(
     runtime: &Runtime,
     path: &Path,
     bytes: &[u8],
-    size_px: Option<[u32; 2]>,
+    [size_px, usual_px]: [Option<[u32; 2]>; 2],
     time_limit: Duration,
 ) -> Result<Inspected, ProposeError> {
     let mut session = runtime::session(runtime, path)?;
@@ -45,7 +45,11 @@ pub(super) fn inspect(
     if let (Some(fixed), Some(named)) = (fixed, size_px.filter(|named| Some(*named) != fixed)) {
         return Err(ProposeError::OtherSize { fixed, named });
     }
-    let size_px = fixed.or(size_px).or(metadata.size_px).unwrap_or([OPEN_SIDE_PX; 2]);
+    let size_px = fixed
+        .or(size_px)
+        .or(metadata.size_px)
+        .or(usual_px)
+        .unwrap_or([OPEN_SIDE_PX; 2]);
     if !size_px.iter().all(|side| SIDES_PX.contains(side)) {
         return Err(ProposeError::Size { size_px });
     }

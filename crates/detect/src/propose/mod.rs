@@ -5,10 +5,11 @@ mod family;
 mod inspect;
 mod metadata;
 mod numbers;
+mod preprocessor;
 mod recognise;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 pub use family::Family;
@@ -19,6 +20,7 @@ use super::manifest::{Head, Input, Resize, SIDES_PX, Values};
 use super::weights::network_sha256;
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use inspect::Inspected;
+use preprocessor::Preprocessor;
 use recognise::FamilyCandidate;
 use scaleproof_core::files;
 
@@ -67,6 +69,8 @@ pub enum ProposalNote {
         "the network's first nodes bring its values into range themselves, so that it is given values 0 to {highest}"
     )]
     OwnRange { highest: u8 },
+    #[error("{settings} are those of preprocessor_config.json beside it")]
+    Preprocessor { settings: String },
     #[error(
         "{settings} are the family's usual, as no file says them: compare them with the program that the weights come from"
     )]
@@ -104,6 +108,8 @@ pub enum ProposeError {
     Size { size_px: [u32; 2] },
     #[error("an image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
     Trial { size_px: [u32; 2], reason: String },
+    #[error("{path} cannot be followed ({reason}): mend it, or move it away to get the family's usual way", path = path.display())]
+    Preprocessor { path: PathBuf, reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
     #[error("it answers a plain grey image or noise with {what}: no box of it could be trusted")]
@@ -192,7 +198,9 @@ pub fn propose(
 ) -> Result<Proposal, ProposeError> {
     let bytes = files::read(path)?;
     let time_limit = hints.time_limit.unwrap_or(TRIAL_LIMIT);
-    let network = inspect::inspect(runtime, path, &bytes, hints.size_px, time_limit)?;
+    let preprocessor = Preprocessor::beside(path)?;
+    let usual_px = preprocessor.as_ref().and_then(Preprocessor::size_px);
+    let network = inspect::inspect(runtime, path, &bytes, [hints.size_px, usual_px], time_limit)?;
     let sha256 = network_sha256(path, bytes)?;
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
@@ -207,10 +215,12 @@ pub fn propose(
         })?),
         (None, None) => None,
     };
-    let candidate = chosen(&network, hints.family, known)?;
+    let named = hints.family;
+    let candidate = chosen(&network, named.or_else(|| preprocessor.as_ref()?.family()), known)?;
     let (labels, guessed) = labels(&candidate, known)?;
     let family = candidate.family;
-    let mut manifest = Manifest::unstated(name, labels, input(&network, family)?);
+    let (input, said) = input(&network, family, preprocessor.as_ref(), hints.size_px)?;
+    let mut manifest = Manifest::unstated(name, labels, input);
     manifest.head = head(&candidate, labels, &network, hints.first_label)?;
     manifest.weights.file = weights.to_owned();
     manifest.weights.sha256 = sha256;
@@ -229,15 +239,21 @@ pub fn propose(
     }
     Ok(Proposal {
         family,
-        notes: notes(&network, &candidate, &manifest, guessed),
+        notes: notes(&network, &candidate, &manifest, guessed, &said),
         manifest,
         text,
     })
 }
 
-/// The family's usual way, for what this network takes.
-fn input(network: &Inspected, family: Family) -> Result<Input, ManifestError> {
-    let takes_any_size = network.takes.size_px.is_none() && family.takes_any_size();
+/// What its preprocessor says, and else the family's usual way, for what this network takes; and which settings the preprocessor says.
+fn input(
+    network: &Inspected,
+    family: Family,
+    preprocessor: Option<&Preprocessor>,
+    named_px: Option<[u32; 2]>,
+) -> Result<(Input, Vec<&'static str>), ManifestError> {
+    let is_open = network.takes.size_px.is_none();
+    let takes_any_size = is_open && family.takes_any_size();
     let mut input = family.usual_input((!takes_any_size).then_some(network.size_px))?;
     (input.layout, input.values) = (network.takes.layout, network.takes.values);
     if input.values == Values::U8 {
@@ -245,7 +261,8 @@ fn input(network: &Inspected, family: Family) -> Result<Input, ManifestError> {
     } else if let Some(own) = network.file.prepares {
         (input.mean, input.std) = ([0.0; 3], [own.std(); 3]);
     }
-    Ok(input)
+    let said = preprocessor.map(|own| own.apply(&mut input, is_open && named_px.is_none()));
+    Ok((input, said.unwrap_or_default()))
 }
 
 /// The family's usual head, with what this network's numbers say.
@@ -323,7 +340,7 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
     if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
         return Err(ProposeError::NotDecoded { outputs });
     }
-    // Conditional DETR, which has the shapes of DETR, is rare and must be named.
+    // Conditional DETR, which has the shapes of DETR, is rare, and must be named where no preprocessor says it.
     if fitting.iter().any(|c| c.family == Family::Detr) {
         fitting.retain(|c| c.family == Family::Detr);
     }
@@ -417,6 +434,7 @@ fn notes(
     candidate: &FamilyCandidate,
     manifest: &Manifest,
     guessed: Option<&str>,
+    said: &[&str],
 ) -> Vec<ProposalNote> {
     let family = candidate.family;
     let mut notes = vec![ProposalNote::Recognised {
@@ -428,7 +446,7 @@ fn notes(
         list: list.to_owned(),
         count: candidate.labels.unwrap_or(manifest.labels.count()),
     }));
-    if network.takes.size_px.is_none() && !family.takes_any_size() {
+    if network.takes.size_px.is_none() && !family.takes_any_size() && !said.contains(&"input.size_px") {
         let [width, height] = manifest.input.size_px;
         notes.push(ProposalNote::OpenSize { width, height });
     }
@@ -441,13 +459,15 @@ fn notes(
         let highest = if own.std() == 1.0 { 255 } else { 1 };
         notes.push(ProposalNote::OwnRange { highest });
     }
-    let settings = usual_settings(manifest);
-    notes.push(ProposalNote::UsualInput { settings });
+    let settings = said.join(", ");
+    notes.extend((!said.is_empty()).then_some(ProposalNote::Preprocessor { settings }));
+    let settings = usual_settings(manifest, said);
+    notes.extend((!settings.is_empty()).then_some(ProposalNote::UsualInput { settings }));
     notes
 }
 
 /// What of a manifest no file says, as far as this one has it.
-fn usual_settings(manifest: &Manifest) -> String {
+fn usual_settings(manifest: &Manifest, said: &[&str]) -> String {
     let (input, head) = (&manifest.input, &manifest.head);
     let is_resized = input.resize != Resize::Original;
     let has_border = is_resized && !matches!(input.resize, Resize::Stretch | Resize::ShortSide | Resize::ShortestEdge);
@@ -466,6 +486,7 @@ fn usual_settings(manifest: &Manifest) -> String {
             matches!(head, Head::TfOd(_) | Head::SsdResnet34(_) | Head::Rcnn(_)),
         ),
     ];
-    let kept = all.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| *name);
+    let is_usual = |(name, is_there): &&(&str, bool)| *is_there && !said.contains(name);
+    let kept = all.iter().filter(is_usual).map(|(name, _)| *name);
     kept.collect::<Vec<_>>().join(", ")
 }

@@ -49,12 +49,10 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
             let t = table(outputs, labels? + 4)?;
             no_score(columns(t, 4..)).or_else(|| no_share(columns(t, 0..4)))
         }
-        Family::Rfdetr | Family::HfDetr | Family::Detr => {
-            let logits = outputs
-                .iter()
-                .find(|t| t.shape.len() == 3 && t.shape.last() != Some(&4))?;
-            if no_score(floats(logits)).is_some() {
-                return no_share(floats(table(outputs, 4)?));
+        Family::Rfdetr | Family::HfDetr | Family::Detr | Family::ConditionalDetr => {
+            let pair = Pair::find(outputs, |columns| columns > 0)?;
+            if no_score(floats(&outputs[pair.scores])).is_some() {
+                return no_share(floats(&outputs[pair.boxes]));
             }
             let gives = format!("{} gives logits", family.title());
             Some(format!("its scores are probabilities already, and {gives}"))

@@ -82,7 +82,8 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
         // "no object", and Conditional DETR by a sigmoid. Neither of these samples, and no number tells them apart.
         Some(pair) if is_detr && !is_sampling => {
             let softmax = FamilyCandidate::new(Family::Detr, pair.columns.checked_sub(1), &[]);
-            vec![softmax, FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])]
+            let sigmoid = |family| FamilyCandidate::new(family, Some(pair.columns), &[]);
+            vec![softmax, sigmoid(Family::ConditionalDetr), sigmoid(Family::HfDetr)]
         }
         Some(pair) if is_of_transformers => vec![FamilyCandidate::new(Family::HfDetr, Some(pair.columns), &[])],
         // Queries are a few hundred, prior boxes and cells more.

@@ -164,3 +164,45 @@ fn a_missing_file_and_a_missing_network_are_sentences() {
         "{error}"
     );
 }
+
+/// The hash is that of both, one behind the other.
+#[test]
+fn files_with_a_networks_tensors_are_fetched_from_beside_it() {
+    let [network, data] = ["detr.onnx", "detr.onnx.data"].map(|name| {
+        let path = crate::common::home().join("tests/data/exported").join(name);
+        std::fs::read(path).unwrap()
+    });
+    let both = [network.as_slice(), &data].concat();
+    let ok = |body: &[u8]| answer("200 OK", body.len(), body);
+    let names = |folder: &std::path::Path| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    let folder = tempfile::tempdir().unwrap();
+    // Broken off in the second, another file there, and whole.
+    let (url, _) = serve(vec![ok(&network), answer("200 OK", data.len(), &data[..900])]);
+    let error = fetch(&manifest(url, &both), folder.path(), &|_, _| {}).unwrap_err();
+    assert!(error.to_string().contains("broke off after 900 bytes"), "{error}");
+    let rest = || answer("206 Partial Content", data.len() - 900, &data[900..]);
+    let nothing_more = || answer("416 Range Not Satisfiable", 0, b"");
+    let (url, server) = serve(vec![nothing_more(), rest()]);
+    let path = fetch(&manifest(url, &both), folder.path(), &|_, _| {}).unwrap();
+    assert_eq!(names(folder.path()), ["detr.onnx.data", "yolox_nano.onnx"]);
+    assert_eq!(std::fs::read(path).unwrap(), network);
+    assert_eq!(
+        server.join().unwrap(),
+        [Some(format!("bytes={}-", network.len())), Some("bytes=900-".into())]
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let (url, _) = serve(vec![ok(&network), ok(b"other")]);
+    let error = fetch(&manifest(url, &both), folder.path(), &|_, _| {}).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("is not the one yolox_nano was described with"),
+        "{error}"
+    );
+    assert!(names(folder.path()).is_empty());
+}

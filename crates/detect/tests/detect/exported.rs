@@ -3,7 +3,8 @@
 
 use std::path::PathBuf;
 
-use crate::common::{home, read_json};
+use crate::common::{home, onnx, read_json};
+use onnx::{Input, Output};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Detection, Detector, Family, Hints, Labels, Manifest, Resize, Runtime, propose};
 
@@ -165,3 +166,93 @@ std = [255.0, 255.0, 255.0]
 [head]
 kind = "detr"
 "#;
+
+/// With three labels and "no object" the logits have four columns, as the boxes have.
+#[test]
+fn a_detr_of_three_labels_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let logits = [0.0, 3.0, 1.0, -2.0].repeat(100);
+    let outputs = [
+        Output::floats("logits", &[1, 100, 4], logits),
+        Output::floats("pred_boxes", &[1, 100, 4], [0.5, 0.5, 0.2, 0.4].repeat(100)),
+    ];
+    let path = folder.path().join("n.onnx");
+    std::fs::write(
+        &path,
+        onnx::network(&[Input::floats("pixel_values", &[1, 3, 100, 200])], &outputs),
+    )
+    .unwrap();
+    let hints = labelled(&LABELS[..3]);
+    let proposal = propose(Runtime::load().unwrap(), &path, "n.onnx", "n", hints).unwrap();
+    assert_eq!(proposal.family, Family::Detr);
+    let mut detector = Detector::open(Runtime::load().unwrap(), &proposal.manifest, &path).unwrap();
+    let found = detector.detect(&image::RgbImage::new(200, 100)).unwrap();
+    let sum = [0.0, 3.0, 1.0, -2.0_f64].map(f64::exp).iter().sum::<f64>();
+    let Detection {
+        label, score, box_px, ..
+    } = &found[0];
+    assert_eq!(*label, 1);
+    assert!((score - 3.0_f64.exp() / sum).abs() < 1e-4, "{score}");
+    let sides = <[f64; 4]>::from(*box_px);
+    let off = sides.iter().zip([80.0, 30.0, 120.0, 70.0]).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 0.01, "{sides:?}");
+}
+
+/// Transformers' file says how a photo is prepared, and of which of two families with these shapes the network is.
+#[test]
+fn what_a_preprocessor_says_is_written_into_the_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["detr.onnx", "detr.onnx.data"] {
+        std::fs::copy(stored(name), folder.path().join(name)).unwrap();
+    }
+    let propose = |config: &str, labels: &[&str]| {
+        std::fs::write(folder.path().join("preprocessor_config.json"), config).unwrap();
+        let network = folder.path().join("detr.onnx");
+        propose(Runtime::load().unwrap(), &network, "n.onnx", "n", labelled(labels))
+    };
+    let of = |more: &str| {
+        format!(
+            "{{\"do_normalize\": true, \"do_rescale\": true, \"do_resize\": true, \"image_mean\": [0.5, 0.4, 0.3], \"image_std\": [0.2, 0.2, 0.2],
+             \"rescale_factor\": 0.00392156862745098, \"resample\": 2, \"size\": {{\"shortest_edge\": 160, \"longest_edge\": 266}}{more}}}"
+        )
+    };
+    let found = propose(&of(""), &LABELS).unwrap();
+    let input = &found.manifest.input;
+    assert_eq!(
+        (found.family, input.resize, input.size_px),
+        (Family::Detr, Resize::ShortestEdge, [160, 266])
+    );
+    assert_eq!((input.mean, input.std), ([127.5, 102.0, 76.5], [51.0; 3]));
+    let notes: Vec<String> = found.notes.iter().map(ToString::to_string).collect();
+    assert!(
+        notes
+            .iter()
+            .any(|n| n.contains("input.mean, input.std are those of preprocessor_config.json")),
+        "{notes:?}"
+    );
+    assert!(!notes.iter().any(|n| n.contains("usual")), "{notes:?}");
+    // Six sigmoids instead of five labels and "no object".
+    let six = [&LABELS[..], &["cat"]].concat();
+    let conditional = of(", \"image_processor_type\": \"ConditionalDetrImageProcessor\"");
+    let found = propose(&conditional, &six).unwrap();
+    assert_eq!(found.family, Family::ConditionalDetr);
+    let fixed = "{\"do_normalize\": false, \"size\": {\"height\": 192, \"width\": 224}}";
+    let input = propose(fixed, &LABELS).unwrap().manifest.input;
+    assert_eq!(
+        (input.resize, input.size_px, input.mean),
+        (Resize::Stretch, [224, 192], [0.0; 3])
+    );
+    assert!(input.std.iter().all(|v| (v - 255.0).abs() < 1e-3), "{:?}", input.std);
+    for (config, reason) in [
+        ("{\"resample\": 3}", "otherwise than bilinearly"),
+        ("{\"image_std\": [0, 1, 1]}", "no number that photos are prepared with"),
+        ("{\"size\": {\"height\": 1, \"width\": 64}}", "sides from 32 to 8192"),
+        ("[", "EOF"),
+    ] {
+        let error = propose(config, &LABELS).unwrap_err().to_string();
+        assert!(
+            error.contains("preprocessor_config.json") && error.contains(reason),
+            "{error}"
+        );
+    }
+}
