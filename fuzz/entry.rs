@@ -1,6 +1,10 @@
 //! One function per parser of user files: any bytes in, no panic. The fuzz targets and `tests/parsers.rs` call the same ones.
 #![allow(dead_code)] // each target uses its part
 
+// The file itself: the crate `capture` would bring a web server and camera drivers into every target.
+#[path = "../crates/capture/src/capture/live/jpegs.rs"]
+mod jpegs;
+
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
@@ -192,6 +196,32 @@ fn mesh(name: &str, bytes: &[u8]) {
         if let Ok(mapped) = MappedImages::from_mesh(&mesh, &[]) {
             colours(&Texture::Images(mapped.images), &mesh);
         }
+    }
+}
+
+/// A stream of JPEG files: what is cut out of it is a part of it with a JPEG's first and last marker, the same whether it comes at once or in pieces.
+pub fn motion_jpeg(bytes: &[u8]) {
+    let at_once = cut(bytes);
+    let mut left = bytes;
+    for jpeg in &at_once {
+        assert!(jpeg.starts_with(&[0xFF, 0xD8]) && jpeg.ends_with(&[0xFF, 0xD9]));
+        let at = left.windows(jpeg.len()).position(|part| part == jpeg);
+        left = &left[at.expect("it is a part of the stream, behind the one before") + jpeg.len()..];
+    }
+    assert_eq!(cut(Pieces(bytes)), at_once);
+}
+
+fn cut(stream: impl std::io::Read) -> Vec<Vec<u8>> {
+    let mut jpegs = jpegs::Jpegs::new(stream);
+    std::iter::from_fn(|| jpegs.next_jpeg().ok().flatten()).collect()
+}
+
+struct Pieces<'a>(&'a [u8]);
+
+impl std::io::Read for Pieces<'_> {
+    fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+        let count = to.len().min(7);
+        self.0.read(&mut to[..count])
     }
 }
 

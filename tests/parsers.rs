@@ -76,6 +76,11 @@ fn camera_files() {
 }
 
 #[test]
+fn motion_jpegs() {
+    survives("motion_jpeg", entry::motion_jpeg);
+}
+
+#[test]
 fn scene_files() {
     survives("scene", entry::scene);
 }

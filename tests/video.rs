@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::{home, program};
+use crate::common::{assert_refused, home, program, read_json, stderr, stdout};
 
 fn walk(name: &str) -> PathBuf {
     home().join("captures/walk").join(name)
@@ -111,6 +111,92 @@ fn a_walk_becomes_a_session_of_all_views_and_a_second_one_its_pairs() {
         again.status.code() == Some(2) && sentence.contains("already"),
         "{sentence}"
     );
+}
+
+/// The same walk, taken as a running camera's frames are.
+fn captured(video: &Path, camera: &Path, session: &Path) -> Command {
+    let mut command = program();
+    let mut source = std::ffi::OsString::from("video:");
+    source.push(video);
+    command.args(["capture", "--variant", "normal", "--place", "table", "--source"]);
+    command.arg(source).arg("--scene").arg(walk("scene.toml"));
+    command.arg("--camera").arg(camera).arg("-o").arg(session);
+    command
+}
+
+#[test]
+fn a_film_fills_the_views_as_a_camera_does_with_its_own_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = folder.path().join("session");
+    let done = captured(&walk("normal.mp4"), &walk("camera.yaml"), &session)
+        .output()
+        .unwrap();
+    let told = format!("{}{}", stdout(&done), stderr(&done));
+    assert_eq!(done.status.code(), Some(0), "{told}");
+    assert!(told.contains("all 8 views are there"), "{told}");
+    let (list, truth) = (read_json(&session.join("session.json")), truth("normal"));
+    let photos = list["photos"].as_array().unwrap();
+    assert_eq!(photos.len(), 8);
+    for photo in photos {
+        let number = photo["frame"]["number"].as_u64().unwrap();
+        let file = session.join(photo["file"].as_str().unwrap());
+        let sidecar = read_json(&file.with_extension("capture.json"));
+        let (is, expected) = (
+            sidecar["viewpoint"]["azimuth_deg"].as_f64().unwrap(),
+            truth[number as usize]["azimuth_deg"].as_f64().unwrap(),
+        );
+        assert!(turn(expected, is).abs() < 0.1, "frame {number}: {is}, not {expected}");
+        // Still: the walk goes slowly at each side only.
+        let smeared = truth[number as usize]["blur_px"].as_f64().unwrap();
+        assert!(smeared < 1.5, "frame {number} is smeared by {smeared} px");
+        // The very frame that ffmpeg decodes.
+        let expected = folder.path().join("frame.png");
+        let select = format!("select=eq(n\\,{number})");
+        let decoded = Command::new("ffmpeg")
+            .args(["-v", "error", "-y", "-i"])
+            .arg(walk("normal.mp4"))
+            .args(["-vf", &select, "-frames:v", "1"])
+            .arg(&expected)
+            .status();
+        assert!(decoded.unwrap().success());
+        let [own, decoded] = [&file, &expected].map(|path| image::open(path).unwrap().into_rgb8());
+        let off: u64 = own
+            .iter()
+            .zip(decoded.iter())
+            .map(|(a, b)| u64::from(a.abs_diff(*b)))
+            .sum();
+        assert!(
+            off < own.len() as u64,
+            "frame {number} differs by more than a level on average"
+        );
+    }
+}
+
+#[test]
+fn a_film_that_is_no_source_is_refused_in_one_sentence_and_a_cut_one_keeps_what_was_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = folder.path().join("session");
+    let words = folder.path().join("words.mp4");
+    std::fs::write(&words, "no video").unwrap();
+    let camera = walk("camera.yaml");
+    let of_photos = home().join("calibration/skyline.yaml");
+    let missing = folder.path().join("missing.mp4");
+    for (video, camera, sentence) in [
+        (&words, &camera, "no video that is read here"),
+        (&missing, &camera, "missing.mp4"),
+        (&walk("normal.mp4"), &of_photos, "must be of its videos"),
+    ] {
+        let done = captured(video, camera, &session).output().unwrap();
+        assert_refused(&done, &[sentence]);
+        assert!(!session.exists());
+    }
+    let bytes = std::fs::read(walk("normal.mp4")).unwrap();
+    let cut = folder.path().join("cut.mp4");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let done = captured(&cut, &camera, &session).output().unwrap();
+    assert_refused(&done, &["is damaged or cut after"]);
+    let list = read_json(&session.join("session.json"));
+    assert!(!list["photos"].as_array().unwrap().is_empty(), "{list}");
 }
 
 #[test]

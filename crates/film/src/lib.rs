@@ -6,6 +6,7 @@
 //! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
 //! - [`pairs`]: the viewpoints that frames are to be pairs of;
 //! - [`keep`]: chosen frames decoded at full size, located once more the one way, and written;
+//! - [`walk`]: all of this for one video;
 //! - [`coverage`] and [`sheet`]: what was seen, chosen and refused, as pictures.
 
 pub mod choose;
@@ -16,3 +17,4 @@ pub mod look;
 pub mod motion;
 pub mod pairs;
 pub mod sheet;
+pub mod walk;

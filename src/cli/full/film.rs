@@ -1,6 +1,6 @@
 //! `scaleproof session from-video`: the best frames of a walk round the model become photos of a session.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,30 +9,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::interrupt::in_background;
+use super::interrupt::on_interrupt;
 use crate::cli::answer::told;
 use crate::cli::session::{by_variant, in_words};
 use crate::cli::sessions::{self, FolderFiles};
 use crate::cli::{CommandResult, Result};
-use scaleproof_capture::capture::{MAX_BLUR_PX, Measures, slug};
+use scaleproof_capture::capture::{Measures, open_video, slug};
 use scaleproof_core::files;
 use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_core::spelling::count;
 use scaleproof_core::statistics::upper_median;
-use scaleproof_film::choose::{Chosen, Refusal, Wish, refused};
+use scaleproof_film::choose::{Refusal, Wish, refused};
 use scaleproof_film::journal::{About, Journal};
-use scaleproof_film::keep::{KeepError, Keeper, Kept, PairDifference};
-use scaleproof_film::look::{Look, Looker};
+use scaleproof_film::keep::{KeepError, Kept, PairDifference};
+use scaleproof_film::look::Look;
 use scaleproof_film::pairs::Wanted;
+use scaleproof_film::walk::{LookError, Walk, usual_step};
 use scaleproof_film::{coverage, sheet};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
-use scaleproof_pose::tags::{TagDetectorChoice, limit_scale};
+use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::session::folders::PhotoFolder;
 use scaleproof_session::session::{NewSession, PhotoEntry, Session};
 use scaleproof_terminal::progress;
-use scaleproof_video::{Selection, Video, VideoError};
 
 /// Make photos of a video of a walk round the model: the best frames of each bin, in a session
 ///
@@ -80,9 +80,6 @@ pub(in crate::cli) struct FilmArgs {
     #[arg(long)]
     json: bool,
 }
-
-/// A walk round the model turns by less than a degree from one of so many frames a second to the next.
-const LOOKS_PER_S: f64 = 15.0;
 
 fn seconds(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s >= 0.0);
@@ -165,23 +162,19 @@ struct Pair {
 
 /// What is read before a frame is looked at.
 struct Film {
-    video: Video,
-    name: String,
-    sha256: String,
-    scene: Scene,
-    camera: Camera,
-    wanted: Wanted,
+    walk: Walk,
     files: FolderFiles,
-    /// Every so-manieth frame is looked at.
-    every: u64,
+    about: About,
 }
 
 pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult {
     let film = opened(&args)?;
-    let stopped = interrupted();
+    let stopped = Arc::new(AtomicBool::new(false));
+    let heard = stopped.clone();
+    on_interrupt(move || heard.store(true, Ordering::Relaxed));
     let had_folder = args.output.exists();
     std::fs::create_dir_all(&args.output).map_err(|e| files::FileError::write(&args.output, &e))?;
-    let journal = args.output.join(format!(".film-{}.journal", &film.sha256[..12]));
+    let journal = args.output.join(format!(".film-{}.journal", &film.about.video[..12]));
     let made = make(&args, &film, &journal, &stopped);
     if matches!(&made, Err(e) if !e.is::<Interruption>()) {
         let _ = files::remove(&journal);
@@ -207,21 +200,6 @@ struct Interruption {
     time_s: f64,
 }
 
-/// True from the first Ctrl-C on; the second ends the program at once.
-fn interrupted() -> Arc<AtomicBool> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let heard = stopped.clone();
-    in_background(async move {
-        if tokio::signal::ctrl_c().await.is_ok() {
-            heard.store(true, Ordering::Relaxed);
-            if tokio::signal::ctrl_c().await.is_ok() {
-                std::process::exit(130);
-            }
-        }
-    });
-    stopped
-}
-
 fn opened(args: &FilmArgs) -> Result<Film> {
     if args.to.is_some_and(|to| to <= args.from) {
         return Err("--to must be later than --from".into());
@@ -237,15 +215,7 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         files.or_those_of(session)?;
     }
     let (scene, camera) = (Scene::open(files.scene()?)?, Camera::open(files.camera()?)?);
-    let video = Video::open(&args.video)?;
-    camera
-        .for_photo(video.width, video.height, video.turned_deg)
-        .map_err(|e| {
-            format!(
-                "{}: {e}; videos are cropped otherwise than photos, so the camera file must be of its videos",
-                args.video.display()
-            )
-        })?;
+    let video = open_video(&args.video, &camera)?;
     let sha256 = files::sha256_of_file(&args.video)?;
     let wanted = match &session {
         Some(session) => {
@@ -254,19 +224,24 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         }
         None => Wanted::default(),
     };
-    Ok(Film {
+    let about = About {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        video: sha256.clone(),
+        scene: files::hashed(files.scene()?)?.1,
+        camera: files::hashed(files.camera()?)?.1,
+        from_s: args.from,
+        to_s: args.to,
+        every: args.every.unwrap_or_else(|| usual_step(&video)),
+    };
+    let walk = Walk {
         name: files::name_of(&args.video),
-        every: args.every.unwrap_or_else(|| {
-            let per_s = video.frames_per_s.unwrap_or(LOOKS_PER_S);
-            (per_s / LOOKS_PER_S).round().max(1.0) as u64
-        }),
         video,
         sha256,
         scene,
         camera,
         wanted,
-        files,
-    })
+    };
+    Ok(Film { walk, files, about })
 }
 
 /// Each photo counts once.
@@ -288,13 +263,8 @@ fn refuse_twice(session: &Session, args: &FilmArgs, sha256: &str) -> Result<()> 
 /// Looks, chooses, writes; the answer, and the answer in words.
 fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Answer, String)> {
     let (journal, looks) = look(args, film, journal, stopped)?;
-    let wish = Wish {
-        bins: &film.scene.bins,
-        most_blur_px: MAX_BLUR_PX * limit_scale([film.video.width, film.video.height]),
-        per_bin: args.per_bin.into(),
-        apart_s: args.apart,
-    };
-    let folder = folder_name(&slug(&args.variant), &slug(&stem(&film.name)));
+    let wish = film.walk.wish(args.per_bin.into(), args.apart);
+    let folder = folder_name(&slug(&args.variant), &slug(&stem(&film.walk.name)));
     let folder = files::free_place(&args.output.join(folder));
     let kept = keep(args, film, &looks, &wish, &folder, stopped)?;
     if kept.is_empty() {
@@ -345,74 +315,35 @@ fn nothing(args: &FilmArgs, wish: &Wish, looks: &[Look]) -> String {
 
 /// Looks at the frames that were not looked at yet.
 fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Journal, Vec<Look>)> {
-    let about = About {
-        program: env!("CARGO_PKG_VERSION").to_owned(),
-        video: film.sha256.clone(),
-        scene: files::hashed(film.files.scene()?)?.1,
-        camera: files::hashed(film.files.camera()?)?.1,
-        from_s: args.from,
-        to_s: args.to,
-        every: film.every,
-    };
-    let (mut journal, mut looks) = Journal::open(journal, &about)?;
-    if let Some(last) = looks.last() {
-        progress::announce(&format!("{} goes on after {:.1} s", film.name, last.time_s));
-    }
-    let selection = Selection {
-        from_s: looks.last().map_or(args.from, |last| last.time_s.next_up()),
-        to_s: args.to,
-        every: film.every,
-        ..Selection::default()
-    };
-    let mut looker = Looker::new(
-        &film.scene,
-        &film.camera,
-        film.video.turned_deg,
-        TagDetectorChoice::default(),
-    )?;
-    let progress = progress::frames("looking at", expected(args, film));
-    for frame in film.video.luma(&selection)? {
-        let frame = frame.map_err(|e| advised(e, !looks.is_empty()))?;
-        let look = looker.look(&frame.image, frame.number, frame.time_s);
-        journal.add(&look)?;
-        looks.push(look);
+    let walk = &film.walk;
+    let mut shown = None;
+    let looked = |looks: &[Look]| {
+        let progress = shown.get_or_insert_with(|| {
+            if let Some(last) = looks.last() {
+                progress::announce(&format!("{} goes on after {:.1} s", walk.name, last.time_s));
+            }
+            progress::frames("looking at", walk.expected(&film.about))
+        });
         progress.set_position(looks.len() as u64);
-        if stopped.load(Ordering::Relaxed) {
-            journal.flush()?;
-            return Err(Interruption { time_s: frame.time_s }.into());
-        }
+        !stopped.load(Ordering::Relaxed)
+    };
+    let (journal, looks) = walk.looks(journal, &film.about, looked).map_err(|e| match e {
+        LookError::Interrupted { time_s } => Interruption { time_s }.into(),
+        // What is before the damage can be used.
+        LookError::Video {
+            error,
+            whole_s: Some(whole_s),
+        } => format!("{error}, or use what is before with --to {whole_s:.1}").into(),
+        other => Box::<dyn std::error::Error>::from(other),
+    })?;
+    if let Some(progress) = shown {
+        progress.finish_and_clear();
     }
-    progress.finish_and_clear();
     if looks.is_empty() {
         let to = args.to.map_or(String::new(), |to| format!(" and before {to} s"));
         return Err(format!("{} has no frame after {} s{to}", args.video.display(), args.from).into());
     }
-    scaleproof_film::motion::set(&mut looks);
     Ok((journal, looks))
-}
-
-/// So much before the damage frames are surely whole, s.
-const AHEAD_S: f64 = 0.5;
-
-/// What is before the damage can be used.
-fn advised(e: VideoError, has_frames: bool) -> String {
-    match &e {
-        // ffmpeg decodes some frames ahead.
-        VideoError::Damaged { after_s, .. } if has_frames && *after_s > AHEAD_S => {
-            format!("{e}, or use what is before with --to {:.1}", after_s - AHEAD_S)
-        }
-        _ => e.to_string(),
-    }
-}
-
-/// How many frames there will be, by the header.
-fn expected(args: &FilmArgs, film: &Film) -> usize {
-    let video = &film.video;
-    let whole_s = video.duration_s.unwrap_or(0.0);
-    let seconds = args.to.unwrap_or(whole_s).min(whole_s) - args.from;
-    let all = video.frames.map(|frames| frames as f64);
-    let rate = video.frames_per_s.or_else(|| Some(all? / whole_s)).unwrap_or(0.0);
-    (seconds * rate / film.every as f64).clamp(0.0, 1e9).round() as usize
 }
 
 /// Writes the chosen frames into a folder of the session.
@@ -424,37 +355,14 @@ fn keep(
     folder: &Path,
     stopped: &AtomicBool,
 ) -> Result<Vec<Kept>> {
-    let keeper = Keeper {
-        video: &film.video,
-        hashed: (&film.name, &film.sha256),
-        scene: &film.scene,
-        camera: &film.camera,
-        detector: TagDetectorChoice::default(),
-        variant: &args.variant,
-        place: &args.place,
-        png: args.png,
-        wanted: &film.wanted.viewpoints,
-    };
-    let choose = |unfit: &BTreeSet<usize>| -> Vec<Chosen> {
-        let left = looks.iter().enumerate().map(|(at, look)| match unfit.contains(&at) {
-            true => Look {
-                shows: Err(scaleproof_film::look::Unplaced::Unsure),
-                ..*look
-            },
-            false => *look,
-        });
-        let left: Vec<Look> = left.collect();
-        match keeper.wanted {
-            [] => wish.best(&left),
-            wanted => wish.nearest(&left, wanted),
-        }
-    };
-    let progress = progress::frames("keeping", choose(&BTreeSet::new()).len());
+    let progress = progress::frames("keeping", film.walk.choose(looks, wish).len());
     let goes_on = || {
         progress.inc(1);
         !stopped.load(Ordering::Relaxed)
     };
-    let kept = keeper.write(folder, looks, choose, goes_on).map_err(|e| match e {
+    let texture = (args.variant.as_str(), args.place.as_str());
+    let kept = film.walk.keep(texture, args.png, (looks, wish), folder, goes_on);
+    let kept = kept.map_err(|e| match e {
         KeepError::Interrupted => Interruption {
             time_s: looks.last().map_or(0.0, |last| last.time_s),
         }
@@ -474,6 +382,7 @@ fn write(
     folder: &Path,
     kept: &[Kept],
 ) -> Result<(Answer, String)> {
+    let walk = &film.walk;
     let mut gathered = film.files.gather(&[PhotoFolder {
         variant: args.variant.clone(),
         place: Some(args.place.clone()),
@@ -488,7 +397,7 @@ fn write(
     let inside = files::name_of(folder);
     let beside = |ending: &str| args.output.join(format!("{inside}.{ending}"));
     let (contact_sheet, coverage) = (beside("contact.png"), beside("coverage.svg"));
-    let title = format!("{}: {}", film.name, args.variant);
+    let title = format!("{}: {}", walk.name, args.variant);
     files::replace_all_atomically(&[
         (&contact_sheet, sheet::png(kept).unwrap_or_default()),
         (&coverage, coverage::svg(&title, wish, looks, kept).into_bytes()),
@@ -510,18 +419,18 @@ fn write(
         sigma: one.sigma,
         gates: one.measures,
         pair: one.pair.map(|(place, difference)| Pair {
-            file: film.wanted.files[place].clone(),
+            file: walk.wanted.files[place].clone(),
             difference,
         }),
     });
     let refused = refused(wish, looks);
-    let video = &film.video;
+    let video = &walk.video;
     let answer = Answer {
         session: args.output.clone(),
         file: file.clone(),
         video: VideoFacts {
-            name: film.name.clone(),
-            sha256: film.sha256.clone(),
+            name: walk.name.clone(),
+            sha256: walk.sha256.clone(),
             width_px: video.width,
             height_px: video.height,
             turned_deg: video.turned_deg,
@@ -529,57 +438,22 @@ fn write(
             duration_s: video.duration_s,
             range: video.range.name(),
         },
-        every: film.every,
+        every: film.about.every,
         frames: looks.len(),
         located: looks.iter().filter(|look| look.shows.is_ok()).count(),
         fit: looks.len() - refused.values().sum::<usize>(),
         refused,
         chosen: chosen.collect(),
-        empty_bins: empty_bins(&film.scene, kept),
-        paired_with: Some(film.wanted.variant.clone()).filter(|variant| !variant.is_empty()),
-        unpaired: unpaired(&film.wanted, kept),
+        empty_bins: walk.empty_bins(kept),
+        paired_with: Some(walk.wanted.variant.clone()).filter(|variant| !variant.is_empty()),
+        unpaired: walk.unpaired(kept),
         contact_sheet,
         coverage,
-        notes: notes(film, kept),
+        notes: walk.notes(kept),
     };
     let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
     let words = words(&answer) + &in_words(&file, photos.len(), &variants, &args.output);
     Ok((answer, words))
-}
-
-fn empty_bins(scene: &Scene, kept: &[Kept]) -> Vec<Bin> {
-    let bins = &scene.bins;
-    let all = Viewpoint::combinations(&bins.azimuth_centres(), &bins.pitch_deg, &bins.distance_mm);
-    let empty = all.iter().map(|viewpoint| bins.bin_of(viewpoint));
-    empty.filter(|bin| kept.iter().all(|one| one.bin != *bin)).collect()
-}
-
-/// Photos without a pair.
-fn unpaired(wanted: &Wanted, kept: &[Kept]) -> Vec<String> {
-    let is_paired = |at: usize| kept.iter().any(|one| one.pair.is_some_and(|(place, _)| place == at));
-    let all = wanted.files.iter().enumerate();
-    all.filter(|(at, _)| !is_paired(*at))
-        .map(|(_, file)| file.clone())
-        .collect()
-}
-
-fn notes(film: &Film, kept: &[Kept]) -> Vec<String> {
-    let mut notes: Vec<String> = film.video.colour_note().into_iter().collect();
-    notes.extend(
-        film.wanted
-            .faults
-            .iter()
-            .map(|fault| format!("no pair is looked for: {fault}")),
-    );
-    let mut light: BTreeMap<&str, usize> = BTreeMap::new();
-    for advice in kept.iter().filter_map(|one| one.advice.as_deref()) {
-        *light.entry(advice).or_default() += 1;
-    }
-    let said = light
-        .iter()
-        .map(|(advice, number)| format!("{} of {}: {advice}", number, count(kept.len(), "chosen frame")));
-    notes.extend(said);
-    notes
 }
 
 fn words(answer: &Answer) -> String {

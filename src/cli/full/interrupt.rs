@@ -1,7 +1,20 @@
 //! Ctrl-C while programs of others run for this one.
 
+/// Calls something at the first Ctrl-C; the second ends the programs that run for a source, and this one.
+pub(in crate::cli) fn on_interrupt(first: impl FnOnce() + Send + 'static) {
+    in_background(async move {
+        if tokio::signal::ctrl_c().await.is_ok() {
+            first();
+            if tokio::signal::ctrl_c().await.is_ok() {
+                scaleproof_capture::capture::interrupt_programs();
+                std::process::exit(130);
+            }
+        }
+    });
+}
+
 /// Waits for signals in a thread of its own; without a runtime for that, they end the program as they always do.
-pub(super) fn in_background(waiting: impl Future<Output = ()> + Send + 'static) {
+fn in_background(waiting: impl Future<Output = ()> + Send + 'static) {
     std::thread::spawn(|| {
         if let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() {
             runtime.block_on(waiting);

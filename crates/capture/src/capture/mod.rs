@@ -5,6 +5,7 @@
 //! numbers. A tethered camera's previews go the same way, and release its shutter instead of being taken.
 
 mod advice;
+mod film;
 mod gates;
 mod guidance;
 pub mod live;
@@ -18,10 +19,9 @@ pub mod stream;
 pub mod tether;
 mod watch;
 
-use std::io::Cursor;
 use std::path::Path;
 
-use image::{GrayImage, ImageFormat};
+use image::{GrayImage, ImageFormat, RgbImage};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -29,7 +29,7 @@ use tether::camera_of_view;
 
 use scaleproof_core::files;
 use scaleproof_core::geometry::{Rigid, rigid};
-use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_photo::photo::{self, Budget, Photo};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Located;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
@@ -37,6 +37,7 @@ use scaleproof_pose::tags::SeenTag;
 use scaleproof_session::session::PhotoEntry;
 
 pub use advice::Advice;
+pub use film::{Film, open_video};
 pub use gates::{
     FrameJudgement, FrameKind, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures,
 };
@@ -272,6 +273,9 @@ impl Capture {
                 });
             }
         };
+        if let Original::Filmed { after_ms, .. } = frame.original {
+            self.judge.filmed_after(after_ms);
+        }
         let kind = match frame.purpose {
             Purpose::Preview(_) => FrameKind::Preview,
             Purpose::Photo if self.judge.is_stream() => FrameKind::Live,
@@ -329,6 +333,9 @@ impl Capture {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
             Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
+            Original::Filmed {
+                upright, turned_deg, ..
+            } => Ok((image::imageops::grayscale(upright), *turned_deg)),
             Original::Encoded(bytes) => {
                 let photo = Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
                 if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
@@ -387,6 +394,10 @@ impl Capture {
                 variant: self.variant.clone(),
                 place: Some(self.place.clone()),
                 taken: frame.taken.clone(),
+                frame: match &frame.original {
+                    Original::Filmed { frame, .. } => Some(frame.clone()),
+                    _ => None,
+                },
                 ..PhotoEntry::default()
             },
             sha256: sha256.clone(),
@@ -451,11 +462,14 @@ fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
             let is_png = image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::Png);
             Ok((bytes.clone(), if is_png { "png" } else { "jpg" }))
         }
-        Original::Pixels(rgb) => {
-            let mut bytes = Vec::new();
-            let written = rgb.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png);
-            written.map_err(|e| format!("the camera's image cannot be kept as PNG: {e}"))?;
-            Ok((bytes, "png"))
-        }
+        Original::Pixels(rgb) => png(rgb, 0),
+        Original::Filmed {
+            upright, turned_deg, ..
+        } => png(upright, *turned_deg),
     }
+}
+
+fn png(upright: &RgbImage, turned_deg: u32) -> Result<(Vec<u8>, &'static str), String> {
+    let bytes = photo::sensor_png(upright, turned_deg).ok_or("the camera's image cannot be kept as PNG")?;
+    Ok((bytes, "png"))
 }

@@ -11,7 +11,8 @@ use super::programs::locked;
 use super::stream::StreamAddress;
 use super::tether::TetherError;
 use scaleproof_core::files::FileError;
-use scaleproof_session::session::SessionError;
+use scaleproof_session::session::{SessionError, VideoFrame};
+use scaleproof_video::VideoError;
 
 /// One image of a source.
 #[derive(Debug, Clone)]
@@ -59,6 +60,15 @@ pub enum Original {
     Encoded(Vec<u8>),
     /// The pixels of a camera that gives no file, upright; kept as PNG.
     Pixels(RgbImage),
+    /// A frame of a video file; kept as PNG that lies as the sensor does.
+    Filmed {
+        upright: RgbImage,
+        /// How far the container turned the sensor's image clockwise.
+        turned_deg: u32,
+        /// How long after the last frame it is shown.
+        after_ms: u32,
+        frame: VideoFrame,
+    },
     /// None: the sentence says why.
     Unreadable(String),
 }
@@ -111,13 +121,19 @@ pub trait FrameSource {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, gphoto2 for a tethered one, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
+        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, gphoto2 for a tethered one, watch:DIR for a folder that photos arrive in, video:FILE for a film, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
     Unknown { text: String },
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
     File(#[from] FileError),
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    #[error(
+        "{video}: {reason}; videos are cropped otherwise than photos, so the camera file must be of its videos", video = video.display()
+    )]
+    OtherCamera { video: PathBuf, reason: String },
     #[error("the session in {folder} has no photo of the variant {variant}, only of {others}: replay another, or name one of these", folder = folder.display())]
     NoSuchVariant {
         folder: PathBuf,
@@ -161,6 +177,8 @@ pub enum SourceName {
     Replay(PathBuf),
     /// `watch:DIR`: photos that arrive in a folder.
     Watch(PathBuf),
+    /// `video:FILE`: a film.
+    Video(PathBuf),
     /// `camera:N`, or `camera` for the first.
     Camera(u32),
     /// `http://…` or `rtsp://…`: a camera that streams.
@@ -185,6 +203,7 @@ impl FromStr for SourceName {
             None if text == "gphoto2" => Ok(SourceName::Tethered(None)),
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
+            Some(("video", file)) if !file.is_empty() => Ok(SourceName::Video(file.into())),
             Some(("camera", number)) => number.parse().map(SourceName::Camera).map_err(|_| unknown()),
             None if text == "camera" => Ok(SourceName::Camera(0)),
             None if text == "upload" => Ok(SourceName::Upload),
@@ -198,7 +217,7 @@ impl SourceName {
     pub fn folder(&self) -> Option<&Path> {
         match self {
             SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
-            SourceName::Camera(_) | SourceName::Stream(_) | SourceName::Tethered(_) | SourceName::Upload => None,
+            _ => None,
         }
     }
 
@@ -207,6 +226,7 @@ impl SourceName {
         match self {
             SourceName::Replay(_) => "replay",
             SourceName::Watch(_) => "watched folder",
+            SourceName::Video(_) => "video",
             SourceName::Camera(_) => "camera",
             SourceName::Stream(_) => "stream",
             SourceName::Tethered(_) => "tethered camera",

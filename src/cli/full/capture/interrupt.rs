@@ -2,8 +2,8 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use crate::cli::full::interrupt::in_background;
-use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame, interrupt_programs};
+use crate::cli::full::interrupt::on_interrupt;
+use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
 
 /// What a source gave, and what its camera is set to.
 type SourceItem = Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>;
@@ -44,7 +44,7 @@ impl Interruptible {
                 }
             }
         });
-        in_background(listen(interrupt));
+        on_interrupt(move || drop(interrupt.send(InterruptEvent::Interrupted)));
         Interruptible {
             ask,
             events,
@@ -73,16 +73,5 @@ impl Interruptible {
     /// Whether Ctrl-C ended it.
     pub(super) fn was_interrupted(&self) -> bool {
         self.was_interrupted
-    }
-}
-
-/// Waits for Ctrl-C.
-async fn listen(events: Sender<InterruptEvent>) {
-    if tokio::signal::ctrl_c().await.is_ok() {
-        let _ = events.send(InterruptEvent::Interrupted);
-        if tokio::signal::ctrl_c().await.is_ok() {
-            interrupt_programs();
-            std::process::exit(130);
-        }
     }
 }
