@@ -1,6 +1,6 @@
-"""Trains on the scenes of a folder: `python train.py SCENES STATE.pt [STEPS]`. Stopped, it goes on from STATE.pt; STATE.onnx is the best so far.
+"""Trains on the scenes of a folder: `python train.py SCENES STATE.pt [STEPS]`. Stopped, it goes on from STATE.pt; at its end it writes STATE.onnx.
 
-`python train.py SCENES STATE.pt export [SIDE]` only writes STATE.onnx.
+`python train.py SCENES STATE.pt export [SIDE]` only writes STATE.onnx, for images of SIDE pixels.
 """
 
 import copy
@@ -179,7 +179,7 @@ def loss_of(grids, truth, side):
 
 def main():
     folder, path = Path(sys.argv[1]), Path(sys.argv[2])
-    steps = int(sys.argv[3]) if len(sys.argv) > 3 and sys.argv[3] != "export" else 6000
+    steps = int(sys.argv[3]) if len(sys.argv) > 3 and sys.argv[3] != "export" else 4000
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     torch.manual_seed(46)
