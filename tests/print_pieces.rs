@@ -654,3 +654,54 @@ fn panels_take_a_texture() {
     );
     assert!((blue[0] - red[1]).abs() < 0.15 && (red[1] - red[0] - 42.0).abs() < 0.15);
 }
+
+/// A binary STL of a box whose faces are cut into `cuts` × `cuts` × 2 triangles each.
+fn finely_cut_box(size_mm: [f32; 3], cuts: usize) -> Vec<u8> {
+    let mut bytes = vec![b'.'; 80];
+    bytes.extend((12 * cuts as u32 * cuts as u32).to_le_bytes());
+    let mut triangle = |corners: [[f32; 3]; 3]| {
+        bytes.extend([0; 12]);
+        bytes.extend(corners.iter().flatten().flat_map(|c| c.to_le_bytes()));
+        bytes.extend([0; 2]);
+    };
+    for (axis, end) in (0..3).flat_map(|axis| [(axis, 0.0), (axis, 1.0)]) {
+        let place = |i: usize, j: usize| {
+            let mut at = [end; 3];
+            [at[(axis + 1) % 3], at[(axis + 2) % 3]] = [i, j].map(|n| n as f32 / cuts as f32);
+            std::array::from_fn(|k| at[k] * size_mm[k])
+        };
+        for (i, j) in (0..cuts).flat_map(|i| (0..cuts).map(move |j| (i, j))) {
+            let [a, b, c, d] = [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)];
+            // Counter-clockwise seen from outside.
+            let halves = if end > 0.0 {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, c, b], [a, d, c]]
+            };
+            halves.into_iter().for_each(&mut triangle);
+        }
+    }
+    bytes
+}
+
+#[test]
+fn a_scan_is_simplified_and_keeps_its_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, pattern, pdf] = ["scan.stl", "p.png", "scan.pdf"].map(|name| folder.path().join(name));
+    std::fs::write(&mesh, finely_cut_box([240.0, 100.0, 60.0], 53)).unwrap();
+    std::fs::write(&pattern, Pattern::random(4, 1).unwrap().to_png().unwrap()).unwrap();
+    let [mesh, pattern, pdf] = [&mesh, &pattern, &pdf].map(|path| path.display());
+    let output = scaleproof(&format!(
+        "print wrap --mesh {mesh} --mesh-front +x --mesh-up +z --length-mm 240 --pattern {pattern} --tile-mm 40 --json -o {pdf}"
+    ));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("33708 triangles of the mesh were simplified to 11"),
+        "{said}"
+    );
+    // All but the floor, which cannot be seen: 240 × 100 + 2 × 60 × (240 + 100) mm².
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let surface = answer["surface_mm2"].as_f64().unwrap();
+    assert!((surface / 64_800.0 - 1.0).abs() < 1e-3, "{surface} mm²");
+}

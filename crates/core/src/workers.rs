@@ -72,7 +72,7 @@ pub fn map_over<T: Sync, S, R: Send, E: Send>(
     };
     std::thread::scope(|scope| {
         let threads: Vec<_> = (0..threads.clamp(1, items.len().max(1)))
-            .map(|_| scope.spawn(&run))
+            .map(|_| scope.spawn(run))
             .collect();
         for thread in threads {
             // Also what an interrupted one unwinds with.
