@@ -566,7 +566,7 @@ fn shells_complete_names_and_not_files() {
         format!("COMP_WORDS=(scaleproof capture --source \"$1\")\nCOMP_CWORD=3\n{script}{ask}"),
     );
     for (typed, names) in [
-        ("", "camera gphoto2 http:// rtsp:// watch: replay: upload"),
+        ("", "camera gphoto2 http:// rtsp:// watch: video: replay: upload"),
         ("re", "replay:"),
     ] {
         let output = std::process::Command::new("bash")
@@ -579,7 +579,7 @@ fn shells_complete_names_and_not_files() {
     for (shell, words) in [
         (
             "zsh",
-            "SOURCE:(camera gphoto2 http\\:// rtsp\\:// watch\\: replay\\: upload)",
+            "SOURCE:(camera gphoto2 http\\:// rtsp\\:// watch\\: video\\: replay\\: upload)",
         ),
         (
             "fish",

@@ -72,12 +72,12 @@ impl FrameSource for Film {
             upright: frame.image,
             turned_deg: self.turned_deg,
             after_ms: (1000.0 * after_s).round() as u32,
-            frame: VideoFrame {
+            frame: Box::new(VideoFrame {
                 video: self.name.clone(),
                 sha256: self.sha256.clone(),
                 number: frame.number,
                 time_s: frame.time_s,
-            },
+            }),
         };
         Ok(Some(SourceFrame::untimed(name, original)))
     }

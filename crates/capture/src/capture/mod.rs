@@ -285,7 +285,12 @@ impl Capture {
         let camera = of_view.as_ref().unwrap_or(&self.camera);
         let mut judgement = self.judge.judge_as(kind, &luma, turned_deg, camera, &self.guidance);
         let is_by_hand = taking == Taking::ByHand || matches!(frame.purpose, Purpose::Released { is_by_hand: true });
-        let held = self.hold(&judgement.verdict, kind, taking);
+        // Nobody holds still for a film, and the frame that is judged is the one that is kept.
+        let is_filmed = matches!(frame.original, Original::Filmed { .. });
+        let held = match &judgement.verdict {
+            Ok(_) if is_filmed => Ok(()),
+            verdict => self.hold(verdict, kind, taking),
+        };
         if kind == FrameKind::Live && (is_by_hand || held.is_ok()) {
             let (camera, guidance) = (&self.camera, &self.guidance);
             judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
@@ -395,7 +400,7 @@ impl Capture {
                 place: Some(self.place.clone()),
                 taken: frame.taken.clone(),
                 frame: match &frame.original {
-                    Original::Filmed { frame, .. } => Some(frame.clone()),
+                    Original::Filmed { frame, .. } => Some((**frame).clone()),
                     _ => None,
                 },
                 ..PhotoEntry::default()

@@ -67,7 +67,7 @@ pub enum Original {
         turned_deg: u32,
         /// How long after the last frame it is shown.
         after_ms: u32,
-        frame: VideoFrame,
+        frame: Box<VideoFrame>,
     },
     /// None: the sentence says why.
     Unreadable(String),
