@@ -583,7 +583,7 @@ fn shells_complete_names_and_not_files() {
         ),
         (
             "fish",
-            "-r -f -a \"camera\\t''\ngphoto2\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nreplay:\\t''\nupload\\t''\"",
+            "-r -f -a \"camera\\t''\ngphoto2\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nvideo:\\t''\nreplay:\\t''\nupload\\t''\"",
         ),
     ] {
         let script = stdout(&run(&["completions", shell]));
