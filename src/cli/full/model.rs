@@ -73,6 +73,12 @@ impl Model {
         format!("a model of {length:.0} × {width:.0} × {height:.0} mm")
     }
 
+    /// Whether this is the mesh's own file.
+    pub(super) fn is_of_file(&self, path: &Path) -> bool {
+        let own = self.file.as_deref();
+        own.is_some_and(|own| own == path || scaleproof_core::files::is_same(own, path))
+    }
+
     /// Leaves out triangles of a scan, which has more of them than pieces need, where the surface stays the same for scissors and paper.
     pub(super) fn simplify(&mut self, keep_coordinates: bool) {
         let painted = self.mesh.painted(&self.materials).count();

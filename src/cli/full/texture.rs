@@ -45,13 +45,7 @@ impl TextureArgs {
 
     /// Whether the texture belongs to the triangles of the model as its file has them.
     pub(super) fn is_of_triangles(&self, model: &Model) -> bool {
-        let is_own = |mesh: &Path| {
-            model
-                .file
-                .as_ref()
-                .is_some_and(|file| file == mesh || files::is_same(file, mesh))
-        };
-        let is_of_triangles = |path: &Path| extension(path) == "npy" || (is_mesh(path) && !is_own(path));
+        let is_of_triangles = |path: &Path| extension(path) == "npy" || (is_mesh(path) && !model.is_of_file(path));
         self.texture.as_deref().is_some_and(is_of_triangles)
     }
 
@@ -129,11 +123,7 @@ fn refuse_repeated(path: &Path) -> Result<(), String> {
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.
 fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped> {
-    if model
-        .file
-        .as_ref()
-        .is_some_and(|file| file == path || files::is_same(file, path))
-    {
+    if model.is_of_file(path) {
         return Ok(MappedImages::from_mesh(&model.mesh, &model.materials)?);
     }
     let textured = Mesh::load(path, &MeshPlacement::default())?;
