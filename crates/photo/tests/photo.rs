@@ -16,7 +16,5 @@ mod jpeg;
 mod luma;
 #[path = "photo/perceptual.rs"]
 mod perceptual;
-#[path = "photo/resample.rs"]
-mod resample;
 #[path = "photo/sizes.rs"]
 mod sizes;

@@ -110,7 +110,7 @@ fn linear(from: usize, to: usize) -> Vec<Tap> {
     (0..to).map(tap).collect()
 }
 
-/// A triangle as wide as an output pixel where the image is reduced, as Pillow has it.
+/// A triangle as wide as an output pixel where the image is reduced, as PIL and `fast_image_resize` have it.
 fn antialiased(from: usize, to: usize) -> Vec<Tap> {
     let scale = from as f64 / to as f64;
     let support = scale.max(1.0);
