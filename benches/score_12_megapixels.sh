@@ -25,7 +25,7 @@ for photo in session["photos"]:
     for copy in range(copies):
         name = f"{copy:02}_{photo['file']}"
         (folder / "tags" / name).write_bytes(jpeg + str(copy).encode())
-        photos.append({**photo, "file": name})
+        photos.append({**photo, "file": name, "place": f"place {copy}"})  # of one place they would count once
 for name in ["scene.toml", "camera.yaml"]:
     shutil.copy(source / name, folder / "tags" / name)
 (folder / "tags" / "session.json").write_text(json.dumps({**session, "photos": photos}))

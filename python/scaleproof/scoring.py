@@ -66,15 +66,15 @@ class _Function:
         self.files = [_hashed(file) for file in detector.files]
         self.is_deterministic, self.batch = bool(detector.deterministic), detector.batch
 
-    def call(self, photos: list[tuple[bytes, str, int, int]]) -> list[list[tuple[str | int, float, list[float]]]]:
-        images = [numpy.frombuffer(data, numpy.uint8).reshape(height, width, 3) for data, _, width, height in photos]
+    def call(self, photos: list[tuple[Any, str]]) -> list[list[tuple[str | int, float, list[float]]]]:
+        images = [numpy.asarray(pixels) for pixels, _ in photos]
         answers = self._function(images)
         if answers is None or isinstance(answers, (dict, str)):
             raise Error(f"{self.name} returned {type(answers).__name__}: return a list of boxes for each image, [] for none")
         answers = list(answers)
         if len(answers) != len(photos):
             raise Error(f"{self.name} returned {len(answers)} lists of boxes for {len(photos)} images: return one for each")
-        return [[self._plain(found, file) for found in self._boxes(boxes, file)] for boxes, (_, file, *_) in zip(answers, photos)]
+        return [[self._plain(found, file) for found in self._boxes(boxes, file)] for boxes, (_, file) in zip(answers, photos)]
 
     def _boxes(self, boxes: Any, file: str) -> Any:
         if boxes is None or isinstance(boxes, (dict, str)):

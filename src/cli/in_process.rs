@@ -122,6 +122,8 @@ fn score_with(args: Scoring, functions: Vec<CalledDetector>, watch: &Watch) -> R
     let criteria = args.judging.reading.criteria()?;
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.detectors.recorded)?;
+    // Photos that wait for a function hold a thread each.
+    let ahead = usize::from(!functions.is_empty());
     let named = &args.detectors;
     let are_all_given = named.names.is_empty() && !named.recorded && !named.results.are_given();
     let mut detectors = if are_all_given && !functions.is_empty() {
@@ -136,10 +138,13 @@ fn score_with(args: Scoring, functions: Vec<CalledDetector>, watch: &Watch) -> R
     at_hand::check_names(detectors.iter().map(|d| d.manifest.name.as_str()))?;
     args.judging.tables.check(&opened.sessions)?;
     let patterns = args.judging.patterns.of(&opened.sessions)?;
-    let options = score::Options {
+    let mut options = score::Options {
         stop: Arc::clone(&watch.stop),
         ..args.effort.options(&detectors)?
     };
+    if options.threads > 1 {
+        options.threads += ahead;
+    }
     (watch.begins)(opened.sessions.iter().map(|session| session.photos.len()).sum());
     let sets: Vec<_> = opened.sessions.iter().filter_map(score::SessionFiles::new).collect();
     let scores = score::score(opened.sessions, detectors, &options, watch.on_photo);

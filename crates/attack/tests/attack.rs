@@ -4,10 +4,8 @@ use scaleproof_testing as common;
 
 #[path = "attack/adam.rs"]
 mod adam;
-#[cfg(feature = "attack")]
 #[path = "attack/attack_onnx.rs"]
 mod attack_onnx;
-#[cfg(feature = "attack")]
 #[path = "attack/attack_onnx_exact.rs"]
 mod attack_onnx_exact;
 #[path = "attack/difficulty.rs"]

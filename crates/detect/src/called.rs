@@ -1,6 +1,7 @@
 //! Detectors that are functions of the process that uses this library, such as a function of Python.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use image::RgbImage;
 
@@ -15,7 +16,7 @@ pub trait Callee: Debug + Send + Sync {
     ///
     /// # Errors
     /// Why there is no answer, as the end of a sentence that begins with the detector's name.
-    fn find(&self, file: &str, image: &RgbImage) -> Result<Vec<FoundBox>, String>;
+    fn find(&self, file: &str, image: &Arc<RgbImage>) -> Result<Vec<FoundBox>, String>;
 }
 
 /// A detector that is a function.
@@ -39,7 +40,7 @@ impl CalledDetector {
     ///
     /// # Errors
     /// The function failed, or its boxes cannot be trusted: no photo is looked at any more.
-    pub fn detect(&self, file: &str, image: &RgbImage) -> Result<Vec<Detection>, ProgramError> {
+    pub fn detect(&self, file: &str, image: &Arc<RgbImage>) -> Result<Vec<Detection>, ProgramError> {
         let detector = || self.card.name.clone();
         let found = self.callee.find(file, image).map_err(|how| ProgramError::Called {
             detector: detector(),

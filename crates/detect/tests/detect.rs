@@ -10,7 +10,6 @@ mod darknet;
 mod detection;
 #[path = "detect/detector_heads.rs"]
 mod detector_heads;
-#[cfg(feature = "full")]
 #[path = "detect/download.rs"]
 mod download;
 #[path = "detect/exported.rs"]

@@ -4,6 +4,5 @@
 mod blender;
 #[path = "frames/contrast.rs"]
 mod contrast;
-#[cfg(feature = "attack")]
 #[path = "frames/training.rs"]
 mod training;

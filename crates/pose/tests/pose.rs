@@ -42,7 +42,6 @@ mod tags_homography;
 mod tags_image;
 #[path = "pose/tags_inset.rs"]
 mod tags_inset;
-#[cfg(feature = "full")]
 #[path = "pose/tags_markers.rs"]
 mod tags_markers;
 #[path = "pose/tags_search.rs"]

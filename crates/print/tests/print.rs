@@ -1,6 +1,5 @@
 //! The tests of this crate, linked once.
 
-#[cfg(feature = "full")]
 #[path = "print/board.rs"]
 mod board;
 #[path = "print/colour_chart_layout.rs"]

@@ -1,12 +1,13 @@
 //! A function of Python as a detector: photos that are looked at in several threads reach it in batches, in the thread that started the run.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender};
 
 use image::RgbImage;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::PyDict;
 use scaleproof_detect::{CalledDetector, Callee, ForeignCard, ForeignKind, FoundBox, FoundLabel};
 
 use crate::watched::Event;
@@ -15,7 +16,7 @@ use crate::{Error, refused};
 /// A function of Python and what is known of it, as `scaleproof.Detector` hands it over.
 #[derive(FromPyObject)]
 pub struct Function {
-    /// Takes a list of (bytes, file, width, height), gives for each a list of (label, confidence, box).
+    /// Takes a list of (pixels, file), gives for each a list of (label, confidence, box).
     call: Py<PyAny>,
     name: String,
     title: String,
@@ -33,9 +34,8 @@ pub struct Function {
 #[derive(Debug)]
 pub struct Asked {
     function: usize,
-    pixels: Py<PyBytes>,
+    image: Arc<RgbImage>,
     file: String,
-    size: (u32, u32),
     reply: Sender<Result<Vec<FoundBox>, String>>,
 }
 
@@ -47,13 +47,12 @@ struct Asking {
 }
 
 impl Callee for Asking {
-    fn find(&self, file: &str, image: &RgbImage) -> Result<Vec<FoundBox>, String> {
+    fn find(&self, file: &str, image: &Arc<RgbImage>) -> Result<Vec<FoundBox>, String> {
         let (reply, answer) = mpsc::channel();
         let asked = Asked {
             function: self.function,
-            pixels: Python::attach(|py| PyBytes::new(py, image.as_raw()).unbind()),
+            image: Arc::clone(image),
             file: file.to_owned(),
-            size: image.dimensions(),
             reply,
         };
         let is_over = || format!("was not asked about {file}: the run is over");
@@ -87,6 +86,25 @@ impl Function {
         };
         let (function, to) = (number, to.clone());
         Ok(CalledDetector::new(card, Box::new(Asking { function, to })))
+    }
+}
+
+/// An image as NumPy takes it, not copied: the array keeps it.
+#[pyclass(frozen)]
+struct Pixels(Arc<RgbImage>);
+
+#[pymethods]
+impl Pixels {
+    /// Height × width × 3 bytes, read-only, as NumPy's array interface describes memory (version 3).
+    #[getter]
+    fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (width, height) = self.0.dimensions();
+        let interface = PyDict::new(py);
+        interface.set_item("version", 3)?;
+        interface.set_item("shape", (height, width, 3))?;
+        interface.set_item("typestr", "|u1")?;
+        interface.set_item("data", (self.0.as_ptr().expose_provenance(), true))?;
+        Ok(interface)
     }
 }
 
@@ -125,7 +143,7 @@ pub fn answer(py: Python<'_>, functions: &[Function], first: Asked, waiting: &Re
 fn call(py: Python<'_>, function: &Function, batch: Vec<Asked>) -> PyResult<()> {
     let photos: Vec<_> = batch
         .iter()
-        .map(|asked| (asked.pixels.bind(py), asked.file.as_str(), asked.size.0, asked.size.1))
+        .map(|asked| (Pixels(Arc::clone(&asked.image)), asked.file.as_str()))
         .collect();
     let answers = function
         .call

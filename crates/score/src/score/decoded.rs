@@ -1,5 +1,7 @@
 //! The colours of a photo, decoded as large as somebody needs them.
 
+use std::sync::Arc;
+
 use image::RgbImage;
 
 use scaleproof_core::workers::stopwatch::{Stage, timed};
@@ -9,7 +11,7 @@ use scaleproof_photo::photo::{Photo, PhotoError};
 pub(super) struct DecodedPhoto<'a> {
     pub file: &'a Photo,
     /// Each with the factor by which it is reduced.
-    images: Vec<(u32, RgbImage)>,
+    images: Vec<(u32, Arc<RgbImage>)>,
 }
 
 impl DecodedPhoto<'_> {
@@ -22,13 +24,13 @@ impl DecodedPhoto<'_> {
 
     /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
     /// image whichever others take part.
-    pub(super) fn at_least(&mut self, least: [u32; 2]) -> Result<&RgbImage, PhotoError> {
+    pub(super) fn at_least(&mut self, least: [u32; 2]) -> Result<&Arc<RgbImage>, PhotoError> {
         let reduction = self.file.reduction(least);
         let at = match self.images.iter().position(|(r, _)| *r == reduction) {
             Some(at) => at,
             None => {
                 let image = timed(Stage::Colour, || self.file.rgb(reduction))?;
-                self.images.push((reduction, image));
+                self.images.push((reduction, Arc::new(image)));
                 self.images.len() - 1
             }
         };

@@ -389,7 +389,7 @@ impl<'a> Observer<'a> {
                 path: &job.session.photo_path(job.entry),
                 file: &job.entry.file,
                 size,
-                pixels,
+                pixels: pixels.map(Arc::as_ref),
             })?)
         })?;
         program.remember(&sha256, &found);

@@ -17,7 +17,7 @@ impl Coefficients {
     pub(in crate::photo) fn luma(&self, reduction: u32, orientation: Orientation) -> GrayImage {
         let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
         self.rows(&self.components[..1], reduction, |y, width, rows| {
-            canvas.put(y, &rows[0][..width]);
+            canvas.fill(y, width, |row| row.copy_from_slice(&rows[0][..width]));
         });
         let [width, height] = canvas.upright;
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels).unwrap_or_default()
@@ -51,7 +51,8 @@ impl Coefficients {
             transform.fill(component, first + columns.start..first + columns.end, &mut strip);
             for (y, line) in (8 * row..).zip(strip.chunks_exact(8 * columns.len())) {
                 if (start[1]..start[1] + size[1]).contains(&y) {
-                    canvas.put(y - start[1], &line[start[0] - 8 * columns.start..][..size[0]]);
+                    let part = &line[start[0] - 8 * columns.start..][..size[0]];
+                    canvas.fill(y - start[1], size[0], |row| row.copy_from_slice(part));
                 }
             }
         }
@@ -62,17 +63,14 @@ impl Coefficients {
     /// Colours upright, at 1/`reduction` of the size; a rest is left out.
     pub(in crate::photo) fn rgb(&self, reduction: u32, orientation: Orientation) -> RgbImage {
         let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
-        let mut row = Vec::new();
         self.rows(&self.components, reduction, |y, width, rows| {
-            row.resize(width, [0; 3]);
-            match (self.colours, rows) {
-                (Colours::YCbCr, [y, cb, cr]) => colour::from_ycbcr([y, cb, cr], &mut row),
-                (Colours::Rgb, [r, g, b]) => colour::together([r, g, b], &mut row),
-                (Colours::Cmyk, [c, m, y, k]) => colour::from_cmyk([c, m, y], k, &mut row),
-                (Colours::Ycck, [y, cb, cr, k]) => colour::from_ycck([y, cb, cr], k, &mut row),
-                (_, rows) => colour::together([rows[0]; 3], &mut row),
-            }
-            canvas.put(y, &row);
+            canvas.fill(y, width, |row| match (self.colours, rows) {
+                (Colours::YCbCr, [y, cb, cr]) => colour::from_ycbcr([y, cb, cr], row),
+                (Colours::Rgb, [r, g, b]) => colour::together([r, g, b], row),
+                (Colours::Cmyk, [c, m, y, k]) => colour::from_cmyk([c, m, y], k, row),
+                (Colours::Ycck, [y, cb, cr, k]) => colour::from_ycck([y, cb, cr], k, row),
+                (_, rows) => colour::together([rows[0]; 3], row),
+            });
         });
         let [width, height] = canvas.upright;
         RgbImage::from_raw(width as u32, height as u32, canvas.pixels.into_flattened()).unwrap_or_default()
@@ -109,6 +107,8 @@ struct Canvas<P> {
     start: isize,
     /// From a stored pixel to the next one across and down.
     step: [isize; 2],
+    /// A stored row that is turned on its way.
+    row: Vec<P>,
 }
 
 impl<P: Copy + Default> Canvas<P> {
@@ -123,16 +123,19 @@ impl<P: Copy + Default> Canvas<P> {
             upright,
             start: (0..2).filter(|i| from_end[*i]).map(|i| ends[i]).sum(),
             step: if swaps { [steps[1], steps[0]] } else { steps },
+            row: Vec::new(),
         }
     }
 
-    fn put(&mut self, y: usize, row: &[P]) {
+    /// Has a stored row made, in place where it is not turned.
+    fn fill(&mut self, y: usize, width: usize, make: impl FnOnce(&mut [P])) {
         let first = self.start + y as isize * self.step[1];
         if self.step[0] == 1 {
-            self.pixels[first as usize..][..row.len()].copy_from_slice(row);
-            return;
+            return make(&mut self.pixels[first as usize..][..width]);
         }
-        for (x, pixel) in row.iter().enumerate() {
+        self.row.resize(width, P::default());
+        make(&mut self.row);
+        for (x, pixel) in self.row.iter().enumerate() {
             self.pixels[(first + x as isize * self.step[0]) as usize] = *pixel;
         }
     }
