@@ -59,7 +59,7 @@ for shell in bash zsh fish; do
   "$folder/scaleproof" completions "$shell" > "$folder/completions/scaleproof.$shell"
 done
 # What belongs to the project, and not what else lies in its folders.
-parts=(captures calibration docs print_templates crates/detect/src/manifests ARCHITECTURE.md CHANGELOG.md)
+parts=(captures calibration detectors docs print_templates crates/detect/src/manifests ARCHITECTURE.md CHANGELOG.md)
 { git -c safe.directory='*' ls-files -z "${parts[@]}" 2>/dev/null || find "${parts[@]}" -type f -print0; } | tar -c --null -T - | tar -x -C "$folder"
 { sed -n 1p README.md; printf '\n(This is the unpacked archive: type `./scaleproof` wherever this page and the guide have `./run`.)\n'; sed 1d README.md; } > "$folder/README.md"
 

@@ -30,8 +30,8 @@ say "libraries and licences"
 carry_libraries "$module" "$package/libs" "$licences" '^lib(stdc\+\+|gcc_s|z)\.so'
 find "$package/libs" -type f -exec strip --strip-unneeded {} +
 carry_licences "$licences" -p scaleproof-python "$@"
-# The session of `scaleproof demo`, and the calibration boards.
-{ git -c safe.directory='*' ls-files -z captures/skyline calibration 2>/dev/null || find captures/skyline calibration -type f -print0; } |
+# The session and the detector of `scaleproof demo`, and the calibration boards.
+{ git -c safe.directory='*' ls-files -z captures/skyline calibration detectors 2>/dev/null || find captures/skyline calibration detectors -type f -print0; } |
   tar -c --null -T - | tar -x -C "$package/share"
 
 python3 python/pack.py "$work" "$version" "$home/out/wheel"

@@ -44,7 +44,7 @@ fn assert_complete(text: &str, out: &Path) {
 }
 
 #[test]
-fn without_weights_and_network_it_says_that_it_plays_back() {
+fn without_weights_and_network_it_plays_back_and_runs_the_project_s_own_detector() {
     let out = tempfile::tempdir().unwrap();
     let mut command = program();
     command.env("XDG_CACHE_HOME", out.path().join("cache"));
@@ -63,7 +63,25 @@ fn without_weights_and_network_it_says_that_it_plays_back() {
         "{text}"
     );
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
-    assert!(page.contains("Recorded detections: no detector ran for this report"));
+    assert!(page.contains("Recorded detections: these did not run for this report"));
+    assert!(text.contains("running: scaleproof_car"), "{text}");
+    let row = text.lines().find(|line| line.starts_with("scaleproof_car")).unwrap();
+    assert!(
+        row.contains("8/8 (100 %)"),
+        "all plain cars of the stored session are found: {row}"
+    );
+    let summary = read_json(&out.path().join("summary.json"));
+    let sources: Vec<_> = summary["provenance"]["detectors"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| &d["source"])
+        .collect();
+    assert_eq!(
+        sources.iter().filter(|source| **source == "live").count(),
+        1,
+        "{sources:?}"
+    );
 }
 
 #[test]
@@ -74,6 +92,8 @@ fn without_onnx_runtime_it_plays_back_too() {
     let text = demo(&mut command, out.path());
     assert_complete(&text, out.path());
     assert!(text.contains("because ONNX Runtime was not found"), "{text}");
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert!(page.contains("Recorded detections: no detector ran for this report"));
 }
 
 /// The stored session is found, and ONNX Runtime is looked for where nothing names it.
@@ -134,4 +154,25 @@ fn with_weights_it_runs_the_detectors() {
             .unwrap()
             .contains("onnxruntime")
     );
+}
+
+/// The whole way from stored frames to a lower score runs with nothing but the clone.
+#[test]
+fn the_attack_s_demo_runs_the_project_s_own_detector_where_no_weights_are() {
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command.env("XDG_CACHE_HOME", out.path().join("cache"));
+    let output = command.args(["attack", "demo", "-o"]).arg(out.path()).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(
+        text.contains("scaleproof_car.toml looks at the held-out views"),
+        "{text}"
+    );
+    let confidence = |pattern: &str| -> f64 {
+        let row = text.lines().find(|line| line.starts_with(pattern)).unwrap();
+        row.split_whitespace().last().unwrap().parse().unwrap()
+    };
+    let [random, attack] = ["random", "attack"].map(confidence);
+    assert!(attack < random - 0.1, "{text}");
 }

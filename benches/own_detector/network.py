@@ -84,6 +84,14 @@ def fold(network):
     return network
 
 
+#: What the score's logit loses on export: then at most one scene in ten without a car has a false detection of 0.5, as measured on scenes of another
+#: seed than those of measure.py. The order of detections, and so AP, stays.
+CAUTION = 0.85
+
+
 def export(network, side, path):
     network = fold(network.eval())
+    with torch.no_grad():
+        for out in network.out:
+            out.bias[4] -= CAUTION
     torch.onnx.export(Exported(network, side), (torch.zeros(1, 3, side, side),), path, input_names=["images"], output_names=["output0"], opset_version=13, dynamo=False)

@@ -20,7 +20,8 @@ use scaleproof_surface::pattern::Pattern;
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.
 ///
-/// Missing weights are fetched; without a network the detections recorded with the session are scored instead.
+/// Missing weights are fetched; without a network the detections recorded with the session are scored instead, beside the project's own small
+/// detector, which runs.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// Folder for the template, the poses and the report
@@ -122,7 +123,12 @@ pub(super) fn home() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")))
 }
 
-/// Every detector: live where its weights are here or can be fetched, else from the session's recordings.
+/// The detector of this project, which lies beside the stored photos: for trying things, no evidence.
+pub(super) fn own_detector() -> PathBuf {
+    home().join("detectors/scaleproof_car.toml")
+}
+
+/// Every detector: live where its weights are here or can be fetched, else from the session's recordings, and then the project's own runs beside them.
 fn detectors(session: &Session, folders: &WeightFolders, out: &mut dyn Write) -> Result<Vec<EvaluatedDetector>> {
     let class = &session.scene.model.class;
     let mut why_not = Runtime::load().err().map(|e| advice::sentence(&e));
@@ -155,6 +161,15 @@ fn detectors(session: &Session, folders: &WeightFolders, out: &mut dyn Write) ->
             out,
             "scored from RECORDED detections, not by running them: {names}\nbecause {why}"
         )?;
+        if Runtime::load().is_ok() {
+            let own = EvaluatedDetector::live(Manifest::open(&own_detector())?, folders, class)?;
+            writeln!(
+                out,
+                "running: {}, the project's own, for trying things",
+                own.manifest.name
+            )?;
+            detectors.push(own);
+        }
     }
     Ok(detectors)
 }

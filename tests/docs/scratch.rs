@@ -10,7 +10,7 @@ use super::shell::{Kind, kind, script};
 use crate::common;
 
 /// What commands of the documentation read.
-const COPIED: [&str; 3] = ["captures", "calibration", "print_templates"];
+const COPIED: [&str; 4] = ["captures", "calibration", "detectors", "print_templates"];
 /// No command of a page takes that long; one that waits for somebody would wait for ever.
 const AT_MOST: Duration = Duration::from_secs(120);
 

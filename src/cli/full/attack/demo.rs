@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::device::OnDevice;
 use super::on_frames::{Looking, OnFrames};
 use super::run::{METHOD, optimise};
-use crate::cli::demo::{home, print_template};
+use crate::cli::demo::{home, own_detector, print_template};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
 use crate::cli::{CommandResult, Outcome, Result};
@@ -15,6 +15,7 @@ use scaleproof_attack::run::judge::judge;
 use scaleproof_attack::run::view_set::TextureMapping;
 use scaleproof_attack::run::{AttackConfig, Rgb, of_pattern, srgb};
 use scaleproof_attack::setup::Setup;
+use scaleproof_detect::Manifest;
 use scaleproof_surface::pattern::Pattern;
 
 const FRAMES: &str = "captures/skyline_attack";
@@ -24,6 +25,8 @@ const TILE_MM: f64 = 240.0;
 
 /// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
 /// minutes on two cores
+///
+/// Without YOLOX-Nano's weights the pattern is made against the project's own small detector.
 #[derive(clap::Args)]
 pub(in crate::cli) struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template
@@ -34,10 +37,11 @@ pub(in crate::cli) struct DemoArgs {
 }
 
 pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
+    let detector = detector(&args.folder)?;
     let on = OnFrames {
         looking: Looking {
             frames: vec![home().join(FRAMES)],
-            detector: vec![DETECTOR.to_owned()],
+            detector: vec![detector.clone()],
             folder: args.folder.clone(),
             programs: Programs::default(),
             class: "car".parse()?,
@@ -54,10 +58,11 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,
-        "1. {views} views of the model become a pattern against {DETECTOR}; {held_out} are held out"
+        "1. {views} views of the model become a pattern against {detector}; {held_out} are held out"
     )?;
     let config = setup.named(AttackConfig {
-        steps: 60,
+        // The project's own detector is quick, and used to patterns.
+        steps: if detector == DETECTOR { 60 } else { 240 },
         batch: 5,
         learning_rate: 0.05,
         floor: 0.001,
@@ -75,7 +80,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         &args.output.join("template.pdf"),
         out,
     )?;
-    writeln!(out, "\n3. {DETECTOR} looks at the held-out views")?;
+    writeln!(out, "\n3. {detector} looks at the held-out views")?;
     table(&setup, &cells, out)?;
     writeln!(
         out,
@@ -84,6 +89,17 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         png.display()
     )?;
     Ok(Outcome::Done)
+}
+
+/// YOLOX-Nano where its weights are here, else the project's own detector.
+fn detector(folder: &Folder) -> Result<String> {
+    let manifest = Manifest::named(DETECTOR)?;
+    let is_here = folder.folders()?.find(&manifest).is_some();
+    Ok(if is_here {
+        DETECTOR.to_owned()
+    } else {
+        own_detector().display().to_string()
+    })
 }
 
 /// The pattern beside a grey model and a random pattern.

@@ -121,11 +121,16 @@ fn recorded_banner(scores: &Scores) -> Markup {
         detectors.map(|c| c.manifest.title.as_str()).collect()
     };
     let recorded = titles(&EvaluatedDetector::is_recorded);
+    let did_not_run = if recorded.len() == scores.detectors.len() {
+        "no detector ran"
+    } else {
+        "these did not run"
+    };
     let results = titles(&|c| c.foreign().is_some_and(|card| card.kind == ForeignKind::Results));
     html! {
         @if !recorded.is_empty() {
             p.banner {
-                "Recorded detections: no detector ran for this report. The detections of " (recorded.join(", "))
+                "Recorded detections: " (did_not_run) " for this report. The detections of " (recorded.join(", "))
                 " were stored with the session by an earlier run; see Provenance."
             }
         }
