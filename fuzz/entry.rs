@@ -11,8 +11,8 @@ use std::sync::LazyLock;
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof_core::files::sha256_hex;
 use scaleproof_detect::{
-    Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest, darknet_contents_to_onnx,
-    protocol,
+    InputPlacement, Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest,
+    darknet_contents_to_onnx, preprocessed, protocol,
 };
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::frames::import::import as import_frames;
@@ -104,6 +104,19 @@ pub fn darknet(bytes: &[u8]) {
     let (cfg, weights) = bytes.split_at(end);
     let weights = weights.get(1..).unwrap_or_default();
     let _ = text(cfg).map(|cfg| darknet_contents_to_onnx(cfg, "x.cfg", weights, "x.weights"));
+}
+
+/// What Transformers says beside a network: whatever is accepted brings photos to an input of a size and of numbers.
+pub fn preprocessor(bytes: &[u8]) {
+    let usual = Manifest::named("deimv2_atto").expect("the program knows it").input;
+    for is_open in [false, true] {
+        let Ok(input) = preprocessed(bytes, &usual, is_open) else {
+            continue;
+        };
+        assert!(input.mean.iter().all(|v| v.is_finite()) && input.std.iter().all(|v| v.is_normal()));
+        let placement = InputPlacement::new(&input, 641, 480);
+        assert!(placement.size.iter().chain(&placement.canvas).all(|side| *side > 0));
+    }
 }
 
 /// Board files: what is read can be written, and reads back as the same board.

@@ -121,6 +121,11 @@ fn darknet_networks() {
 }
 
 #[test]
+fn preprocessors_of_transformers() {
+    survives("preprocessor", entry::preprocessor);
+}
+
+#[test]
 fn board_definitions() {
     survives("board", entry::board);
 }
@@ -210,6 +215,9 @@ fn the_corpus_has_files_that_are_accepted() {
         read.flatten().map(|(rows, _)| rows.len()).sum::<usize>()
     };
     assert!(rows("coco", import::coco::parse) >= 4 && rows("table", import::csv::parse) >= 4);
+    let usual = scaleproof_detect::Manifest::named("deimv2_atto").unwrap().input;
+    let prepared = |json: &Vec<u8>| scaleproof_detect::preprocessed(json, &usual, true).is_ok();
+    assert!(corpus("preprocessor").iter().all(prepared));
     let folder = tempfile::tempdir().unwrap();
     let opened = corpus("photo").into_iter().filter(|bytes| {
         let path = folder.path().join("photo");

@@ -55,8 +55,8 @@ pub use program::{
     keep_programs_in_our_group, kill_programs, protocol,
 };
 pub use propose::{
-    Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, own_name, propose, python_names,
-    weights_seen_from,
+    Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, own_name, preprocessed, propose,
+    python_names, weights_seen_from,
 };
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{Speed, SpeedError, Speeds};

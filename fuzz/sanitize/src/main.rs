@@ -36,7 +36,7 @@ const TAG_PX: [u32; 2] = [644, 372];
 type Parser = fn(&[u8]);
 
 /// The corpora by their folders.
-const PARSERS: [(&str, Parser); 20] = [
+const PARSERS: [(&str, Parser); 21] = [
     ("board", entry::board),
     ("camera", entry::camera),
     ("coco", entry::coco),
@@ -50,6 +50,7 @@ const PARSERS: [(&str, Parser); 20] = [
     ("photo", entry::photo),
     ("ply", entry::ply),
     ("poses", entry::poses),
+    ("preprocessor", entry::preprocessor),
     ("printer", entry::printer),
     ("recording", entry::recording),
     ("scene", entry::scene),

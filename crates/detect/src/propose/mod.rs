@@ -14,6 +14,7 @@ use std::time::Duration;
 
 pub use family::Family;
 pub use metadata::{height_and_width, python_names};
+pub use preprocessor::preprocessed;
 
 use super::heads::{self, HeadError, Tensor};
 use super::manifest::{Head, Input, Resize, SIDES_PX, Values};

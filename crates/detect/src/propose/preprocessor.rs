@@ -28,6 +28,13 @@ pub(super) struct Preprocessor {
 /// How Pillow numbers its bilinear filter.
 const BILINEAR: u32 = 2;
 
+/// A network's usual input, changed to what the bytes of a `preprocessor_config.json` say; `is_open` where the network takes photos of any size.
+pub fn preprocessed(json: &[u8], usual: &Input, is_open: bool) -> Result<Input, String> {
+    let mut input = usual.clone();
+    Preprocessor::parse(json)?.apply(&mut input, is_open);
+    Ok(input)
+}
+
 impl Preprocessor {
     /// Reads the file beside a network, if there is one.
     pub(super) fn beside(network: &Path) -> Result<Option<Preprocessor>, ProposeError> {
@@ -35,28 +42,30 @@ impl Preprocessor {
         if !path.is_file() {
             return Ok(None);
         }
-        let refused = |reason: String| ProposeError::Preprocessor {
-            path: path.clone(),
-            reason,
-        };
-        let read: Preprocessor = serde_json::from_slice(&files::read(&path)?).map_err(|e| refused(e.to_string()))?;
+        Preprocessor::parse(&files::read(&path)?)
+            .map(Some)
+            .map_err(|reason| ProposeError::Preprocessor { path, reason })
+    }
+
+    fn parse(json: &[u8]) -> Result<Preprocessor, String> {
+        let read: Preprocessor = serde_json::from_slice(json).map_err(|e| e.to_string())?;
         let (mean, std) = (read.image_mean.unwrap_or_default(), read.image_std.unwrap_or([1.0; 3]));
         let divisors = [std.as_slice(), &[read.rescale_factor.unwrap_or(1.0)]].concat();
         if !mean.iter().all(|v| v.abs() < 1e4) || !divisors.iter().all(|v| (1e-6..1e4).contains(v)) {
-            return Err(refused(
+            return Err(
                 "image_mean, image_std or rescale_factor is no number that photos are prepared with".to_owned(),
-            ));
+            );
         }
         let sides = read.size_px().or(read.edges_px()).unwrap_or([*SIDES_PX.start(); 2]);
         if !sides.iter().all(|side| SIDES_PX.contains(side)) {
             let [least, most] = [SIDES_PX.start(), SIDES_PX.end()];
-            return Err(refused(format!("sides from {least} to {most} pixels can be used")));
+            return Err(format!("sides from {least} to {most} pixels can be used"));
         }
         if read.do_resize != Some(false) && read.resample.is_some_and(|filter| filter != BILINEAR) {
             let why = "photos are resized otherwise than bilinearly (resample is not 2), which no manifest can say";
-            return Err(refused(why.to_owned()));
+            return Err(why.to_owned());
         }
-        Ok(Some(read))
+        Ok(read)
     }
 
     fn sides(&self, names: [&str; 2]) -> Option<[u32; 2]> {
