@@ -4,7 +4,7 @@ use image::RgbImage;
 
 use super::manifest::{Channels, Input, Kernel, Layout, Manifest, Resize};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_photo::photo::{opencv_linear, shrunk};
+use scaleproof_photo::photo::{opencv_cubic, opencv_linear, shrunk};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputPlacement {
@@ -95,11 +95,11 @@ fn shortest_edge(photo: [u32; 2], [shorter, most]: [u32; 2]) -> [u32; 2] {
 
 impl Manifest {
     /// The least width and height in pixels to which a photo of this size may be reduced before it is resized for the network: twice what
-    /// the network sees of it, so that a kernel that averages still has pixels to average. OpenCV's linear kernel takes four pixels of the whole photo
-    /// and skips the rest: of a reduced one it would take others. That photo, and one that the network resizes by itself, must stay whole.
+    /// the network sees of it, so that a kernel that averages still has pixels to average. OpenCV's kernels take a few pixels of the whole photo
+    /// and skip the rest: of a reduced one they would take others. That photo, and one that the network resizes by itself, must stay whole.
     pub fn least_px(&self, photo_width: u32, photo_height: u32) -> [u32; 2] {
         let Input { resize, kernel, .. } = self.input;
-        if resize == Resize::Original || kernel == Kernel::OpencvLinear {
+        if resize == Resize::Original || kernel != Kernel::Antialiased {
             return [photo_width, photo_height];
         }
         let placement = InputPlacement::new(&self.input, photo_width, photo_height);
@@ -111,6 +111,7 @@ impl Manifest {
 pub fn tensor(photo: &RgbImage, input: &Input, placement: &InputPlacement) -> Vec<f32> {
     let resized = match input.kernel {
         Kernel::OpencvLinear => opencv_linear(photo, placement.size),
+        Kernel::OpencvCubic => opencv_cubic(photo, placement.size),
         Kernel::Antialiased => shrunk(photo, placement.size),
     };
     let [net_w, net_h] = placement.canvas.map(|v| v as usize);

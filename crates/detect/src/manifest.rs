@@ -168,6 +168,8 @@ pub enum Values {
 pub enum Kernel {
     /// OpenCV `INTER_LINEAR`.
     OpencvLinear,
+    /// OpenCV `INTER_CUBIC`.
+    OpencvCubic,
     /// Bilinear with the support widened for reduction, as PIL and torchvision do.
     Antialiased,
 }

@@ -1,6 +1,7 @@
 //! Photos: decoded upright and only as far as somebody needs them, or refused with the reason. A file is never written back.
 
 mod budget;
+mod cubic;
 mod decode;
 mod encode;
 mod exif_tags;
@@ -21,6 +22,7 @@ use scaleproof_core::files;
 use scaleproof_core::spelling::quoted;
 
 pub use budget::{Budget, DecodeCost};
+pub use cubic::{CubicTap, cubic_taps, opencv_cubic};
 pub use decode::open_png;
 pub use encode::{as_jpeg, preview_jpeg, sensor_jpeg, sensor_png};
 pub use exif_tags::{Lens, Shot};

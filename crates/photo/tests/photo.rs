@@ -4,6 +4,8 @@ use scaleproof_testing as common;
 
 #[path = "photo/budget.rs"]
 mod budget;
+#[path = "photo/cubic.rs"]
+mod cubic;
 #[path = "photo/decode.rs"]
 mod decode;
 #[path = "photo/draw.rs"]

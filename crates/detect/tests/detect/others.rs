@@ -44,7 +44,7 @@ fn keeping(labels: AnchorLabels, manifest: &Manifest) -> Manifest {
 }
 
 /// The notes' figures count an anchor of Darknet's for its best label alone, which Darknet itself does not: those for all labels are of a second
-/// decoding, in Python.
+/// decoding, in Python. So is that of PicoDet behind cubic resizing, where the notes resize linearly (0.580).
 #[test]
 #[ignore = "needs the shared material: ./run test --shared"]
 fn networks_of_other_lineages_see_what_they_should() {
@@ -55,7 +55,7 @@ fn networks_of_other_lineages_see_what_they_should() {
         ("yolo_fastest_xl", Family::Darknet, Best, [0.577, 0.124]),
         ("yolo_fastest_xl", Family::Darknet, All, [0.582, 0.171]),
         ("ssdlite_mobilenet_v2_coco", Family::SsdTable, All, [0.833, 0.673]),
-        ("picodet_s_320", Family::Picodet, All, [0.866, 0.580]),
+        ("picodet_s_320", Family::Picodet, All, [0.866, 0.567]),
     ];
     for (name, family, labels, expected) in networks {
         let network = shared(&format!("detectors_more/{name}.onnx"));

@@ -1,9 +1,10 @@
-//! An image into a network's input and its gradient back, as `detect` feeds the network for scoring, but without rounding to 8 bits.
+//! An image into a network's input and its gradient back, as `detect` feeds the network for scoring, but without rounding to 8 bits or an end at black and white.
 //!
 //! Resizing is linear in the image and separable; its adjoint uses the same weights.
 
 use crate::separable::{Separable, Tap};
 use scaleproof_detect::{Channels, Input, InputPlacement, Kernel, Layout};
+use scaleproof_photo::photo::{CubicTap, cubic_taps};
 
 /// Images of one size as the input tensor of one network, and derivatives back.
 pub struct Resampler {
@@ -20,6 +21,7 @@ impl Resampler {
             let (from, to) = (size_px[axis] as usize, placement.size[axis] as usize);
             match input.kernel {
                 Kernel::OpencvLinear => linear(from, to),
+                Kernel::OpencvCubic => cubic(from, to),
                 Kernel::Antialiased => antialiased(from, to),
             }
         });
@@ -108,6 +110,23 @@ fn linear(from: usize, to: usize) -> Vec<Tap> {
         Tap { first, weights }
     };
     (0..to).map(tap).collect()
+}
+
+/// OpenCV's `INTER_CUBIC`: what lies beyond the border counts for the border's pixel.
+fn cubic(from: usize, to: usize) -> Vec<Tap> {
+    let tap = |CubicTap { places, weights }: CubicTap| {
+        let first = places[0];
+        let mut counted = vec![0.0; places[3] + 1 - first];
+        places
+            .iter()
+            .zip(weights)
+            .for_each(|(place, weight)| counted[place - first] += weight);
+        Tap {
+            first,
+            weights: counted,
+        }
+    };
+    cubic_taps(from, to).into_iter().map(tap).collect()
 }
 
 /// A triangle as wide as an output pixel where the image is reduced, as PIL and `fast_image_resize` have it.

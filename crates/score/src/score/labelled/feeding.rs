@@ -75,7 +75,7 @@ pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
         }
     }
     let (other, name) = match input.kernel {
-        Kernel::OpencvLinear => (Kernel::Antialiased, "kernel antialiased"),
+        Kernel::OpencvLinear | Kernel::OpencvCubic => (Kernel::Antialiased, "kernel antialiased"),
         Kernel::Antialiased => (Kernel::OpencvLinear, "kernel opencv_linear"),
     };
     with(name, 0, &|m| m.input.kernel = other);
