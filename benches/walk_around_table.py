@@ -1,6 +1,7 @@
 """What benches/walk_around.sh found: FOLDER/table.md, FOLDER/camera.md and FOLDER/chart.svg from the videos' sessions and the renderer's truth.
 
     walk_around_table.py FOLDER
+    walk_around_table.py FOLDER TRUTH.json    the frames that `session from-video` kept in one folder of a session, against the truth, as one row
 """
 
 import json
@@ -33,6 +34,22 @@ def errors(session, truth):
         off[0] = (off[0] + 180) % 360 - 180
         rows.append([*off, *(sigma[key] for key in NUMBERS), true["blur_px"], true["shear_px"]])
     return np.array(rows).reshape(-1, 8)
+
+
+def is_blurred_beside(number, truth):
+    """Whether a frame is smeared over more than 1.5 px although a sharper one is within 5 degrees."""
+    here = truth["frames"][number]
+    turn = lambda other: abs((other["azimuth_deg"] - here["azimuth_deg"] + 180) % 360 - 180)
+    return here["blur_px"] > 1.5 and any(other["blur_px"] < here["blur_px"] and turn(other) <= 5 for other in truth["frames"])
+
+
+def row(folder, truth):
+    """What was kept: frames, azimuth error, what sigma says of it, smear."""
+    rows = errors(folder, truth)
+    off, sigma = np.abs(rows[:, 0]), rows[:, 3]
+    within = ", ".join(str(int(np.sum(off < k * sigma))) for k in (1, 2, 3))
+    beside = sum(is_blurred_beside(number, truth) for number, *_ in frames_of(folder))
+    return f"| {len(rows)} | {np.sqrt(np.mean(off**2)):.3f}° / {off.max():.3f}° | {within} | {rows[:, 6].max():.1f} px | {beside} |"
 
 
 def label(name):
@@ -111,4 +128,8 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    if len(sys.argv) > 2:
+        print("| kept | azimuth error, rms / worst | within 1, 2, 3 sigma | most smeared | smeared over 1.5 px with a sharper one within 5 degrees |", "|---|---|---|---|---|", sep="\n")
+        print(row(sys.argv[1], json.loads(Path(sys.argv[2]).read_text())))
+    else:
+        main(sys.argv[1])
