@@ -133,7 +133,7 @@ def main():
     for paint in ("normal", "random"):
         photos = list(traced(shared, paint))
         print("skyline path-traced, {}, {} photos and frames: AP@0.5 {:.3f}, hits {:.2f}, false positives {:.2f} each".format(paint, len(photos), *precision(session, photos)))
-    false = [(detections(session, scenes.make(np.random.default_rng([48, i]), number=0)[0])[:, 4] >= 0.5).sum() for i in range(200)]
+    false = [(detections(session, scenes.make(np.random.default_rng([49, i]), number=0)[0])[:, 4] >= 0.5).sum() for i in range(200)]
     print(f"empty scenes, 200 renders: {np.mean(false):.3f} false positives each")
     real = sorted([*shared.glob("photos/tags/*/*.[jp][pn]g"), *shared.glob("photos/real/**/*.jpg"), *shared.glob("sessions/board/*.jpg")])
     false = [(detections(session, cv2.imread(str(p)))[:, 4] >= 0.5).sum() for p in real]
