@@ -49,7 +49,7 @@ def fan(count):
 
 
 def filled(folder, count, tagless=False):
-    """Copies of the stored photos, or grey ones of noise, each with its own bytes."""
+    """Copies of the stored photos, or grey ones of noise, each with its own bytes, and a name of its own among all folders."""
     folder.mkdir(parents=True)
     stored = sorted((home / "captures/skyline").glob("normal_*.jpg"))
     if tagless:
@@ -57,7 +57,7 @@ def filled(folder, count, tagless=False):
         stored = [work / "tagless.jpg"]
         Image.effect_noise((1280, 960), 40).convert("RGB").save(stored[0], quality=90)
     for i in range(count):
-        (folder / f"{i:05}.jpg").write_bytes(stored[i % len(stored)].read_bytes() + str((folder, i)).encode())
+        (folder / f"{folder.name}_{i:05}.jpg").write_bytes(stored[i % len(stored)].read_bytes() + str((folder, i)).encode())
     return folder
 
 
@@ -74,9 +74,6 @@ def results(folders):
 def scored(command, variants, photos, tagless=False):
     root = pathlib.Path(tempfile.mkdtemp(dir=work))
     folders = [filled(root / f"v{v:03}", photos, tagless) for v in range(variants)]
-    for v, folder in enumerate(folders):
-        for photo in list(folder.iterdir()):
-            photo.rename(folder / f"v{v:03}_{photo.name}")
     detector = results(folders)
     named = [f"{folder.name}={folder}" for folder in folders]
     return seconds(command, *named, *located, *detector, "--cache", root / "cache", "-o", root / "out", may_refuse=tagless)

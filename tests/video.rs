@@ -113,7 +113,7 @@ fn a_walk_becomes_a_session_of_all_views_and_a_second_one_its_pairs() {
     );
 }
 
-/// The same walk, taken as a running camera's frames are.
+/// The stored walk, taken as a running camera's frames are.
 fn captured(video: &Path, camera: &Path, session: &Path) -> Command {
     let mut command = program();
     let mut source = std::ffi::OsString::from("video:");

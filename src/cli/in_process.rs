@@ -122,11 +122,10 @@ fn score_with(args: Scoring, functions: Vec<CalledDetector>, watch: &Watch) -> R
     let criteria = args.judging.reading.criteria()?;
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.detectors.recorded)?;
-    // Photos that wait for a function hold a thread each.
-    let ahead = usize::from(!functions.is_empty());
+    let has_functions = !functions.is_empty();
     let named = &args.detectors;
     let are_all_given = named.names.is_empty() && !named.recorded && !named.results.are_given();
-    let mut detectors = if are_all_given && !functions.is_empty() {
+    let mut detectors = if are_all_given && has_functions {
         Vec::new()
     } else {
         named.evaluated(&opened.sessions)?
@@ -142,8 +141,9 @@ fn score_with(args: Scoring, functions: Vec<CalledDetector>, watch: &Watch) -> R
         stop: Arc::clone(&watch.stop),
         ..args.effort.options(&detectors)?
     };
-    if options.threads > 1 {
-        options.threads += ahead;
+    // A photo that waits for its function holds a thread. One thread alone takes photos in their order, and stays one.
+    if has_functions && options.threads > 1 {
+        options.threads += 1;
     }
     (watch.begins)(opened.sessions.iter().map(|session| session.photos.len()).sum());
     let sets: Vec<_> = opened.sessions.iter().filter_map(score::SessionFiles::new).collect();
