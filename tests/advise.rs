@@ -109,6 +109,13 @@ fn the_stored_session_is_scored_by_its_advice() {
     assert!(usual["provenance"].get("settings").is_none());
 }
 
+fn keep_photos(session: &Path, first: usize) {
+    let path = session.join("session.json");
+    let mut file = read_json(&path);
+    file["photos"].as_array_mut().unwrap().truncate(first);
+    std::fs::write(&path, file.to_string()).unwrap();
+}
+
 /// A scene of one tag leaves none out; nothing is advised, and what would help is said.
 #[test]
 fn what_cannot_tell_says_so() {
@@ -118,6 +125,7 @@ fn what_cannot_tell_says_so() {
     let (head, tags) = text.split_at(text.find("[[tag]]").unwrap());
     let first = tags.split("[[tag]]").nth(1).unwrap();
     std::fs::write(&scene, format!("{head}[[tag]]{first}")).unwrap();
+    keep_photos(session.path(), 6);
     let out = tempfile::tempdir().unwrap();
     let output = advise(session.path(), out.path(), &[]);
     let said = stdout(&output) + &stderr(&output);
@@ -132,10 +140,7 @@ fn what_cannot_tell_says_so() {
 
     // Two photos are too few for anything.
     let session = copy_of_skyline();
-    let path = session.path().join("session.json");
-    let mut file = read_json(&path);
-    file["photos"].as_array_mut().unwrap().truncate(2);
-    std::fs::write(&path, file.to_string()).unwrap();
+    keep_photos(session.path(), 2);
     let out = tempfile::tempdir().unwrap();
     let output = advise(session.path(), out.path(), &[]);
     assert!(output.status.success(), "{}", stderr(&output));

@@ -3,7 +3,7 @@
 
 use crate::common;
 mod examples;
-mod help;
+pub mod help;
 mod markdown;
 mod schema;
 mod scratch;

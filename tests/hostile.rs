@@ -6,6 +6,7 @@ mod captures;
 mod detectors;
 mod lengths;
 mod outputs;
+mod over_inputs;
 mod pictures;
 mod server;
 mod soak;

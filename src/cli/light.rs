@@ -54,6 +54,8 @@ pub(super) fn schemas() -> Vec<Named> {
 
 pub(super) fn keep_refusals_quiet() {}
 
+pub(super) fn let_an_interruption_end_first() {}
+
 /// Without a runtime that hears of Ctrl-C, programs hear of it themselves.
 pub(super) fn end_programs_first() {
     scaleproof_detect::keep_programs_in_our_group();

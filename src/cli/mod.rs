@@ -143,7 +143,10 @@ pub(crate) fn main(arguments: &[OsString]) -> u8 {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::SomeInputBad) => 2,
         Err(e) if is_broken_pipe(e.as_ref()) => 0,
-        Err(e) => refuse(&advice::sentence(e.as_ref())),
+        Err(e) => {
+            full::let_an_interruption_end_first();
+            refuse(&advice::sentence(e.as_ref()))
+        }
     }
 }
 

@@ -44,6 +44,17 @@ impl Commands {
         leaves.map(|(path, _)| path.join(" ")).collect()
     }
 
+    /// Commands with an option for where they write.
+    pub fn writing(&self) -> BTreeSet<String> {
+        let writes = |command: &Command| {
+            ["-o", "--save", "--seal"]
+                .iter()
+                .any(|option| command.options.contains(*option))
+        };
+        let writing = self.0.iter().filter(|(_, command)| writes(command));
+        writing.map(|(path, _)| path.join(" ")).collect()
+    }
+
     /// Whether words are a command or a group of them.
     pub fn is_command(&self, path: &[String]) -> bool {
         self.0.contains_key(path)

@@ -16,6 +16,7 @@ pub mod geometry;
 pub mod least_squares;
 pub mod spelling;
 pub mod statistics;
+mod vectors;
 pub mod workers;
 
 /// DejaVu Sans, Latin-1: the letters of sheets and of labels in images.

@@ -10,6 +10,7 @@ mod jpeg;
 mod luma;
 mod perceptual;
 mod problem;
+mod resample;
 mod resize;
 
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ use luma::JpegLuma;
 pub use luma::Luma;
 pub use perceptual::{PerceptualHash, bits_apart, perceptual_hash};
 pub use problem::DecodeProblem;
+pub use resample::{Filter, resampled};
 pub use resize::{boxed, doubled, fitting, opencv_linear, shrunk};
 
 /// Why a photo could not be used.

@@ -4,8 +4,6 @@ use scaleproof_testing as common;
 
 #[path = "photo/budget.rs"]
 mod budget;
-#[path = "photo/cubic.rs"]
-mod cubic;
 #[path = "photo/decode.rs"]
 mod decode;
 #[path = "photo/draw.rs"]
@@ -18,5 +16,7 @@ mod jpeg;
 mod luma;
 #[path = "photo/perceptual.rs"]
 mod perceptual;
+#[path = "photo/resample.rs"]
+mod resample;
 #[path = "photo/sizes.rs"]
 mod sizes;

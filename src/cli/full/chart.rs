@@ -13,6 +13,7 @@ use crate::cli::results::Results;
 use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
+use scaleproof_pose::locate::Solver;
 use scaleproof_session::session::{PhotoEntry, Session};
 use scaleproof_study::chart::locate::PhotoSample;
 use scaleproof_study::chart::{ChartNumbers, capture, envelope, locate, score, sigma, stability};
@@ -133,8 +134,36 @@ struct ChartFiles {
     json: bool,
 }
 
+impl Command {
+    /// The folder for the charts, and the sessions that they are of.
+    fn places(&self) -> (&Path, &[PathBuf]) {
+        let one = std::slice::from_ref;
+        let (into, sessions) = match self {
+            Command::Locate(args) => (&args.on.into, one(&args.on.session)),
+            Command::Envelope(args) => (&args.on.into, one(&args.on.session)),
+            Command::Stability(args) => (&args.on.into, one(&args.on.session)),
+            Command::Sigma(args) => (&args.into, &args.sessions[..]),
+            Command::Capture(args) => (&args.into, one(&args.session)),
+            Command::Score(args) => (&args.into, one(&args.session)),
+        };
+        (&into.output, sessions)
+    }
+
+    /// Finds out before anything is measured whether the charts can be written.
+    fn check_output(&self) -> Result<()> {
+        let (output, sessions) = self.places();
+        files::check_writable(output)?;
+        if sessions.iter().any(|session| files::is_same(output, session)) {
+            let among = "the charts would be written among the photos in";
+            return Err(format!("{among} {}: name another folder with -o", output.display()).into());
+        }
+        Ok(())
+    }
+}
+
 /// Runs `scaleproof chart …`.
 pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
+    command.check_output()?;
     match command {
         Command::Locate(args) => chart_locate(&args, out),
         Command::Envelope(args) => chart_envelope(&args, out),
@@ -200,7 +229,9 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
     let detectors = stability::detectors(scene);
     let (photos, views) = progress::photos("sweeping", steps).during(|bar| -> Result<_> {
         let photos = stability::on_photos(&samples, scene, camera, &detectors, args.seed, || bar.inc(1))?;
-        let views = stability::on_views(scene, camera, args.views as usize, args.seed, || bar.inc(1));
+        let views = stability::on_views(scene, camera, &Solver::all(), (args.views as usize, args.seed), || {
+            bar.inc(1)
+        });
         Ok((photos, views))
     })?;
     let drawn = [

@@ -1,5 +1,7 @@
 //! Ctrl-C while programs of others run for this one.
 
+use std::sync::Mutex;
+
 /// Calls something at the first Ctrl-C; the second ends the programs that run for a source, and this one.
 pub(in crate::cli) fn on_interrupt(first: impl FnOnce() + Send + 'static) {
     in_background(async move {
@@ -22,6 +24,14 @@ fn in_background(waiting: impl Future<Output = ()> + Send + 'static) {
     });
 }
 
+/// Held from an interruption to the end of this process, which soon follows.
+static ENDING: Mutex<()> = Mutex::new(());
+
+/// Waits for the end where one has come: that programs died of it is no error to be reported.
+pub(in crate::cli) fn let_an_interruption_end_first() {
+    drop(ENDING.lock());
+}
+
 #[cfg(unix)]
 pub(in crate::cli) fn end_programs_first() {
     use tokio::signal::unix::{SignalKind, signal};
@@ -36,6 +46,7 @@ pub(in crate::cli) fn end_programs_first() {
             _ = terminate.recv() => 15,
             _ = hangup.recv() => 1,
         };
+        let _ending = ENDING.lock();
         scaleproof_detect::kill_programs();
         std::process::exit(128 + number);
     });

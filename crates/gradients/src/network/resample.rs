@@ -129,7 +129,7 @@ fn cubic(from: usize, to: usize) -> Vec<Tap> {
     cubic_taps(from, to).into_iter().map(tap).collect()
 }
 
-/// A triangle as wide as an output pixel where the image is reduced, as PIL and `fast_image_resize` have it.
+/// A triangle as wide as an output pixel where the image is reduced, as Pillow has it.
 fn antialiased(from: usize, to: usize) -> Vec<Tap> {
     let scale = from as f64 / to as f64;
     let support = scale.max(1.0);

@@ -1,9 +1,8 @@
 //! Pictures at another size: for networks as their own programs resize, and made smaller to be shown.
 
-use fast_image_resize as fir;
-use fir::images::{TypedImage, TypedImageRef};
-use fir::pixels::{U8, U8x3};
 use image::{GrayImage, RgbImage};
+
+use super::resample::{Filter, resampled};
 
 /// The size of a picture of this size when its longer side is made at most so many px; never larger than it is.
 pub fn fitting(size: [u32; 2], longest_px: u32) -> [u32; 2] {
@@ -11,52 +10,34 @@ pub fn fitting(size: [u32; 2], longest_px: u32) -> [u32; 2] {
     size.map(|side| (f64::from(side) * share).round().max(1.0) as u32)
 }
 
-/// The picture at another size: bilinear, each pixel the mean of all that it stands for, as PIL and torchvision do with
-/// antialiasing. An empty picture stays.
+/// The picture at another size: bilinear, each pixel the mean of all that it stands for, as Pillow has it byte for byte, and torchvision with
+/// antialiasing but for roundings. An empty picture stays.
 pub fn shrunk(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
-    resized(picture, size, fir::FilterType::Bilinear)
+    resized(picture, size, Filter::Bilinear)
 }
 
 /// The picture at another size, each pixel the plain mean of those whose centres are in it. An empty picture stays.
 pub fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
-    resized(picture, size, fir::FilterType::Box)
+    resized(picture, size, Filter::Box)
 }
 
+/// At twice the size, bicubic. An empty picture stays.
 pub fn doubled(grey: &GrayImage) -> GrayImage {
     let (width, height) = grey.dimensions();
-    let pixels = convolved::<U8>(
-        grey,
-        [width, height],
-        [2 * width, 2 * height],
-        fir::FilterType::CatmullRom,
-    );
-    let doubled = pixels.and_then(|pixels| GrayImage::from_raw(2 * width, 2 * height, pixels));
-    doubled.unwrap_or_default()
+    if grey.is_empty() {
+        return grey.clone();
+    }
+    let pixels = resampled::<1>(grey, [width, height], [2 * width, 2 * height], Filter::Bicubic);
+    GrayImage::from_raw(2 * width, 2 * height, pixels).unwrap_or_default()
 }
 
-fn resized(picture: &RgbImage, size: [u32; 2], filter: fir::FilterType) -> RgbImage {
-    let (width, height) = picture.dimensions();
-    if [width, height] == size {
+fn resized(picture: &RgbImage, size: [u32; 2], filter: Filter) -> RgbImage {
+    let from = <[u32; 2]>::from(picture.dimensions());
+    if from == size || picture.is_empty() || size.contains(&0) {
         return picture.clone();
     }
-    let pixels = convolved::<U8x3>(picture, [width, height], size, filter);
-    let resized = pixels.and_then(|pixels| RgbImage::from_raw(size[0], size[1], pixels));
-    resized.unwrap_or_else(|| picture.clone())
-}
-
-/// The bytes of a picture at another size, by the type of its pixels: `resize` would compile the loops for every type there is.
-fn convolved<P: fir::PixelTrait>(
-    bytes: &[u8],
-    from: [u32; 2],
-    to: [u32; 2],
-    filter: fir::FilterType,
-) -> Option<Vec<u8>> {
-    let source = TypedImageRef::<P>::from_buffer(from[0], from[1], bytes).ok()?;
-    let mut pixels = vec![0; size_of::<P>() * to[0] as usize * to[1] as usize];
-    let mut target = TypedImage::<P>::from_buffer(to[0], to[1], &mut pixels).ok()?;
-    let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(filter));
-    fir::Resizer::new().resize_typed(&source, &mut target, &options).ok()?;
-    Some(pixels)
+    let pixels = resampled::<3>(picture, from, size, filter);
+    RgbImage::from_raw(size[0], size[1], pixels).unwrap_or_default()
 }
 
 /// The picture at another size by bilinear resizing as OpenCV's `INTER_LINEAR` has it for bytes, number for number: without antialiasing, in

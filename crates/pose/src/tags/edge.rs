@@ -136,21 +136,11 @@ fn times<const N: usize>(a: [f32; N], b: [f32; N]) -> [f32; N] {
     std::array::from_fn(|i| a[i] * b[i])
 }
 
-/// Several pixels side by side.
-fn sums_of_many(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
-    #[cfg(target_arch = "x86_64")]
-    if std::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the instructions.
-        return unsafe { sums_by_avx2(lists, parameters) };
+scaleproof_core::by_avx2! {
+    /// Several pixels side by side.
+    fn sums_of_many(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
+        sums_by::<LANES>(lists, parameters)
     }
-    sums_by::<LANES>(lists, parameters)
-}
-
-/// [`sums_by`] compiled for AVX2, to bit-identical results: nothing is contracted or reordered.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn sums_by_avx2(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
-    sums_by::<LANES>(lists, parameters)
 }
 
 struct EdgeEquations<'a> {

@@ -207,14 +207,20 @@ impl Tally {
     }
 }
 
-/// Every sweep over simulated views of a scene, `views` at each amount, every solver on the same ones. The same seed gives the
+/// Every sweep over simulated views of a scene, `views` at each amount, each of the solvers on the same ones. The same seed gives the
 /// same steps. `on_done` is called after each amount.
-pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done: impl Fn() + Sync) -> Vec<SweepStep> {
+pub fn on_views(
+    scene: &Scene,
+    camera: &Camera,
+    solvers: &[Solver],
+    (views, seed): (usize, u64),
+    on_done: impl Fn() + Sync,
+) -> Vec<SweepStep> {
     let jobs: Vec<(u64, SweepAmount)> = (seed..).zip(amounts(OF_VIEWS)).collect();
     let Ok(steps) = workers::map(
         &jobs,
         || Ok::<_, Infallible>(()),
-        |(), (seed, at)| Ok(sweep_step(*at, scene, camera, views as u64, seed << 32)),
+        |(), (seed, at)| Ok(sweep_step(*at, (scene, camera), solvers, views as u64, seed << 32)),
         on_done,
     );
     steps.into_iter().flatten().collect()
@@ -225,11 +231,17 @@ pub fn view_steps() -> usize {
     amounts(OF_VIEWS).count()
 }
 
-fn sweep_step(at: SweepAmount, scene: &Scene, camera: &Camera, views: u64, seed: u64) -> Vec<SweepStep> {
+fn sweep_step(
+    at: SweepAmount,
+    (scene, camera): (&Scene, &Camera),
+    solvers: &[Solver],
+    views: u64,
+    seed: u64,
+) -> Vec<SweepStep> {
     let Some(conditions) = Conditions::new(at, camera) else {
         return Vec::new();
     };
-    let mut tallies: Vec<(Solver, Tally)> = Solver::all().into_iter().map(|s| (s, Tally::default())).collect();
+    let mut tallies: Vec<(Solver, Tally)> = solvers.iter().map(|s| (*s, Tally::default())).collect();
     for view in (1..=views).filter_map(|number| conditions.view(scene, seed + number)) {
         for (solver, tally) in &mut tallies {
             let answer = locate::locate_by(*solver, &view.seen, &view.scene, &view.camera);

@@ -7,27 +7,13 @@ pub(super) fn together([r, g, b]: [&[u8]; 3], to: &mut [[u8; 3]]) {
     }
 }
 
-/// ITU-T T.871, 7: in 16 bits behind the point, each share rounded.
-pub(super) fn from_ycbcr(rows: [&[u8]; 3], to: &mut [[u8; 3]]) {
-    #[cfg(target_arch = "x86_64")]
-    if std::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the instructions.
-        return unsafe { from_ycbcr_avx2(rows, to) };
-    }
-    from_ycbcr_by(rows, to);
-}
-
-/// [`from_ycbcr_by`] compiled for AVX2, three times as fast as for what every processor has.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn from_ycbcr_avx2(rows: [&[u8]; 3], to: &mut [[u8; 3]]) {
-    from_ycbcr_by(rows, to);
-}
-
-#[inline(always)]
-fn from_ycbcr_by([y, cb, cr]: [&[u8]; 3], to: &mut [[u8; 3]]) {
-    for (((to, y), cb), cr) in to.iter_mut().zip(y).zip(cb).zip(cr) {
-        *to = rgb(*y, *cb, *cr);
+scaleproof_core::by_avx2! {
+    /// ITU-T T.871, 7: in 16 bits behind the point, each share rounded.
+    pub(super) fn from_ycbcr(rows: [&[u8]; 3], to: &mut [[u8; 3]]) {
+        let [y, cb, cr] = rows;
+        for (((to, y), cb), cr) in to.iter_mut().zip(y).zip(cb).zip(cr) {
+            *to = rgb(*y, *cb, *cr);
+        }
     }
 }
 

@@ -263,29 +263,18 @@ trait Fill {
 
 impl<const N: usize> Fill for Transform<N> {
     fn fill(&self, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
-        #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the instructions.
-            return unsafe { fill_avx2(self, component, blocks, to) };
-        }
-        fill_by(self, component, blocks, to);
+        fill(self, component, blocks, to);
     }
 }
 
-/// [`fill_by`] compiled for AVX2, to bit-identical results: nothing is contracted or reordered.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn fill_avx2<const N: usize>(transform: &Transform<N>, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
-    fill_by(transform, component, blocks, to);
-}
-
-#[inline(always)]
-fn fill_by<const N: usize>(transform: &Transform<N>, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
-    match transform.across {
-        8 => fill_across::<N, 8>(transform, component, blocks, to),
-        4 => fill_across::<N, 4>(transform, component, blocks, to),
-        2 => fill_across::<N, 2>(transform, component, blocks, to),
-        _ => fill_across::<N, 1>(transform, component, blocks, to),
+scaleproof_core::by_avx2! {
+    fn fill[const N: usize](transform: &Transform<N>, component: &Component, blocks: Range<usize>, to: &mut [u8]) {
+        match transform.across {
+            8 => fill_across::<N, 8>(transform, component, blocks, to),
+            4 => fill_across::<N, 4>(transform, component, blocks, to),
+            2 => fill_across::<N, 2>(transform, component, blocks, to),
+            _ => fill_across::<N, 1>(transform, component, blocks, to),
+        }
     }
 }
 
