@@ -83,14 +83,14 @@ fn noise_and_fog_are_as_strong_as_published() {
 
 /// Photos of one grey each, light ones of the plain model and dark ones of the patterned one, and a program that finds the model, which fills the photo,
 /// in whatever is lighter than the middle.
-struct Table {
+pub(crate) struct Table {
     folder: tempfile::TempDir,
 }
 
 const SIZE: [u32; 2] = [200, 150];
 
 impl Table {
-    fn new(variants: [(&str, u8); 2]) -> Self {
+    pub(crate) fn new(variants: [(&str, u8); 2]) -> Self {
         let table = Table {
             folder: tempfile::tempdir().unwrap(),
         };
@@ -132,11 +132,11 @@ done
         table
     }
 
-    fn at(&self, name: &str) -> PathBuf {
+    pub(crate) fn at(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn score(&self, out: &str, more: &[&str]) -> Output {
+    pub(crate) fn score(&self, out: &str, more: &[&str]) -> Output {
         let detector = format!("exec:bash {}", self.at("light.sh").display());
         let mut command = program();
         command
@@ -147,14 +147,14 @@ done
         command.args(more).output().unwrap()
     }
 
-    fn scored(&self, out: &str, more: &[&str]) -> Output {
+    pub(crate) fn scored(&self, out: &str, more: &[&str]) -> Output {
         let output = self.score(out, more);
         assert!(output.status.success(), "{}", stderr(&output));
         output
     }
 
     /// How often the program was asked.
-    fn asked(&self) -> usize {
+    pub(crate) fn asked(&self) -> usize {
         let asked = std::fs::read_to_string(self.at("asked")).unwrap_or_default();
         asked.lines().count()
     }

@@ -8,6 +8,8 @@ mod budget;
 mod cubic;
 #[path = "photo/decode.rs"]
 mod decode;
+#[path = "photo/defence.rs"]
+mod defence;
 #[path = "photo/draw.rs"]
 mod draw;
 #[path = "photo/exif_types.rs"]
