@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use scaleproof_photo::defence::Defence;
 
-/// Byte for byte, but for JPEG, whose encoders differ: `tests/data/make_defences.py` made the images with others' code.
+/// Byte for byte, but for JPEG, whose encoders round differently: `tests/data/make_defences.py` made the images with others' code.
 #[test]
 fn images_are_changed_as_published() {
     let open = |name: &str| image::open(home().join("tests/data").join(name)).unwrap().into_rgb8();
@@ -28,7 +28,8 @@ fn images_are_changed_as_published() {
         if name == "jpeg" {
             let off = own.iter().zip(theirs.iter()).map(|(a, b)| f64::from(a.abs_diff(*b)));
             let mean = off.sum::<f64>() / own.len() as f64;
-            assert!(mean < 2.0, "{mean}");
+            println!("jpeg: off by {mean:.3} on average");
+            assert!(mean < 0.2, "{mean}");
         } else {
             assert!(own == theirs, "{name}");
         }
