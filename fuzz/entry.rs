@@ -317,7 +317,7 @@ pub fn results(bytes: &[u8]) {
     read(&folder, None, Some(&given));
 }
 
-/// What a program says: a hello, an answer about a photo of 64 × 48 px, a manifest that starts it, and a command line.
+/// What a program says: a hello, also of a defence, an answer about a photo of 64 × 48 px, a manifest that starts it, and a command line.
 pub fn program(bytes: &[u8]) {
     let Some(text) = text(bytes) else { return };
     let labels = protocol::Hello::parse(text).map_or(Labels::Coco80, |hello| hello.labels);
@@ -333,6 +333,8 @@ pub fn program(bytes: &[u8]) {
     if let Ok(Some(loss)) = protocol::loss(text, 1, [64, 48]) {
         assert!(loss >= 0.0);
     }
+    let _ = protocol::Hello::parse_of_defence(text);
+    let _ = protocol::image(text, 1, [64, 48]);
     let _ = ProgramSpec::parse(text, Path::new("mine.toml"));
     let _ = ProgramSpec::named(&format!("exec:{text}"));
 }

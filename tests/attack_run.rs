@@ -22,7 +22,7 @@ use scaleproof_attack::run::printer::PrinterMap;
 use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof_attack::run::weights::Against;
 use scaleproof_attack::run::{
-    Attack, AttackConfig, CellColours, Near, Rgb, RunError, batch, loss_and_gradient, of_pattern,
+    Attack, AttackConfig, CellColours, Near, Rgb, RunError, batch, loss_and_gradient, of_image, of_pattern, to_image,
 };
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_frames::frames::light;
@@ -30,6 +30,7 @@ use scaleproof_frames::frames::{FrameSet, encode_grey, encode_positions, encode_
 use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
 use scaleproof_gradients::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
+use scaleproof_photo::defence::{Defence, Frame};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::colour::Lab;
 use scaleproof_surface::pattern::gamut::Gamut;
@@ -256,6 +257,20 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             Eot {
                 shift_tiles: 0.5,
                 tile_scale: 0.25,
+                ..still
+            },
+        ),
+        (
+            TextureMapping::World,
+            Eot {
+                defence: Some(Defence::ResizePad),
+                ..still
+            },
+        ),
+        (
+            TextureMapping::World,
+            Eot {
+                defence: Some(Defence::Crops(30)),
                 ..still
             },
         ),
@@ -741,6 +756,28 @@ fn compression_is_that_of_a_jpeg_and_colours_move_by_channel() {
     assert!(exponents.iter().all(|e| (e - exponents[0]).abs() < 1e-9), "one curve");
     assert!((0.5..=2.0).contains(&exponents[0]) && exponents[0] != 1.0);
     assert!(factors.iter().all(|f| (0.6..=1.0 / 0.6).contains(f)) && factors[0] != factors[1]);
+}
+
+/// What the detectors see in the attack is what `score --defence` shows them; the gradient goes straight through what has none.
+#[test]
+fn a_defence_of_pixels_is_that_of_scoring_and_lets_the_gradient_through() {
+    let view_set = view_set(TextureMapping::World);
+    let cells = random_cells(3);
+    let plain = view_set.textured(0, &cells, &Augmentation::NONE).augmented.image;
+    let size = view_set.size_px(0);
+    for name in ["bit-depth", "median=3", "jpeg=50"] {
+        let defence = Defence::named(name).unwrap();
+        let eot = Eot {
+            defence: Some(defence),
+            ..Eot::NONE
+        };
+        let draw = Augmentation::random(&eot, &mut Pcg32::seed_from_u64(4));
+        let augmented = draw.apply(&plain, size);
+        let shown = defence.image(&to_image(&plain, size[0]), &Frame::whole(size)).unwrap();
+        assert!(augmented.image == of_image(&shown), "{name}");
+        let gradient: Vec<Rgb> = plain.iter().map(|rgb| rgb.map(|v| v - 0.3)).collect();
+        assert!(augmented.vjp(gradient.clone()) == gradient, "{name}");
+    }
 }
 
 fn search_config(queries: u64) -> baseline::SearchConfig {
@@ -1330,6 +1367,11 @@ fn bad_arguments_are_one_sentence() {
     assert_refused(&run(&near), &["16×16 cells, and here are 24×24", "of a half, a third"]);
     assert_refused(&run(&["run", "--augment", "blurr"]), &["blurr", "blur"]);
     assert_refused(&run(&["run", "--augment", "none,blur"]), &["none"]);
+    assert_refused(&run(&["run", "--augment", "median=1"]), &["median=1", "from 2 to 15"]);
+    assert_refused(
+        &run(&["run", "--augment", "median,crops"]),
+        &["crops", "second defence"],
+    );
     assert_refused(&run(&["run", "--against", "best"]), &["best", "worst"]);
     assert_refused(&run(&["baseline", "flat", "--flat", "red"]), &["red"]);
     let patch = out.path().join("patch.png");

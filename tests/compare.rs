@@ -272,6 +272,11 @@ fn the_stored_session_compared() {
         stdout(&output)
     );
     assert_eq!(page["ap_definition"], "coco-101");
+    assert_eq!(
+        (&page["box_labels"]["nanodet_m"], &page["box_labels"]["yolox_nano"]),
+        (&"all".into(), &"best".into())
+    );
+    assert!(stdout(&output).contains("all (nanodet_m)"), "{}", stdout(&output));
     // The same figures as `score`, since every photo has its partner.
     assert!(
         (result(&page, "yolox_nano")["ap50"]["drop"].as_f64().unwrap() - (0.8712871287128713 - 0.7158965896589657))

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use scaleproof_score::score::Corruption;
 
-/// Corrupted images are those of the published code, up to a level. Of JPEG, whose encoders differ, up to two on average; and the published blur over 10 px adds up to
+/// Corrupted images are those of the published code, up to a level. Of JPEG, whose encoders round differently, up to a fifth on average; and the published blur over 10 px adds up to
 /// 1.01, which makes the image brighter.
 #[test]
 fn images_are_made_worse_as_published() {
@@ -38,7 +38,7 @@ fn images_are_made_worse_as_published() {
         let most = *off.iter().max().unwrap();
         println!("{published}: off by {mean:.3} on average, {most} at most");
         match kind {
-            Corruption::Jpeg => assert!(mean < 2.0, "{published}: {mean}"),
+            Corruption::Jpeg => assert!(mean < 0.2, "{published}: {mean}"),
             Corruption::Blur if severity == 5 => assert!(most <= 3, "{published}: {most}"),
             _ => assert!(most <= 1, "{published}: {most}"),
         }
@@ -83,14 +83,14 @@ fn noise_and_fog_are_as_strong_as_published() {
 
 /// Photos of one grey each, light ones of the plain model and dark ones of the patterned one, and a program that finds the model, which fills the photo,
 /// in whatever is lighter than the middle.
-struct Table {
+pub(crate) struct Table {
     folder: tempfile::TempDir,
 }
 
 const SIZE: [u32; 2] = [200, 150];
 
 impl Table {
-    fn new(variants: [(&str, u8); 2]) -> Self {
+    pub(crate) fn new(variants: [(&str, u8); 2]) -> Self {
         let table = Table {
             folder: tempfile::tempdir().unwrap(),
         };
@@ -132,11 +132,11 @@ done
         table
     }
 
-    fn at(&self, name: &str) -> PathBuf {
+    pub(crate) fn at(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn score(&self, out: &str, more: &[&str]) -> Output {
+    pub(crate) fn score(&self, out: &str, more: &[&str]) -> Output {
         let detector = format!("exec:bash {}", self.at("light.sh").display());
         let mut command = program();
         command
@@ -147,14 +147,14 @@ done
         command.args(more).output().unwrap()
     }
 
-    fn scored(&self, out: &str, more: &[&str]) -> Output {
+    pub(crate) fn scored(&self, out: &str, more: &[&str]) -> Output {
         let output = self.score(out, more);
         assert!(output.status.success(), "{}", stderr(&output));
         output
     }
 
     /// How often the program was asked.
-    fn asked(&self) -> usize {
+    pub(crate) fn asked(&self) -> usize {
         let asked = std::fs::read_to_string(self.at("asked")).unwrap_or_default();
         asked.lines().count()
     }

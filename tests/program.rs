@@ -31,6 +31,7 @@ mod chart;
 mod colour;
 mod compare;
 mod corruptions;
+mod defences;
 mod demo;
 mod detector_proposals;
 mod detectors;

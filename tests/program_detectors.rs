@@ -373,7 +373,7 @@ fn what_a_program_does_wrong_ends_with_one_sentence_and_with_the_program() {
     refused(
         &desk.bare_script(&text),
         &["--threads", "2", "--quiet"],
-        &["one started another time is another detector"],
+        &["one started another time is another program"],
     );
     refused(
         &desk.script(HELLO, STORED),

@@ -221,7 +221,41 @@ fn several_labels_count_as_the_model_everywhere() {
         assert!(text.contains(said), "{file}");
     }
     let tex = std::fs::read_to_string(out.path().join("table.tex")).unwrap();
-    assert!(tex.contains("Counts as the model: car or truck."), "{tex}");
+    assert!(
+        tex.contains("Counts as the model: car or truck; labels of a box: "),
+        "{tex}"
+    );
+    box_labels_are_stated(out.path(), &summary, &stdout(&output));
+}
+
+/// As the networks' own programs do it: NanoDet's `multiclass_nms` keeps every label, YOLOX and FastestDet the best, and DEIMv2 lists its boxes.
+fn box_labels_are_stated(out: &Path, summary: &Value, terminal: &str) {
+    let rules = [
+        ("deimv2_atto", "listed"),
+        ("deimv2_femto", "listed"),
+        ("fastestdet", "best"),
+        ("nanodet_m", "all"),
+        ("yolox_nano", "best"),
+    ];
+    let wanted = rules
+        .iter()
+        .map(|(name, rule)| ((*name).to_owned(), Value::from(*rule)));
+    assert_eq!(summary["box_labels"], wanted.collect::<Value>());
+    let said = "labels of a box: listed (deimv2_atto, deimv2_femto), best (fastestdet, yolox_nano), all (nanodet_m)";
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+    for text in [terminal, &read("report.html"), &read("table.tex")] {
+        assert!(text.contains(said), "{text}");
+    }
+    let mut lines = csv::Reader::from_path(out.join("figures.csv")).unwrap();
+    let column = lines
+        .headers()
+        .unwrap()
+        .iter()
+        .position(|head| head == "box_labels")
+        .unwrap();
+    for line in lines.records().map(Result::unwrap) {
+        assert!(rules.contains(&(&line[0], &line[column])), "{line:?}");
+    }
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod colour;
 mod compare;
 mod completions;
 mod criteria;
+mod defence;
 mod demo;
 mod detectors;
 mod enlarged;

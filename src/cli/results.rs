@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use super::{Result, full};
 use scaleproof_detect::{
-    Manifest, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError, ResultsRequest,
+    Manifest, OutsideResults, PhotoName, ProgramDefence, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
+    ResultsRequest,
 };
 use scaleproof_score::score::EvaluatedDetector;
 use scaleproof_session::session::Session;
@@ -35,7 +36,7 @@ pub(super) struct Results {
 /// Detectors that are programs.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Programs {
-    /// With --detector exec:PROGRAM, or the manifest of a program: the seconds it gets to start, and for each answer.
+    /// With exec:PROGRAM, or the manifest of a program: the seconds it gets to start, and for each answer.
     #[arg(long, value_name = "SECONDS", default_value_t = DETECTOR_TIMEOUT_S, value_parser = clap::value_parser!(u64).range(1..=604_800))]
     detector_timeout: u64,
 }
@@ -71,11 +72,20 @@ impl Programs {
         if !programs.is_empty() {
             full::end_programs_first();
         }
-        let limit = Duration::from_secs(self.detector_timeout);
         programs
             .into_iter()
-            .map(|spec| ProgramDetector::open(spec, limit))
+            .map(|spec| ProgramDetector::open(spec, self.limit()))
             .collect()
+    }
+
+    /// Starts a program that changes photos.
+    pub(super) fn started_as_defence(&self, program: ProgramSpec) -> Result<ProgramDefence, ProgramError> {
+        full::end_programs_first();
+        ProgramDefence::open(program, self.limit())
+    }
+
+    fn limit(&self) -> Duration {
+        Duration::from_secs(self.detector_timeout)
     }
 }
 

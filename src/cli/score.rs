@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::answer::told;
 use super::choice::one_of;
 use super::criteria::{Reading, Tables};
+use super::defence;
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, own_file, progress, sessions};
 use scaleproof_core::{files, workers};
@@ -17,7 +18,8 @@ use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_score::report;
 use scaleproof_score::score::shard::{Run, Shard, ShardId};
 use scaleproof_score::score::{
-    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, Robustness, ScoreError, Scores, Settings,
+    self, Cache, Corruption, Defences, Defending, EvaluatedDetector, Options, Ranking, Robustness, ScoreError, Scores,
+    Settings,
 };
 use scaleproof_session::session::Session;
 
@@ -46,6 +48,8 @@ pub(super) struct Args {
     /// Look at the photos again, made worse step by step, and tell at which severities each drop is still shown.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = one_of(Corruption::ALL.map(|kind| (kind, kind.name()))))]
     corrupt: Vec<Corruption>,
+    #[command(flatten)]
+    defences: defence::Defences,
     /// Say whether the order of the textures is the same in these sessions, which the same detectors look at: Kendall's τ with its interval, for each detector, and for each group of --group-by.
     #[arg(long, value_name = "SESSION", num_args = 1.., conflicts_with = "results")]
     ranking: Vec<PathBuf>,
@@ -54,7 +58,7 @@ pub(super) struct Args {
     settings: Option<PathBuf>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "ranking", "settings", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "defence", "ranking", "settings", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
@@ -154,8 +158,12 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     args.judging.tables.check(&opened.sessions)?;
     if !args.corrupt.is_empty() {
-        score::check_corruptible(&opened.sessions, &detectors)?;
+        score::check_changeable(&opened.sessions, &detectors, "made worse")?;
     }
+    if args.defences.are_given() {
+        score::check_changeable(&opened.sessions, &detectors, "defended")?;
+    }
+    let defences = args.defences.opened(&args.detectors.results.programs)?;
     let patterns = args.judging.patterns.of(&opened.sessions)?;
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
@@ -176,6 +184,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let mut scores = scores.made_by(applied);
     if !args.corrupt.is_empty() {
         scores.robustness = made_worse(&scores, &args.corrupt, &options)?;
+    }
+    if !defences.is_empty() {
+        scores.defences = defended(&scores, &defences, &options)?;
     }
     if let Some(others) = others {
         scores.ranking = Some(against(&scores, others, &args, &options)?);
@@ -242,12 +253,30 @@ fn made_worse(
     let robustness = score::under_corruption(scores, corruptions, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
-    match &robustness {
-        Ok(None) => say!("note: no photos pair, so that there is no drop to follow on photos made worse"),
-        Ok(Some(robustness)) => robustness.cautions.iter().for_each(|caution| say!("note: {caution}")),
-        Err(_) => {}
+    if let Ok(found) = &robustness {
+        say_cautions(found.as_ref().map(|found| found.cautions.as_slice()), "made worse");
     }
     robustness
+}
+
+/// Looks at the photos again and shows how far it has come.
+fn defended(scores: &Scores, defences: &[Defending], options: &Options) -> Result<Option<Defences>, ScoreError> {
+    let bar = progress::photos("defended", scores.photos.len());
+    let defended = score::under_defences(scores, defences, options, || bar.inc(1));
+    bar.finish_and_clear();
+    complain(options);
+    if let Ok(found) = &defended {
+        say_cautions(found.as_ref().map(|found| found.cautions.as_slice()), "defended");
+    }
+    defended
+}
+
+/// What to know of photos that were changed; `None` where no drop could be followed on them.
+fn say_cautions(cautions: Option<&[String]>, changed: &str) {
+    match cautions {
+        None => say!("note: no photos pair, so that there is no drop to follow on photos that are {changed}"),
+        Some(cautions) => cautions.iter().for_each(|caution| say!("note: {caution}")),
+    }
 }
 
 fn complain(options: &Options) {

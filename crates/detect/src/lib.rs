@@ -51,8 +51,8 @@ pub use manifest::{
 pub use nms::{BestFirst, CandidateBox, suppress};
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};
 pub use program::{
-    Gradients, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError,
-    keep_programs_in_our_group, kill_programs, protocol,
+    Gradients, ProgramDefence, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec,
+    ProgramSpecError, keep_programs_in_our_group, kill_programs, protocol,
 };
 pub use propose::{
     Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, own_name, preprocessed, propose,

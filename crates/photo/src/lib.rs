@@ -13,5 +13,6 @@
 //! ```
 
 pub mod copies;
+pub mod defence;
 pub mod draw;
 pub mod photo;

@@ -6,6 +6,8 @@ use scaleproof_testing as common;
 mod budget;
 #[path = "photo/decode.rs"]
 mod decode;
+#[path = "photo/defence.rs"]
+mod defence;
 #[path = "photo/draw.rs"]
 mod draw;
 #[path = "photo/exif_types.rs"]

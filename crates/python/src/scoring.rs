@@ -109,7 +109,7 @@ impl Comparison {
 
     /// `comparison.csv`.
     fn csv(&self, py: Python<'_>) -> PyResult<String> {
-        made(py, || report::comparison_csv(&self.1))
+        made(py, || report::comparison_csv(&self.0, &self.1))
     }
 
     /// `comparison.html`.

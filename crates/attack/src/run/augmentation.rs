@@ -3,7 +3,7 @@
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::resample::Resample;
 use super::{Rgb, of_image, to_image};
@@ -12,6 +12,7 @@ use scaleproof_core::statistics::normal;
 use scaleproof_frames::surrogate::projection::repeated::Jitter;
 use scaleproof_frames::surrogate::projection::world::Misplacement;
 use scaleproof_gradients::separable::{Separable, Tap};
+use scaleproof_photo::defence::{Defence, Frame};
 use scaleproof_photo::photo::as_jpeg;
 
 /// A kind of augmentation: its name, and what adds it.
@@ -51,6 +52,13 @@ pub struct Eot {
     pub jpeg_quality: u8,
     /// Share of images that get the background of another view.
     pub background: f64,
+    /// What a defender does to the image last of all.
+    #[serde(serialize_with = "by_name")]
+    pub defence: Option<Defence>,
+}
+
+fn by_name<S: Serializer>(defence: &Option<Defence>, to: S) -> Result<S::Ok, S::Error> {
+    defence.map(Defence::name).serialize(to)
 }
 
 impl Eot {
@@ -71,6 +79,7 @@ impl Eot {
         blur_px: 0.0,
         jpeg_quality: 100,
         background: 0.0,
+        defence: None,
     };
 
     /// The usual: no shift of the pattern (print fixes where it lies), and of the image what a camera does.
@@ -131,6 +140,7 @@ pub struct Augmentation {
     white_balance: Rgb,
     blur_px: f64,
     jpeg_quality: u8,
+    defence: Option<Defence>,
     /// Which view the background is of, as a share of all views; `None` for its own.
     pub background: Option<f64>,
     tone: f64,
@@ -153,6 +163,7 @@ impl Augmentation {
         white_balance: [1.0; 3],
         blur_px: 0.0,
         jpeg_quality: 100,
+        defence: None,
         background: None,
         tone: 1.0,
         laid: 0.0,
@@ -187,6 +198,7 @@ impl Augmentation {
             scale,
             noise: eot.noise,
             noise_seed,
+            defence: eot.defence,
         }
     }
 
@@ -197,14 +209,40 @@ impl Augmentation {
     /// Where a box of the image comes to lie.
     pub fn moved(&self, b: &BoxPx, size_px: [u32; 2]) -> BoxPx {
         let middle = size_px.map(|px| 0.5 * f64::from(px));
-        let x = |v: f64| (v - middle[0]) * self.scale + middle[0] + self.offset_px[0];
-        let y = |v: f64| (v - middle[1]) * self.scale + middle[1] + self.offset_px[1];
+        let (scale, offset_px) = self.placed(size_px);
+        let x = |v: f64| (v - middle[0]) * scale + middle[0] + offset_px[0];
+        let y = |v: f64| (v - middle[1]) * scale + middle[1] + offset_px[1];
         BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
     }
 
+    /// Size of the image about its middle, and how far it is moved, px: as drawn, then as a defence cuts or pads it.
+    fn placed(&self, size_px: [u32; 2]) -> (f64, [f64; 2]) {
+        let frame = match self.defence {
+            Some(Defence::Crops(_)) => Defence::Crops(1).frames(size_px, self.noise_seed),
+            Some(defence) => defence.frames(size_px, self.noise_seed),
+            None => return (self.scale, self.offset_px),
+        };
+        let window = frame.first().unwrap_or(&Frame::whole(size_px)).window();
+        let larger = f64::from(size_px[0]) / window.width();
+        let moved = |i: usize, from: f64| {
+            let middle = 0.5 * f64::from(size_px[i]);
+            (middle + self.offset_px[i] - from) * larger - middle
+        };
+        (self.scale * larger, [moved(0, window.x1), moved(1, window.y1)])
+    }
+
+    /// What a defender makes of the image, where that is no matter of its place.
+    fn squeezed(&self, image: &[Rgb], size_px: [u32; 2]) -> Option<Vec<Rgb>> {
+        let defence = self.defence?;
+        let is_placed = matches!(defence, Defence::ResizePad | Defence::Crops(_));
+        let made = (!is_placed).then(|| defence.image(&to_image(image, size_px[0]), &Frame::whole(size_px)));
+        Some(of_image(&made??))
+    }
+
     pub fn apply(&self, image: &[Rgb], size_px: [u32; 2]) -> AugmentedImage {
-        let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
-        let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
+        let (scale, offset_px) = self.placed(size_px);
+        let is_still = scale == 1.0 && offset_px == [0.0, 0.0];
+        let resample = (!is_still).then(|| Resample::new(size_px, scale, offset_px));
         let mut image = resample.as_ref().map_or_else(|| image.to_vec(), |r| r.forward(image));
         let blur = (self.blur_px > LEAST_BLUR_PX).then(|| blur(size_px, self.blur_px));
         if let Some(blur) = &blur {
@@ -228,6 +266,7 @@ impl Augmentation {
             let lossy = as_jpeg(&to_image(&image, size_px[0]), self.jpeg_quality);
             image = lossy.map_or(image, |lossy| of_image(&lossy));
         }
+        image = self.squeezed(&image, size_px).unwrap_or(image);
         AugmentedImage {
             image,
             slopes,
@@ -247,8 +286,9 @@ pub struct AugmentedImage {
 }
 
 impl AugmentedImage {
-    /// From the derivative with respect to the augmented image to that with respect to the image before. Compression counts as no change: it
-    /// rounds, and has no derivative of its own (Shin & Song 2017; "straight-through", Bengio et al. 2013).
+    /// From the derivative with respect to the augmented image to that with respect to the image before. Compression counts as no change, as do
+    /// fewer bits and the median: they round or choose, and have no derivative that helps (Shin & Song 2017; "straight-through", Bengio et al. 2013; BPDA,
+    /// Athalye et al. 2018).
     pub fn vjp(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
         for (pixel, slopes) in gradient.iter_mut().zip(&self.slopes) {
             *pixel = std::array::from_fn(|c| pixel[c] * slopes[c]);

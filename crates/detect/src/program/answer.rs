@@ -167,22 +167,42 @@ pub fn loss(line: &str, id: u64, size: [u32; 2]) -> Result<Option<f64>, NoAnswer
     if !(0.0..=MOST_LOSS).contains(&loss) {
         return Err(format!("its loss is {loss}, and −ln(1 − C) of a confidence C is from 0 to {MOST_LOSS}").into());
     }
-    let (shape, [width, height]) = (
-        answer.shape.ok_or("it has no shape of its gradient")?,
-        size.map(u64::from),
-    );
+    check_shape("gradient", answer.shape, size)?;
+    Ok(Some(loss))
+}
+
+/// Refuses what is not as large as an image of width × height `size`, px.
+fn check_shape(what: &str, shape: Option<Vec<u64>>, size: [u32; 2]) -> Result<(), String> {
+    let shape = shape.ok_or_else(|| format!("it has no shape of its {what}"))?;
+    let [width, height] = size.map(u64::from);
     let right = [height, width, 3];
     let hint = match &shape[..] {
-        shape if *shape == right => return Ok(Some(loss)),
+        shape if *shape == right => return Ok(()),
         [1, _, _, _] => ": it is that of a batch; leave out its first axis",
         [3, ..] => ": channels come last",
         shape if *shape == [width, height, 3] => ": rows come first",
         _ => "",
     };
-    Err(
-        format!("its gradient has the shape {shape:?}, and the image has {right:?} (height, width, channels){hint}")
-            .into(),
-    )
+    Err(format!(
+        "its {what} has the shape {shape:?}, and the image has {right:?} (height, width, channels){hint}"
+    ))
+}
+
+/// An answer's line about an image that a program changed.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImageLine {
+    id: u64,
+    /// Of the array of bytes behind the line.
+    shape: Option<Vec<u64>>,
+    error: Option<String>,
+}
+
+/// Reads the answer to the request `id` to change an image of width × height `size`, px. Behind its line follow red, green and blue of each pixel.
+pub fn image(line: &str, id: u64, size: [u32; 2]) -> Result<(), NoAnswer> {
+    let answer: ImageLine = serde_json::from_str(line).map_err(|e| garbage(line, &e))?;
+    check("image", [answer.id, id], answer.error)?;
+    Ok(check_shape("image", answer.shape, size)?)
 }
 
 /// Reads the derivatives by red, green and blue of each pixel of an image: numbers of 32 bits, the lowest byte first.

@@ -42,6 +42,41 @@ pub struct Hello {
     pub origin: Option<String>,
 }
 
+/// What a program says of itself that changes images.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DefenceHello {
+    /// Version of the protocol.
+    scaleproof_defence: u32,
+    name: String,
+    version: String,
+    #[serde(default)]
+    files: Vec<PathBuf>,
+    #[serde(default)]
+    deterministic: bool,
+    #[serde(default = "one")]
+    workers: usize,
+}
+
+impl DefenceHello {
+    fn into_hello(self) -> Hello {
+        Hello {
+            scaleproof_detector: self.scaleproof_defence,
+            name: self.name,
+            version: self.version,
+            labels: Labels::Coco80,
+            input: InputRule::Rgb,
+            files: self.files,
+            deterministic: self.deterministic,
+            gradients: Gradients::Nothing,
+            workers: self.workers,
+            title: None,
+            licence: None,
+            origin: None,
+        }
+    }
+}
+
 fn one() -> usize {
     1
 }
@@ -86,14 +121,26 @@ impl Hello {
     /// # Errors
     /// What is wrong with it, as the end of a sentence.
     pub fn parse(line: &str) -> Result<Hello, String> {
+        Self::parse_as(line, |line| serde_json::from_str(line))
+    }
+
+    /// Reads the first line of a program that is a defence, which has no labels and takes pixels.
+    ///
+    /// # Errors
+    /// What is wrong with it, as the end of a sentence.
+    pub fn parse_of_defence(line: &str) -> Result<Hello, String> {
+        Self::parse_as(line, |line| serde_json::from_str(line).map(DefenceHello::into_hello))
+    }
+
+    fn parse_as(line: &str, read: fn(&str) -> serde_json::Result<Hello>) -> Result<Hello, String> {
         if !line.trim_start().starts_with('{') {
             return Err(one_line(&format!(
                 "its first line is {:?} and not its hello: whatever else it prints belongs on standard error",
                 start(line.trim())
             )));
         }
-        let read = serde_json::from_str(line).map_err(|e| e.to_string());
-        let checked = read.and_then(|hello: Hello| hello.fault().map_or(Ok(hello), Err));
+        let read = read(line).map_err(|e| e.to_string());
+        let checked = read.and_then(|hello| hello.fault().map_or(Ok(hello), Err));
         // The fault may quote what the program says.
         checked.map_err(|fault| one_line(&format!("its hello is not valid: {fault}")))
     }

@@ -3,6 +3,7 @@
 
 mod answer;
 mod child;
+mod defence;
 mod groups;
 mod hello;
 mod spec;
@@ -24,6 +25,7 @@ use hello::{Hello, InputRule};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
 
+pub use defence::ProgramDefence;
 pub use groups::{keep_programs_in_our_group, kill_programs};
 pub use hello::Gradients;
 pub(super) use spec::interpreter;
@@ -31,7 +33,7 @@ pub use spec::{ProgramSpec, ProgramSpecError};
 
 /// What a program says, read without the program: its first line and its answers.
 pub mod protocol {
-    pub use crate::program::answer::{FoundBox, FoundLabel, NoAnswer, checked, derivatives, detections, loss};
+    pub use crate::program::answer::{FoundBox, FoundLabel, NoAnswer, checked, derivatives, detections, image, loss};
     pub use crate::program::hello::{Hello, InputRule};
 }
 
@@ -76,7 +78,7 @@ pub enum ProgramError {
     },
     #[error("{detector} gives no answer: {sentence}")]
     Declined { detector: String, sentence: String },
-    #[error("{detector} started another time is another detector: its hello must always be the same")]
+    #[error("{detector} started another time is another program: its hello must always be the same")]
     Changed { detector: String },
     #[error(transparent)]
     File(#[from] FileError),
@@ -113,10 +115,14 @@ pub struct ProgramLoss {
     pub gradient: Vec<[f64; 3]>,
 }
 
+/// Reads the first line of a program.
+type ReadHello = fn(&str) -> Result<Hello, String>;
+
 /// A program that answers with boxes, and as many of it as may run side by side.
 #[derive(Debug)]
 pub struct ProgramDetector {
     spec: ProgramSpec,
+    read_hello: ReadHello,
     hello: Hello,
     card: ForeignCard,
     limit: Duration,
@@ -138,7 +144,11 @@ struct Pool {
 impl ProgramDetector {
     /// Starts a program and hears what it is. It gets `limit` for each thing that it says.
     pub fn open(spec: ProgramSpec, limit: Duration) -> Result<ProgramDetector, ProgramError> {
-        let (child, hello) = start(&spec, limit)?;
+        Self::open_as(Hello::parse, spec, limit)
+    }
+
+    fn open_as(read_hello: ReadHello, spec: ProgramSpec, limit: Duration) -> Result<ProgramDetector, ProgramError> {
+        let (child, hello) = start(read_hello, &spec, limit)?;
         let card = card(&spec, &hello)?;
         let pool = Pool {
             idle: vec![child],
@@ -147,6 +157,7 @@ impl ProgramDetector {
         };
         Ok(ProgramDetector {
             spec,
+            read_hello,
             hello,
             card,
             limit,
@@ -271,7 +282,7 @@ impl ProgramDetector {
             pool = self.freed.wait(pool).unwrap_or_else(PoisonError::into_inner);
         }
         drop(pool);
-        let (child, hello) = start(&self.spec, self.limit).map_err(|e| self.lost(e))?;
+        let (child, hello) = start(self.read_hello, &self.spec, self.limit).map_err(|e| self.lost(e))?;
         if hello == self.hello {
             Ok(child)
         } else {
@@ -302,7 +313,7 @@ impl ProgramDetector {
     }
 }
 
-fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramError> {
+fn start(read_hello: ReadHello, spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramError> {
     let command = spec.in_words();
     let mut child = Child::start(&spec.command, spec.folder.as_deref()).map_err(|e| ProgramError::Start {
         command: command.clone(),
@@ -313,7 +324,7 @@ fn start(spec: &ProgramSpec, limit: Duration) -> Result<(Child, Hello), ProgramE
         Ok(line) => line,
         Err(silence) => return Err(explained(spec, child, silence, limit, "before its hello".into())),
     };
-    match Hello::parse(&line) {
+    match read_hello(&line) {
         Ok(hello) => Ok((child, hello)),
         Err(fault) => {
             drop(child.post_mortem());

@@ -5,20 +5,21 @@ use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, RgbImage, imageops};
+use jpeg_encoder::ChromaSubsamplingMethod;
 
 use super::{Budget, Photo};
 
 /// A JPEG of a picture for people to look at; `None` for one wider or higher than 65,535 px, or empty.
 pub fn preview_jpeg(picture: &RgbImage, quality: u8) -> Option<Vec<u8>> {
-    jpeg(picture, quality, None)
+    jpeg(picture, quality, None, ChromaSubsamplingMethod::Nearest)
 }
 
 /// A JPEG of an upright picture as a camera would have written it whose sensor's image is turned clockwise by 0, 90, 180 or 270°: the sensor's
 /// image, with EXIF that turns it. `None` for one wider or higher than 65,535 px, or empty.
 pub fn sensor_jpeg(upright: &RgbImage, turned_deg: u32, quality: u8) -> Option<Vec<u8>> {
     match turned_back(upright, turned_deg) {
-        None => jpeg(upright, quality, None),
-        Some((sensor, exif)) => jpeg(&sensor, quality, Some(&exif)),
+        None => jpeg(upright, quality, None, ChromaSubsamplingMethod::Nearest),
+        Some((sensor, exif)) => jpeg(&sensor, quality, Some(&exif), ChromaSubsamplingMethod::Nearest),
     }
 }
 
@@ -50,10 +51,11 @@ fn turned_back(upright: &RgbImage, turned_deg: u32) -> Option<(RgbImage, Vec<u8>
     Some((sensor, exif))
 }
 
-fn jpeg(picture: &RgbImage, quality: u8, exif: Option<&[u8]>) -> Option<Vec<u8>> {
+fn jpeg(picture: &RgbImage, quality: u8, exif: Option<&[u8]>, chroma: ChromaSubsamplingMethod) -> Option<Vec<u8>> {
     let [width, height] = [picture.width(), picture.height()].map(u16::try_from);
     let mut jpeg = Vec::new();
     let mut encoder = jpeg_encoder::Encoder::new(&mut jpeg, quality);
+    encoder.set_chroma_subsampling_method(chroma);
     if let Some(exif) = exif {
         encoder.add_exif_metadata(exif).ok()?;
     }
@@ -66,9 +68,9 @@ fn jpeg(picture: &RgbImage, quality: u8, exif: Option<&[u8]>) -> Option<Vec<u8>>
     encoded.ok().map(|()| jpeg)
 }
 
-/// The picture as it comes back from a JPEG of a quality, 1 to 100; `None` where there is no such JPEG.
+/// The picture as it comes back from a JPEG of a quality, 1 to 100, as libjpeg writes it: colours of 2 × 2 pixels are averaged below 90; `None` where there is no such JPEG.
 pub fn as_jpeg(picture: &RgbImage, quality: u8) -> Option<RgbImage> {
-    let jpeg = preview_jpeg(picture, quality)?;
+    let jpeg = jpeg(picture, quality, None, ChromaSubsamplingMethod::Average)?;
     let photo = Photo::from_bytes(Path::new("picture"), jpeg, Budget::FILE).ok()?;
     photo.rgb(1).ok()
 }

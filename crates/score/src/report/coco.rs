@@ -139,7 +139,7 @@ pub(super) fn annotations(
             description: format!(
                 "truth boxes of scale-model photos: {}; counts as the model: {}",
                 super::truth_boxes(scores),
-                counted::counted(scores)
+                counted::labels(scores)
             ),
             version: env!("CARGO_PKG_VERSION"),
         },

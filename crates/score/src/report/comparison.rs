@@ -19,6 +19,9 @@ pub struct ComparisonPage<'a> {
     comparison: &'a Comparison,
     /// The labels that count as the model.
     classes: &'a [String],
+    /// Which labels of a box count in its figures, by detector: `best`, its best alone; `all`, each with its own confidence; `listed`, as the network
+    /// lists its boxes; `given`, as another program gives them.
+    box_labels: BTreeMap<&'a str, &'static str>,
     /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
     /// Photos that are in no figure, and why.
@@ -34,7 +37,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
     let texts = [
         ("comparison.html", page::render(scores, comparison)),
         ("comparison.tex", latex::comparison(scores, comparison)),
-        ("comparison.csv", comparison_csv::render(comparison)?),
+        ("comparison.csv", comparison_csv::render(scores, comparison)?),
         ("comparison.json", comparison_json(scores, comparison)?),
     ];
     let mut all = texts
@@ -51,6 +54,7 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     let page = ComparisonPage {
         comparison,
         classes: counted::classes(scores).labels(),
+        box_labels: counted::box_labels(scores),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
         definitions: comparison_definitions().collect(),

@@ -2,21 +2,21 @@
 
 use serde_json::json;
 
-use super::{ReportError, Row, csv_of};
-use crate::score::{Compared, Comparison, Difference};
+use super::{ReportError, Row, counted, csv_of};
+use crate::score::{Compared, Comparison, Difference, Scores};
 
-pub fn render(comparison: &Comparison) -> Result<String, ReportError> {
+pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     csv_of(comparison.results.iter().flat_map(|r| {
         let endpoints = [
             ("hit_rate", &r.hit_rate.rate),
             ("mean_confidence", &r.mean_confidence),
             ("ap50", &r.ap50),
         ];
-        endpoints.map(|(name, d)| row(comparison, r, name, d))
+        endpoints.map(|(name, d)| row(scores, comparison, r, (name, d)))
     }))
 }
 
-fn row<'a>(comparison: &Comparison, r: &Compared, endpoint: &str, d: &Difference) -> Row<'a> {
+fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d): (&str, &Difference)) -> Row<'a> {
     let is_primary = endpoint == "hit_rate";
     let (drop, asr) = (d.interval_95, d.asr_interval_95);
     vec![
@@ -44,5 +44,9 @@ fn row<'a>(comparison: &Comparison, r: &Compared, endpoint: &str, d: &Difference
         ("tests", json!(r.tests)),
         ("finding", json!(d.finding)),
         ("ap_definition", json!(comparison.ap_definition)),
+        (
+            "box_labels",
+            json!(counted::box_labels(scores).get(r.detector.as_str())),
+        ),
     ]
 }

@@ -1,6 +1,9 @@
 //! What counts as the model: said wherever figures stand.
 
+use std::collections::BTreeMap;
+
 use crate::score::{EvaluatedDetector, Scores};
+use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Classes;
 
 /// The labels that count, of the first session; all sessions of a run have the same.
@@ -8,8 +11,32 @@ pub(super) fn classes(scores: &Scores) -> &Classes {
     &scores.sessions[0].scene.model.class
 }
 
-/// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
+/// [`labels`] with each detector's rule for the labels of a box: "car; labels of a box: best (yolox_nano), all (nanodet_m)".
 pub fn counted(scores: &Scores) -> String {
+    let rules = box_labels(scores);
+    let of_rule = |rule: &str| {
+        let own = rules.iter().filter(|(_, own)| **own == rule).map(|(name, _)| *name);
+        format!("{rule} ({})", own.collect::<Vec<_>>().join(", "))
+    };
+    let rule = match distinct(rules.values().copied())[..] {
+        [only] => only.to_owned(),
+        ref several => several.iter().map(|rule| of_rule(rule)).collect::<Vec<_>>().join(", "),
+    };
+    format!("{}; labels of a box: {rule}", labels(scores))
+}
+
+/// What the rules are called.
+pub(super) const BOX_LABELS: &str = "each detector's own rule. best: a box counts with its best label alone; all: with every label, each with its own confidence; listed: as the network lists its boxes; given: as another program gives them";
+
+/// Each detector's rule, by its name.
+pub fn box_labels(scores: &Scores) -> BTreeMap<&str, &'static str> {
+    let each = scores.detectors.iter();
+    each.map(|detector| (detector.manifest.name.as_str(), detector.box_labels()))
+        .collect()
+}
+
+/// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
+pub(super) fn labels(scores: &Scores) -> String {
     let mapped: Vec<String> = scores.detectors.iter().filter_map(mapped).collect();
     if mapped.is_empty() {
         classes(scores).to_string()

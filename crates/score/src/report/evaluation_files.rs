@@ -37,6 +37,7 @@ fn figures_csv(evaluation: &Evaluation) -> Result<String, ReportError> {
                     ("detector", json!(name)),
                     ("photos", json!(f.photos)),
                     ("ap_definition", json!(evaluation.scores.criteria.ap.name())),
+                    ("box_labels", json!(detector.box_labels())),
                     ("ap50", json!(f.ap50)),
                     ("mean_confidence", json!(f.mean_confidence)),
                     ("hits", json!(f.hit_rate.count)),

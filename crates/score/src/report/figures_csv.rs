@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{ReportError, Row, csv_of};
+use super::{ReportError, Row, counted, csv_of};
 use crate::score::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
 use scaleproof_pose::scene::Bin;
 
@@ -77,6 +77,10 @@ fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
         ("photos", json!(g.figures.map_or(0, |f| f.photos))),
         ("protocol", json!(criteria.protocol.map(Protocol::name))),
         ("ap_definition", json!(criteria.ap.name())),
+        (
+            "box_labels",
+            json!(counted::box_labels(scores).get(s.detector.as_str())),
+        ),
         ("ap50", average(|f| f.ap50)),
         ("ap50_95", average(|f| f.ap50_95)),
         ("mar50", figure(|f| f.mar50)),

@@ -6,6 +6,7 @@ mod comparison;
 mod comparison_csv;
 mod counted;
 mod csv;
+mod defences;
 mod evaluation;
 mod evaluation_files;
 mod export;
@@ -37,7 +38,7 @@ use scaleproof_plot::pdf::PdfError;
 
 pub use comparison::{ComparisonPage, comparison_json, comparison_table, write_comparison};
 pub use comparison_csv::render as comparison_csv;
-pub use counted::counted;
+pub use counted::{box_labels, counted};
 pub use csv::render as photos_csv;
 pub use evaluation::{Evaluation, evaluation_tables};
 pub use evaluation_files::write_evaluation;
@@ -98,8 +99,9 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         ("report.html".to_owned(), html::render(scores, speeds)),
     ];
     contents.extend(protocol::files(scores)?);
+    contents.extend(defences::files(scores)?);
     if let Some(robustness) = &scores.robustness {
-        contents.push((robustness::NAME.to_owned(), robustness::csv(robustness)?));
+        contents.push((robustness::NAME.to_owned(), robustness::csv(scores, robustness)?));
     }
     let categories = coco::Categories::from_scores(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {
@@ -127,6 +129,8 @@ struct Before {
     protocol: Option<serde::de::IgnoredAny>,
     #[serde(default)]
     robustness: Option<serde::de::IgnoredAny>,
+    #[serde(default)]
+    defences: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -144,12 +148,15 @@ impl Before {
 }
 
 /// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the tables
-/// and charts that were asked for then: of a protocol, of times, of photos made worse.
+/// and charts that were asked for then: of a protocol, of times, of photos made worse or defended.
 fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
     let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
     let mut stale = figures::stale(speeds, no_longer_robustness);
     if no_longer_robustness {
         stale.push(robustness::NAME.to_owned());
+    }
+    if before.defences.is_some() && scores.defences.is_none() {
+        stale.extend(defences::NAMES.map(str::to_owned));
     }
     if before.protocol.is_some() && scores.criteria.protocol.is_none() {
         stale.extend(protocol::NAMES.map(str::to_owned));

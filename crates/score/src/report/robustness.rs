@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{ReportError, csv_of, protocol};
-use crate::score::{BASE_LOST, Difference, Robustness, SEVERITIES, Scores, Survival};
+use super::{ReportError, counted, csv_of, protocol};
+use crate::score::{BASE_LOST, Difference, Held, Robustness, SEVERITIES, Scores, Survival};
 use scaleproof_plot::distinct;
 
 pub(super) const NAME: &str = "robustness.csv";
@@ -15,23 +15,36 @@ pub(super) fn heading() -> String {
     )
 }
 
-pub(super) fn csv(robustness: &Robustness) -> Result<String, ReportError> {
+pub(super) fn csv(scores: &Scores, robustness: &Robustness) -> Result<String, ReportError> {
     csv_of(robustness.rows.iter().map(|row| {
         let mut line = vec![
             ("corruption", json!(row.corruption)),
             ("severity", json!(row.severity)),
             ("amount", json!(row.amount)),
-            ("base", json!(row.base)),
-            ("variant", json!(row.variant)),
-            ("detector", json!(row.detector)),
-            ("pairs", json!(row.pairs)),
         ];
-        line.extend(AP50.into_iter().zip(values(&row.ap50)));
-        line.extend(HIT_RATE.into_iter().zip(values(&row.hit_rate)));
-        line.push(("base_mean_confidence", json!(row.mean_confidence.base)));
-        line.push(("mean_confidence", json!(row.mean_confidence.other)));
+        line.extend(columns(scores, &row.held));
         line
     }))
+}
+
+/// Of a comparison.
+pub(super) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)> {
+    let mut line = vec![
+        ("base", json!(held.base)),
+        ("variant", json!(held.variant)),
+        ("detector", json!(held.detector)),
+        ("pairs", json!(held.pairs)),
+    ];
+    line.extend(AP50.into_iter().zip(values(&held.ap50)));
+    line.extend(HIT_RATE.into_iter().zip(values(&held.hit_rate)));
+    line.push(("base_mean_confidence", json!(held.mean_confidence.base)));
+    line.push(("mean_confidence", json!(held.mean_confidence.other)));
+    line.push(("ap_definition", json!(scores.criteria.ap.name())));
+    line.push((
+        "box_labels",
+        json!(counted::box_labels(scores).get(held.detector.as_str())),
+    ));
+    line
 }
 
 /// Columns of a difference, as [`values`] has them.

@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::counted;
 use super::provenance::{self, Provenance};
 use crate::score::{
-    Compared, Curves, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary, TransferRow, curves,
-    disagreements, paired, protocol_table, reliability, transfer,
+    Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
+    TransferRow, curves, disagreements, paired, protocol_table, reliability, transfer,
 };
 use scaleproof_detect::Speeds;
 
@@ -20,6 +20,9 @@ pub struct SummaryPage<'a> {
     classes: &'a [String],
     /// How the figures called `ap50` are computed: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp` (figures.md).
     ap_definition: &'static str,
+    /// Which labels of a box count in its figures, by detector: `best`, its best alone; `all`, each with its own confidence; `listed`, as the network
+    /// lists its boxes; `given`, as another program gives them.
+    box_labels: BTreeMap<&'a str, &'static str>,
     /// Confidence from which a detection counts as a hit, 0 to 1.
     hit_confidence: f64,
     /// The variant that drops are measured from.
@@ -34,6 +37,8 @@ pub struct SummaryPage<'a> {
     explanations: Vec<String>,
     /// With `--corrupt`: what is left of the differences on photos made worse (scoring.md); else `null`.
     robustness: Option<&'a Robustness>,
+    /// With `--defence`: what is left of the differences on defended photos, and what each defence changes (scoring.md); else `null`.
+    defences: Option<&'a Defences>,
     /// With `--ranking`: the order of the variants against that in other sessions; else `null`.
     ranking: Option<&'a Ranking>,
     /// One row for each variant but the base.
@@ -63,6 +68,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         photos_scored: scores.photos.len(),
         classes: counted::classes(scores).labels(),
         ap_definition: scores.criteria.ap.name(),
+        box_labels: counted::box_labels(scores),
         hit_confidence: scores.criteria.hit_confidence,
         base: &scores.base,
         protocol: protocol_table(scores),
@@ -70,6 +76,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         paired: paired(scores),
         explanations: disagreements(scores),
         robustness: scores.robustness.as_ref(),
+        defences: scores.defences.as_ref(),
         ranking: scores.ranking.as_ref(),
         transfer: transfer(&scores.summaries),
         curves: curves(scores),

@@ -1,6 +1,6 @@
 //! The headline figures as plain text for the terminal.
 
-use super::{certainty, counted, paired, protocol, ranking, robustness, verdict};
+use super::{certainty, counted, defences, paired, protocol, ranking, robustness, verdict};
 use crate::score::{
     Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, paired as all_paired, protocol_table,
 };
@@ -33,6 +33,7 @@ pub fn summary_table(scores: &Scores) -> String {
         lines.extend(protocol::lines(scores, &table));
     }
     lines.extend(robustness::lines(scores));
+    lines.extend(defences::lines(scores));
     lines.extend(ranking::lines(scores));
     lines.push(String::new());
     lines.push(format!("counts as the model: {}", counted(scores)));

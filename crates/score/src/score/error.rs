@@ -28,15 +28,19 @@ pub enum ScoreError {
     #[error("the shards do not hold {file} of {session}: score them again")]
     NotObserved { session: String, file: String },
     #[error(
-        "{detector} cannot look at photos that are made worse: stored detections and those of other programs are of the photos as they are, and programs must take pixels (\"input\": \"rgb\")"
+        "{detector} cannot look at photos that are {changed}: stored detections and those of other programs are of the photos as they are, and programs must take pixels (\"input\": \"rgb\")"
     )]
-    NotCorruptible { detector: String },
-    #[error("all photos have the variant `{variant}`: there is no drop to follow on photos that are made worse")]
-    OneVariant { variant: String },
+    NotCorruptible {
+        detector: String,
+        /// As in "made worse".
+        changed: &'static str,
+    },
+    #[error("all photos have the variant `{variant}`: there is no drop to follow on photos that are {changed}")]
+    OneVariant { variant: String, changed: &'static str },
     #[error("{file} is another photo than it was at the beginning of this run: run it again")]
     PhotoChanged { file: String },
-    #[error("{file} cannot be made worse by {corruption}: it cannot be encoded")]
-    NotCorrupted { file: String, corruption: &'static str },
+    #[error("{file} cannot be changed by {by}: it cannot be encoded")]
+    NotChanged { file: String, by: String },
     #[error(transparent)]
     Photo(#[from] PhotoError),
     #[error(transparent)]

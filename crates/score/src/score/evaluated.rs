@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use scaleproof_core::files;
 use scaleproof_detect::{
-    CalledDetector, DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults,
-    ProgramDetector, Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
+    AnchorLabels, CalledDetector, DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError,
+    OutsideResults, ProgramDetector, Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
 };
 use scaleproof_pose::scene::Classes;
 use scaleproof_session::session::Session;
@@ -160,6 +160,18 @@ impl EvaluatedDetector {
     /// Names of its classes.
     pub fn labels(&self) -> Labels {
         self.manifest.labels
+    }
+
+    /// Which labels of a box become detections, by the detector's own rule: `best`, its best alone; `all`, each with its own confidence; `listed`, as the
+    /// network lists its boxes; `given`, as another program gives them.
+    pub fn box_labels(&self) -> &'static str {
+        let head = &self.manifest.head;
+        match (self.foreign(), head.with_other_labels(), head.anchor_labels()) {
+            (Some(_), ..) => "given",
+            (None, None, _) => "listed",
+            (None, Some(_), AnchorLabels::Best) => "best",
+            (None, Some(_), AnchorLabels::All) => "all",
+        }
     }
 
     /// SHA-256 of all that the manifest says except where it lies, and of the recordings that are played back.

@@ -58,7 +58,10 @@ pub use protocol_table::{ProtocolTable, apricot_ap, protocol_table, rates_as_arm
 pub use ranking::{Ranking, RankingFinding, RankingRow, ranking};
 pub use record::{RecordError, check_recordings, record};
 pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
-pub use robustness::{BASE_LOST, CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};
+pub use robustness::{
+    BASE_LOST, CorruptedRow, DefenceCard, Defences, DefendedRow, Defending, Held, Robustness, Survival, UNDEFENDED,
+    check_changeable, under_corruption, under_defences,
+};
 pub use run::{TimedPhoto, merge, observe, score, timed_photos};
 pub use scaleproof_core::ap::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use scores::ScoredSet;

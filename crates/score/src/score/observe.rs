@@ -195,8 +195,8 @@ pub(super) struct PhotoPart<'a> {
     pub sha256: &'a str,
     /// Where it is in the photo, px.
     pub window: BoxPx,
-    /// What the image depends on besides the photo's content.
-    pub name: &'a str,
+    /// What the image depends on besides the photo's content; `None` where it may be another one each time.
+    pub name: Option<&'a str>,
 }
 
 impl PhotoPart<'_> {
@@ -216,7 +216,7 @@ impl PhotoPart<'_> {
 
 /// Why a photo could not be observed.
 #[derive(Debug, thiserror::Error)]
-enum Stop {
+pub(super) enum Stop {
     #[error(transparent)]
     Photo(#[from] NotScoredReason),
     /// The run ends.
@@ -402,12 +402,14 @@ impl<'a> Observer<'a> {
         &mut self,
         index: usize,
         part: &PhotoPart,
-        image: &mut dyn FnMut() -> Result<Arc<RgbImage>, ScoreError>,
+        image: &mut dyn FnMut() -> Result<Arc<RgbImage>, Stop>,
     ) -> Result<Result<Vec<Detection>, NotScoredReason>, ScoreError> {
         let detector = &self.detectors[index];
         unless_run_ends(match &detector.source {
             DetectionSource::Live(weights) => {
-                let key = self.network_key(index, &["part", part.name, part.sha256]);
+                let key = part
+                    .name
+                    .and_then(|name| self.network_key(index, &["part", name, part.sha256]));
                 self.kept(key, |own| {
                     let image = image()?;
                     let found = own.loaded(index, weights)?.detect(&image)?;
@@ -415,7 +417,8 @@ impl<'a> Observer<'a> {
                 })
             }
             DetectionSource::Program(program) => {
-                let key = self.key(&["part", part.name, part.sha256, &program.card().sha256()]);
+                let card = program.card().sha256();
+                let key = part.name.and_then(|name| self.key(&["part", name, part.sha256, &card]));
                 self.kept(key.filter(|_| program.is_deterministic()), |_| {
                     let image = image()?;
                     let found = program.detect(&ProgramPhoto {
@@ -434,7 +437,8 @@ impl<'a> Observer<'a> {
             })(),
             _ => {
                 let detector = detector.manifest.name.clone();
-                Err(ScoreError::NotCorruptible { detector }.into())
+                let changed = "changed";
+                Err(ScoreError::NotCorruptible { detector, changed }.into())
             }
         })
     }

@@ -7,8 +7,8 @@ use super::grouping::{GroupBy, GroupByError};
 use super::near_copies::counted_once;
 use super::settings::AppliedSettings;
 use super::{
-    BASE_VARIANT, Compared, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
-    Summary, WornPattern, caution, summary,
+    BASE_VARIANT, Compared, Criteria, Defences, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness,
+    ScoredPhoto, Summary, WornPattern, caution, summary,
 };
 use scaleproof_plot::distinct;
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -53,6 +53,8 @@ pub struct Scores {
     pub settings: Option<AppliedSettings>,
     /// What is left of the differences when photos get worse, where it was asked for.
     pub robustness: Option<Robustness>,
+    /// What is left of them when photos are defended, where it was asked for.
+    pub defences: Option<Defences>,
     /// The order of the variants against that in other sessions, where it was asked for.
     pub ranking: Option<Ranking>,
     /// Of the textures whose patterns are known.
@@ -105,6 +107,7 @@ impl Scores {
             tags: TagDetectorChoice::default(),
             settings: None,
             robustness: None,
+            defences: None,
             ranking: None,
             patterns: Vec::new(),
             groups: Vec::new(),

@@ -1,5 +1,6 @@
 //! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -128,6 +129,7 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     caution(&scores);
     let evaluated = Evaluated {
         classes: &class,
+        box_labels: report::box_labels(tables.scores),
         patterns: &tables.patterns,
         targets: &tables.targets,
         results: &scores.summaries,
@@ -253,6 +255,8 @@ impl EvaluateArgs {
 pub(in crate::cli) struct Evaluated<'a> {
     /// The labels that count as the model.
     classes: &'a Classes,
+    /// As in `summary.json`.
+    box_labels: BTreeMap<&'a str, &'static str>,
     /// Names of the patterns.
     patterns: &'a [String],
     /// The detectors that the patterns were made against.

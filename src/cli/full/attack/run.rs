@@ -3,10 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::StringValueParser;
 
 use super::on_frames::{OnFrames, pattern_of};
-use crate::cli::choice::one_of;
+use crate::cli::choice::{completing, one_of};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
@@ -16,6 +16,7 @@ use scaleproof_attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_im
 use scaleproof_attack::setup::Setup;
 use scaleproof_core::files;
 use scaleproof_gradients::Boxes;
+use scaleproof_photo::defence::Defence;
 use scaleproof_print::print::printer::PrinterFile;
 use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 
@@ -50,9 +51,9 @@ pub(in crate::cli) struct RunArgs {
     /// Share of a step's views that are drawn for how well the model is still seen in them
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_negative_numbers = true)]
     hard: f64,
-    /// What happens to images at random besides the usual (a little brightness, contrast, size, place and noise): several as in blur,shift; `none`
-    /// for nothing at all
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = PossibleValuesParser::new(Eot::KINDS.map(|(name, _)| name).into_iter().chain(["none"])))]
+    /// What happens to images at random besides the usual (a little brightness, contrast, size, place and noise): several as in blur,shift, or one of the
+    /// defences of `score --defence` as in median=3; `none` for nothing at all
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = completing(StringValueParser::new(), augmentations()))]
     augment: Vec<String>,
     /// Weight of the differences between neighbouring cells
     #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -152,9 +153,13 @@ impl RunArgs {
                 _ => Err("--augment none goes with no other: leave the others out".into()),
             };
         }
-        for (name, add) in Eot::KINDS {
-            if self.augment.iter().any(|asked| asked == name) {
-                add(&mut eot);
+        for asked in &self.augment {
+            match Eot::KINDS.iter().find(|(name, _)| name == asked) {
+                Some((_, add)) => add(&mut eot),
+                None if eot.defence.is_some() => {
+                    return Err(format!("--augment {asked} is a second defence: name one").into());
+                }
+                None => eot.defence = Some(Defence::named(asked).map_err(|fault| no_augmentation(asked, fault))?),
             }
         }
         Ok(eot)
@@ -211,4 +216,25 @@ impl RunArgs {
             (None, None) => Ok(CellColours::Free),
         }
     }
+}
+
+/// What `--augment` takes, without the amounts of defences.
+fn augmentations() -> Vec<&'static str> {
+    let kinds = Eot::KINDS.iter().map(|(name, _)| *name);
+    let mut names: Vec<&str> = kinds.chain(["none"]).collect();
+    // The kind `jpeg` is of any quality; the defence is written with its own.
+    names.extend(Defence::NAMES.iter().filter(|name| **name != "jpeg"));
+    names
+}
+
+/// Why something is no augmentation; `fault`: why it is no defence.
+fn no_augmentation(asked: &str, fault: String) -> String {
+    let name = asked.split('=').next().unwrap_or_default();
+    if Defence::NAMES.contains(&name) {
+        return fault;
+    }
+    format!(
+        "there is no augmentation “{asked}”: take some of {}",
+        augmentations().join(", ")
+    )
 }

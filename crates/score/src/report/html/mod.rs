@@ -4,6 +4,7 @@ mod comparable;
 pub mod comparison;
 mod contact;
 pub(super) mod curves;
+mod defences;
 pub(super) mod evaluation;
 mod figures;
 mod filters;
@@ -63,7 +64,7 @@ fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> Str
     html_page(&title, STYLE, &body)
 }
 
-fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 15] {
+fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 16] {
     let result =
         html! { (notes::verdict(scores, all_paired(scores))) (figures::headline(scores)) (notes::cautions(scores)) };
     let outcomes = html! { (misses::outcomes(scores)) (misses::confusion(scores)) (misses::transfer_matrix(scores)) };
@@ -80,6 +81,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 15] {
         ("protocol", "Protocol", comparable::protocol(scores)),
         ("conditions", "By condition", comparable::groups(scores)),
         ("robustness", "On photos made worse", robustness::section(scores)),
+        ("defences", "On defended photos", defences::section(scores)),
         ("ranking", "Order of the textures in other sessions", ranking),
         ("outcomes", "Hits and misses", Some(outcomes)),
         ("directions", "By viewing direction", Some(directions)),

@@ -39,7 +39,8 @@ pub(super) fn definitions(scores: &Scores) -> Markup {
     html! {
         dl {
             @for (name, definition) in scores.criteria.definitions() { dt { (name) } dd { (definition) "." } }
-            dt { "counts as the model" } dd { "a detection with the label " (counted(scores)) "; any other label is another class." }
+            dt { "counts as the model" } dd { "a detection with the label " (counted::labels(scores)) "; any other label is another class." }
+            dt { "labels of a box" } dd { (counted::BOX_LABELS) "." }
             dt { "truth box" }
             dd {
                 (truth_boxes(scores)) ". Through the pose: the model's envelope projected through the pose that the AprilTags give, cut at "

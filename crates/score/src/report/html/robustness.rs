@@ -42,7 +42,8 @@ pub(in crate::report) fn charts(scores: &Scores, robustness: &Robustness) -> Vec
     let mut all = Vec::new();
     for detector in &scores.detectors {
         for corruption in &corruptions {
-            let is_own = |row: &&CorruptedRow| row.corruption == *corruption && row.detector == detector.manifest.name;
+            let is_own =
+                |row: &&CorruptedRow| row.corruption == *corruption && row.held.detector == detector.manifest.name;
             let own: Vec<&CorruptedRow> = robustness.rows.iter().filter(is_own).collect();
             let title = format!("{}: {corruption}", detector.manifest.title);
             all.push((title.clone(), chart(scores, title, &own)));
@@ -53,18 +54,18 @@ pub(in crate::report) fn charts(scores: &Scores, robustness: &Robustness) -> Vec
 
 /// `own`: those of one detector and corruption.
 fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
-    let from_base: Vec<&CorruptedRow> = own.iter().copied().filter(|row| row.base == scores.base).collect();
+    let from_base: Vec<&CorruptedRow> = own.iter().copied().filter(|row| row.held.base == scores.base).collect();
     let amounts = distinct(from_base.iter().map(|row| (row.severity, row.amount.as_str())));
     let lines = scores.variants().into_iter().enumerate().map(|(i, variant)| {
         let points: Vec<(f64, f64, bool)> = if variant == scores.base {
             of_base(&from_base)
         } else {
-            let own = from_base.iter().filter(|row| row.variant == variant);
+            let own = from_base.iter().filter(|row| row.held.variant == variant);
             own.map(|row| {
                 (
                     f64::from(row.severity),
-                    row.ap50.other,
-                    row.ap50.finding == Finding::Drop,
+                    row.held.ap50.other,
+                    row.held.ap50.finding == Finding::Drop,
                 )
             })
             .collect()
@@ -95,9 +96,10 @@ fn short(amount: &str) -> &str {
 }
 
 fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
-    let first = from_base.first().map(|row| row.variant.as_str());
-    let own = from_base.iter().filter(|row| Some(row.variant.as_str()) == first);
-    own.map(|row| (f64::from(row.severity), row.ap50.base, true)).collect()
+    let first = from_base.first().map(|row| row.held.variant.as_str());
+    let own = from_base.iter().filter(|row| Some(row.held.variant.as_str()) == first);
+    own.map(|row| (f64::from(row.severity), row.held.ap50.base, true))
+        .collect()
 }
 
 /// (severity, AP, whether it is filled); the base has no marks.

@@ -1,27 +1,30 @@
-//! What the detectors find in a photo that is made worse.
+//! What the detectors find in a photo that is made worse, or defended.
 
 use std::sync::Arc;
 
-use image::{RgbImage, imageops};
+use image::RgbImage;
 
-use super::Condition;
+use super::Seen;
+use super::condition::{Condition, Defending};
+use super::joined::joined;
 use crate::score::corrupt::{Corruption, LONGEST_PX, cut_off};
 use crate::score::decoded::DecodedPhoto;
 use crate::score::error::ScoreError;
-use crate::score::observe::{Observer, PhotoPart};
-use crate::score::{NotScoredReason, PhotoOutcome, ScoredPhoto, Scores};
+use crate::score::observe::{Observer, PhotoPart, Stop};
+use crate::score::{PhotoOutcome, ScoredPhoto, Scores};
 use scaleproof_core::files::sha256_hex;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
+use scaleproof_photo::defence::Frame;
 use scaleproof_photo::photo::{Photo, fitting, shrunk};
 
-/// The photo with what is found in it under each condition, or why a detector says nothing of it.
+/// The photo with what is found in it under each condition, or why nothing is said of it.
 pub(super) fn at(
     observer: &mut Observer,
     scores: &Scores,
     photo: &ScoredPhoto,
     conditions: &[Condition],
-) -> Result<Vec<Result<ScoredPhoto, NotScoredReason>>, ScoreError> {
+) -> Result<Seen, ScoreError> {
     let path = scores.sessions[photo.session].folder.join(&photo.file);
     let file = Photo::open(&path)?;
     if file.sha256 != photo.sha256 {
@@ -31,109 +34,138 @@ pub(super) fn at(
     let mut decoded = DecodedPhoto::new(&file);
     let size = fitting([file.width, file.height], LONGEST_PX);
     let mut reduced: Option<RgbImage> = None;
-    let seen = conditions.iter().map(|condition| {
-        let view = View::new(photo, *condition);
-        let mut image = None;
-        let mut detections = Vec::new();
-        for index in 0..scores.detectors.len() {
-            let part = PhotoPart {
-                path: &path,
-                file: &photo.file,
-                sha256: &photo.sha256,
-                window: view.in_photo,
-                name: &view.name,
-            };
-            let found = observer.in_part(index, &part, &mut || {
-                if image.is_none() {
-                    if reduced.is_none() {
-                        reduced = Some(shrunk(decoded.at_least(size)?, size));
+    let mut under = |condition: &Condition| -> Result<_, ScoreError> {
+        let views = View::all(photo, condition);
+        let mut found: Vec<Vec<Vec<Detection>>> = vec![Vec::new(); scores.detectors.len()];
+        for view in &views {
+            let mut image = None;
+            for (index, found) in found.iter_mut().enumerate() {
+                let part = PhotoPart {
+                    path: &path,
+                    file: &photo.file,
+                    sha256: &photo.sha256,
+                    window: view.in_photo,
+                    name: view.name.as_deref(),
+                };
+                let seen = observer.in_part(index, &part, &mut || {
+                    if image.is_none() {
+                        if reduced.is_none() {
+                            reduced = Some(shrunk(decoded.at_least(size)?, size));
+                        }
+                        let reduced = reduced
+                            .as_ref()
+                            .map(|reduced| view.image(&photo.file, reduced, condition));
+                        image = reduced.transpose()?.map(Arc::new);
                     }
-                    let reduced = reduced.as_ref().map(|reduced| view.image(&photo.file, reduced));
-                    image = reduced.transpose()?.map(Arc::new);
+                    Ok(image.clone().unwrap_or_default())
+                })?;
+                match seen {
+                    Ok(seen) => found.push(seen),
+                    Err(reason) => return Ok(Err(reason)),
                 }
-                Ok(image.clone().unwrap_or_default())
-            })?;
-            match found {
-                Ok(found) => detections.push(found),
-                Err(reason) => return Ok(Err(reason)),
             }
         }
-        Ok(Ok(judged(scores, photo, &view, detections)))
-    });
-    seen.collect()
+        let windows: Vec<BoxPx> = views.iter().map(|view| view.in_photo).collect();
+        let detections = found.into_iter().map(|own| joined(own, &windows)).collect();
+        let truth = match condition {
+            Condition::Worse(..) => windows.iter().fold(photo.truth, |truth, window| common(&truth, window)),
+            _ => photo.truth,
+        };
+        Ok(Ok(judged(scores, photo, truth, detections)))
+    };
+    conditions.iter().map(&mut under).collect()
 }
 
+/// An image that the detectors look at.
 struct View {
-    condition: Condition,
-    /// What is left of the reduced photo: x1, y1, x2, y2, px.
-    window: [u32; 4],
-    /// The window in the photo at full size, px.
+    frame: Frame,
+    /// The image in the photo at full size, px.
     in_photo: BoxPx,
-    /// What the image depends on besides the photo's content.
-    name: String,
+    /// What the image depends on besides the photo's content; `None` where it may be another one each time.
+    name: Option<String>,
     seed: u64,
 }
 
 impl View {
-    /// What is random is the same at every severity, and for photos of one place and bin, which are paired.
-    fn new(photo: &ScoredPhoto, condition: Condition) -> Self {
-        let kind = condition.map_or("", |(kind, _)| kind.name());
-        let alike = match photo.bin {
-            Some(bin) => format!("{bin:?} {:?} {kind}", photo.place),
-            None => format!("{} {kind}", photo.sha256),
-        };
-        let seed = u64::from_str_radix(&sha256_hex(alike.as_bytes())[..16], 16).unwrap_or_default();
+    /// Most often one.
+    fn all(photo: &ScoredPhoto, condition: &Condition) -> Vec<Self> {
         let size = [photo.width, photo.height];
         let reduced = fitting(size, LONGEST_PX);
-        let [across, down] = [0, 1].map(|i| f64::from(reduced[i]) / f64::from(size[i]));
-        let truth = BoxPx::new(
-            across * photo.truth.x1,
-            down * photo.truth.y1,
-            across * photo.truth.x2,
-            down * photo.truth.y2,
-        );
-        let window = match condition {
-            Some((Corruption::Crop, severity)) => cut_off(&truth, reduced, severity, seed),
-            _ => [0, 0, reduced[0], reduced[1]],
+        let seed = seed(photo, condition);
+        let frames = match condition {
+            Condition::Worse(Corruption::Crop, severity) => {
+                let truth = scaled(&photo.truth, size, reduced);
+                let [x1, y1, x2, y2] = cut_off(&truth, reduced, *severity, seed);
+                vec![Frame::crop([x1, y1], [x2 - x1, y2 - y1])]
+            }
+            Condition::Defended(Defending::Published(defence)) => defence.frames(reduced, seed),
+            _ => vec![Frame::whole(reduced)],
         };
-        let [x1, y1, x2, y2] = window.map(f64::from);
-        let severity = condition.map_or(0, |(_, severity)| severity);
-        Self {
-            condition,
-            window,
-            in_photo: BoxPx::new(x1 / across, y1 / down, x2 / across, y2 / down),
-            name: format!("{kind} {severity} {window:?} {seed}"),
+        let (is_kept, program) = match condition {
+            Condition::Defended(Defending::Program(program)) => (program.is_deterministic(), program.card().sha256()),
+            _ => (true, String::new()),
+        };
+        let view = |frame: Frame| Self {
+            frame,
+            in_photo: scaled(&frame.window(), reduced, size),
+            name: is_kept.then(|| format!("{} {frame:?} {seed} {program}", condition.name())),
             seed,
-        }
+        };
+        frames.into_iter().map(view).collect()
     }
 
-    fn image(&self, file: &str, reduced: &RgbImage) -> Result<RgbImage, ScoreError> {
-        let Some((kind, severity)) = self.condition else {
-            return Ok(reduced.clone());
+    fn image(&self, file: &str, reduced: &RgbImage, condition: &Condition) -> Result<RgbImage, Stop> {
+        let made = match condition {
+            Condition::Reduced => Some(reduced.clone()),
+            Condition::Worse(kind, severity) => kind.apply(&self.frame.cut(reduced), *severity, self.seed),
+            Condition::Defended(Defending::Published(defence)) => defence.image(reduced, &self.frame),
+            Condition::Defended(Defending::Program(program)) => {
+                return Ok(program.defended(file, reduced, self.seed as u32)?);
+            }
         };
-        let [x1, y1, x2, y2] = self.window;
-        let part = imageops::crop_imm(reduced, x1, y1, x2 - x1, y2 - y1).to_image();
-        let made = kind.apply(&part, severity, self.seed);
-        made.ok_or_else(|| ScoreError::NotCorrupted {
+        let not_changed = || ScoreError::NotChanged {
             file: file.to_owned(),
-            corruption: kind.name(),
-        })
+            by: condition.name(),
+        };
+        Ok(made.ok_or_else(not_changed)?)
     }
 }
 
-/// Of the detections those that count as the model are kept: the others matter for the outcome alone.
-fn judged(scores: &Scores, photo: &ScoredPhoto, view: &View, mut detections: Vec<Vec<Detection>>) -> ScoredPhoto {
-    let window = &view.in_photo;
-    let truth = BoxPx::new(
-        photo.truth.x1.max(window.x1),
-        photo.truth.y1.max(window.y1),
-        photo.truth.x2.min(window.x2),
-        photo.truth.y2.min(window.y2),
-    );
+/// A corruption's is the same at every severity, and for photos of one place and bin, which are paired: a photo happens to be a bad one. A defence does not
+/// know what a photo is paired with.
+fn seed(photo: &ScoredPhoto, condition: &Condition) -> u64 {
+    let alike = match (condition, photo.bin) {
+        (Condition::Defended(defence), _) => format!("{} {}", photo.sha256, defence.name()),
+        (Condition::Worse(kind, _), Some(bin)) => format!("{bin:?} {:?} {}", photo.place, kind.name()),
+        (Condition::Worse(kind, _), None) => format!("{} {}", photo.sha256, kind.name()),
+        (Condition::Reduced, _) => String::new(),
+    };
+    u64::from_str_radix(&sha256_hex(alike.as_bytes())[..16], 16).unwrap_or_default()
+}
+
+/// A box of an image of one size, width and height, where it is in the image at another.
+fn scaled(b: &BoxPx, from: [u32; 2], to: [u32; 2]) -> BoxPx {
+    let [across, down] = [0, 1].map(|i| f64::from(to[i]) / f64::from(from[i]));
+    BoxPx::new(across * b.x1, down * b.y1, across * b.x2, down * b.y2)
+}
+
+/// What two boxes have in common.
+fn common(a: &BoxPx, b: &BoxPx) -> BoxPx {
+    BoxPx::new(a.x1.max(b.x1), a.y1.max(b.y1), a.x2.min(b.x2), a.y2.min(b.y2))
+}
+
+/// What is made of the detections. Those that count as the model are kept: the others matter for the outcome alone.
+fn judged(scores: &Scores, photo: &ScoredPhoto, truth: BoxPx, mut detections: Vec<Vec<Detection>>) -> ScoredPhoto {
+    // Padding is no place in the photo.
+    let [width, height] = [photo.width, photo.height].map(f64::from);
+    detections
+        .iter_mut()
+        .flatten()
+        .for_each(|d| d.box_px = d.box_px.clipped(width, height));
     let least = scores.criteria.thresholds();
     let outcomes = PhotoOutcome::of_each(&scores.detectors, &detections, &truth, least);
     for (found, detector) in detections.iter_mut().zip(&scores.detectors) {
-        found.retain(|detection| detector.counts(detection));
+        found.retain(|detection| detector.counts(detection) && detection.box_px.is_solid());
     }
     ScoredPhoto {
         outcomes,

@@ -1,9 +1,19 @@
-//! Whether an effect survives when photos get worse: the comparisons of a run, again at every severity of some corruptions.
+//! Whether an effect survives when photos get worse or are defended: the comparisons of a run, again at every severity of some corruptions, or under some
+//! defences.
 
+mod condition;
+mod defences;
+mod defended;
+mod joined;
 mod look;
 mod result;
 
-pub use result::{BASE_LOST, CorruptedRow, Robustness, Survival};
+pub use condition::Defending;
+pub use defences::{DefenceCard, Defences, DefendedRow, UNDEFENDED};
+pub use defended::under_defences;
+pub use result::{BASE_LOST, CorruptedRow, Held, Robustness, Survival};
+
+use condition::Condition;
 
 use super::caution::is_control;
 use super::compare::{compare_set, decide, pairs};
@@ -15,9 +25,6 @@ use super::{NotScoredReason, ScoredPhoto, ScoredSet, Scores};
 use scaleproof_core::workers;
 use scaleproof_plot::distinct;
 use scaleproof_session::session::Session;
-
-/// A corruption at a severity; without one the photo no worse than reduced.
-type Condition = Option<(Corruption, u8)>;
 
 /// A photo under each condition, or why a detector says nothing of it there.
 type Seen = Vec<Result<ScoredPhoto, NotScoredReason>>;
@@ -37,41 +44,55 @@ pub fn under_corruption(
     let kinds = distinct(corruptions.iter().copied());
     let worse = kinds
         .iter()
-        .flat_map(|kind| (1..=SEVERITIES).map(|severity| Some((*kind, severity))));
-    let conditions: Vec<Condition> = std::iter::once(None).chain(worse).collect();
-    let (detectors, cache) = (&scores.detectors, options.cache.as_ref());
-    let runtime = runtime(detectors)?;
-    let photos: Vec<Seen> = workers::map_over(
-        options.threads,
-        &scores.photos,
-        || Observer::new((&[], options.tags), detectors, runtime, cache, scores.photos.len()),
-        |observer, photo| look::at(observer, scores, photo, &conditions),
-        on_photo,
-    )?;
-    let places: Vec<usize> = (0..conditions.len()).collect();
-    let of_each = workers::map_over(
-        options.threads,
-        &places,
-        || Ok(()),
-        |(), at| -> Result<_, ScoreError> {
-            let own = photos.iter().filter_map(|photo| photo[*at].as_ref().ok().cloned());
-            Ok(rows(scores, &compared, own.collect(), conditions[*at]))
-        },
-        || {},
-    )?;
-    let cautions = left_out(scores, &photos, &conditions);
+        .flat_map(|kind| (1..=SEVERITIES).map(|severity| Condition::Worse(*kind, severity)));
+    let conditions: Vec<Condition> = std::iter::once(Condition::Reduced).chain(worse).collect();
+    let photos = looked(scores, &conditions, options, on_photo)?;
+    let of_each = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
+    let cautions = left_out(scores, &photos, &conditions, "made worse");
     Ok(Some(together(&kinds, of_each, cautions)))
 }
 
-/// Finds out before a run whether its drops can be followed on photos that are made worse.
-pub fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Result<(), ScoreError> {
+/// Every photo of a run under every condition.
+fn looked(
+    scores: &Scores,
+    conditions: &[Condition],
+    options: &Options,
+    on_photo: impl Fn() + Sync,
+) -> Result<Vec<Seen>, ScoreError> {
+    let (detectors, cache) = (&scores.detectors, options.cache.as_ref());
+    let runtime = runtime(detectors)?;
+    workers::map_over(
+        options.threads,
+        &scores.photos,
+        || Observer::new((&[], options.tags), detectors, runtime, cache, scores.photos.len()),
+        |observer, photo| look::at(observer, scores, photo, conditions),
+        on_photo,
+    )
+}
+
+/// What is made of each condition, by its number.
+fn per_condition<T: Send>(
+    options: &Options,
+    count: usize,
+    of: impl Fn(usize) -> T + Sync,
+) -> Result<Vec<T>, ScoreError> {
+    let places: Vec<usize> = (0..count).collect();
+    workers::map_over(options.threads, &places, || Ok(()), |(), at| Ok(of(*at)), || {})
+}
+
+/// Finds out before a run whether its drops can be followed on photos that are changed: made worse, or defended.
+pub fn check_changeable(
+    sessions: &[Session],
+    detectors: &[EvaluatedDetector],
+    changed: &'static str,
+) -> Result<(), ScoreError> {
     let photos = sessions.iter().flat_map(|s| &s.photos);
     let mut variants = photos.map(|photo| &photo.variant);
     if let Some(first) = variants.next()
         && variants.all(|variant| variant == first)
     {
         let variant = first.clone();
-        return Err(ScoreError::OneVariant { variant });
+        return Err(ScoreError::OneVariant { variant, changed });
     }
     let takes_pixels = |detector: &&EvaluatedDetector| match &detector.source {
         DetectionSource::Live(_) | DetectionSource::Called(_) => true,
@@ -81,47 +102,30 @@ pub fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) 
     let other = detectors.iter().find(|detector| !takes_pixels(detector));
     let refused = |other: &EvaluatedDetector| {
         let detector = other.manifest.name.clone();
-        Err(ScoreError::NotCorruptible { detector })
+        Err(ScoreError::NotCorruptible { detector, changed })
     };
     other.map_or(Ok(()), refused)
 }
 
-/// The comparisons of one condition; the corruption of the reduced photo is filled in by [`together`].
-fn rows(
-    scores: &Scores,
-    compared: &[(&str, &str)],
-    photos: Vec<ScoredPhoto>,
-    condition: Condition,
-) -> Vec<CorruptedRow> {
+/// The comparisons of one condition.
+fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], at: usize) -> Vec<Held> {
+    let own = photos.iter().filter_map(|photo| photo[at].as_ref().ok().cloned());
+    let photos: Vec<ScoredPhoto> = own.collect();
     let set = ScoredSet {
         photos: &photos,
         ..scores.set()
     };
-    let (corruption, severity, amount) = match condition {
-        None => ("", 0, String::new()),
-        Some((kind, severity)) => (kind.name(), severity, kind.amount(severity)),
-    };
-    let row = |(base, compared): (&str, super::Compared)| CorruptedRow {
-        corruption,
-        severity,
-        amount: amount.clone(),
-        base: base.to_owned(),
-        variant: compared.variant,
-        detector: compared.detector,
-        pairs: compared.pairs,
-        ap50: compared.ap50,
-        hit_rate: compared.hit_rate.rate,
-        mean_confidence: compared.mean_confidence,
-    };
     let mut all = Vec::new();
     for (base, other) in compared {
-        // Without pairs, because detectors said nothing of so many photos, the severity has no row.
+        // Without pairs, because detectors said nothing of so many photos, the condition has no row.
         if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap, None) {
             all.extend(comparison.results.into_iter().map(|compared| (*base, compared)));
         }
     }
     decide(&mut all.iter_mut().map(|(_, compared)| compared).collect::<Vec<_>>());
-    all.into_iter().map(row).collect()
+    all.into_iter()
+        .map(|(base, compared)| Held::new(base, compared))
+        .collect()
 }
 
 /// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
@@ -135,49 +139,46 @@ fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
     all.filter(|(base, other)| pairs(scores.set(), base, other)).collect()
 }
 
-/// How many images a detector said nothing of, and the first.
-fn left_out(scores: &Scores, photos: &[Seen], conditions: &[Condition]) -> Vec<String> {
+/// How many images nothing is said of, and the first.
+fn left_out(scores: &Scores, photos: &[Seen], conditions: &[Condition], changed: &str) -> Vec<String> {
     let all = scores.photos.iter().zip(photos).flat_map(|(photo, seen)| {
         let seen = seen.iter().zip(conditions);
         seen.filter_map(move |(seen, condition)| Some((photo, condition, seen.as_ref().err()?)))
     });
     let all: Vec<_> = all.collect();
     let first = all.first().map(|(photo, condition, reason)| {
-        let name = condition.map_or("no corruption".to_owned(), |(kind, s)| format!("{} {s}", kind.name()));
         format!(
-            "{} of {} images made worse are in no comparison; the first, {} at {name}: {reason}",
+            "{} of {} images {changed} are in no comparison; the first, {} at {}: {reason}",
             all.len(),
             photos.len() * conditions.len(),
-            photo.file
+            photo.file,
+            condition.name()
         )
     });
     first.into_iter().collect()
 }
 
 /// Each corruption with the reduced photo before its severities. `compared`: those of the reduced photo, then those of each corruption's severities.
-fn together(corruptions: &[Corruption], compared: Vec<Vec<CorruptedRow>>, cautions: Vec<String>) -> Robustness {
+fn together(corruptions: &[Corruption], compared: Vec<Vec<Held>>, cautions: Vec<String>) -> Robustness {
     let mut compared = compared.into_iter();
     let clean = compared.next().unwrap_or_default();
     let (mut rows, mut survival) = (Vec::new(), Vec::new());
     for kind in corruptions {
         let start = rows.len();
-        let corruption = kind.name();
-        rows.extend(clean.iter().map(|row| CorruptedRow {
-            corruption,
-            ..row.clone()
-        }));
-        rows.extend(compared.by_ref().take(usize::from(SEVERITIES)).flatten());
-        let of = |row: &CorruptedRow| (row.base.clone(), row.variant.clone(), row.detector.clone());
-        // What is not shown of the photos as they are is not asked of worse ones, which are many.
-        for row in &mut rows[start + clean.len()..] {
-            let is_clean = |other: &&CorruptedRow| of(other) == of(row) && other.ap50.finding.is_shown();
-            if !clean.iter().any(|other| is_clean(&other)) {
-                let figures = [&mut row.ap50, &mut row.hit_rate, &mut row.mean_confidence];
-                figures.into_iter().for_each(|d| d.finding = d.finding.undone());
-            }
+        let row = |severity: u8, held: Held| CorruptedRow {
+            corruption: kind.name(),
+            severity,
+            amount: kind.amount(severity),
+            held,
+        };
+        rows.extend(clean.iter().cloned().map(|held| row(0, held)));
+        for (severity, mut worse) in (1..=SEVERITIES).zip(compared.by_ref()) {
+            // What is not shown of the photos as they are is not asked of worse ones, which are many.
+            worse.iter_mut().for_each(|held| held.gate(&clean));
+            rows.extend(worse.into_iter().map(|held| row(severity, held)));
         }
         let own: &[CorruptedRow] = &rows[start..];
-        let same = |first: &CorruptedRow| Survival::of(first, own.iter().filter(|row| of(row) == of(first)));
+        let same = |first: &CorruptedRow| Survival::of(first, own.iter().filter(|row| row.held.is_as(&first.held)));
         survival.extend(own[..clean.len()].iter().map(same));
     }
     Robustness {

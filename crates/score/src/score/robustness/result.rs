@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::score::{Difference, Finding};
+use crate::score::{Compared, Difference, Finding};
 
 /// Every comparison at every severity.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -33,6 +33,13 @@ pub struct CorruptedRow {
     pub severity: u8,
     /// What the severity means; empty for severity 0.
     pub amount: String,
+    #[serde(flatten)]
+    pub held: Held,
+}
+
+/// A variant against its base, on photos of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Held {
     pub base: String,
     pub variant: String,
     pub detector: String,
@@ -41,6 +48,36 @@ pub struct CorruptedRow {
     pub ap50: Difference,
     pub hit_rate: Difference,
     pub mean_confidence: Difference,
+}
+
+impl Held {
+    pub(super) fn new(base: &str, compared: Compared) -> Self {
+        Self {
+            base: base.to_owned(),
+            variant: compared.variant,
+            detector: compared.detector,
+            pairs: compared.pairs,
+            ap50: compared.ap50,
+            hit_rate: compared.hit_rate.rate,
+            mean_confidence: compared.mean_confidence,
+        }
+    }
+
+    /// Whether it compares the same variants by the same detector.
+    pub(super) fn is_as(&self, other: &Self) -> bool {
+        [&self.base, &self.variant, &self.detector] == [&other.base, &other.variant, &other.detector]
+    }
+
+    /// Takes back what is shown where it is not among the comparisons of the photos as they are, of which fewer things are asked.
+    pub(super) fn gate(&mut self, clean: &[Held]) {
+        if !clean
+            .iter()
+            .any(|other| other.is_as(self) && other.ap50.finding.is_shown())
+        {
+            let figures = [&mut self.ap50, &mut self.hit_rate, &mut self.mean_confidence];
+            figures.into_iter().for_each(|d| d.finding = d.finding.undone());
+        }
+    }
 }
 
 /// How far a drop of AP goes.
@@ -68,12 +105,12 @@ impl Survival {
             |is: &dyn Fn(&CorruptedRow) -> bool| own.clone().filter(|row| is(row)).map(|row| row.severity).collect();
         Self {
             corruption: first.corruption,
-            base: first.base.clone(),
-            variant: first.variant.clone(),
-            detector: first.detector.clone(),
-            shown_at: at(&|row| row.ap50.finding == Finding::Drop),
-            base_lost_at: at(&|row| row.ap50.base < BASE_LOST),
-            too_few_at: at(&|row| row.ap50.finding == Finding::TooFewPhotosToTell),
+            base: first.held.base.clone(),
+            variant: first.held.variant.clone(),
+            detector: first.held.detector.clone(),
+            shown_at: at(&|row| row.held.ap50.finding == Finding::Drop),
+            base_lost_at: at(&|row| row.held.ap50.base < BASE_LOST),
+            too_few_at: at(&|row| row.held.ap50.finding == Finding::TooFewPhotosToTell),
         }
     }
 }

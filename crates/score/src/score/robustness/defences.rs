@@ -1,0 +1,60 @@
+//! What is left of the differences when photos are defended, and what each defence changes.
+
+use serde::Serialize;
+
+use super::Held;
+use super::condition::Defending;
+
+/// What photos are called that are no more than reduced.
+pub const UNDEFENDED: &str = "none";
+
+/// Every comparison under every defence.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Defences {
+    /// In the order in which they were asked for.
+    pub defences: Vec<DefenceCard>,
+    /// Each variant against its base: by defence, `none` first, then base, variant and detector.
+    pub rows: Vec<DefendedRow>,
+    /// The photos of each variant with a defence (`other` in figures) against the same photos without (`base`): a negative drop is what the defence gives back.
+    pub changes: Vec<DefendedRow>,
+    /// What a reader must know besides, as sentences.
+    pub cautions: Vec<String>,
+}
+
+/// What a defence is.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct DefenceCard {
+    pub name: String,
+    /// What it does to the image.
+    pub does: String,
+    /// Who tests it: authors and year; of a program, its own version and the SHA-256 of its files.
+    pub source: String,
+}
+
+/// One comparison under a defence.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct DefendedRow {
+    /// `none`: the photo reduced to 640 px like the others, not defended.
+    pub defence: String,
+    #[serde(flatten)]
+    pub held: Held,
+}
+
+impl DefenceCard {
+    pub(super) fn of(defence: &Defending) -> Self {
+        let (does, source) = match defence {
+            Defending::Published(defence) => (defence.does().to_owned(), defence.source().to_owned()),
+            Defending::Program(program) => {
+                let card = program.card();
+                let files = card.files.iter().map(|(name, sha256)| format!("; {name} {sha256}"));
+                let version = card.version.clone().unwrap_or_default();
+                (
+                    format!("the program {}", card.command.join(" ")),
+                    files.fold(version, |all, file| all + &file),
+                )
+            }
+        };
+        let name = defence.name();
+        Self { name, does, source }
+    }
+}
