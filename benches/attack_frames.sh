@@ -5,8 +5,8 @@
 #   benches/attack_frames.sh FOLDER MODEL…
 #
 # MODEL…: what describes the model, as in --mesh car.glb --material body --length-mm 455. FOLDER gets the folders 0 to 11, all of which `attack run` takes; with
-# LOTS in the environment, as in LOTS="1 5 9", those alone. SIZE_PX (256) and SAMPLES (8, paths a pixel) are those of the frames,
-# SCALEPROOF is the program instead of ./run.
+# LOTS in the environment, as in LOTS="1 5 9", those alone. SIZE_PX (256) and SAMPLES (8 paths a pixel) are those of the frames, SCALEPROOF is the program
+# instead of ./run.
 set -euo pipefail
 if [ $# -lt 3 ]; then
     echo "usage: $0 FOLDER --mesh FILE …" >&2

@@ -1,12 +1,13 @@
-"""Frames as a trained DTN predicts them: of each view its grey image alone is looked at, and every flat colour is what the network makes of it. `attack run` on such
-frames is the attack of the paper, which sees the renderer through its network only: the closed form it fits to a view's colours stands for the network.
+"""Frames as a trained DTN predicts them: of each view its grey image alone is looked at, and every flat colour is what the network makes of it. `attack run`
+on such frames is the attack of the paper, which sees the renderer through its network only: the closed form it fits to a view's colours stands for the network.
 
     dtn_predicted.py NETWORK FRAMES FOLDER [HEX…]
     dtn_predicted.py NETWORK FRAMES error
 
-NETWORK: what `attack train-dtn` wrote, with one reference colour, the ResNet encoder and the transformer of DTN. FRAMES have views in that colour. FOLDER gets each view in the
-colours HEX. With `error`, FRAMES have further colours, and the network's error in them is written as JSON: binary cross-entropy, mean squared and mean absolute error
-over whole images that are black outside the paint, as the paper has them, and mean squared error over the paint. Needs PyTorch and Pillow.
+NETWORK: what `attack train-dtn` wrote, with one reference colour, the ResNet encoder and the transformer of DTN. FRAMES have views in that colour. FOLDER gets
+each view in the colours HEX. With `error`, FRAMES have further colours, and the network's error in them is written as JSON: binary cross-entropy, mean squared
+and mean absolute error over whole images that are black outside the paint, as the paper has them, and mean squared error over the paint. Needs PyTorch, numpy
+and Pillow.
 """
 
 import hashlib

@@ -50,10 +50,11 @@ PAPER_TRANSFER = {
     "dta": ".18 / .41 / .56",
 }
 PAPER_DTN = (0.05929, 0.000673, 0.00620)
-NOT_COMPARABLE = """Not comparable with the paper's figures, which stand beside ours for the order of the rows: other networks of the same families (YOLOv4-tiny for YOLOv4, SSDLite for
-EfficientDet-D0; SSD, Faster and Mask R-CNN have no counterpart here), another renderer, car, background and size of image, and far fewer lights. “DTA, its algorithm” sees the images of
-DTN alone (the formula that `attack run` fits to them), with its projection, its random pose and its loss; the slight changes of brightness, contrast, size, place and noise that `attack run`
-makes are kept. Intervals pair photos by viewpoint and light; bold: above 0. They hold for this car and these lights."""
+NOT_COMPARABLE = """Not comparable with the paper's figures, which stand beside ours for the order of the rows: other networks (YOLOv4-tiny beside YOLOv4,
+SSDLite beside EfficientDet-D0, eight others beside SSD, Faster and Mask R-CNN), another renderer, car, background and size of image, and far fewer lights.
+“DTA, its algorithm” sees the images of DTN alone (the formula that `attack run` fits to them), with the paper's projection, random pose and loss; the slight
+changes of brightness, contrast, size, place and noise that `attack run` makes are kept. Intervals pair photos by viewpoint and light, and hold for this car and
+these lights; bold: above 0."""
 # What is compared with ours in the tables of the transfer.
 AGAINST = ("random", "dta", "published")
 

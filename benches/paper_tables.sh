@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# The experiment of DTA (Suryanto et al., CVPR 2022) from rendered frames to its tables, on detectors of its families that are to be had: YOLOv4-tiny and SSDLite as
-# targets, seven others and a second car for the transfer. Rows: plain, random, CAMOU, ER, UPC and DAS (where their textures are given), DTA as published by its
-# algorithm (its renderer DTN, its projection, its loss), DTA's own published pattern, ours in two seeds; then one pattern against all nine detectors at once.
+# The experiment of DTA (Suryanto et al., CVPR 2022) from rendered frames to its tables, on detectors of its families that are to be had: YOLOv4-tiny and
+# SSDLite as targets, seven others and a second car for the transfer. Rows: plain, random, CAMOU, ER, UPC and DAS (where their textures are given), DTA by its
+# algorithm (its renderer DTN, its projection, its loss), DTA's published pattern, ours in two seeds; then one pattern against all nine detectors at once.
 #
 #   benches/paper_tables.sh MESH MORE PUBLISHED TORCS FOLDER
 #
-# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0); MORE: a folder with yolov4_tiny.toml, ssdlite_mobilenet_v2_coco.toml,
-# yolo_fastest_xl.toml, picodet_s_320.toml and their weights; PUBLISHED: DTA's pattern as a PNG; TORCS: as benches/attack_cars.sh has it, for the second car (p406). The weights of the
-# five known detectors are looked up as usual. FOLDER/tables.md has the tables, FOLDER/times.tsv what each stage took. A stage that is done is skipped, one that was
-# stopped goes on where it was (its time is then that of its last part). PYTHON needs PyTorch, numpy and Pillow.
+# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0); MORE: a folder with yolov4_tiny.toml,
+# ssdlite_mobilenet_v2_coco.toml, yolo_fastest_xl.toml, picodet_s_320.toml and their weights; PUBLISHED: DTA's pattern as a PNG; TORCS: as benches/attack_cars.sh
+# has it, for the second car (p406). The weights of the five known detectors are looked up as usual. FOLDER/tables.md has the tables, FOLDER/times.tsv what each
+# stage took. A stage that is done is skipped, one that was stopped goes on where it was (its time is then that of its last part). PYTHON needs PyTorch, numpy
+# and Pillow.
 #
 # The environment sets the scale; what is not the same as in the paper stands above the tables:
 #   PLACES 72        lights × turns that DTN learns from, at most 72, instead of 75 places; in each 8 azimuths at 500 mm and 15°, as in the paper
@@ -37,8 +38,9 @@ nine=$more/yolov4_tiny.toml,$more/ssdlite_mobilenet_v2_coco.toml,$more/yolo_fast
 model=(--mesh "$mesh" --material Material.001 --length-mm 455)
 second=(--mesh "$folder/cars/p406.obj" --material paint --length-mm 464 --mesh-front +x --mesh-up +y)
 mkdir -p "$folder/done"
-echo "${PLACES:-72} lights × turns for DTN (frames of ${DTN_PX:-256} px, ${EPOCHS:-60} epochs), ${TEST_PLACES:-8} to test it; patterns on $((24 * ${#lots[@]})) views of ${FRAME_PX:-256} px," \
-    "$steps steps of 8 images each, ${NINE_STEPS:-600} against all nine; judged in ${lights[*]}, photos of ${PHOTO_PX:-320x240} px, ${PHOTO_SAMPLES:-8} paths a pixel" >"$folder/scale.txt"
+echo "${PLACES:-72} lights × turns for DTN (frames of ${DTN_PX:-256} px, ${EPOCHS:-60} epochs), ${TEST_PLACES:-8} to test it;" \
+    "patterns on $((24 * ${#lots[@]})) views of ${FRAME_PX:-256} px, $steps steps of 8 images each, ${NINE_STEPS:-600} against all nine;" \
+    "judged in ${lights[*]}, photos of ${PHOTO_PX:-320x240} px, ${PHOTO_SAMPLES:-8} paths a pixel" >"$folder/scale.txt"
 
 stage() { # NAME COMMAND…: unless it is done; with its time
     local name=$1 start=$SECONDS
@@ -83,11 +85,12 @@ attack_frames() {
     LOTS="${lots[*]}" SIZE_PX=${FRAME_PX:-256} SAMPLES=${FRAME_SAMPLES:-8} "$here/attack_frames.sh" "$folder/frames" "${model[@]}"
 }
 
-predict() { # the attack's frames as DTN predicts them from one grey image a view; and how well the closed form that `attack run` fits to them stands for the network
+predict() { # the attack's frames as DTN predicts them, from one grey image a view; and how well the closed form that is fitted to them stands for the network
     for lot in "${lots[@]}"; do
         "$python" "$here/dtn_predicted.py" "$folder/network.dtn" "$folder/frames/$lot" "$folder/predicted/$lot"
     done
-    "$python" "$here/dtn_predicted.py" "$folder/network.dtn" "$folder/frames/${lots[0]}" "$folder/nine_colours" 000000 404040 808080 c0c0c0 ffffff 202020 606060 a0a0a0 e0e0e0
+    "$python" "$here/dtn_predicted.py" "$folder/network.dtn" "$folder/frames/${lots[0]}" "$folder/nine_colours" \
+        000000 404040 808080 c0c0c0 ffffff 202020 606060 a0a0a0 e0e0e0
     "$SCALEPROOF" attack chart "$folder/nine_colours" --reference 000000 404040 808080 c0c0c0 ffffff -o "$folder/closed_form"
 }
 
@@ -121,9 +124,9 @@ evaluate() { # FOLDER MODEL… -- PATTERN…
     done
     shift
     # shellcheck disable=SC2086  # a list of numbers
-    "$SCALEPROOF" attack evaluate "${car[@]}" --normal 808080 --tile-mm 118 --target "$(printf '%s,' "${targets[@]}" | sed 's/,$//')" --detector "$nine" --light "${lights[@]}" \
-        --azimuth-deg ${AZIMUTHS:-every30} --pitch-deg 0 15 30 --distance-mm 500 1000 1500 --field-of-view-deg 68 --size-px "${PHOTO_PX:-320x240}" --samples "${PHOTO_SAMPLES:-8}" \
-        --pattern "$@" -o "$folder/$out"
+    "$SCALEPROOF" attack evaluate "${car[@]}" --normal 808080 --tile-mm 118 --target "${targets[0]},${targets[1]}" --detector "$nine" \
+        --light "${lights[@]}" --azimuth-deg ${AZIMUTHS:-every30} --pitch-deg 0 15 30 --distance-mm 500 1000 1500 --field-of-view-deg 68 \
+        --size-px "${PHOTO_PX:-320x240}" --samples "${PHOTO_SAMPLES:-8}" --pattern "$@" -o "$folder/$out"
 }
 on_target() { evaluate target "${model[@]}" ${textures[@]+--texture "${textures[@]}"} -- "$@"; }
 on_second() { evaluate second "${second[@]}" -- "$@"; }
