@@ -171,7 +171,8 @@ def predict(network, folder, out, colours):
         base = frame["name"].rpartition("_")[0]
         for text in colours:
             name = f"{base}_{text}"
-            pixels = np.rint(255 * function(colour(text))).astype(np.uint8)
+            # 255 would count as clipped, and the closed form, fitted to the darker colours alone, would bend anywhere beyond them.
+            pixels = np.rint(255 * function(colour(text))).clip(0, 254).astype(np.uint8)
             Image.fromarray(pixels).save(out / "rgb" / f"{name}.png")
             new = {**frame, "name": name, "rgb": f"rgb/{name}.png", "paint": {"flat_rgb": list(colour(text))}}
             new.pop("linear", None)
