@@ -84,23 +84,33 @@ fn byte(sum: i32) -> u8 {
     (sum >> BITS).clamp(0, 255) as u8
 }
 
-/// Channels side by side in a vector: of three, the fourth is the next pixel's and not kept.
+/// A pixel's channels side by side in a vector, which are three at most.
 const LANES: usize = 4;
 
 scaleproof_core::by_avx2! {
     fn rows_resized[const N: usize](source: &[u8], columns: usize, taps: &[Tap]) -> Vec<u8> {
-        let mut out = Vec::with_capacity(source.len() / columns.max(1) * taps.len());
-        let mut padded = vec![0; N * columns + LANES];
-        for row in source.chunks_exact(N * columns) {
-            padded[..row.len()].copy_from_slice(row);
-            for Tap { first, weights } in taps {
+        let rows = source.len() / (N * columns);
+        let mut out = vec![0; N * taps.len() * rows];
+        let mut pixels = vec![[0_i32; LANES]; columns];
+        // All lanes are kept until a row is done: where one is not, a compiler takes single numbers in place of vectors.
+        let mut made = vec![[0_u8; LANES]; taps.len()];
+        for (row, out) in source.chunks_exact(N * columns).zip(out.chunks_exact_mut(N * taps.len())) {
+            for (wide, pixel) in pixels.iter_mut().zip(row.as_chunks::<N>().0) {
+                for channel in 0..N {
+                    wide[channel] = i32::from(pixel[channel]);
+                }
+            }
+            for (made, Tap { first, weights }) in made.iter_mut().zip(taps) {
                 let mut sums = [HALF; LANES];
-                for (pixel, weight) in padded[N * first..].windows(LANES).step_by(N).zip(weights) {
-                    for (sum, value) in sums.iter_mut().zip(pixel) {
-                        *sum += weight * i32::from(*value);
+                for (pixel, weight) in pixels[*first..].iter().zip(weights) {
+                    for lane in 0..LANES {
+                        sums[lane] += weight * pixel[lane];
                     }
                 }
-                out.extend_from_slice(&sums.map(byte)[..N]);
+                *made = sums.map(byte);
+            }
+            for (out, made) in out.as_chunks_mut::<N>().0.iter_mut().zip(&made) {
+                out.copy_from_slice(&made[..N]);
             }
         }
         out
@@ -118,7 +128,7 @@ scaleproof_core::by_avx2! {
                     *sum += weight * i32::from(*value);
                 }
             }
-            out.extend(sums.iter().copied().map(byte));
+            out.extend(sums.iter().map(|sum| byte(*sum)));
         }
         out
     }
