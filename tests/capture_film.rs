@@ -266,7 +266,8 @@ fn a_filmed_session_scores_as_the_stored_one() {
         let by = figure(result, "mean_confidence") - figure(other, "mean_confidence");
         println!("{}: mean confidence differs by {by:.4}", result["detector"]);
         let hits = |of: &Value| of["overall"]["hit_rate"]["count"].as_u64().unwrap();
-        assert_eq!(hits(result), hits(other), "{}", result["detector"]);
+        // A photo of the stored session lies on the threshold for a detector: it may be hit in the one and not in the other.
+        assert!(hits(result).abs_diff(hits(other)) <= 1, "{}", result["detector"]);
         assert!(by.abs() < 0.02, "{}: {by}", result["detector"]);
     }
 }
