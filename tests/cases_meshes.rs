@@ -2,11 +2,9 @@
 
 use crate::common;
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, home, program, skyline, stderr, stdout};
+use common::{assert_refused, contents, home, program, skyline, stderr, stdout};
 use tempfile::TempDir;
 
 /// A folder with the stored cases, a pattern with its card, a scene, a camera and a printer's file.
@@ -36,20 +34,6 @@ fn done(folder: &TempDir, command: &str) -> Output {
     let output = run(folder, command);
     assert!(output.status.success(), "{command}: {}", stderr(&output));
     output
-}
-
-/// The bytes of all files in a folder, links to folders left out.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.is_dir() && !path.is_symlink() {
-            true => found.extend(contents(&path)),
-            false if path.is_dir() => {}
-            false => _ = found.insert(path.clone(), std::fs::read(&path).unwrap()),
-        }
-    }
-    found
 }
 
 /// Commands whose output lies where something lies that they read, or that a file names which they read.

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
+use common::{assert_refused, contents, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
 use serde_json::Value;
 
 /// Names as people give them.
@@ -96,20 +96,6 @@ impl Desk {
             .flat_map(|folder| contents(&self.at(folder)))
             .collect()
     }
-}
-
-/// Files below a folder, by their paths from it.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(contents(&path))
-        } else {
-            drop(found.insert(path.clone(), std::fs::read(&path).unwrap()))
-        }
-    }
-    found
 }
 
 fn stored_photos() -> Vec<String> {

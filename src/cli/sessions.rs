@@ -169,14 +169,20 @@ impl OpenedPhotos {
                 folders => folders.contains(&real),
             }
         });
-        let among = || {
-            format!(
-                "the report would be written among the photos in {}: name another folder with -o",
-                output.display()
-            )
-        };
-        if is_among { Err(among()) } else { Ok(()) }
+        if is_among {
+            Err(among_photos("report", output))
+        } else {
+            Ok(())
+        }
     }
+}
+
+/// Why something is not written into this folder.
+pub(super) fn among_photos(what: &str, folder: &Path) -> String {
+    format!(
+        "the {what} would be written among the photos in {}: name another folder with -o",
+        folder.display()
+    )
 }
 
 /// A session's own folder, and those that its photos lie in.

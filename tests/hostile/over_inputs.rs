@@ -1,12 +1,12 @@
 //! Every command that writes, with its output in the place of each of its inputs: whatever it says, no input changes.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::common::{home, program, read_json, skyline, stderr};
+use crate::common::{contents, home, program, read_json, skyline, stderr};
 use crate::docs::help::Commands;
 use crate::hostile::bounded;
 
@@ -95,8 +95,8 @@ fn folder() -> TempDir {
         (home().join("captures/skyline_frames"), "frames"),
         (home().join("detectors"), "detectors"),
     ] {
-        for path in files(&from) {
-            copied(&from.join(&path), &format!("{to}/{path}"));
+        for path in contents(&from).keys() {
+            copied(path, &format!("{to}/{}", path.strip_prefix(&from).unwrap().display()));
         }
     }
     let path = folder.path().join("session/session.json");
@@ -119,27 +119,6 @@ fn folder() -> TempDir {
     folder
 }
 
-/// The files below a folder, by their paths from it.
-fn files(folder: &Path) -> BTreeSet<String> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
-    let below = |entry: std::fs::DirEntry| {
-        let name = entry.file_name().into_string().unwrap();
-        match entry.path().is_dir() {
-            true => files(&entry.path())
-                .into_iter()
-                .map(|inner| format!("{name}/{inner}"))
-                .collect(),
-            false => vec![name],
-        }
-    };
-    entries.flat_map(below).collect()
-}
-
-fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let read = |path: String| (path.clone(), std::fs::read(folder.join(path)).unwrap());
-    files(folder).into_iter().map(read).collect()
-}
-
 #[test]
 fn no_command_changes_an_input() {
     let folder = folder();
@@ -158,7 +137,7 @@ fn no_command_changes_an_input() {
                 stderr(&run.output)
             );
             let after = contents(folder.path());
-            let changed: Vec<&String> = before
+            let changed: Vec<&PathBuf> = before
                 .iter()
                 .filter(|(path, bytes)| after.get(*path) != Some(*bytes))
                 .map(|(path, _)| path)

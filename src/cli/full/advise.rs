@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::cli::at_hand::Detectors;
-use crate::cli::{CommandResult, Outcome, Result, progress, score as score_command, sessions};
+use crate::cli::{CommandResult, Outcome, Result, progress, score as score_command, sessions, sessions::among_photos};
 use scaleproof_core::files;
 use scaleproof_score::score::{self, EvaluatedDetector, Scores};
 use scaleproof_session::envelope::EnvelopeShape;
@@ -77,11 +77,7 @@ pub(in crate::cli) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
 /// Finds out before anything is measured what cannot work.
 fn check(args: &Args, session: &Session) -> Result<()> {
     if files::is_same(&args.output, &session.folder) {
-        return Err(format!(
-            "the advice would be written among the photos in {}: name another folder with -o",
-            args.output.display()
-        )
-        .into());
+        return Err(among_photos("advice", &args.output).into());
     }
     session.known_camera()?;
     if !looks(args) {

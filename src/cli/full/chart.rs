@@ -10,6 +10,7 @@ use crate::cli::answer::{Named, named};
 use crate::cli::answer::{told, written};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Results;
+use crate::cli::sessions::among_photos;
 use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
@@ -153,11 +154,10 @@ impl Command {
     fn check_output(&self) -> Result<()> {
         let (output, sessions) = self.places();
         files::check_writable(output)?;
-        if sessions.iter().any(|session| files::is_same(output, session)) {
-            let among = "the charts would be written among the photos in";
-            return Err(format!("{among} {}: name another folder with -o", output.display()).into());
+        match sessions.iter().any(|session| files::is_same(output, session)) {
+            true => Err(among_photos("charts", output).into()),
+            false => Ok(()),
         }
-        Ok(())
     }
 }
 

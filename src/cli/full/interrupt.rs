@@ -8,8 +8,7 @@ pub(in crate::cli) fn on_interrupt(first: impl FnOnce() + Send + 'static) {
         if tokio::signal::ctrl_c().await.is_ok() {
             first();
             if tokio::signal::ctrl_c().await.is_ok() {
-                scaleproof_capture::capture::interrupt_programs();
-                std::process::exit(130);
+                end(scaleproof_capture::capture::interrupt_programs, 130);
             }
         }
     });
@@ -26,6 +25,12 @@ fn in_background(waiting: impl Future<Output = ()> + Send + 'static) {
 
 /// Held from an interruption to the end of this process, which soon follows.
 static ENDING: Mutex<()> = Mutex::new(());
+
+fn end(programs: fn(), code: i32) -> ! {
+    let _ending = ENDING.lock();
+    programs();
+    std::process::exit(code)
+}
 
 /// Waits for the end where one has come: that programs died of it is no error to be reported.
 pub(in crate::cli) fn let_an_interruption_end_first() {
@@ -46,9 +51,7 @@ pub(in crate::cli) fn end_programs_first() {
             _ = terminate.recv() => 15,
             _ = hangup.recv() => 1,
         };
-        let _ending = ENDING.lock();
-        scaleproof_detect::kill_programs();
-        std::process::exit(128 + number);
+        end(scaleproof_detect::kill_programs, 128 + number);
     });
 }
 

@@ -4,6 +4,7 @@ pub mod onnx;
 pub mod rendered;
 pub mod served;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -17,6 +18,20 @@ pub fn home() -> &'static Path {
 /// The stored session.
 pub fn skyline() -> PathBuf {
     home().join("captures/skyline")
+}
+
+/// The files below a folder with their bytes; links to folders are not followed.
+pub fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() && !path.is_symlink() {
+            true => found.extend(contents(&path)),
+            false if path.is_dir() => {}
+            false => _ = found.insert(path.clone(), std::fs::read(&path).unwrap()),
+        }
+    }
+    found
 }
 
 /// A file of the shared material. Tests that call it are ignored unless `./run test --shared` asks for them; a missing file fails them.

@@ -44,9 +44,6 @@ fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d)
         ("tests", json!(r.tests)),
         ("finding", json!(d.finding)),
         ("ap_definition", json!(comparison.ap_definition)),
-        (
-            "box_labels",
-            json!(counted::box_labels(scores).get(r.detector.as_str())),
-        ),
+        ("box_labels", json!(counted::box_labels_of(scores, &r.detector))),
     ]
 }

@@ -35,6 +35,12 @@ pub fn box_labels(scores: &Scores) -> BTreeMap<&str, &'static str> {
         .collect()
 }
 
+/// The rule of the detector of this name.
+pub(super) fn box_labels_of(scores: &Scores, name: &str) -> Option<&'static str> {
+    let own = scores.detectors.iter().find(|detector| detector.manifest.name == name);
+    own.map(EvaluatedDetector::box_labels)
+}
+
 /// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
 pub(super) fn labels(scores: &Scores) -> String {
     let mapped: Vec<String> = scores.detectors.iter().filter_map(mapped).collect();

@@ -77,10 +77,7 @@ fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
         ("photos", json!(g.figures.map_or(0, |f| f.photos))),
         ("protocol", json!(criteria.protocol.map(Protocol::name))),
         ("ap_definition", json!(criteria.ap.name())),
-        (
-            "box_labels",
-            json!(counted::box_labels(scores).get(s.detector.as_str())),
-        ),
+        ("box_labels", json!(counted::box_labels_of(scores, &s.detector))),
         ("ap50", average(|f| f.ap50)),
         ("ap50_95", average(|f| f.ap50_95)),
         ("mar50", figure(|f| f.mar50)),

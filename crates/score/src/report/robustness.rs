@@ -40,10 +40,7 @@ pub(super) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)
     line.push(("base_mean_confidence", json!(held.mean_confidence.base)));
     line.push(("mean_confidence", json!(held.mean_confidence.other)));
     line.push(("ap_definition", json!(scores.criteria.ap.name())));
-    line.push((
-        "box_labels",
-        json!(counted::box_labels(scores).get(held.detector.as_str())),
-    ));
+    line.push(("box_labels", json!(counted::box_labels_of(scores, &held.detector))));
     line
 }
 

@@ -2,7 +2,7 @@
 
 use super::condition::{Condition, Defending};
 use super::defences::{DefenceCard, Defences, DefendedRow, UNDEFENDED};
-use super::{Held, Seen, comparisons, held, left_out, looked, per_condition};
+use super::{Again, Held, Seen, per_condition};
 use crate::score::compare::{compare_set, decide};
 use crate::score::error::ScoreError;
 use crate::score::observe::Options;
@@ -20,13 +20,10 @@ pub fn under_defences(
     options: &Options,
     on_photo: impl Fn() + Sync,
 ) -> Result<Option<Defences>, ScoreError> {
-    let compared = comparisons(scores);
-    if compared.is_empty() {
-        return Ok(None);
-    }
     let defended = defences.iter().cloned().map(Condition::Defended);
-    let conditions: Vec<Condition> = std::iter::once(Condition::Reduced).chain(defended).collect();
-    let photos = looked(scores, &conditions, options, on_photo)?;
+    let Some(again) = Again::of(scores, defended, options, on_photo)? else {
+        return Ok(None);
+    };
     let names: Vec<String> = std::iter::once(UNDEFENDED.to_owned())
         .chain(defences.iter().map(Defending::name))
         .collect();
@@ -35,22 +32,20 @@ pub fn under_defences(
         let rows = of_each.flat_map(|(name, own)| own.into_iter().map(move |held| (name.clone(), held)));
         rows.map(|(defence, held)| DefendedRow { defence, held }).collect()
     };
-    let mut of_each = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
-    let (clean, defended) = of_each.split_at_mut(1);
-    defended.iter_mut().flatten().for_each(|held| held.gate(&clean[0]));
-    let changed = per_condition(options, conditions.len(), |at| changes(scores, &photos, at))?;
+    let changed = per_condition(options, again.conditions.len(), |at| changes(scores, &again.photos, at))?;
     let notes = defences.iter().filter_map(|defence| match defence {
         Defending::Program(program) => Some(program.card().notes.clone()),
         Defending::Published(_) => None,
     });
     Ok(Some(Defences {
         defences: defences.iter().map(DefenceCard::of).collect(),
-        rows: named(of_each),
-        changes: named(changed),
-        cautions: left_out(scores, &photos, &conditions, "defended")
+        cautions: again
+            .left_out(scores, "defended")
             .into_iter()
             .chain(notes.flatten())
             .collect(),
+        rows: named(again.held),
+        changes: named(changed),
     }))
 }
 

@@ -37,19 +37,66 @@ pub fn under_corruption(
     options: &Options,
     on_photo: impl Fn() + Sync,
 ) -> Result<Option<Robustness>, ScoreError> {
-    let compared = comparisons(scores);
-    if compared.is_empty() {
-        return Ok(None);
-    }
     let kinds = distinct(corruptions.iter().copied());
     let worse = kinds
         .iter()
         .flat_map(|kind| (1..=SEVERITIES).map(|severity| Condition::Worse(*kind, severity)));
-    let conditions: Vec<Condition> = std::iter::once(Condition::Reduced).chain(worse).collect();
-    let photos = looked(scores, &conditions, options, on_photo)?;
-    let of_each = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
-    let cautions = left_out(scores, &photos, &conditions, "made worse");
-    Ok(Some(together(&kinds, of_each, cautions)))
+    let again = Again::of(scores, worse, options, on_photo)?;
+    Ok(again.map(|again| {
+        let cautions = again.left_out(scores, "made worse");
+        together(&kinds, again.held, cautions)
+    }))
+}
+
+/// A run's photos under some conditions, and what its comparisons are there. The first condition is to be no more than reduced.
+struct Again {
+    conditions: Vec<Condition>,
+    photos: Vec<Seen>,
+    held: Vec<Vec<Held>>,
+}
+
+impl Again {
+    /// `None` where no photos pair. What is not shown of the photos as they are is not asked of changed ones, which are many.
+    fn of(
+        scores: &Scores,
+        changed: impl Iterator<Item = Condition>,
+        options: &Options,
+        on_photo: impl Fn() + Sync,
+    ) -> Result<Option<Self>, ScoreError> {
+        let compared = comparisons(scores);
+        if compared.is_empty() {
+            return Ok(None);
+        }
+        let conditions: Vec<Condition> = std::iter::once(Condition::Reduced).chain(changed).collect();
+        let photos = looked(scores, &conditions, options, on_photo)?;
+        let mut held = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
+        let (clean, changed) = held.split_at_mut(1);
+        changed.iter_mut().flatten().for_each(|held| held.gate(&clean[0]));
+        Ok(Some(Self {
+            conditions,
+            photos,
+            held,
+        }))
+    }
+
+    /// How many images nothing is said of, and the first.
+    fn left_out(&self, scores: &Scores, changed: &str) -> Vec<String> {
+        let all = scores.photos.iter().zip(&self.photos).flat_map(|(photo, seen)| {
+            let seen = seen.iter().zip(&self.conditions);
+            seen.filter_map(move |(seen, condition)| Some((photo, condition, seen.as_ref().err()?)))
+        });
+        let all: Vec<_> = all.collect();
+        let first = all.first().map(|(photo, condition, reason)| {
+            format!(
+                "{} of {} images {changed} are in no comparison; the first, {} at {}: {reason}",
+                all.len(),
+                self.photos.len() * self.conditions.len(),
+                photo.file,
+                condition.name()
+            )
+        });
+        first.into_iter().collect()
+    }
 }
 
 /// Every photo of a run under every condition.
@@ -139,25 +186,6 @@ fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
     all.filter(|(base, other)| pairs(scores.set(), base, other)).collect()
 }
 
-/// How many images nothing is said of, and the first.
-fn left_out(scores: &Scores, photos: &[Seen], conditions: &[Condition], changed: &str) -> Vec<String> {
-    let all = scores.photos.iter().zip(photos).flat_map(|(photo, seen)| {
-        let seen = seen.iter().zip(conditions);
-        seen.filter_map(move |(seen, condition)| Some((photo, condition, seen.as_ref().err()?)))
-    });
-    let all: Vec<_> = all.collect();
-    let first = all.first().map(|(photo, condition, reason)| {
-        format!(
-            "{} of {} images {changed} are in no comparison; the first, {} at {}: {reason}",
-            all.len(),
-            photos.len() * conditions.len(),
-            photo.file,
-            condition.name()
-        )
-    });
-    first.into_iter().collect()
-}
-
 /// Each corruption with the reduced photo before its severities. `compared`: those of the reduced photo, then those of each corruption's severities.
 fn together(corruptions: &[Corruption], compared: Vec<Vec<Held>>, cautions: Vec<String>) -> Robustness {
     let mut compared = compared.into_iter();
@@ -172,9 +200,7 @@ fn together(corruptions: &[Corruption], compared: Vec<Vec<Held>>, cautions: Vec<
             held,
         };
         rows.extend(clean.iter().cloned().map(|held| row(0, held)));
-        for (severity, mut worse) in (1..=SEVERITIES).zip(compared.by_ref()) {
-            // What is not shown of the photos as they are is not asked of worse ones, which are many.
-            worse.iter_mut().for_each(|held| held.gate(&clean));
+        for (severity, worse) in (1..=SEVERITIES).zip(compared.by_ref()) {
             rows.extend(worse.into_iter().map(|held| row(severity, held)));
         }
         let own: &[CorruptedRow] = &rows[start..];
