@@ -5,8 +5,8 @@
 #   benches/attack_frames.sh FOLDER MODEL…
 #
 # MODEL…: what describes the model, as in --mesh car.glb --material body --length-mm 455. FOLDER gets the folders 0 to 11, all of which `attack run` takes; with
-# LOTS in the environment, as in LOTS="1 5 9", those alone. SIZE_PX (256) and SAMPLES (8 paths a pixel) are those of the frames, SCALEPROOF is the program
-# instead of ./run.
+# LOTS in the environment, as in LOTS="1 5 9", those alone. SIZE_PX (256), FIELD_OF_VIEW_DEG (50) and SAMPLES (8 paths a pixel) are those of the frames,
+# SCALEPROOF is the program instead of ./run.
 set -euo pipefail
 if [ $# -lt 3 ]; then
     echo "usage: $0 FOLDER --mesh FILE …" >&2
@@ -23,5 +23,5 @@ for k in ${LOTS:-${!lights[@]}}; do
     azimuths=$(awk -v k="$k" 'BEGIN { for (i = 0; i < 12; i++) printf "%g ", 30 * i + 2.5 * (5 * k % 12) }')
     # shellcheck disable=SC2086  # lists of numbers
     "$run" attack render "$@" --light "${lights[$k]}" --azimuth-deg $azimuths --pitch-deg ${pitches[$k]} --distance-mm "${distances[$k]}" \
-        --flat 000000 808080 ffffff --size-px "${SIZE_PX:-256}" --field-of-view-deg 50 --samples "${SAMPLES:-8}" --denoise -o "$folder/$k"
+        --flat 000000 808080 ffffff --size-px "${SIZE_PX:-256}" --field-of-view-deg "${FIELD_OF_VIEW_DEG:-50}" --samples "${SAMPLES:-8}" --denoise -o "$folder/$k"
 done

@@ -1,6 +1,7 @@
 """The tables of paper_tables.sh, in the layout of the paper, with its figures beside ours.
 
-    paper_tables.py FOLDER
+    paper_tables.py FOLDER                 the tables
+    paper_tables.py FOLDER PICTURE.svg     AP@0.5 of the rows on the targets, as bars
 
 FOLDER: that of paper_tables.sh. What has not been judged yet is left out.
 """
@@ -183,6 +184,29 @@ def of_car(folder, title, is_paper):
         of_nine(judged)
 
 
+def picture(folder):
+    """Bars of the targets' AP@0.5 on the model that patterns were made on, as SVG: a column a target, a bar a row."""
+    judged = Judged(folder / "target")
+    wide, high, left, full = 760, 22, 178, 150
+    rows = [(row, title.replace("*", "")) for row, title in ROWS.items() if judged.has(name_of(row, next(iter(TARGETS))))]
+    parts = []
+    for i, target in enumerate(TARGETS):
+        x = left + i * (full + 130)
+        parts.append(f'<text x="{x}" y="20" font-weight="bold">{TITLES[target]}</text>')
+        for k, (row, title) in enumerate(rows):
+            y = 30 + high * k
+            ap = judged.ap(name_of(row, target), target)
+            colour = "#0b6e99" if row.startswith("ours") else "#a8b3bb"
+            parts.append(f'<rect x="{x}" y="{y}" width="{full * ap:.1f}" height="{high - 6}" fill="{colour}"/>')
+            parts.append(f'<text x="{x + full * ap + 5:.1f}" y="{y + 13}">{ap:.2f}</text>')
+            if i == 0:
+                parts.append(f'<text x="{left - 8}" y="{y + 13}" text-anchor="end">{title}</text>')
+    below = 30 + high * len(rows) + 16
+    parts.append(f'<text x="8" y="{below}">AP@0.5 ({judged.definition}) on {judged.photos} renders a pattern; each column’s CAMOU, ER, DTA and ours were made against it</text>')
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {below + 10}" font-family="DejaVu Sans, sans-serif" font-size="12">'
+    return "\n".join([head, '<rect width="100%" height="100%" fill="white"/>', *parts, "</svg>\n"])
+
+
 def main(folder):
     print(f"{NOT_COMPARABLE}\n\nScale: {(folder / 'scale.txt').read_text().strip()}.\n\n## DTN\n")
     of_dtn(folder)
@@ -194,6 +218,9 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) == 2:
+        main(Path(sys.argv[1]))
+    elif len(sys.argv) == 3:
+        Path(sys.argv[2]).write_text(picture(Path(sys.argv[1])))
+    else:
         sys.exit(__doc__)
-    main(Path(sys.argv[1]))

@@ -81,8 +81,8 @@ train_dtn() { # what it prints as validation MSE mixes the test's colours beyond
     "$python" "$here/dtn_predicted.py" "$folder/network.dtn" "$folder/dtn_test" error >"$folder/dtn_error.json"
 }
 
-attack_frames() {
-    LOTS="${lots[*]}" SIZE_PX=${FRAME_PX:-256} SAMPLES=${FRAME_SAMPLES:-8} "$here/attack_frames.sh" "$folder/frames" "${model[@]}"
+attack_frames() { # with the camera of the judging, as in the paper: a car that is larger hardly shows a detector under random cells, and nothing is learnt from it
+    LOTS="${lots[*]}" FIELD_OF_VIEW_DEG=68 SIZE_PX=${FRAME_PX:-256} SAMPLES=${FRAME_SAMPLES:-8} "$here/attack_frames.sh" "$folder/frames" "${model[@]}"
 }
 
 predict() { # the attack's frames as DTN predicts them, from one grey image a view; and how well the closed form that is fitted to them stands for the network

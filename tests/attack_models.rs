@@ -69,6 +69,24 @@ fn colours_made_of_three_are_those_that_were_rendered() {
     assert!(count == 8 && worst < 3e-4, "{worst}");
 }
 
+/// What a network learns from, and is judged by, are no colours that the frames do not reach.
+#[test]
+fn further_colours_are_drawn_between_those_that_were_rendered() {
+    let set = stored();
+    let mut additive = Additive::of_view(&set, &views(&set.list.frames)[0]).unwrap();
+    assert_eq!(
+        additive.between([0, 77, 255]),
+        [0, 77, 255],
+        "black and white were rendered"
+    );
+    let rendered = [[40, 200, 90], [128, 60, 91], [220, 90, 92]];
+    additive.colours = rendered.map(light::linear_of).to_vec();
+    assert_eq!(additive.between([0; 3]), [40, 60, 90]);
+    assert_eq!(additive.between([255; 3]), [220, 200, 92]);
+    let middle = additive.between([128; 3]);
+    assert_eq!(additive.between([128; 3]), [130, 130, 91]);
+}
+
 #[test]
 fn models_predict_unseen_colours() {
     let set = stored();

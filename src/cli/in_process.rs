@@ -148,7 +148,8 @@ fn score_with(args: Scoring, functions: Vec<CalledDetector>, watch: &Watch) -> R
     (watch.begins)(opened.sessions.iter().map(|session| session.photos.len()).sum());
     let sets: Vec<_> = opened.sessions.iter().filter_map(score::SessionFiles::new).collect();
     let scores = score::score(opened.sessions, detectors, &options, watch.on_photo);
-    let mut scores = args.judging.tables.made(score::explained(scores, &sets)?, criteria)?;
+    let scores = score::explained(scores, &sets, options.cache.as_ref())?;
+    let mut scores = args.judging.tables.made(scores, criteria)?;
     scores.patterns = patterns;
     Ok(scores)
 }

@@ -231,8 +231,9 @@ pub(super) fn score_with_progress(
     let sets: Vec<_> = sessions.iter().filter_map(score::SessionFiles::new).collect();
     let scores = score::score(sessions, detectors, options, || bar.inc(1));
     bar.finish_and_clear();
+    let scores = score::explained(scores, &sets, options.cache.as_ref());
     complain(options);
-    score::explained(scores, &sets)
+    scores
 }
 
 /// Looks at the photos of other sessions, and holds the order of the variants against theirs.

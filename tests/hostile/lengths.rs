@@ -82,7 +82,7 @@ const REQUESTS: &[(&str, &str, &[&str])] = &[
     ("template", "--tile-mm 1e200", &["tile width cannot be 1e200"]),
     ("template", "--tile-mm -0", &["tile width cannot be -0"]),
     ("template", "--tile-mm 1e-9", &["smaller than the 0.2 mm"]),
-    ("template", "--size-mm 1e200x100", &["more than 400 sheets"]),
+    ("template", "--size-mm 1e200x100", &["more than 2000 sheets"]),
     ("template", "--size-mm 100xinf", &["template height cannot be inf"]),
     (
         "template",

@@ -1,9 +1,11 @@
 //! What every PDF of this program has: the one font, embedded, and an identifier that is made from the content.
 
+use std::sync::Mutex;
+
 use lopdf::{Dictionary, Document, Object, Stream, StringFormat, dictionary};
 
 use crate::lettering;
-use scaleproof_core::files;
+use scaleproof_core::{files, workers};
 
 /// A PDF that could not be put together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,7 +22,7 @@ const NAME: &str = "LATINA+DejaVuSans";
 /// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
 pub fn bytes_of(mut document: Document) -> Result<Vec<u8>, PdfError> {
     let failed = |e: std::io::Error| PdfError { reason: e.to_string() };
-    document.compress();
+    compress(&mut document);
     document.trailer.remove(b"ID");
     let mut bytes = Vec::new();
     document.save_to(&mut bytes).map_err(failed)?;
@@ -30,6 +32,23 @@ pub fn bytes_of(mut document: Document) -> Result<Vec<u8>, PdfError> {
     bytes.clear();
     document.save_to(&mut bytes).map_err(failed)?;
     Ok(bytes)
+}
+
+/// On all cores: images of sheets are much work. A stream that cannot be compressed stays as it is.
+fn compress(document: &mut Document) {
+    let streams = document
+        .objects
+        .values_mut()
+        .filter_map(|object| object.as_stream_mut().ok());
+    let streams: Vec<_> = streams
+        .filter(|stream| stream.allows_compression)
+        .map(Mutex::new)
+        .collect();
+    workers::each(&streams, |stream| {
+        if let Ok(mut stream) = stream.lock() {
+            let _ = stream.compress();
+        }
+    });
 }
 
 /// A PDF name object.

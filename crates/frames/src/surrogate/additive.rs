@@ -12,6 +12,7 @@ use image::RgbImage;
 
 use crate::frames::{Frame, FramePaint, FrameSet, FramesError, encode_rgb, light, views};
 use scaleproof_core::files;
+use scaleproof_core::geometry::extent;
 
 /// Files with their contents, not yet written.
 type Files = Vec<(PathBuf, Vec<u8>)>;
@@ -72,6 +73,15 @@ impl Additive {
             images: self.images.iter().map(|image| map(image)).collect(),
             colours: self.colours,
         }
+    }
+
+    /// The colour of which each channel (0 to 255) lies that far between the darkest and the brightest frame's: beyond those nothing holds the polynomial.
+    pub fn between(&self, share: [u8; 3]) -> [u8; 3] {
+        std::array::from_fn(|channel| {
+            let (low, high) = extent(self.colours.iter().map(|colour| light::encode(colour[channel])));
+            let value = low + (high - low) * f64::from(share[channel]) / 255.0;
+            (255.0 * value).round() as u8
+        })
     }
 
     /// The view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.

@@ -1,5 +1,7 @@
 //! Things of a plane, found by place.
 
+use smallvec::SmallVec;
+
 use super::wrap::{Point, corners};
 
 /// The corners of the box around places, grown: lowest, highest.
@@ -56,9 +58,9 @@ impl Buckets {
     }
 
     /// The numbers of all things that may touch a box, rising.
-    pub fn over(&self, corners: (Point, Point)) -> Vec<usize> {
+    pub fn over(&self, corners: (Point, Point)) -> SmallVec<[u32; 16]> {
         let all = self.cells(corners).flat_map(|i| &self.lists[i]);
-        let mut found: Vec<usize> = all.map(|i| *i as usize).collect();
+        let mut found: SmallVec<[u32; 16]> = all.copied().collect();
         found.sort_unstable();
         found.dedup();
         found

@@ -2,8 +2,13 @@
 
 use std::ops::RangeInclusive;
 
+use smallvec::SmallVec;
+
 use super::wrap::Point;
 use scaleproof_core::geometry::{doubled_area, extent};
+
+/// The corners of a convex polygon: a pixel cut by a triangle and by the borders of a cell rarely has more than eight.
+pub type Polygon = SmallVec<[Point; 8]>;
 
 /// An affine function on the plane, as the column of an image on a flat triangle is.
 #[derive(Debug, Clone, Copy)]
@@ -48,16 +53,12 @@ impl Affine {
 }
 
 /// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.
-pub fn slices(
-    polygon: &[Point],
-    value: &Affine,
-    cells: RangeInclusive<i64>,
-) -> impl Iterator<Item = (i64, Vec<Point>)> {
+pub fn slices(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>) -> impl Iterator<Item = (i64, Polygon)> {
     let last = *cells.end();
-    let mut rest = polygon.to_vec();
+    let mut rest = Polygon::from_slice(polygon);
     cells.map(move |cell| {
         let beyond = if cell == last {
-            Vec::new()
+            Polygon::new()
         } else {
             cut(&rest, |p| value.at(p) - (cell + 1) as f64)
         };
@@ -72,15 +73,17 @@ pub fn slices(
     })
 }
 
-pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Vec<Point> {
+pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
     let turn = doubled_area(*a, *b, *c).signum();
-    let cut_by = |part: Vec<Point>, (from, to): (&Point, &Point)| cut(&part, |p| turn * doubled_area(*from, *to, *p));
-    [(a, b), (b, c), (c, a)].into_iter().fold(polygon.to_vec(), cut_by)
+    let cut_by = |part: Polygon, (from, to): (&Point, &Point)| cut(&part, |p| turn * doubled_area(*from, *to, *p));
+    [(a, b), (b, c), (c, a)]
+        .into_iter()
+        .fold(Polygon::from_slice(polygon), cut_by)
 }
 
 /// The part where an affine function is not negative (Sutherland & Hodgman 1974).
-fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Vec<Point> {
-    let mut part = Vec::with_capacity(polygon.len() + 1);
+fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Polygon {
+    let mut part = Polygon::new();
     let Some(mut before) = polygon.last() else {
         return part;
     };

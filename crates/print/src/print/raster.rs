@@ -135,6 +135,8 @@ pub struct FlatPaint<'a> {
     /// Column and row of each triangle's cells; `None` where colours lie in no cells, or layers over each other.
     cells: Vec<Option<[Affine; 2]>>,
     outline: &'a Region,
+    /// Of each triangle, lowest and highest corner.
+    boxes: Vec<(Point, Point)>,
     faces: Buckets,
     borders: Buckets,
     ends: Vec<[Point; 2]>,
@@ -160,13 +162,15 @@ impl<'a> FlatPaint<'a> {
             let [across, up] = [0, 1].map(|axis| Affine::through(&flat.flat_mm, at(axis)));
             Some([across?, up?]).filter(|_| flat.is_alone())
         };
+        let boxes: Vec<(Point, Point)> = triangles.iter().map(|t| bounds(&t.flat_mm, 0.0)).collect();
         Self {
             mesh,
             texture,
             triangles,
             cells: triangles.iter().map(cells).collect(),
             outline,
-            faces: Buckets::new(low, high, triangles.iter().map(|t| bounds(&t.flat_mm, 0.0))),
+            faces: Buckets::new(low, high, boxes.iter().copied()),
+            boxes,
             borders: Buckets::new(low_out, high_out, ends.iter().map(|e| bounds(e, beside))),
             ends,
         }
@@ -240,7 +244,12 @@ impl<'a> FlatPaint<'a> {
             self.add_cells(*last, polygon, &mut found)?;
             return Some(found);
         }
-        for i in self.faces.over(bounds(polygon, 0.0)) {
+        let (low, high) = bounds(polygon, 0.0);
+        for i in self.faces.over((low, high)) {
+            let (i, (from, to)) = (i as usize, self.boxes[i as usize]);
+            if (0..2).any(|axis| to[axis] < low[axis] || high[axis] < from[axis]) {
+                continue;
+            }
             let part = within(polygon, &self.triangles[i].flat_mm);
             if part.len() > 2 {
                 self.add_cells(i, &part, &mut found)?;
@@ -298,17 +307,18 @@ impl<'a> FlatPaint<'a> {
 
     /// The surface at the border nearest to a place beside it.
     fn nearest(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
-        let near = self.borders.at(p)?.iter().map(|i| &self.ends[*i as usize]);
-        let foot = |[a, b]: &[Point; 2]| {
-            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let along = nearest_share(p, [*a, *b]);
-            // Outlines run counter-clockwise, so the surface is to their left.
-            let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
-            ([a[0] + along * dx, a[1] + along * dy], [-dy / length, dx / length])
+        let near = self.borders.at(p)?.iter().map(|i| self.ends[*i as usize]);
+        let foot = |[a, b]: [Point; 2]| {
+            let along = nearest_share(p, [a, b]);
+            let foot = [0, 1].map(|axis| a[axis] + along * (b[axis] - a[axis]));
+            let squared: f64 = [0, 1].map(|axis| (foot[axis] - p[axis]).powi(2)).iter().sum();
+            (squared, foot, [a, b])
         };
-        let off = |q: Point| distance(q, p);
-        let (foot, left) = near.map(foot).min_by(|a, b| off(a.0).total_cmp(&off(b.0)))?;
-        let away = off(foot);
+        let (squared, foot, [a, b]) = near.map(foot).min_by(|one, other| one.0.total_cmp(&other.0))?;
+        let away = squared.sqrt();
+        // Outlines run counter-clockwise, so the surface is to their left.
+        let length = distance(a, b).max(f64::MIN_POSITIVE);
+        let left = [(a[1] - b[1]) / length, (b[0] - a[0]) / length];
         let on = if away > 1e-6 {
             [(foot[0] - p[0]) / away, (foot[1] - p[1]) / away]
         } else {

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::cache::{Cache, Key};
 use super::{NotScored, ScoreError, ScoredPhoto, Scores};
+use scaleproof_core::files;
 use scaleproof_pose::locate::{LocateFiles, MOST_LISTED, is_poor_fit};
 use scaleproof_session::session::{PhotoEntry, Session};
 
@@ -28,24 +30,52 @@ impl SessionFiles {
         (photos.len() > MOST_LISTED).then_some(SessionFiles { files, photos })
     }
 
-    fn cause(&self) -> Option<String> {
-        self.files.cause_in_files(&self.photos)
+    /// The cause is sought by searching photos for tags of every family, which takes seconds: it is kept like what a photo shows.
+    fn cause(&self, cache: Option<&Cache>) -> Option<String> {
+        let sought = || self.files.cause_in_files(&self.photos);
+        let Some((cache, key)) = cache.and_then(|cache| Some((cache, self.key(cache)?))) else {
+            return sought();
+        };
+        cache.get(&key).unwrap_or_else(|| {
+            let cause = sought();
+            cache.put(&key, &cause);
+            cause
+        })
+    }
+
+    /// By all that the cause depends on; `None` where a photo cannot be read any more.
+    fn key(&self, cache: &Cache) -> Option<Key> {
+        let LocateFiles {
+            scene,
+            scene_file,
+            camera,
+            camera_file,
+        } = &self.files;
+        let located = format!("{scene:?} {scene_file:?} {camera:?} {camera_file:?}");
+        let content = |path: &PathBuf| Some(format!("{path:?} {}", files::sha256_of_file(path).ok()?));
+        let photos: Vec<String> = self.photos.iter().map(content).collect::<Option<_>>()?;
+        Some(cache.key(&["cause", &located, &photos.join(" ")]))
     }
 }
 
 /// What a run gives, with the cause that photos share which were left out: in its error when nothing was scored, else among the cautions, so that
 /// it stands beside the figures too.
-pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
+pub fn explained(
+    scores: Result<Scores, ScoreError>,
+    sets: &[SessionFiles],
+    cache: Option<&Cache>,
+) -> Result<Scores, ScoreError> {
     match scores {
         Ok(scores) => {
             let sessions = scores.sessions.iter().enumerate();
             let alike = sessions.filter(|(index, session)| is_alike(&scores, session) || fit_poorly(&scores, *index));
-            let cause = |(_, s): (usize, &Session)| Some(format!("{}: {}", s.name, SessionFiles::new(s)?.cause()?));
+            let cause =
+                |(_, s): (usize, &Session)| Some(format!("{}: {}", s.name, SessionFiles::new(s)?.cause(cache)?));
             let causes = alike.filter_map(cause).collect();
             Ok(scores.with_causes(causes))
         }
         Err(ScoreError::NothingScored { photos, file, reason }) => {
-            let causes = sets.iter().filter_map(SessionFiles::cause);
+            let causes = sets.iter().filter_map(|set| set.cause(cache));
             let reason = std::iter::once(reason).chain(causes).collect::<Vec<_>>().join("; ");
             Err(ScoreError::NothingScored { photos, file, reason })
         }

@@ -191,8 +191,8 @@ impl TrainingView {
     }
 
     pub(super) fn colour(&self, set: &TrainingSet, rng: &mut impl Rng) -> [u8; 3] {
-        if self.light.is_some() {
-            return std::array::from_fn(|_| rng.random());
+        if let Some(light) = &self.light {
+            return light.between(std::array::from_fn(|_| rng.random()));
         }
         let seen: Vec<[u8; 3]> = self.colours().filter(|c| !set.unseen.contains(c)).collect();
         match seen.len() {
@@ -202,12 +202,12 @@ impl TrainingView {
     }
 
     pub(super) fn validation_colours(&self, set: &TrainingSet) -> Vec<[u8; 3]> {
-        if self.light.is_none() {
+        let Some(light) = &self.light else {
             return self.colours().filter(|c| set.unseen.contains(c)).collect();
-        }
+        };
         let mut rng = Pcg32::seed_from_u64(77);
-        let mut colour = |_| std::array::from_fn(|_| rng.random());
-        (0..VALIDATION_COLOURS).map(&mut colour).collect()
+        let colour = |_| light.between(std::array::from_fn(|_| rng.random()));
+        (0..VALIDATION_COLOURS).map(colour).collect()
     }
 }
 

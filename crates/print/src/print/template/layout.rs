@@ -11,8 +11,8 @@ use crate::print::sheet::RectMm;
 use scaleproof_core::geometry::length;
 use scaleproof_plot::lettering::size;
 
-/// More sheets than this are a mistake in the numbers, not a plan.
-pub const MAX_SHEETS: usize = 400;
+/// A van of life size on A4 takes fewer; more are a mistake in the numbers, not a plan.
+pub const MAX_SHEETS: usize = 2000;
 
 /// Longer than all sheets of the longest paper in a row.
 const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
