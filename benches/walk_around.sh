@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What a filmed walk round the model gives, against the truth of the renderer: pose error, what sigma says of it, and how many frames are fit to be photos, by exposure (motion
-# blur), read-out (rolling shutter) and bit rate. FOLDER/table.md and FOLDER/chart.svg; FOLDER/camera.md: the camera that the tags of each video give. A video that is there is
-# not rendered again. Hours on two cores at 1920x1080 and 30 s; SIZE and SECONDS are for less.
+# blur) and bit rate, with a read-out of 20 ms (rolling shutter). FOLDER/table.md and FOLDER/chart.svg; FOLDER/camera.md: the camera that the tags of each video give. A video that is there is
+# not rendered again. Half an hour on two cores at 1280x720 and 6 s, half a round with four stops; hours at 1920x1080 and 12 s.
 #
 #   PYTHON=venv/bin/python benches/walk_around.sh MESH FOLDER [SIZE [SECONDS]]
 #
@@ -12,15 +12,15 @@ if [ $# -lt 2 ]; then
     exit 2
 fi
 home=$(cd "$(dirname "$0")/.." && pwd)
-python=${PYTHON:-python3} program=${SCALEPROOF:-$home/run} mesh=$1 folder=$2 size=${3:-1920x1080} seconds=${4:-30}
+python=${PYTHON:-python3} program=${SCALEPROOF:-$home/run} mesh=$1 folder=$2 size=${3:-1280x720} seconds=${4:-6}
 mkdir -p "$folder"
-# As much of the round as the time is of a round of 30 s.
-degrees=$("$python" -c "print(370 / 30 * $seconds)")
+# As much of a round of 12 s with a stop at each of eight sides as there is time.
+degrees=$("$python" -c "print(30 * $seconds)") stops=$("$python" -c "print(8 / 12 * $seconds)")
 film() { # NAME EXPOSURE_MS READOUT_MS MBIT...
     local name=$1 exposure=$2 readout=$3
     shift 3
     if [ ! -e "$folder/$name.done" ]; then
-        "$python" "$home/benches/walk_around.py" "$folder/$name" --mesh "$mesh" --size "$size" --seconds "$seconds" --round-deg "$degrees" \
+        "$python" "$home/benches/walk_around.py" "$folder/$name" --mesh "$mesh" --size "$size" --seconds "$seconds" --from-deg -22.5 --round-deg "$degrees" --steps "$stops" \
             --exposure-ms "$exposure" --readout-ms "$readout" --mbit "$@"
         touch "$folder/$name.done"
     fi
@@ -31,9 +31,8 @@ film() { # NAME EXPOSURE_MS READOUT_MS MBIT...
         "$program" calibrate "$video.mp4" --scene "$home/captures/skyline/scene.toml" --json > "$video.camera.json" 2> "$video.camera.txt" || true
     done
 }
+film blur_4_shutter_20 4 20 2 10 40
+film blur_8_shutter_20 8 20 2 10 40
 film blur_16_shutter_20 16.667 20 2 10 40
-film blur_16_shutter_0 16.667 0 10
-film blur_16_shutter_30 16.667 30 10
-film blur_4_shutter_20 4 20 10
-film blur_33_shutter_20 33.333 20 10
+film blur_33_shutter_20 33.333 20 2 10 40
 "$python" "$home/benches/walk_around_table.py" "$folder"

@@ -20,7 +20,7 @@ NUMBERS = ("azimuth_deg", "pitch_deg", "distance_mm")
 
 def frames_of(session):
     """Each kept frame: number, viewpoint, sigma."""
-    for sidecar in sorted(Path(session).glob("*.capture.json")):
+    for sidecar in sorted(Path(session).rglob("*.capture.json")):
         kept = json.loads(sidecar.read_text())
         yield kept["photo"]["frame"]["number"], kept["viewpoint"], kept["sigma"]
 
@@ -58,10 +58,10 @@ def label(name):
 
 
 def table(found, answers):
-    lines = ["| exposure, read-out, bit rate | frames located | fit as photos | azimuth error, median / 95 % | sigma of azimuth, median | azimuth within 1, 2, 3 sigma | pitch, distance within 2 sigma |", "|---|---|---|---|---|---|---|"]
+    lines = ["| exposure, read-out, bit rate | frames located | fit as photos | kept | azimuth error, median / 95 % | sigma of azimuth, median | azimuth within 1, 2, 3 sigma | pitch, distance within 2 sigma |", "|---|---|---|---|---|---|---|---|"]
     for name, rows in found.items():
         answer = answers[name]
-        counts = f"| {label(name)} | {answer['located']} of {answer['frames']} | {answer['fit']} "
+        counts = f"| {label(name)} | {answer['located']} of {answer['frames']} | {answer['fit']} | {len(rows)} "
         if not len(rows):
             lines.append(counts + "| – | – | – | – |")
             continue
@@ -104,6 +104,7 @@ def chart(found, answers, path):
     error.set(xscale="log", xlabel="error of the azimuth, degrees: median, 5 to 95 %; red: median of sigma")
     share.barh(places, [100 * a["located"] / a["frames"] for a in answers.values()], color="#ccc", label="located")
     share.barh(places, [100 * a["fit"] / a["frames"] for a in answers.values()], color="#555", height=0.4, label="fit as photos")
+    share.barh(places, [100 * len(found[name]) / a["frames"] for name, a in answers.items()], color="#000", height=0.15, label="kept")
     share.set(xlabel="frames, %", xlim=(0, 100))
     share.legend(loc="lower right")
     error.set_yticks(places, [label(name) for name in found])
@@ -114,7 +115,8 @@ def chart(found, answers, path):
 
 def main(folder):
     folder = Path(folder)
-    answers = {path.stem: json.loads(path.read_text() or "{}") for path in sorted(folder.glob("blur_*M.json"))}
+    by_numbers = lambda path: [float(number) for number in re.findall(r"[\d.]+", path.stem)]
+    answers = {path.stem: json.loads(path.read_text() or "{}") for path in sorted(folder.glob("blur_*M.json"), key=by_numbers)}
     empty = {"located": 0, "frames": 1, "fit": 0}
     answers = {name: {**empty, **answer} for name, answer in answers.items()}
     found = {}

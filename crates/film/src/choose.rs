@@ -10,14 +10,14 @@ use scaleproof_capture::capture::{MAX_BLUR_PX, Tolerance};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 
-/// A frame blurred by more than this, px (standard deviation), is chosen only where no sharper one stands nearby.
+/// A frame blurred by more than this, px (standard deviation), is not sharp.
 const SHARP_PX: f64 = MAX_BLUR_PX;
-/// Nor one that motion smears over more than this, px: less than the 1.5 px that are promised, as the blur is known to some hundredths.
-const SMEARED_PX: f64 = 1.3;
+/// Nor is one that motion smears over more than this, px: less than the 1.5 px that are promised, as that is known to some tenths.
+pub(crate) const SMEARED_PX: f64 = 1.3;
 /// What nearby means, in azimuth and in pitch.
 const NEARBY_DEG: f64 = 5.0;
-/// Frames whose blur differs by less, px, are equally sharp: among them the nearest to the middle of the bin is the best.
-const ALIKE_PX: f64 = 0.05;
+/// Frames that differ by less, as a share of what is sharp yet, are equally sharp: among them the nearest to the middle of the bin is the best.
+const ALIKE: f64 = 0.2;
 /// A bin that is less probable is not counted on.
 const SURE_BIN: f64 = 0.95;
 /// A frame further than this from another photo's viewpoint is no pair of it: directions to the camera, seen from the model.
@@ -127,7 +127,7 @@ impl Wish<'_> {
         checks.into_iter().find(|(is_so, _)| *is_so).map(|(_, refusal)| refusal)
     }
 
-    /// The frames that may be chosen, each with its view and its blur.
+    /// The frames that may be chosen: of those that are not sharp, those without a sharper one nearby.
     fn fit<'a>(&self, looks: &'a [Look]) -> Vec<Fit<'a>> {
         let fit = looks
             .iter()
@@ -139,21 +139,19 @@ impl Wish<'_> {
                 at,
                 time_s: look.time_s,
                 view,
-                blur_px: view.blur_px?,
+                unsharp: (view.blur_px? / SHARP_PX).max(view.smear_px? / SMEARED_PX),
                 bin: self.bins.bin_of(&view.viewpoint),
             })
         });
         let all: Vec<Fit> = fit.collect();
-        let sharpest_px = all.iter().map(|fit| fit.blur_px).fold(f64::INFINITY, f64::min);
         let is_blurred_beside = |one: &Fit| {
-            let beats = |other: &Fit| other.blur_px < one.blur_px && other.is_nearby(one);
-            let is_blurred = one.blur_px > SHARP_PX || smear_px(one.blur_px, sharpest_px) > SMEARED_PX;
-            is_blurred && all.iter().any(beats)
+            let beats = |other: &Fit| other.unsharp < one.unsharp && other.is_nearby(one);
+            !one.is_sharp() && all.iter().any(beats)
         };
         all.iter().filter(|one| !is_blurred_beside(one)).copied().collect()
     }
 
-    /// The sharpest frames of each bin, apart in time; among equally sharp ones those nearest to the middle of the bin.
+    /// The sharpest frames of each bin, apart in time; among equally sharp ones those nearest to the middle of the bin. One that is not sharp only where the bin has no better one.
     pub fn best(&self, looks: &[Look]) -> Vec<Chosen> {
         let mut bins: BTreeMap<Bin, Vec<Fit>> = BTreeMap::new();
         for fit in self.fit(looks) {
@@ -162,10 +160,12 @@ impl Wish<'_> {
         let mut chosen = Vec::new();
         for (bin, mut fits) in bins {
             fits.sort_by(|a, b| {
-                let order = |fit: &Fit| ((fit.blur_px / ALIKE_PX).floor() as i64, fit.off_centre_deg());
+                let order = |fit: &Fit| ((fit.unsharp / ALIKE).floor() as i64, fit.off_centre_deg());
                 let (a, b) = (order(a), order(b));
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
             });
+            let sharp = fits.iter().filter(|fit| fit.is_sharp()).count();
+            fits.truncate(sharp.max(1));
             let mut own: Vec<Fit> = Vec::new();
             for fit in fits {
                 if own.len() < self.per_bin
@@ -211,23 +211,22 @@ impl Wish<'_> {
     }
 }
 
-/// How long a straight motion smears a point that without it is blurred as in the sharpest frame: a uniform line of length L has the variance L²/12,
-/// and convolution adds variances.
-fn smear_px(blur_px: f64, sharpest_px: f64) -> f64 {
-    (12.0 * (blur_px.powi(2) - sharpest_px.powi(2)).max(0.0)).sqrt()
-}
-
 /// A frame that may be chosen.
 #[derive(Debug, Clone, Copy)]
 struct Fit<'a> {
     at: usize,
     time_s: f64,
     view: &'a View,
-    blur_px: f64,
+    /// Its blur, or how far motion smears it, as a share of what is sharp yet.
+    unsharp: f64,
     bin: Bin,
 }
 
 impl Fit<'_> {
+    fn is_sharp(&self) -> bool {
+        self.unsharp <= 1.0
+    }
+
     fn is_nearby(&self, other: &Fit) -> bool {
         let (a, b) = (&self.view.viewpoint, &other.view.viewpoint);
         turn(a.azimuth_deg, b.azimuth_deg).abs() <= NEARBY_DEG && (a.pitch_deg - b.pitch_deg).abs() <= NEARBY_DEG

@@ -11,8 +11,8 @@ use scaleproof_core::files::{self, FileError};
 
 /// Lines that are written at once; what was not written is looked at again.
 const AT_ONCE: usize = 64;
-/// Ten hours at 15 looks a second have half a million lines of some 1500 bytes.
-const MOST_BYTES: u64 = 1 << 30;
+/// Ten hours at 30 looks a second have a million lines of some 1800 bytes.
+const MOST_BYTES: u64 = 1 << 31;
 
 /// What a journal is about: the same for a run that goes on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

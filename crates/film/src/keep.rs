@@ -21,7 +21,7 @@ use scaleproof_pose::locate::{Located, ShutterResponse, Sigma, step_sigma};
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, VideoFrame};
-use scaleproof_video::{Frame, Selection, Video, VideoError};
+use scaleproof_video::{Frame, Frames, Selection, Video, VideoError};
 
 /// Quality of the JPEGs.
 const QUALITY: u8 = 95;
@@ -112,7 +112,7 @@ struct Shutter<'a> {
     response: ShutterResponse,
     motion: Motion,
     read_out: ReadOut,
-    /// Doubts of the motions of all chosen frames.
+    /// Doubts of the motions of frames that are as still.
     usual: &'a [Vector6<f64>],
 }
 
@@ -145,6 +145,17 @@ fn beside(number: u64) -> std::ops::RangeInclusive<u64> {
     number.saturating_sub(BESIDE)..=number + BESIDE
 }
 
+/// Doubts of the motions of all frames that are no more smeared than these. Not of these alone: they were chosen since they seemed still.
+fn usual_doubts(looks: &[Look], chosen: impl Iterator<Item = usize>) -> Vec<Vector6<f64>> {
+    let most_px = chosen.filter_map(|at| looks[at].smear_px()).fold(0.0, f64::max);
+    let still = looks
+        .iter()
+        .filter(|look| look.smear_px().is_some_and(|px| px <= most_px));
+    still
+        .filter_map(|look| Some(look.shows.as_ref().ok()?.motion?.doubt))
+        .collect()
+}
+
 /// Locates a frame beside a chosen one.
 fn look_beside(frame: &Frame<RgbImage>, chosen: &BTreeMap<u64, Chosen>, track: &mut Track, looker: &mut Looker) {
     let near = chosen.keys().find(|number| beside(**number).contains(&frame.number));
@@ -155,13 +166,27 @@ fn look_beside(frame: &Frame<RgbImage>, chosen: &BTreeMap<u64, Chosen>, track: &
     }
 }
 
-/// These frames of a video.
-fn only(numbers: Vec<u64>) -> Selection {
-    Selection {
-        numbers: Some(numbers),
+/// These frames of a video, by their numbers in order. Each part begins where a frame was looked at, and no frame is decoded for two parts.
+fn parts(numbers: &[u64], looks: &[Look]) -> Vec<Selection> {
+    let before = |number: u64| Some(&looks[looks.partition_point(|look| look.number <= number).checked_sub(1)?]);
+    let key = |number: u64| before(number).map(|look| look.key);
+    let parts = numbers.chunk_by(|one, next| key(*one) == key(*next));
+    let selection = |numbers: &[u64]| Selection {
+        begin: before(numbers[0]).map(|look| (look.number, look.time_s)),
+        numbers: Some(numbers.to_vec()),
         is_whole: false,
         ..Selection::default()
-    }
+    };
+    parts.map(selection).collect()
+}
+
+/// The frames of a part, or why there are none.
+fn each(frames: Result<Frames<RgbImage>, VideoError>) -> impl Iterator<Item = Result<Frame<RgbImage>, VideoError>> {
+    let (frames, error) = match frames {
+        Ok(frames) => (Some(frames), None),
+        Err(error) => (None, Some(Err(error))),
+    };
+    frames.into_iter().flatten().chain(error)
 }
 
 impl Keeper<'_> {
@@ -217,7 +242,9 @@ impl Keeper<'_> {
                 break;
             }
             let mut drafts = Vec::new();
-            for frame in self.video.rgb(&only(with_those_beside(&missing, &track)))? {
+            let parts = parts(&with_those_beside(&missing, &track), looks);
+            let frames = parts.iter().map(|part| self.video.rgb(part));
+            for frame in frames.flat_map(each) {
                 let frame = frame?;
                 match missing.get(&frame.number) {
                     None => look_beside(&frame, &missing, &mut track, &mut looker),
@@ -233,7 +260,7 @@ impl Keeper<'_> {
                 }
             }
             let motion = |draft: &Draft| track.motion(draft.kept.frame.number);
-            let usual: Vec<Vector6<f64>> = drafts.iter().filter_map(|draft| Some(motion(draft)?.doubt)).collect();
+            let usual = usual_doubts(looks, drafts.iter().map(|draft| draft.kept.at));
             for draft in drafts {
                 let shutter = looks[draft.kept.at].shows.as_ref().ok().and_then(|view| {
                     Some(Shutter {

@@ -7,12 +7,14 @@ use image::GrayImage;
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
+use crate::exposure::{SIDES, Side};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::rigid::{from_rotation_vector, to_rotation_vector};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Abstention, Located, ShutterResponse, locate_luma};
+use scaleproof_pose::locate::{Abstention, ShutterResponse, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
-use scaleproof_pose::tags::{Appearance, StartError, TagDetector, TagDetectorChoice};
+use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice, edge_blurs, worst_blur_px};
+use scaleproof_video::Frame;
 
 /// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer, and a run that goes on
 /// at the beginning of such a group sees what an uninterrupted one sees.
@@ -27,8 +29,17 @@ pub struct Look {
     pub number: u64,
     /// When it is shown, s since the start of the video.
     pub time_s: f64,
+    /// The frame's number from which on it can be decoded.
+    pub key: u64,
     /// What it shows; `Err` where there is no pose.
     pub shows: Result<View, Unplaced>,
+}
+
+impl Look {
+    /// How far motion smears the model, px, where that is known.
+    pub fn smear_px(&self) -> Option<f64> {
+        self.shows.as_ref().ok()?.smear_px
+    }
 }
 
 /// What a frame with a pose shows.
@@ -44,6 +55,11 @@ pub struct View {
     pub motion: Option<Motion>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
+    /// Some sides of tags, which tell the exposure.
+    pub sides: [Option<Side>; SIDES],
+    /// How far motion smears the model, px: root mean square over the corners of its box. Set with the motion; `None` where that is.
+    #[serde(skip)]
+    pub smear_px: Option<f64>,
     /// Whether the model's whole box lies in the image.
     pub is_model_whole: bool,
     /// The probability that the viewpoint's bin is the right one.
@@ -109,7 +125,8 @@ impl<'a> Looker<'a> {
     }
 
     /// Looks at the next frame.
-    pub fn look(&mut self, luma: &GrayImage, number: u64, time_s: f64) -> Look {
+    pub fn look(&mut self, frame: &Frame<GrayImage>) -> Look {
+        let luma = &frame.image;
         if self.looked.is_multiple_of(GROUP) {
             (self.poses, self.lost) = ([None, None], 0);
         }
@@ -132,20 +149,29 @@ impl<'a> Looker<'a> {
         }
         let shows = match (&photo.result, &photo.fitted) {
             (Ok(located), Ok(fitted)) => {
-                let blur_px = Appearance::measure(luma, &photo.seen).blur_px;
-                let response =
-                    ShutterResponse::new(located, &photo.seen, self.scene, &fitted.camera, fitted.turned_deg);
-                Ok(View::new(
-                    located,
-                    response,
-                    blur_px,
-                    self.is_model_whole(&located.pose, &fitted.camera),
-                ))
+                let (seen, camera) = (&photo.seen, &fitted.camera);
+                let blurs = edge_blurs(luma, seen);
+                Ok(View {
+                    viewpoint: located.viewpoint,
+                    pose: to_rotation_vector(&located.pose).into(),
+                    response: ShutterResponse::new(located, seen, self.scene, camera, fitted.turned_deg),
+                    motion: None,
+                    blur_px: worst_blur_px(&blurs).filter(|px| px.is_finite()),
+                    sides: Side::some(frame.number, &blurs, seen, located, self.scene, camera),
+                    smear_px: None,
+                    is_model_whole: self.is_model_whole(&located.pose, camera),
+                    bin_probability: located.bin_probability,
+                })
             }
             (Err(why), _) => Err(Unplaced::of(why)),
             (_, Err(_)) => Err(Unplaced::Unsure),
         };
-        Look { number, time_s, shows }
+        Look {
+            number: frame.number,
+            time_s: frame.time_s,
+            key: frame.key,
+            shows,
+        }
     }
 
     /// The pose of a frame near one of a known pose.
@@ -195,18 +221,6 @@ impl View {
     pub fn pose(&self) -> Rigid {
         let [rvec, tvec] = self.pose;
         from_rotation_vector(rvec, tvec)
-    }
-
-    fn new(located: &Located, response: Option<ShutterResponse>, blur_px: Option<f64>, is_model_whole: bool) -> View {
-        View {
-            viewpoint: located.viewpoint,
-            pose: to_rotation_vector(&located.pose).into(),
-            response,
-            motion: None,
-            blur_px: blur_px.filter(|px| px.is_finite()),
-            is_model_whole,
-            bin_probability: located.bin_probability,
-        }
     }
 }
 

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector6;
 
+use crate::exposure::exposure_s;
 use crate::look::{Look, Motion};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::rigid::{step_between, stepped};
@@ -38,6 +39,20 @@ impl Track {
                 .map(|(look, view)| (look.number, (look.time_s, view.pose())))
                 .collect(),
         )
+    }
+
+    /// Those of looks whose motion is set, each when its middle row was read.
+    fn corrected(looks: &[Look]) -> Track {
+        let seconds = read_out(looks).seconds;
+        let mut track = Track::new(looks);
+        for look in looks {
+            let view = look.shows.as_ref().ok();
+            let known = view.and_then(|view| Some((view.response?, view.motion?)));
+            if let (Some((response, motion)), Some((_, pose))) = (known, track.0.get_mut(&look.number)) {
+                *pose = stepped(pose, &(-seconds * response.step(&motion.per_s)));
+            }
+        }
+        track
     }
 
     pub fn has(&self, number: u64) -> bool {
@@ -83,9 +98,22 @@ fn derivative(others: &[(f64, Vector6<f64>)]) -> Vector6<f64> {
     others.iter().map(|(at, value)| value * weight(*at)).sum()
 }
 
-/// Sets the motion of every frame that has one; when all were looked at.
+/// Sets the motion of every frame that has one, and how far it smears the model; when all were looked at.
 pub fn set(looks: &mut [Look]) {
-    let track = Track::new(looks);
+    set_by(looks, &Track::new(looks));
+    // A rolling shutter puts each pose off by as much as the camera moves, so that where a motion changes the poses say it wrong.
+    let corrected = Track::corrected(looks);
+    set_by(looks, &corrected);
+    let exposure_s = exposure_s(looks);
+    for view in looks.iter_mut().filter_map(|look| look.shows.as_mut().ok()) {
+        view.smear_px = view
+            .response
+            .zip(view.motion)
+            .map(|(response, motion)| exposure_s * response.speed_px_s(&motion.per_s));
+    }
+}
+
+fn set_by(looks: &mut [Look], track: &Track) {
     for look in looks {
         if let Ok(view) = &mut look.shows {
             view.motion = track.motion(look.number);

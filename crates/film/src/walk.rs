@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::choose::{Chosen, Wish};
+use crate::choose::{Chosen, SMEARED_PX, Wish};
 use crate::journal::{About, Journal};
 use crate::keep::{KeepError, Keeper, Kept};
 use crate::look::{Look, Looker, Unplaced};
@@ -17,8 +17,8 @@ use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice, limit_scale};
 use scaleproof_video::{Selection, Video, VideoError};
 
-/// A walk round the model turns by less than a degree from one of so many frames a second to the next.
-const LOOKS_PER_S: f64 = 15.0;
+/// A hand turns back within a tenth of a second: of fewer frames a second than this the motion in each is not known.
+const LOOKS_PER_S: f64 = 30.0;
 
 /// A video, and what its frames are located by and chosen for.
 pub struct Walk {
@@ -93,7 +93,7 @@ impl Walk {
         };
         for frame in self.video.luma(&selection).map_err(|e| failed(e, &[]))? {
             let frame = frame.map_err(|e| failed(e, &looks))?;
-            let look = looker.look(&frame.image, frame.number, frame.time_s);
+            let look = looker.look(&frame);
             journal.add(&look)?;
             looks.push(look);
             goes_on &= looked(&looks);
@@ -186,7 +186,7 @@ impl Walk {
     }
 
     /// What to know before the photos are believed, as sentences.
-    pub fn notes(&self, kept: &[Kept]) -> Vec<String> {
+    pub fn notes(&self, looks: &[Look], kept: &[Kept]) -> Vec<String> {
         let mut notes: Vec<String> = self.video.colour_note().into_iter().collect();
         let faults = self.wanted.faults.iter();
         notes.extend(faults.map(|fault| format!("no pair is looked for: {fault}")));
@@ -198,6 +198,15 @@ impl Walk {
             .iter()
             .map(|(advice, number)| format!("{} of {}: {advice}", number, count(kept.len(), "chosen frame")));
         notes.extend(said);
+        let smears: Vec<f64> = kept.iter().filter_map(|one| looks.get(one.at)?.smear_px()).collect();
+        let most = smears.iter().copied().fold(0.0, f64::max);
+        if most > SMEARED_PX {
+            let smeared = smears.iter().filter(|px| **px > SMEARED_PX).count();
+            notes.push(format!(
+                "{smeared} of {}: smeared by motion, over {most:.1} px at most, and nothing sharper is in their bins: go slower, or film with shorter exposures",
+                count(kept.len(), "chosen frame")
+            ));
+        }
         notes
     }
 }

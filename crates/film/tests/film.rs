@@ -7,6 +7,7 @@ use nalgebra::Vector6;
 use proptest::prelude::*;
 
 use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
+use scaleproof_film::exposure::SIDES;
 use scaleproof_film::journal::{About, Journal, read};
 use scaleproof_film::look::{GROUP, Look, Motion, Unplaced, View};
 use scaleproof_pose::locate::ShutterResponse;
@@ -34,6 +35,7 @@ fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
     Look {
         number,
         time_s: number as f64 / 10.0,
+        key: 0,
         shows: Ok(View {
             viewpoint: Viewpoint {
                 azimuth_deg,
@@ -47,6 +49,8 @@ fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
                 doubt: Vector6::zeros(),
             }),
             blur_px: Some(blur_px),
+            sides: [None; SIDES],
+            smear_px: Some(0.0),
             is_model_whole: true,
             bin_probability: 1.0,
         }),
@@ -177,7 +181,9 @@ fn a_journal_goes_on_behind_its_last_whole_line_and_only_for_the_same_video() {
             ..frame(n, 0.0, 0.0)
         },
         // The motion is set again, from all frames.
-        _ => with(frame(n, 0.1 + n as f64 / 3.0, 0.6), |view| view.motion = None),
+        _ => with(frame(n, 0.1 + n as f64 / 3.0, 0.6), |view| {
+            (view.motion, view.smear_px) = (None, None)
+        }),
     };
     let looks: Vec<Look> = (0..2 * GROUP as u64).map(look).collect();
     let (mut journal, known) = Journal::open(&path, &about()).unwrap();
@@ -194,6 +200,23 @@ fn a_journal_goes_on_behind_its_last_whole_line_and_only_for_the_same_video() {
     assert!(Journal::open(&path, &other).unwrap().1.is_empty());
 }
 
+#[test]
+fn a_bin_has_smeared_frames_only_where_it_has_no_sharp_one() {
+    let bins = bins();
+    let smeared =
+        |number: u64, azimuth_deg: f64, px: f64| with(frame(number, azimuth_deg, 0.6), |view| view.smear_px = Some(px));
+    let looks = [
+        smeared(0, 350.0, 4.0),
+        smeared(10, 0.0, 1.0),
+        smeared(20, 10.0, 0.9),
+        smeared(30, 80.0, 6.0),
+        smeared(40, 90.0, 5.0),
+        smeared(50, 100.0, 7.0),
+    ];
+    let chosen: Vec<usize> = wish(&bins, 3).best(&looks).iter().map(|one| one.at).collect();
+    assert_eq!(chosen, [1, 2, 4]);
+}
+
 proptest! {
     #[test]
     fn no_bytes_make_a_journal_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
@@ -206,10 +229,14 @@ proptest! {
     /// The issue's own rule, counted here for any walk.
     #[test]
     fn no_frame_blurred_above_one_and_a_half_px_is_chosen_where_a_sharper_one_is_within_5_degrees(
-        walk in proptest::collection::vec((0.0..360.0f64, 0.4..2.9f64), 1..60), per_bin in 1usize..4,
+        walk in proptest::collection::vec((0.0..360.0f64, 0.4..2.9f64), 1..60), per_bin in 1usize..4, is_motion in any::<bool>(),
     ) {
         let bins = bins();
-        let looks: Vec<Look> = (0..).zip(&walk).map(|(n, (azimuth, blur))| frame(10 * n, *azimuth, *blur)).collect();
+        let look = |(n, (azimuth, blur)): (u64, &(f64, f64))| match is_motion {
+            true => with(frame(10 * n, *azimuth, 0.6), |view| view.smear_px = Some(*blur)),
+            false => frame(10 * n, *azimuth, *blur),
+        };
+        let looks: Vec<Look> = (0..).zip(&walk).map(look).collect();
         for one in wish(&bins, per_bin).best(&looks) {
             let (azimuth, blur) = walk[one.at];
             let is_beside = |other: &(f64, f64)| {

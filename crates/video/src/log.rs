@@ -13,6 +13,8 @@ pub(crate) enum Said {
     Frame {
         number: u64,
         time_s: f64,
+        /// Decoding can begin with it.
+        is_key: bool,
         /// Before it is scaled, px.
         size: Option<[u32; 2]>,
     },
@@ -66,7 +68,13 @@ fn understood(line: &str, time_base: Option<f64>) -> Option<Said> {
         let time_s = pts * time_base?;
         let size = field(line, " s:").and_then(|size| size.split_once('x'));
         let size = size.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-        return time_s.is_finite().then_some(Said::Frame { number, time_s, size });
+        let is_key = field(line, " iskey:") == Some("1");
+        return time_s.is_finite().then_some(Said::Frame {
+            number,
+            time_s,
+            is_key,
+            size,
+        });
     }
     // What ffmpeg makes up where data is damaged is only a warning to it, or less.
     let is_made_up = |line: &&str| line.contains("corrupt decoded frame") || line.contains(" concealing ");

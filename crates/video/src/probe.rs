@@ -69,6 +69,8 @@ pub struct Video {
     /// Bits of a sample: 8, 10 or 12.
     pub bits: u32,
     pub range: Range,
+    /// Whether its luma goes from 16 to 235, as that of most videos does.
+    pub(crate) is_limited: bool,
     /// Which of the input's video streams it is.
     pub(crate) stream: u32,
     /// The matrix from luma and chroma to colours, as ffmpeg's filter `scale` calls it.
@@ -99,6 +101,7 @@ struct Stream {
     pix_fmt: Option<String>,
     bits_per_raw_sample: Option<String>,
     color_transfer: Option<String>,
+    color_range: Option<String>,
     color_space: Option<String>,
     sample_aspect_ratio: Option<String>,
     avg_frame_rate: Option<String>,
@@ -202,6 +205,7 @@ impl Video {
             frames_per_s: stream.frames_per_s(),
             bits: stream.bits(),
             range: stream.range(),
+            is_limited: stream.is_limited(),
             stream: stream.index,
             matrix: stream.matrix(height.min(width)),
             input,
@@ -275,6 +279,12 @@ impl Stream {
             Some("arib-std-b67") => Range::Hlg,
             _ => Range::Standard,
         }
+    }
+
+    /// What does not say is limited where it is YUV; RGB never is, and the formats of old JPEGs are not. Of 8 bits alone: others are converted anyway.
+    fn is_limited(&self) -> bool {
+        let format = self.pix_fmt.as_deref().unwrap_or_default();
+        self.color_range.as_deref() != Some("pc") && ["yuv420p", "yuv422p", "yuv444p", "nv12"].contains(&format)
     }
 
     /// A video that does not say is BT.709 from 720 lines on, and BT.601 below, as players take it.

@@ -280,6 +280,65 @@ fn times_of_a_variable_frame_rate_are_true_and_selections_go_by_them() {
     assert_eq!(seen(&named), [(7, 49), (49, 2401)]);
 }
 
+/// A moving picture, with references over frames not shown yet, key frames that those before lean on, and containers that know times to a millisecond or not by an index.
+#[test]
+fn frames_decoded_from_a_later_beginning_are_the_same_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let videos: [(&str, &[&str]); 6] = [
+        ("a.mp4", &["-c:v", "libx264", "-bf", "3", "-g", "10"]),
+        ("b.mkv", &["-c:v", "libx264", "-bf", "3", "-g", "250"]),
+        (
+            "c.mp4",
+            &["-c:v", "libx264", "-bf", "3", "-g", "10", "-x264-params", "open-gop=1"],
+        ),
+        (
+            "d.mp4",
+            &["-c:v", "libx265", "-x265-params", "log-level=none:keyint=10"],
+        ),
+        ("e.webm", &["-c:v", "libvpx-vp9", "-g", "10", "-deadline", "realtime"]),
+        ("f.ts", &["-c:v", "libx264", "-bf", "3", "-g", "10"]),
+    ];
+    for (name, options) in videos {
+        let path = folder.path().join(name);
+        let source = [
+            "-f",
+            "lavfi",
+            "-i",
+            "testsrc2=s=320x180:r=30:d=2",
+            "-pix_fmt",
+            "yuv420p",
+        ];
+        ffmpeg(&[&source, options].concat(), &path);
+        let video = Video::open(&path).unwrap();
+        let all: Vec<_> = video.rgb(&Selection::default()).unwrap().map(Result::unwrap).collect();
+        assert_eq!(all.len(), 60, "{name}");
+        for begin in [0, 19, 33] {
+            let numbers = vec![begin as u64, begin as u64 + 1];
+            let later = Selection {
+                begin: Some((begin as u64, all[begin].time_s)),
+                numbers: Some(numbers.clone()),
+                is_whole: false,
+                ..Selection::default()
+            };
+            let seen: Vec<_> = video.rgb(&later).unwrap().map(Result::unwrap).collect();
+            assert_eq!(
+                seen.iter().map(|frame| frame.number).collect::<Vec<_>>(),
+                numbers,
+                "{name}"
+            );
+            for (one, same) in seen.iter().zip(&all[begin..]) {
+                assert!(
+                    (one.time_s - same.time_s).abs() < 1e-5,
+                    "{name}: {} {}",
+                    one.time_s,
+                    same.time_s
+                );
+                assert!(one.image == same.image, "{name}: frame {}", one.number);
+            }
+        }
+    }
+}
+
 #[test]
 fn hdr_is_named_and_its_white_paper_is_white() {
     let folder = tempfile::tempdir().unwrap();

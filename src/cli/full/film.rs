@@ -70,7 +70,7 @@ pub(in crate::cli) struct FilmArgs {
     /// End at this time of the video, s
     #[arg(long, value_name = "S", value_parser = seconds)]
     to: Option<f64>,
-    /// Look at every so-manieth frame only [default: as leaves 15 a second or so]
+    /// Look at every so-manieth frame only [default: as leaves 30 a second or so]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     every: Option<u64>,
     /// Keep frames as PNG instead of JPEG of quality 95
@@ -149,6 +149,8 @@ struct ChosenFrame {
     viewpoint: Viewpoint,
     sigma: Sigma,
     gates: Measures,
+    /// How far motion smears the model in it, px: by the motion of the camera and the exposure, both as the video tells them.
+    smear_px: Option<f64>,
     pair: Option<Pair>,
 }
 
@@ -418,6 +420,7 @@ fn write(
         viewpoint: one.viewpoint,
         sigma: one.sigma,
         gates: one.measures,
+        smear_px: looks[one.at].smear_px(),
         pair: one.pair.map(|(place, difference)| Pair {
             file: walk.wanted.files[place].clone(),
             difference,
@@ -449,7 +452,7 @@ fn write(
         unpaired: walk.unpaired(kept),
         contact_sheet,
         coverage,
-        notes: walk.notes(kept),
+        notes: walk.notes(looks, kept),
     };
     let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
     let words = words(&answer) + &in_words(&file, photos.len(), &variants, &args.output);
@@ -479,11 +482,12 @@ fn words(answer: &Answer) -> String {
             .gates
             .blur_px
             .map_or(String::new(), |px| format!(", blur {px:.2} px"));
+        let smear = one.smear_px.map_or(String::new(), |px| format!(", smear {px:.1} px"));
         let pair = one.pair.as_ref().map_or(String::new(), |pair| {
             format!(", {:.2}° from {}", pair.difference.apart_deg, pair.file)
         });
         lines.push(format!(
-            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{pair}",
+            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{smear}{pair}",
             one.file,
             one.frame,
             one.time_s,

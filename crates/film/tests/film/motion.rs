@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use nalgebra::{Point3, Vector6};
+use nalgebra::{Point3, Vector2, Vector6};
 
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::rigid::{stepped, to_rotation_vector};
+use scaleproof_film::exposure::{self, Side};
 use scaleproof_film::look::{Look, Motion, View};
 use scaleproof_film::motion::{self, ReadOut, Track, at_middle_row};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{ShutterResponse, locate};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::simulate::{Noise, Simulator, looking_at};
-use scaleproof_pose::tags::SeenTag;
+use scaleproof_pose::tags::{EdgeBlur, SeenTag};
 
 const FRAMES_PER_S: f64 = 30.0;
 const FRAMES: u64 = 360;
@@ -23,6 +24,7 @@ struct Walk {
     scene: Scene,
     camera: Camera,
     read_out_s: f64,
+    exposure_s: f64,
     turned_deg: u32,
 }
 
@@ -33,6 +35,7 @@ impl Walk {
             scene: Scene::open(&walk.join("scene.toml")).unwrap(),
             camera: Camera::open(&walk.join("camera.yaml")).unwrap(),
             read_out_s,
+            exposure_s: 0.01,
             turned_deg,
         }
     }
@@ -79,6 +82,45 @@ impl Walk {
         seen
     }
 
+    /// How far a point moves in the image during the exposure, px.
+    fn moved(&self, t: f64, point: &Point3<f64>) -> Vector2<f64> {
+        let at = |t: f64| Vector2::from(self.camera.project(&(self.pose(t) * point)).unwrap());
+        at(t + self.exposure_s / 2.0) - at(t - self.exposure_s / 2.0)
+    }
+
+    /// The blur of each side: what the lens leaves, and the uniform line that motion draws across it.
+    fn blurs(&self, t: f64, seen: &[SeenTag]) -> Vec<EdgeBlur> {
+        let blur = |(tag, side): (usize, usize)| {
+            let [from, to] = [side, (side + 1) % 4];
+            let corners = self
+                .scene
+                .tags
+                .iter()
+                .find(|one| one.id == seen[tag].id)
+                .unwrap()
+                .corners_mm();
+            let [a, b] = [from, to].map(|corner| Vector2::from(seen[tag].corners_px[corner]));
+            let normal = Vector2::new(a.y - b.y, b.x - a.x).normalize();
+            let late_s = self.late_s(((a + b) / 2.0).into());
+            let across = self
+                .moved(t + late_s, &nalgebra::center(&corners[from], &corners[to]))
+                .dot(&normal);
+            // A shadow lies on each ninth.
+            let shadow = if (tag + side).is_multiple_of(9) { 2.0 } else { 0.0 };
+            let px = (0.5_f64.powi(2) + across.powi(2) / 12.0 + shadow).sqrt();
+            EdgeBlur {
+                tag,
+                side,
+                normal: normal.into(),
+                px,
+            }
+        };
+        (0..seen.len())
+            .flat_map(|tag| (0..4).map(move |side| (tag, side)))
+            .map(blur)
+            .collect()
+    }
+
     /// The sensor's first row is on top of an image that was not turned, and on the right of one that was turned clockwise by 90°.
     fn late_s(&self, [x, y]: [f64; 2]) -> f64 {
         let [width, height] = [self.camera.width, self.camera.height].map(f64::from);
@@ -108,12 +150,22 @@ impl Walk {
                 response: ShutterResponse::new(&located, &seen, &self.scene, &self.camera, self.turned_deg),
                 motion: None,
                 blur_px: Some(0.6),
+                sides: Side::some(
+                    number,
+                    &self.blurs(time_s, &seen),
+                    &seen,
+                    &located,
+                    &self.scene,
+                    &self.camera,
+                ),
+                smear_px: None,
                 is_model_whole: true,
                 bin_probability: 1.0,
             };
             Look {
                 number,
                 time_s,
+                key: 0,
                 shows: Ok(view),
             }
         };
@@ -181,6 +233,33 @@ fn a_video_tells_its_read_out_and_poses_are_those_of_the_middle_row() {
                 / errors.len() as f64
         };
         assert!(within(1.0) > 0.6 && within(2.0) > 0.93 && within(3.0) > 0.985);
+    }
+}
+
+#[test]
+fn a_video_tells_its_exposure_and_how_far_each_frame_is_smeared() {
+    for exposure_s in [0.004, 0.01, 0.03] {
+        let walk = Walk {
+            exposure_s,
+            ..Walk::new(0.02, 0)
+        };
+        let mut looks = walk.frames();
+        motion::set(&mut looks);
+        let found = exposure::exposure_s(&looks);
+        assert!((found / exposure_s - 1.0).abs() < 0.1, "{found} s, not {exposure_s}");
+        let mut off = Vec::new();
+        for look in looks.iter().filter(|look| look.smear_px().is_some()) {
+            let square = |corner: &Point3<f64>| walk.moved(look.time_s, corner).norm_squared();
+            let corners = walk.scene.model.box_corners_mm();
+            let truth = (corners.iter().map(square).sum::<f64>() / corners.len() as f64).sqrt();
+            off.push((look.smear_px().unwrap() - truth).abs() / truth.max(0.5));
+        }
+        off.sort_by(f64::total_cmp);
+        assert!(
+            off.len() as u64 >= FRAMES - 2 && off[off.len() * 9 / 10] < 0.2,
+            "{exposure_s} s: {}",
+            off[off.len() * 9 / 10]
+        );
     }
 }
 

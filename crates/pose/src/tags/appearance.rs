@@ -31,12 +31,20 @@ impl Appearance {
     /// Measures the whole tags of a photo; covered and cut ones say nothing of focus.
     pub fn measure(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
         let whole = || tags.iter().filter(|tag| tag.is_whole);
-        let edges = whole().flat_map(|tag| (0..4).filter_map(|side| side_blur(grey, tag, side)));
         Appearance {
-            blur_px: blur::worst_px(&Vec::from_iter(edges)),
+            blur_px: blur::worst_px(&edge_blurs(grey, tags)),
             white_level: upper_median(&whole().filter_map(|tag| white(grey, tag)).collect::<Vec<_>>()),
         }
     }
+}
+
+/// The blur of every side that tells one, of the whole tags: covered and cut ones say nothing of focus.
+pub fn edge_blurs(grey: &GrayImage, tags: &[SeenTag]) -> Vec<EdgeBlur> {
+    let whole = tags.iter().enumerate().filter(|(_, tag)| tag.is_whole);
+    let sides = whole.flat_map(|(at, tag)| (0..4).map(move |side| (at, tag, side)));
+    sides
+        .filter_map(|(at, tag, side)| side_blur(grey, (at, tag), side))
+        .collect()
 }
 
 /// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the image.
@@ -51,7 +59,7 @@ pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
 }
 
 /// `None` where the side's cells are too small, or it touches the image's border.
-fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<EdgeBlur> {
+fn side_blur(grey: &GrayImage, (at, tag): (usize, &SeenTag), side: usize) -> Option<EdgeBlur> {
     let cells = tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);
     let cell = refine::cell_px(&homography, side, cells);
@@ -63,7 +71,12 @@ fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<EdgeBlur> {
     let px = refine::edge_blur(grey, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))?;
     let length = distance(from, to);
     let normal = [(from[1] - to[1]) / length, (to[0] - from[0]) / length];
-    Some(EdgeBlur { normal, px })
+    Some(EdgeBlur {
+        tag: at,
+        side,
+        normal,
+        px,
+    })
 }
 
 /// The lighter of the rings half a cell inside and outside the outline: families differ in which that is.

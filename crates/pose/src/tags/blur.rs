@@ -17,9 +17,13 @@ const UNFITTED_PX: f64 = 6.0;
 const ROUNDS: usize = 15;
 const ALIKE_PX2: f64 = 0.02;
 
-/// The blur across one straight edge.
+/// The blur across one side of a tag.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EdgeBlur {
+pub struct EdgeBlur {
+    /// The tag's place among those that were given.
+    pub tag: usize,
+    /// From which of its corners the side goes to the next.
+    pub side: usize,
     pub normal: [f64; 2],
     /// Standard deviation across the edge, px; infinity where the edge is too blurred to be fitted.
     pub px: f64,
@@ -32,7 +36,7 @@ pub(super) struct EdgeBlur {
 /// directions, and the worst direction is its largest eigenvector. The sum of absolute differences is minimised (iteratively reweighted least
 /// squares, Schlossmacher 1973), since some edges lie in shadow or at another depth. The sides of squares that all lie one way do not tell motion
 /// along the diagonal from a blur of all directions: S is then the worst that agrees with them.
-pub(super) fn worst_px(edges: &[EdgeBlur]) -> Option<f64> {
+pub fn worst_px(edges: &[EdgeBlur]) -> Option<f64> {
     let fitted = edges.iter().filter(|edge| edge.px.is_finite()).count();
     if 2 * fitted < edges.len() {
         return Some(f64::INFINITY);

@@ -83,9 +83,23 @@ fn places(depth: f64) -> impl Iterator<Item = (f64, f64)> {
 
 /// Bilinear grey level; `None` outside the image.
 pub(super) fn level(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {
-    let inside = x >= 0.0 && y >= 0.0 && x <= f64::from(grey.width()) - 1.0 && y <= f64::from(grey.height()) - 1.0;
+    let (width, height) = grey.dimensions();
+    let inside = x >= 0.0 && y >= 0.0 && x <= f64::from(width) - 1.0 && y <= f64::from(height) - 1.0;
     if !inside {
         return None;
     }
-    image::imageops::interpolate_bilinear(grey, x as f32, y as f32).map(|p| f64::from(p.0[0]))
+    // The function of the crate image takes four times as long; the result is the same.
+    let (x, y) = (x as f32, y as f32);
+    let (left, above) = ((x as u32).min(width - 1), (y as u32).min(height - 1));
+    let (right, below) = ((left + 1).min(width - 1), (above + 1).min(height - 1));
+    let [to_right, down] = [x - left as f32, y - above as f32];
+    let [to_left, up] = [(left + 1) as f32 - x, (above + 1) as f32 - y];
+    let (pixels, stride) = (grey.as_raw(), width as usize);
+    let at = |x: u32, y: u32| pixels.get(y as usize * stride + x as usize).copied().map(f32::from);
+    let mixed = to_left * up * at(left, above)?
+        + to_left * down * at(left, below)?
+        + to_right * up * at(right, above)?
+        + to_right * down * at(right, below)?;
+    let whole = f32::from(mixed as u8);
+    Some(f64::from(if mixed - whole >= 0.5 { whole + 1.0 } else { whole }))
 }

@@ -32,9 +32,9 @@ use crate::scene::TagFamily;
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 
-pub use appearance::{Appearance, paper_levels};
+pub use appearance::{Appearance, edge_blurs, paper_levels};
 pub use apriltag_c::AprilTagC;
-pub use blur::{HOPELESS_BLUR_PX, limit_scale, sharpest_edges_px};
+pub use blur::{EdgeBlur, HOPELESS_BLUR_PX, limit_scale, sharpest_edges_px, worst_px as worst_blur_px};
 pub use cascade::{Cascade, CoarseToFine};
 pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 pub use expected::{ExpectedTag, StillMissing};
