@@ -83,7 +83,6 @@ fn further_colours_are_drawn_between_those_that_were_rendered() {
     additive.colours = rendered.map(light::linear_of).to_vec();
     assert_eq!(additive.between([0; 3]), [40, 60, 90]);
     assert_eq!(additive.between([255; 3]), [220, 200, 92]);
-    let middle = additive.between([128; 3]);
     assert_eq!(additive.between([128; 3]), [130, 130, 91]);
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use common::{assert_refused, home, program};
+use common::{assert_refused, home, program, stderr, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof_attack::baseline::patches::{is_seen, paint};
@@ -1315,6 +1315,40 @@ fn patches_lie_where_they_are_put() {
         }
     }
     assert!(left > 5 && right > 5 && beside > 20, "{left} {right} {beside}");
+}
+
+/// The project's own detector sees random cells on the stored views; one that is shown next to nothing of them does not.
+#[test]
+fn an_attack_says_where_random_cells_leave_nothing_to_learn() {
+    let folder = tempfile::tempdir().unwrap();
+    let detectors = home().join("detectors");
+    std::fs::copy(
+        detectors.join("scaleproof_car.onnx"),
+        folder.path().join("scaleproof_car.onnx"),
+    )
+    .unwrap();
+    let manifest = std::fs::read_to_string(detectors.join("scaleproof_car.toml")).unwrap();
+    for (name, std, is_hidden) in [("sees", "255.0", false), ("blind", "100000.0", true)] {
+        let own = folder.path().join(format!("{name}.toml"));
+        std::fs::write(
+            &own,
+            manifest
+                .replace("255.0", std)
+                .replace("scaleproof_car\"", &format!("{name}\"")),
+        )
+        .unwrap();
+        let mut command = program();
+        let command = command.args(["attack", "run", "--steps", "1", "--batch", "1", "--cells", "4"]);
+        let command = command
+            .arg(home().join("captures/skyline_attack"))
+            .arg("--detector")
+            .arg(own);
+        let output = command.arg("-o").arg(folder.path().join(name)).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let text = stdout(&output);
+        assert!(text.contains("random cells on these views"), "{text}");
+        assert_eq!(text.contains("hide the model here already"), is_hidden, "{text}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! - [`look`]: where the camera stood in each frame, how sharp it is, and whether the whole model is in it; tracked from frame to frame;
 //! - [`journal`]: what was looked at, so that an interrupted run goes on;
 //! - [`motion`]: how the camera moved in each frame, and what a rolling shutter made of it;
-//! - [`exposure`]: how long each frame is exposed, and so how far that motion smears the model;
+//! - [`side`] and [`exposure`]: how long each frame is exposed, as the sides of its tags tell, and so how far that motion smears the model;
 //! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
 //! - [`pairs`]: the viewpoints that frames are to be pairs of;
 //! - [`keep`]: chosen frames decoded at full size, located once more the one way, and written;
@@ -19,4 +19,5 @@ pub mod look;
 pub mod motion;
 pub mod pairs;
 pub mod sheet;
+pub mod side;
 pub mod walk;

@@ -7,7 +7,7 @@ use image::GrayImage;
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
-use crate::exposure::{SIDES, Side};
+use crate::side::{SIDES, Side};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::rigid::{from_rotation_vector, to_rotation_vector};
 use scaleproof_pose::camera::Camera;

@@ -7,9 +7,9 @@ use nalgebra::Vector6;
 use proptest::prelude::*;
 
 use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
-use scaleproof_film::exposure::SIDES;
 use scaleproof_film::journal::{About, Journal, read};
 use scaleproof_film::look::{GROUP, Look, Motion, Unplaced, View};
+use scaleproof_film::side::SIDES;
 use scaleproof_pose::locate::ShutterResponse;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 

@@ -6,9 +6,10 @@ use nalgebra::{Point3, Vector2, Vector6};
 
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::rigid::{stepped, to_rotation_vector};
-use scaleproof_film::exposure::{self, Side};
+use scaleproof_film::exposure;
 use scaleproof_film::look::{Look, Motion, View};
 use scaleproof_film::motion::{self, ReadOut, Track, at_middle_row};
+use scaleproof_film::side::Side;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{ShutterResponse, locate};
 use scaleproof_pose::scene::{Scene, Viewpoint};

@@ -33,6 +33,9 @@ use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::card::{self, CardError};
 use scaleproof_surface::pattern::{MAX_CELLS, Pattern, PatternError};
 
+/// Random cells that leave less AP@0.5 hide the model by themselves.
+const LITTLE_AP: f64 = 0.1;
+
 /// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons/attack.md).
 const TILE_MM: f64 = 118.0;
 /// Cells along each side where nothing says another number: the fewest that are not shown to leave more than others do
@@ -290,10 +293,15 @@ pub(in crate::cli) struct Made<'a> {
     random: Option<HeldOutFigures>,
 }
 
-/// What random cells do, as a line after a line break.
+/// What random cells do, as a line after a line break; and that little is left to learn where they hide the model.
 fn beside(random: &HeldOutFigures) -> String {
+    let hidden = if random.ap50 < LITTLE_AP {
+        "; they hide the model here already: frames in which it is smaller, or in other lights, teach more"
+    } else {
+        ""
+    };
     format!(
-        "\nrandom cells on these views: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2}",
+        "\nrandom cells on these views: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2}{hidden}",
         random.ap50, random.hit_rate, random.mean_confidence
     )
 }
