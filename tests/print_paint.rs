@@ -686,7 +686,7 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
         ),
         (
             "p.png",
-            "--tile-mm 118 --size-mm 3000x2500 --paints 4".to_owned(),
+            "--tile-mm 118 --size-mm 5000x4000 --paints 4".to_owned(),
             ["pages", "fewer paints"],
         ),
         (
