@@ -574,23 +574,31 @@ fn a_scored_session_whose_photos_fail_alike_says_why() {
     let session = common::copy_of_skyline();
     let scene = session.path().join("scene.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
-    std::fs::write(&scene, text.replace("size_mm = 50.0", "size_mm = 40.0")).unwrap();
-    let out = session.path().join("report");
-    let output = program()
-        .arg("score")
-        .arg(session.path())
-        .arg("--recorded")
-        .arg("--out")
-        .arg(&out)
-        .output()
+    let score = |size_mm: u32| {
+        std::fs::write(
+            &scene,
+            text.replace("size_mm = 50.0", &format!("size_mm = {size_mm}.0")),
+        )
         .unwrap();
-    common::assert_refused(
-        &output,
-        &[
-            "none of the 16 photos could be scored",
-            "the tags seem to be 50.0 mm wide, not 40 mm as scene.toml says",
-        ],
-    );
+        let [cache, out] = ["cache", "report"].map(|name| session.path().join(name));
+        let mut command = program();
+        let command = command.arg("score").arg(session.path()).arg("--recorded");
+        command
+            .arg("--cache")
+            .arg(cache)
+            .arg("--out")
+            .arg(out)
+            .output()
+            .unwrap()
+    };
+    // The cause that was kept is said again, and not of another scene.
+    for size_mm in [40, 40, 45] {
+        let is_told = format!("the tags seem to be 50.0 mm wide, not {size_mm} mm as scene.toml says");
+        common::assert_refused(
+            &score(size_mm),
+            &["none of the 16 photos could be scored", is_told.as_str()],
+        );
+    }
 }
 
 #[test]
