@@ -29,7 +29,7 @@ COMMANDS = {
     "session new": "session new out/session normal=photos --scene session/scene.toml --camera session/camera.yaml --copy",
     "session from-video": "session from-video walk/normal.mp4 --scene walk/scene.toml --camera walk/camera.yaml --variant normal --place here -o out/session",
     "score": "score session --recorded --cache out/cache -o out/report",
-    "attack run": "attack run frames --detectors detectors --detector scaleproof_car --cells 8 --batch 2 --steps 24 -o out/pattern",
+    "attack run": "attack run frames --detector detectors/scaleproof_car.toml --cells 8 --batch 2 --steps 24 -o out/pattern",
 }
 
 
