@@ -76,7 +76,7 @@ dtn_frames() {
     render_for_dtn "$folder/dtn_test" "$(places "${TEST_PLACES:-8}" 5 courtyard sunrise)" 808080 c83214 1e78c8 465a28 e6d23c
 }
 
-train_dtn() { # what it prints as validation MSE mixes the test's colours beyond what they allow: the error counts that is measured after it
+train_dtn() { # with the error over whole images, as the paper has it, measured after it
     "$SCALEPROOF" attack train-dtn "$folder/dtn_frames" --validation "$folder/dtn_test" --epochs "${EPOCHS:-60}" -o "$folder/network.dtn"
     "$python" "$here/dtn_predicted.py" "$folder/network.dtn" "$folder/dtn_test" error >"$folder/dtn_error.json"
 }

@@ -32,10 +32,7 @@ impl Side {
     ) -> [Option<Side>; SIDES] {
         let side = |edge: &EdgeBlur| {
             let seen = seen.get(edge.tag)?;
-            let tag = scene
-                .tags
-                .iter()
-                .find(|tag| (tag.family, tag.id) == (seen.family, seen.id))?;
+            let tag = scene.tag(seen.family, seen.id)?;
             let corners = tag.corners_mm();
             let middle = nalgebra::center(&corners[edge.side % 4], &corners[(edge.side + 1) % 4]);
             let (_, by_pose) = camera.project_by_pose(&located.pose, &middle)?;
