@@ -20,6 +20,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use scaleproof::in_process;
 
+/// Photos in large pages.
+#[global_allocator]
+static ALLOCATOR: scaleproof_core::workers::memory::LargePages = scaleproof_core::workers::memory::LargePages;
+
 pyo3::create_exception!(
     scaleproof,
     Error,
