@@ -7,6 +7,8 @@ use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// Gauss–Newton steps after the linear answer; it converges in three or four.
 const STEPS: usize = 20;
+/// Squares of normalised points below this are rounding: four points are met.
+const EXACT: f64 = 1e-26;
 
 /// The map that takes each point of a plane nearest to its partner: the direct linear transform on normalised points (Hartley &
 /// Zisserman 2004, algorithm 4.2), then least squares of the distances in the second plane (its section 4.2.3). Four points are met exactly.
@@ -69,6 +71,9 @@ fn refined(start: Matrix3<f64>, from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Ma
     let mut map = start / start.norm();
     let mut cost = squares(&map, from, to);
     for _ in 0..STEPS {
+        if cost < EXACT {
+            break;
+        }
         let (mut information, mut gradient) = (SMatrix::<f64, 9, 9>::zeros(), SVector::<f64, 9>::zeros());
         for ([x, y], seen) in from.iter().zip(to) {
             let p = map * Vector3::new(*x, *y, 1.0);

@@ -80,9 +80,13 @@ impl Camera {
     /// The pixel of a point of frame x (mm) under the pose `T_camera_x`, and its derivative by a step of the pose
     /// (`geometry::rigid::stepped`): columns ω (px per rad), υ (px per mm).
     pub fn project_by_pose(&self, pose: &Rigid, point: &Point3<f64>) -> Option<([f64; 2], Matrix2x6<f64>)> {
-        let p = pose * point;
-        let (pixel, by_point) = self.project_by_point(&p)?;
-        Some((pixel, by_step(&by_point, &p)))
+        self.project_by_step(&(pose * point))
+    }
+
+    /// The pixel of a point in the camera frame (mm), and its derivative by a step of the pose that brought the point there.
+    pub fn project_by_step(&self, p: &Point3<f64>) -> Option<([f64; 2], Matrix2x6<f64>)> {
+        let (pixel, by_point) = self.project_by_point(p)?;
+        Some((pixel, by_step(&by_point, p)))
     }
 
     /// The camera's numbers.
@@ -101,6 +105,11 @@ impl Camera {
             distortion: Distortion::new(parameters.model, k),
             ..Camera::pinhole(width, height, fx, fy, cx, cy)
         }
+    }
+
+    /// The camera without its lens's distortion: it shows what this one shows at a pixel at [`Camera::pixel_of`] of [`Camera::point_at`].
+    pub(crate) fn straight(&self) -> Camera {
+        Camera::pinhole(self.width, self.height, self.fx, self.fy, self.cx, self.cy)
     }
 
     /// The widest distance from the optical axis, at depth 1, at which [`Camera::project`] answers.
@@ -134,22 +143,23 @@ impl Camera {
 
     /// A point's normalised coordinates where the lens model holds.
     fn at_depth_one(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
-        let (x, y) = (p.x / p.z, p.y / p.z);
-        (p.z > 0.0 && (x * x + y * y).sqrt() <= self.widest_radius()).then_some([x, y])
+        let (x, y, widest) = (p.x / p.z, p.y / p.z, self.widest_radius());
+        (p.z > 0.0 && x * x + y * y <= widest * widest).then_some([x, y])
     }
 
-    fn pixel_of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// The pixel of undistorted coordinates at depth 1.
+    pub(crate) fn pixel_of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.fx * x + self.cx, self.fy * y + self.cy]
     }
 }
 
 /// The derivative of a pixel by a step of the pose, from that by the point `p` of the camera frame.
 pub fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
-    let by_turn = -by_point * p.coords.cross_matrix();
-    let mut by_pose = Matrix2x6::zeros();
-    by_pose.fixed_columns_mut::<3>(0).copy_from(&by_turn);
-    by_pose.fixed_columns_mut::<3>(3).copy_from(by_point);
-    by_pose
+    let [u, v] = [0, 1].map(|row| [by_point[(row, 0)], by_point[(row, 1)], by_point[(row, 2)]]);
+    // The point moves by ω × p: each row of the derivative by ω is p × row.
+    let by_turn = |[x, y, z]: [f64; 3]| [p.y * z - p.z * y, p.z * x - p.x * z, p.x * y - p.y * x];
+    let ([a, b, c], [d, e, f]) = (by_turn(u), by_turn(v));
+    Matrix2x6::new(a, b, c, u[0], u[1], u[2], d, e, f, v[0], v[1], v[2])
 }
 
 /// Where a point, of which x and y are the coordinates at depth 1, lands in focal lengths from the principal point, and the derivative of its
@@ -161,6 +171,9 @@ fn project_at_focal(
     (p, [x, y]): (&Point3<f64>, [f64; 2]),
 ) -> ([f64; 2], Matrix2x3<f64>) {
     match model {
+        DistortionModel::BrownConrady if *k == [0.0; 8] => {
+            ([x, y], by_point([fx, fy], [x, y], p.z, &Matrix2::identity()))
+        }
         DistortionModel::BrownConrady => {
             let (distorted, by_xy) = distort(k, x, y);
             (distorted, by_point([fx, fy], [x, y], p.z, &by_xy))
@@ -175,7 +188,7 @@ fn project_at_focal(
 fn by_point([fx, fy]: [f64; 2], [x, y]: [f64; 2], z: f64, by_xy: &Matrix2<f64>) -> Matrix2x3<f64> {
     let (ux, uy) = (fx * by_xy[(0, 0)], fx * by_xy[(0, 1)]);
     let (vx, vy) = (fy * by_xy[(1, 0)], fy * by_xy[(1, 1)]);
-    Matrix2x3::new(ux, uy, -(ux * x + uy * y), vx, vy, -(vx * x + vy * y)) / z
+    Matrix2x3::new(ux, uy, -(ux * x + uy * y), vx, vy, -(vx * x + vy * y)) * z.recip()
 }
 
 /// Distorts normalised coordinates (depth 1); with the derivative by them.

@@ -43,10 +43,11 @@ pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, huber_px
     Some(minimise(start, &LIMITS).pose)
 }
 
-/// The pose near the minimum near `start`, for poses of which only the scatter counts. `None` when a corner has no pixel at the start.
-pub(super) fn refine_roughly(start: &Rigid, corners: &Corners, camera: &Camera) -> Option<Rigid> {
+/// The pose near the minimum near `start`, for poses of which only the scatter counts, and its cost (px²). `None` when a corner has no pixel at the start.
+pub(super) fn refine_roughly(start: &Rigid, corners: &Corners, camera: &Camera) -> Option<(Rigid, f64)> {
     let start = CornerEquations::at(*start, corners, camera, NO_HUBER)?;
-    Some(minimise(start, &ROUGH).pose)
+    let end = minimise(start, &ROUGH);
+    Some((end.pose, end.cost))
 }
 
 impl<'a> CornerEquations<'a> {
@@ -57,29 +58,45 @@ impl<'a> CornerEquations<'a> {
         camera: &'a Camera,
         huber_px: f64,
     ) -> Option<CornerEquations<'a>> {
-        let (mut information, mut gradient, mut cost) = (Matrix6::zeros(), Vector6::zeros(), 0.0);
+        let (mut information, mut gradient, mut cost) = ([[0.0; 6]; 6], [0.0; 6], 0.0);
+        let turn = pose.rotation.to_rotation_matrix();
         for (point, [u, v]) in corners.model_mm.iter().zip(&corners.image_px) {
-            let ([x, y], jacobian) = camera.project_by_pose(&pose, point)?;
-            let residual = nalgebra::Vector2::new(x - u, y - v);
-            let length = residual.norm();
-            let (weight, square) = if length > huber_px {
-                (huber_px / length, 2.0 * huber_px * length - huber_px * huber_px)
-            } else {
-                (1.0, length * length)
-            };
-            information += weight * jacobian.transpose() * jacobian;
-            gradient += weight * jacobian.transpose() * residual;
+            let ([x, y], jacobian) = camera.project_by_step(&(turn * point + pose.translation.vector))?;
+            let off = [x - u, y - v];
+            let (weight, square) = weighed((off[0] * off[0] + off[1] * off[1]).sqrt(), huber_px);
             cost += square;
+            for (row, off) in off.into_iter().enumerate() {
+                let row: [f64; 6] = std::array::from_fn(|column| jacobian[(row, column)]);
+                add_row(&mut information, &mut gradient, row, weight, off);
+            }
         }
-        cost.is_finite().then_some(CornerEquations {
+        cost.is_finite().then(|| CornerEquations {
             pose,
-            information,
-            gradient,
+            information: Matrix6::from_fn(|i, j| information[i.max(j)][i.min(j)]),
+            gradient: Vector6::from(gradient),
             cost,
             corners,
             camera,
             huber_px,
         })
+    }
+}
+
+/// The weight of a residual, and what it adds to the cost.
+fn weighed(length_px: f64, huber_px: f64) -> (f64, f64) {
+    if length_px > huber_px {
+        (huber_px / length_px, 2.0 * huber_px * length_px - huber_px * huber_px)
+    } else {
+        (1.0, length_px * length_px)
+    }
+}
+
+/// Adds a row of the Jacobian to the normal equations, of which only the lower triangle is kept.
+fn add_row(information: &mut [[f64; 6]; 6], gradient: &mut [f64; 6], row: [f64; 6], weight: f64, off: f64) {
+    for i in 0..6 {
+        let weighted = weight * row[i];
+        gradient[i] += weighted * off;
+        (0..=i).for_each(|j| information[i][j] += weighted * row[j]);
     }
 }
 

@@ -3,12 +3,11 @@
 use std::convert::Infallible;
 
 use image::GrayImage;
-use image::imageops::{self, FilterType};
 
 use super::way::Way;
 use crate::chart::timed_tags;
 use scaleproof_core::workers::{self, fastest};
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::photo::{Filter, Photo, PhotoError, grey_resized};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{Located, locate_by};
 use scaleproof_pose::scene::{Scene, Tag};
@@ -71,8 +70,8 @@ pub(super) fn find(
     let luma = &sample.luma;
     let (width, height) = luma.dimensions();
     let reduced = (reduced_by > 1).then(|| {
-        let [width, height] = [width, height].map(|side| (side / reduced_by).max(1));
-        imageops::resize(luma, width, height, FilterType::Triangle)
+        let size = [width, height].map(|side| (side / reduced_by).max(1));
+        grey_resized(luma, size, Filter::Bilinear)
     });
     let luma = reduced.as_ref().unwrap_or(luma);
     let (tags, ms) = timed_tags(choice, detector, (luma, sample.turned_deg), (scene, camera));

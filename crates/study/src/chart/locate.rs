@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use image::GrayImage;
-use image::imageops::{FilterType, resize};
 use serde::Serialize;
 
 use super::{MeasureError, milliseconds, timed_tags, true_views};
 use scaleproof_core::geometry::angle;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::fastest;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::photo::{Filter, Photo, grey_resized};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{self, Solver};
@@ -78,9 +77,9 @@ impl PhotoSample {
             return self;
         }
         let side = |pixels: u32| (f64::from(pixels) * factor).round() as u32;
-        let (width, height) = self.luma.dimensions();
+        let size = <[u32; 2]>::from(self.luma.dimensions()).map(side);
         Self {
-            luma: resize(&self.luma, side(width), side(height), FilterType::CatmullRom),
+            luma: grey_resized(&self.luma, size, Filter::Bicubic),
             ..self
         }
     }

@@ -613,7 +613,9 @@ fn the_photos_are_as_far_from_the_truth_as_they_say() {
     let jobs: Vec<(Spoil, f64)> = std::iter::once(as_taken).chain(amounts).collect();
     let measure = |detector: &mut Box<dyn TagDetector>, (spoil, amount): &(Spoil, f64)| {
         let mut squares = Vec::new();
-        for (i, photo) in photos.iter().enumerate() {
+        // Of each way to spoil them, every second photo.
+        let step = if (*spoil, *amount) == as_taken { 1 } else { 2 };
+        for (i, photo) in photos.iter().enumerate().step_by(step) {
             let places: Vec<_> = detector.find(&photo.grey).iter().map(|tag| tag.corners_px).collect();
             let mut rng = Pcg64Mcg::seed_from_u64(3 + i as u64);
             let spoiled = spoil.apply(&photo.grey, *amount, &places, &mut rng);
