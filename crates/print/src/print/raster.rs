@@ -16,6 +16,8 @@ use scaleproof_surface::texture::{SurfacePoint, Texture};
 /// Samples of a pixel, as squares: first few, then many where these differ; of fine textures more, up to the most.
 const SAMPLES: [usize; 2] = [2, 6];
 const MOST_SAMPLES: usize = 12;
+/// Pixels along each side of the blocks that are looked at first: most lie in one triangle and one cell.
+const BLOCK: u32 = 16;
 /// Of more cells in a pixel, samples are as good.
 const MOST_CELLS: i64 = 4096;
 /// From a border into the surface beside it, to see its colour.
@@ -192,11 +194,15 @@ impl<'a> FlatPaint<'a> {
         let [left, top, right, bottom] = grid.around(area);
         let (wide, high) = (u32::try_from(right - left).ok()?, u32::try_from(bottom - top).ok()?);
         let mut image = RgbImage::from_pixel(wide, high, Rgb([255; 3]));
+        let place = |x: u32, y: u32| [(left + i64::from(x)) as f64, (top + i64::from(y)) as f64];
         let mut last = 0;
-        for (x, y, pixel) in image.enumerate_pixels_mut() {
-            let corner = [(left + i64::from(x)) as f64, (top + i64::from(y)) as f64];
-            if let Some(rgb) = self.pixel(pose, grid, corner, &mut last) {
-                pixel.0 = rgb;
+        for (x, y) in blocks(wide, high) {
+            let to = [(x + BLOCK).min(wide), (y + BLOCK).min(high)];
+            let one = self.of_block(pose, grid, [place(x, y), place(to[0], to[1])], &mut last);
+            for (x, y) in (y..to[1]).flat_map(|y| (x..to[0]).map(move |x| (x, y))) {
+                if let Some(rgb) = one.or_else(|| self.pixel(pose, grid, place(x, y), &mut last)) {
+                    image.put_pixel(x, y, Rgb(rgb));
+                }
             }
         }
         // A little inside, so that no rounding of a renderer at this resolution adds a row.
@@ -205,10 +211,32 @@ impl<'a> FlatPaint<'a> {
         Some((image, RectMm::new(left, bottom, right, top)))
     }
 
+    /// The one colour of the pixels between two corners, where that is quickly seen.
+    fn of_block(&self, pose: &Pose, grid: PixelGrid, [from, to]: [Point; 2], last: &mut usize) -> Option<[u8; 3]> {
+        let square =
+            [from, [to[0], from[1]], to, [from[0], to[1]]].map(|[column, row]| pose.back(grid.place(column, row)));
+        self.locate(square[0], last)?;
+        self.one_colour(*last, &square)
+    }
+
+    /// The colour of a convex polygon that lies in one triangle, this one, and there in one cell.
+    fn one_colour(&self, i: usize, polygon: &[Point]) -> Option<[u8; 3]> {
+        let [across, up] = self.cells.get(i).copied()??;
+        let flat = &self.triangles[i];
+        let cells = [across.cells(polygon), up.cells(polygon)];
+        let is_one = cells.iter().all(|cells| cells.start() == cells.end());
+        let is_in = |p: &Point| inside(&flat.flat_mm, *p).is_some();
+        (is_one && polygon.iter().all(is_in))
+            .then(|| self.texture.cell(flat.triangle, cells.map(|cells| *cells.start())))
+    }
+
     /// The mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
     fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
         let place = |[across, down]: Point| pose.back(grid.place(corner[0] + across, corner[1] + down));
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
+        if let Some(rgb) = self.one_colour(*last, &square) {
+            return Some(rgb);
+        }
         let found = self.by_area(&square, last).unwrap_or_else(|| {
             let [few, many] = SAMPLES;
             let found = self.sampled(place, few, last);
@@ -330,6 +358,14 @@ impl<'a> FlatPaint<'a> {
             .flat_map(|mm| [on, left].map(|d| [foot[0] + mm * d[0], foot[1] + mm * d[1]]))
             .find_map(|q| self.locate(q, last))
     }
+}
+
+/// The first pixels of all blocks of an image.
+fn blocks(wide: u32, high: u32) -> impl Iterator<Item = (u32, u32)> {
+    let step = BLOCK as usize;
+    (0..high)
+        .step_by(step)
+        .flat_map(move |y| (0..wide).step_by(step).map(move |x| (x, y)))
 }
 
 /// Places of the unit square of which no two share a row or a column (Hammersley 1960), so that the share on one side of an edge is met
