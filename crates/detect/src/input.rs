@@ -105,6 +105,14 @@ impl Manifest {
         let placement = InputPlacement::new(&self.input, photo_width, photo_height);
         placement.size.map(|side| side.saturating_mul(2))
     }
+
+    /// The size that a photo is brought to by OpenCV's linear kernel, which looks at a few of its rows: given at this size, it stays as it is. `None` for
+    /// networks with another kernel, or none.
+    pub fn opencv_linear_px(&self, photo_width: u32, photo_height: u32) -> Option<[u32; 2]> {
+        let Input { resize, kernel, .. } = self.input;
+        let is_resized = resize != Resize::Original && kernel == Kernel::OpencvLinear;
+        is_resized.then(|| InputPlacement::new(&self.input, photo_width, photo_height).size)
+    }
 }
 
 /// The input tensor's numbers, in the order of the manifest's layout. The photo may come reduced.

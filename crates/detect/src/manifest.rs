@@ -253,6 +253,9 @@ impl ManifestError {
     }
 }
 
+/// Files of results are named by it, with endings.
+const LONGEST_NAME: usize = 100;
+
 /// The manifests that ship with the program, in the order lists and reports use.
 const BUILT_IN: [(&str, &str); 5] = [
     ("yolox_nano.toml", include_str!("manifests/yolox_nano.toml")),
@@ -333,13 +336,13 @@ impl Manifest {
     /// Whether a detector may have this name: files are named by it.
     pub fn is_name(name: &str) -> bool {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain)
+        (1..=LONGEST_NAME).contains(&name.len()) && !name.starts_with('.') && name.chars().all(is_plain)
     }
 
     fn check(&self) -> Result<(), String> {
         if !Manifest::is_name(&self.name) {
             return Err(format!(
-                "name is {:?}: use letters, digits, `_`, `-` and `.`, as files are named by it",
+                "name is {:?}: use letters, digits, `_`, `-` and `.`, {LONGEST_NAME} at most, as files are named by it",
                 self.name
             ));
         }

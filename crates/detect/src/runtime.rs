@@ -124,7 +124,7 @@ impl Detector {
     }
 
     /// Like [`Detector::detect`], for a photo of this width and height, px, of which `photo` is a reduced image, no smaller than
-    /// [`Manifest::least_px`]; boxes are in pixels of the full photo.
+    /// [`Manifest::least_px`], or brought to [`Manifest::opencv_linear_px`]; boxes are in pixels of the full photo.
     pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
         let detector = || self.manifest.name.clone();
         let failed = |reason: String| DetectError::Run {

@@ -35,7 +35,7 @@ pub use luma::Luma;
 pub use perceptual::{PerceptualHash, bits_apart, perceptual_hash};
 pub use problem::DecodeProblem;
 pub use resample::{Filter, resampled};
-pub use resize::{boxed, doubled, fitting, opencv_linear, shrunk};
+pub use resize::{boxed, doubled, fitting, grey_resized, opencv_linear, shrunk};
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -250,6 +250,18 @@ impl Photo {
             Some(coefficients) => Ok(coefficients.rgb(reduction, self.header.orientation)),
             None => self.header.png(&self.bytes, &self.budget).map_err(|e| e.at(&self.path)),
         }
+    }
+
+    /// The colours at another size as [`opencv_linear`] makes them of the whole photo, of those rows alone that it looks at; `None` where all would be made
+    /// anyway: of a PNG, a photo that lies across, or one that hardly gets smaller.
+    pub fn rgb_opencv_linear(&self, size: [u32; 2]) -> Result<Option<RgbImage>, PhotoError> {
+        let is_upright = self.header.orientation == image::metadata::Orientation::NoTransforms;
+        let wanted = resize::opencv_linear_rows([self.width, self.height], size).filter(|_| is_upright);
+        let (Some(wanted), Some(coefficients)) = (wanted, self.coefficients()?) else {
+            return Ok(None);
+        };
+        let found = coefficients.rgb_rows(|row| wanted[row]);
+        Ok(Some(resize::opencv_linear_of(&found, &wanted, self.width, size)))
     }
 
     /// The strongest reduction, of 8, 4, 2 and 1, that still leaves `least` pixels (width, height) of the upright image.

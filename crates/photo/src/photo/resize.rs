@@ -24,11 +24,16 @@ pub fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
 /// At twice the size, bicubic. An empty picture stays.
 pub fn doubled(grey: &GrayImage) -> GrayImage {
     let (width, height) = grey.dimensions();
-    if grey.is_empty() {
+    grey_resized(grey, [2 * width, 2 * height], Filter::Bicubic)
+}
+
+/// At another size, as Pillow has it. An empty picture stays.
+pub fn grey_resized(grey: &GrayImage, size: [u32; 2], filter: Filter) -> GrayImage {
+    let from = <[u32; 2]>::from(grey.dimensions());
+    if from == size || grey.is_empty() || size.contains(&0) {
         return grey.clone();
     }
-    let pixels = resampled::<1>(grey, [width, height], [2 * width, 2 * height], Filter::Bicubic);
-    GrayImage::from_raw(2 * width, 2 * height, pixels).unwrap_or_default()
+    GrayImage::from_raw(size[0], size[1], resampled::<1>(grey, from, size, filter)).unwrap_or_default()
 }
 
 fn resized(picture: &RgbImage, size: [u32; 2], filter: Filter) -> RgbImage {
@@ -53,12 +58,43 @@ pub fn opencv_linear(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     let made = if [2 * width, 2 * height] == [columns, rows] {
         halved(picture.as_raw(), width as usize)
     } else {
-        interpolated(picture.as_raw(), [columns, rows], size)
+        let stride = 3 * columns as usize;
+        interpolated(|row| &picture.as_raw()[row * stride..][..stride], [columns, rows], size)
     };
     RgbImage::from_raw(width, height, made).unwrap_or_default()
 }
 
-fn interpolated(source: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
+/// Which rows of a picture [`opencv_linear`] looks at: none but two for each that it makes. `None` where it looks at all.
+pub(super) fn opencv_linear_rows(from: [u32; 2], to: [u32; 2]) -> Option<Vec<bool>> {
+    if from[1] < 2 * to[1] || from == to.map(|side| 2 * side) {
+        return None;
+    }
+    let (rows, height) = (from[1] as usize, to[1] as usize);
+    let mut wanted = vec![false; rows];
+    for tap in (0..height).map(|i| Tap::new(i, rows, height, false)) {
+        tap.rows(rows).into_iter().for_each(|row| wanted[row] = true);
+    }
+    Some(wanted)
+}
+
+/// [`opencv_linear`] of these rows alone, which stand one after the other.
+pub(super) fn opencv_linear_of(found: &[u8], wanted: &[bool], columns: u32, size: [u32; 2]) -> RgbImage {
+    let before = wanted.iter().scan(0, |count, is_wanted| {
+        let place = *count;
+        *count += usize::from(*is_wanted);
+        Some(place)
+    });
+    let places: Vec<usize> = before.collect();
+    let stride = 3 * columns as usize;
+    let made = interpolated(
+        |row| &found[places[row] * stride..][..stride],
+        [columns, wanted.len() as u32],
+        size,
+    );
+    RgbImage::from_raw(size[0], size[1], made).unwrap_or_default()
+}
+
+fn interpolated<'a>(source: impl Fn(usize) -> &'a [u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
     let ([columns, rows], [width, height]) = (from.map(|side| side as usize), to.map(|side| side as usize));
     let across: Vec<Tap> = (0..width).map(|i| Tap::new(i, columns, width, true)).collect();
     let mut out = Vec::with_capacity(3 * width * height);
@@ -67,13 +103,13 @@ fn interpolated(source: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
         sums: vec![0; 3 * width],
     });
     for tap in (0..height).map(|i| Tap::new(i, rows, height, false)) {
-        let wanted = [tap.first, tap.first + 1].map(|row| row.clamp(0, rows as isize - 1) as usize);
+        let wanted = tap.rows(rows);
         // The lower row is often the next upper one.
         if lower.number == Some(wanted[0]) {
             std::mem::swap(&mut upper, &mut lower);
         }
-        upper.fill(wanted[0], source, 3 * columns, &across);
-        lower.fill(wanted[1], source, 3 * columns, &across);
+        upper.fill(wanted[0], &source, &across);
+        lower.fill(wanted[1], &source, &across);
         let [a, b] = tap.weights;
         let pairs = upper.sums.iter().zip(&lower.sums);
         out.extend(pairs.map(|(s, t)| ((((a * (s >> 4)) >> 16) + ((b * (t >> 4)) >> 16) + 2) >> 2) as u8));
@@ -105,6 +141,11 @@ impl Tap {
         let weights = [1.0 - share, share].map(|share| (share * ONE).round_ties_even() as i32);
         Tap { first, weights }
     }
+
+    /// The two neighbours among so many rows.
+    fn rows(self, count: usize) -> [usize; 2] {
+        [self.first, self.first + 1].map(|row| row.clamp(0, count as isize - 1) as usize)
+    }
 }
 
 /// A row of the source at the new width, in 1/2048.
@@ -114,12 +155,12 @@ struct Row {
 }
 
 impl Row {
-    fn fill(&mut self, number: usize, source: &[u8], stride: usize, across: &[Tap]) {
+    fn fill<'a>(&mut self, number: usize, source: &impl Fn(usize) -> &'a [u8], across: &[Tap]) {
         if self.number == Some(number) {
             return;
         }
         self.number = Some(number);
-        let row = &source[number * stride..(number + 1) * stride];
+        let row = source(number);
         for (sums, tap) in self.sums.as_chunks_mut::<3>().0.iter_mut().zip(across) {
             let [a, b] = tap.weights;
             let first = tap.first as usize * 3;

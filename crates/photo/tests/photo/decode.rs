@@ -139,3 +139,42 @@ proptest! {
         let _ = decode(&bytes);
     }
 }
+
+/// A chunk of a PNG with its check sum (ISO/IEC 15948, annex D).
+fn chunk(kind: &[u8; 4], content: &[u8]) -> Vec<u8> {
+    let summed = [&kind[..], content].concat();
+    let crc = !summed.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 }
+        })
+    });
+    let length = (content.len() as u32).to_be_bytes();
+    [&length[..], &summed, &crc.to_be_bytes()].concat()
+}
+
+/// A decoder that takes such a palette for whole colours reads beyond it.
+#[test]
+fn a_palette_that_ends_within_a_colour_is_damage() {
+    let with_palette = |palette: &[u8]| {
+        let header = [0, 0, 0, 1, 0, 0, 0, 1, 8, 3, 0, 0, 0];
+        // One row of one pixel, the palette's first: zlib's, stored as it is.
+        let pixels = [0x78, 0x01, 0x01, 2, 0, 0xFD, 0xFF, 0, 0, 0, 2, 0, 1];
+        let chunks = [
+            (b"IHDR", &header[..]),
+            (b"PLTE", palette),
+            (b"tRNS", &[9]),
+            (b"IDAT", &pixels),
+            (b"IEND", &[]),
+        ];
+        let chunks = chunks.map(|(kind, content)| chunk(kind, content));
+        [b"\x89PNG\r\n\x1a\n".to_vec(), chunks.concat()].concat()
+    };
+    assert_eq!(
+        decode(&with_palette(&[10, 20, 30])).unwrap().get_pixel(0, 0).0,
+        [10, 20, 30]
+    );
+    for cut in [&[10, 20, 30, 40][..], &[10, 20, 30, 40, 50], &[10], &[10, 20]] {
+        let error = decode(&with_palette(cut)).unwrap_err().to_string();
+        assert!(error.contains("its palette ends within a colour"), "{error}");
+    }
+}

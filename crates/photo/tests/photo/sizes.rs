@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::photo::{Photo, opencv_linear};
 
 /// A JPEG of 64 × 48 pixels in a file, its left half red.
 fn half_red(folder: &Path) -> PathBuf {
@@ -68,4 +68,22 @@ fn luma_alone_is_that_of_the_colours() {
         let luma = 0.299 * r + 0.587 * g + 0.114 * b;
         assert!((f64::from(stored.0[0]) - luma).abs() <= 2.0, "{stored:?} {rgb:?}");
     }
+}
+
+/// Of a large photo a network that resizes as OpenCV does looks at few rows: made alone, they make the same picture.
+#[test]
+fn the_rows_that_are_looked_at_make_the_picture_of_the_whole() {
+    let stored = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../captures/skyline/normal_000.jpg"
+    ));
+    let photo = Photo::open(stored).unwrap();
+    let whole = photo.rgb(1).unwrap();
+    for size in [[416, 312], [320, 240], [97, 480], [1, 1], [1280, 333]] {
+        let alone = photo.rgb_opencv_linear(size).unwrap().unwrap();
+        assert!(alone == opencv_linear(&whole, size), "{size:?}");
+    }
+    // All rows are looked at.
+    assert_eq!(photo.rgb_opencv_linear([640, 480]).unwrap(), None);
+    assert_eq!(photo.rgb_opencv_linear([1000, 700]).unwrap(), None);
 }

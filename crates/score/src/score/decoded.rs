@@ -22,6 +22,11 @@ impl DecodedPhoto<'_> {
         }
     }
 
+    /// The photo at a size as OpenCV's linear resizing has it, where that takes less than the whole photo's colours.
+    pub(super) fn opencv_linear(&self, size: [u32; 2]) -> Result<Option<RgbImage>, PhotoError> {
+        timed(Stage::Colour, || self.file.rgb_opencv_linear(size))
+    }
+
     /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
     /// image whichever others take part.
     pub(super) fn at_least(&mut self, least: [u32; 2]) -> Result<&Arc<RgbImage>, PhotoError> {

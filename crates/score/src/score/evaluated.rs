@@ -22,6 +22,17 @@ pub struct EvaluatedDetector {
     pub counted: Vec<usize>,
 }
 
+impl EvaluatedDetector {
+    /// Whether it may look at the whole of a photo of this size, not at a reduced one.
+    pub(super) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
+        match &self.source {
+            DetectionSource::Live(_) => self.manifest.least_px(size[0], size[1]) == size,
+            DetectionSource::Program(_) | DetectionSource::Called(_) => true,
+            DetectionSource::Recorded(_) | DetectionSource::Outside(_) | DetectionSource::Elsewhere(_) => false,
+        }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub enum DetectionSource {
     /// ONNX Runtime runs these weights, whose hash was checked.

@@ -346,11 +346,21 @@ impl<'a> Observer<'a> {
         match &detector.source {
             DetectionSource::Live(weights) => {
                 let key = self.network_key(index, &["detections", &photo.sha256]);
+                let (manifest, size) = (&detector.manifest, [photo.width, photo.height]);
+                let wants_whole = |detector: &&EvaluatedDetector| detector.looks_at_whole(size);
+                let is_alone = self.detectors.iter().filter(wants_whole).count() == 1;
                 self.kept(key, |own| {
-                    let (width, height) = (photo.width, photo.height);
-                    let image = decoded.at_least(detector.manifest.least_px(width, height))?;
+                    let [width, height] = size;
+                    let image = match manifest.opencv_linear_px(width, height).filter(|_| is_alone) {
+                        Some(size) => decoded.opencv_linear(size)?,
+                        None => None,
+                    };
+                    let image = match image {
+                        Some(image) => Arc::new(image),
+                        None => Arc::clone(decoded.at_least(manifest.least_px(width, height))?),
+                    };
                     let loaded = own.loaded(index, weights)?;
-                    Ok(timed(Stage::Network, || loaded.detect_reduced(image, width, height))?)
+                    Ok(timed(Stage::Network, || loaded.detect_reduced(&image, width, height))?)
                 })
             }
             DetectionSource::Recorded(recordings) => {

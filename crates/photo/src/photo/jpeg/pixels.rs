@@ -16,9 +16,14 @@ impl Coefficients {
     /// The first component upright, at 1/`reduction` of the size (1, 2, 4 or 8); a rest at the right and at the bottom is left out.
     pub(in crate::photo) fn luma(&self, reduction: u32, orientation: Orientation) -> GrayImage {
         let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
-        self.rows(&self.components[..1], reduction, |y, width, rows| {
-            canvas.fill(y, width, |row| row.copy_from_slice(&rows[0][..width]));
-        });
+        self.rows(
+            &self.components[..1],
+            reduction,
+            |_| true,
+            |y, width, rows| {
+                canvas.fill(y, width, |row| row.copy_from_slice(&rows[0][..width]));
+            },
+        );
         let [width, height] = canvas.upright;
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels).unwrap_or_default()
     }
@@ -63,21 +68,47 @@ impl Coefficients {
     /// Colours upright, at 1/`reduction` of the size; a rest is left out.
     pub(in crate::photo) fn rgb(&self, reduction: u32, orientation: Orientation) -> RgbImage {
         let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
-        self.rows(&self.components, reduction, |y, width, rows| {
-            canvas.fill(y, width, |row| match (self.colours, rows) {
-                (Colours::YCbCr, [y, cb, cr]) => colour::from_ycbcr([y, cb, cr], row),
-                (Colours::Rgb, [r, g, b]) => colour::together([r, g, b], row),
-                (Colours::Cmyk, [c, m, y, k]) => colour::from_cmyk([c, m, y], k, row),
-                (Colours::Ycck, [y, cb, cr, k]) => colour::from_ycck([y, cb, cr], k, row),
-                (_, rows) => colour::together([rows[0]; 3], row),
-            });
-        });
+        self.rows(
+            &self.components,
+            reduction,
+            |_| true,
+            |y, width, rows| {
+                canvas.fill(y, width, |row| self.colours_of(rows, row));
+            },
+        );
         let [width, height] = canvas.upright;
         RgbImage::from_raw(width as u32, height as u32, canvas.pixels.into_flattened()).unwrap_or_default()
     }
 
-    /// Calls with the place of each row of the image, its width, and a slice for each of the components.
-    fn rows(&self, components: &[Component], reduction: u32, mut with: impl FnMut(usize, usize, &[&[u8]])) {
+    /// Colours of the rows that are wanted, one after the other, at full size and as they are stored.
+    pub(in crate::photo) fn rgb_rows(&self, wants: impl Fn(usize) -> bool) -> Vec<u8> {
+        let mut pixels: Vec<[u8; 3]> = Vec::new();
+        self.rows(&self.components, 1, wants, |_, width, rows| {
+            let start = pixels.len();
+            pixels.resize(start + width, [0; 3]);
+            self.colours_of(rows, &mut pixels[start..]);
+        });
+        pixels.into_flattened()
+    }
+
+    fn colours_of(&self, rows: &[&[u8]], to: &mut [[u8; 3]]) {
+        match (self.colours, rows) {
+            (Colours::YCbCr, [y, cb, cr]) => colour::from_ycbcr([y, cb, cr], to),
+            (Colours::Rgb, [r, g, b]) => colour::together([r, g, b], to),
+            (Colours::Cmyk, [c, m, y, k]) => colour::from_cmyk([c, m, y], k, to),
+            (Colours::Ycck, [y, cb, cr, k]) => colour::from_ycck([y, cb, cr], k, to),
+            (_, rows) => colour::together([rows[0]; 3], to),
+        }
+    }
+
+    /// Calls with the place of each row of the image that is wanted, its width, and a slice for each of the components.
+    fn rows(
+        &self,
+        components: &[Component],
+        reduction: u32,
+        wants: impl Fn(usize) -> bool,
+        mut with: impl FnMut(usize, usize, &[&[u8]]),
+    ) {
         let [width, height] = self.size.map(|side| (side / reduction) as usize);
         let group_height = (8 / reduction * self.most_sampling[1]) as usize;
         let plane = |component| Plane::new(component, self.most_sampling, 8 / reduction);
@@ -92,6 +123,9 @@ impl Coefficients {
                     }
                     plane.read(group + 1);
                 }
+            }
+            if !wants(y) {
+                continue;
             }
             let rows: Vec<&[u8]> = planes.iter_mut().map(|plane| plane.row(y)).collect();
             with(y, width, &rows);
