@@ -44,14 +44,26 @@ __version__: str = _native.version
 PathLike = str | os.PathLike[str]
 
 
+def shown(value: object) -> str:
+    """A value in a message, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= 80 else text[:80] + "…"
+
+
 def path(value: PathLike) -> str:
     """A path as text, or :class:`Error` for what is none."""
     try:
         text = os.fspath(value)
     except TypeError:
-        raise Error(f"{value!r} is no path: give a str or a pathlib.Path") from None
-    if not isinstance(text, str) or "\0" in text:
-        raise Error(f"{value!r} is no path: give text without a byte 0")
+        text = None
+    if not isinstance(text, str):
+        raise Error(f"{shown(value)} is no path: give a str or a pathlib.Path")
+    if "\0" in text:
+        raise Error(f"{shown(value)} is no path: it has a byte 0")
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise Error(f"{shown(value)} is not UTF-8 text: give another name") from None
     return text
 
 

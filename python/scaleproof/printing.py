@@ -9,7 +9,7 @@ import numpy
 import numpy.typing
 
 from . import _native
-from ._process import Error, PathLike, answer, options, path
+from ._process import Error, PathLike, answer, options, path, shown
 from .locating import Camera
 
 
@@ -48,8 +48,14 @@ class Pattern:
             cells = (255 * cells).round().astype(numpy.uint8)
         if tile_mm is not None and not 0 < tile_mm < 1e6:
             raise Error(f"tile_mm is {tile_mm}: give the width of a repeat, mm")
+        if own := about.keys() & {"pattern_sha256", "sides"}:
+            raise Error(f"{min(own)} is written by save itself: give it another name")
+        try:
+            text = json.dumps(about, allow_nan=False)
+        except (TypeError, ValueError) as error:
+            raise Error(f"what is said about the pattern makes no JSON: {error}") from None
         rows, columns = cells.shape[:2]
-        _native.pattern_save(path(file), columns, rows, cells.tobytes(), tile_mm, json.dumps(about))
+        _native.pattern_save(path(file), columns, rows, cells.tobytes(), tile_mm, text)
         return cls(file)
 
     def __repr__(self) -> str:
@@ -68,7 +74,7 @@ def print_template(pattern: Pattern | PathLike, output: PathLike, *, size_mm: tu
     try:
         width, height = (float(side) for side in size_mm)
     except (TypeError, ValueError):
-        raise Error(f"size_mm is {size_mm!r}: give width and height, mm") from None
+        raise Error(f"size_mm is {shown(size_mm)}: give width and height, mm") from None
     return answer("print", "template", *options(pattern=_pattern(pattern), size_mm=f"{width:g}x{height:g}", output=path(output), **more))
 
 

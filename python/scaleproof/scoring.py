@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from typing import Any
 import numpy
 
 from . import _native
-from ._process import Error, PathLike, answer, options, path, progress as _progress
+from ._process import Error, PathLike, answer, options, path, progress as _progress, shown
 from .locating import Box, Image, _threads
 from .tables import Table, Value
 
@@ -63,7 +63,8 @@ class _Function:
         labels = detector.labels
         self.labels = json.dumps(labels if isinstance(labels, str) else [str(label) for label in labels])
         self.class_map = dict(detector.class_map or {})
-        self.files = [_hashed(file) for file in detector.files]
+        files = detector.files
+        self.files = [_hashed(file) for file in ([files] if isinstance(files, (str, os.PathLike)) else files)]
         self.is_deterministic, self.batch = bool(detector.deterministic), detector.batch
 
     def call(self, photos: list[tuple[Any, str]]) -> list[list[tuple[str | int, float, list[float]]]]:
@@ -85,6 +86,8 @@ class _Function:
         """Numbers of any library as Python's own."""
         try:
             label, confidence, box = found
+            if isinstance(confidence, str) or isinstance(box, (str, bytes, Mapping, Set)):
+                raise TypeError
             label = str(label) if isinstance(label, str) else int(label)
             numbers = [float(confidence), *(float(number) for number in box)]
         except (TypeError, ValueError):
@@ -101,10 +104,16 @@ _FORM = "give (label, confidence, (left, top, right, bottom)) for each box"
 
 
 def _hashed(file: PathLike) -> tuple[str, str]:
+    there, hashed = Path(path(file)), hashlib.sha256()
+    if there.exists() and not there.is_file():
+        raise Error(f"{shown(os.fspath(file))} is not a file: name the files that the detector's answers depend on")
     try:
-        return Path(path(file)).name, hashlib.sha256(Path(file).read_bytes()).hexdigest()
+        with there.open("rb") as content:
+            while part := content.read(1 << 20):
+                hashed.update(part)
     except OSError as error:
-        raise Error(f"{os.fspath(file)!r} cannot be read: {error.strerror}") from None
+        raise Error(f"{shown(os.fspath(file))} cannot be read: {error.strerror}") from None
+    return there.name, hashed.hexdigest()
 
 
 class Session:
@@ -340,7 +349,7 @@ def score(
     confidence: float | None = None,
     protocol: str | None = None,
     base: str | None = None,
-    group_by: Sequence[str] = (),
+    group_by: str | Sequence[str] = (),
     weights: PathLike | None = None,
     threads: int | None = None,
     cache: PathLike | None = None,
@@ -360,6 +369,8 @@ def score(
     words = [word for one in given for word in (one._words if isinstance(one, Session) else [path(one)])]
     several = isinstance(detectors, (list, tuple)) or (isinstance(detectors, Iterable) and not isinstance(detectors, str) and not callable(detectors))
     asked: list[Any] = [] if detectors is None else list(detectors) if several else [detectors]  # type: ignore[arg-type]
+    if several and not asked:
+        raise Error("no detector is named: name one, or leave `detectors` out for all whose weights are at hand")
     functions = [_Function(_detector(one)) for one in asked if not isinstance(one, (str, os.PathLike))]
     if threads is None and functions:
         threads = max([os.cpu_count() or 1, *(function.batch for function in functions)])
@@ -371,7 +382,7 @@ def score(
         confidence=confidence,
         protocol=protocol,
         base=base,
-        group_by=list(group_by) or None,
+        group_by=([group_by] if isinstance(group_by, str) else list(group_by)) or None,
         threads=_threads(threads),
         cache=cache,
     )
@@ -388,7 +399,7 @@ def _detector(one: Any) -> Detector:
     if callable(one):
         name = getattr(one, "__name__", type(one).__name__)
         return Detector(one, "function" if name == "<lambda>" else name)
-    raise Error(f"{one!r} is no detector: give a name, a manifest's path, a scaleproof.Detector or a function")
+    raise Error(f"{shown(one)} is no detector: give a name, a manifest's path, a scaleproof.Detector or a function")
 
 
 def compare(
@@ -440,7 +451,7 @@ def ap(
         (
             [_box(box, at) for box in of_truths],
             [_box(box, at) for box in of_crowds],
-            [(_box([confidence] * 4, at)[0], _box(box, at)) for confidence, box in found],
+            [(_confidence(confidence, at), _box(box, at)) for confidence, box in found],
         )
         for at, (of_truths, of_crowds, found) in enumerate(zip(truths, regions, detections))
     ]
@@ -448,11 +459,21 @@ def ap(
     return None if found is None else found[0]
 
 
+def _confidence(confidence: Any, image: int) -> float:
+    try:
+        number = float(confidence)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise Error(f"{shown(confidence)} of image {image} is no confidence: give a finite number")
+    return number
+
+
 def _box(box: Any, image: int) -> list[float]:
     try:
-        numbers = [float(number) for number in box]
+        numbers = [] if isinstance(box, (str, bytes, Mapping, Set)) else [float(number) for number in box]
     except (TypeError, ValueError):
         numbers = []
-    if len(numbers) != 4 or not all(map(math.isfinite, numbers)):
-        raise Error(f"{str(box)[:80]} of image {image} is no box: give four finite numbers, left, top, right, bottom, px")
+    if len(numbers) != 4 or not all(map(math.isfinite, numbers)) or numbers[0] > numbers[2] or numbers[1] > numbers[3]:
+        raise Error(f"{shown(box)} of image {image} is no box: give four finite numbers, left, top, right, bottom, px")
     return numbers

@@ -66,8 +66,13 @@ impl Function {
     pub fn detector(&self, number: usize, to: &Sender<Event<Asked>>) -> PyResult<CalledDetector> {
         let name = self.name.clone();
         if !scaleproof::Manifest::is_name(&name) {
-            let rule = "use letters, digits, `_`, `-` and `.`";
+            let rule = "use letters, digits, `_`, `-` and `.`, 100 at most";
             return Err(Error::new_err(format!("the detector's name is {name:?}: {rule}")));
+        }
+        if scaleproof::Manifest::names().contains(&name.as_str()) {
+            return Err(Error::new_err(format!(
+                "the detector's name is {name:?}, which a detector of the program has: give it another"
+            )));
         }
         let doubt =
             format!("{name} does not say that it answers alike each time, so that another run may give other figures");
