@@ -89,7 +89,7 @@ rows = {
     "bake": ([512, 1024, 2048, 4096], lambda n: seconds("texture", "bake", *boxes(4), *pattern, "--size", n, *out("b.png"))),
     "photos": ([8, 16, 32, 64], lambda n: scored("score", 1, n)),
     "tagless": ([4, 8, 16, 32], lambda n: scored("score", 1, n, tagless=True)),
-    "variants": ([5, 10, 20, 40], lambda n: scored("compare", n, 4)),
+    "variants": ([10, 20, 40, 80], lambda n: scored("compare", n, 4)),
 }
 units = {"pieces": "boxes of 6 faces", "slivers": "triangles of a fan, 256² px", "bake": "side, px", "photos": "photos", "tagless": "photos without tags", "variants": "variants of 4 photos"}
 

@@ -553,6 +553,11 @@ fn a_session_that_was_tampered_with_is_one_sentence() {
             .unwrap(),
         &["was captured with another scene"],
     );
+    for mm in ["nan", "-inf", "-1", "0"] {
+        let tolerance = format!("--distance-tolerance-mm={mm}");
+        let words = ["--distance-tolerance-mm", "above 0"];
+        assert_refused(&capture(&replay(&skyline()), &session, &[&tolerance]), &words);
+    }
     let hand_made = common::copy_of_skyline();
     assert_refused(
         &capture(&replay(&skyline()), hand_made.path(), &[]),
@@ -764,7 +769,7 @@ fn two_captures_do_not_fill_one_session() {
     wait_for(&session.join("session.json"));
     assert_refused(
         &capture(&replay(&skyline()), &session, &[]),
-        &["another capture is filling"],
+        &["another run is filling"],
     );
     assert_eq!(running.wait_with_output().unwrap().status.code(), Some(0));
 }

@@ -160,6 +160,21 @@ fn two_folders_have_the_figures_of_the_stored_session() {
     assert_eq!(desk.photos(), before, "the user's folders are as they were");
 }
 
+/// A drive that is not there any more: a photo on it is missed, and said to be.
+#[cfg(unix)]
+#[test]
+fn a_photo_that_leads_nowhere_is_among_those_left_out() {
+    let desk = Desk::new();
+    std::os::unix::fs::symlink("unplugged/a.jpg", desk.at(NORMAL).join("away.jpg")).unwrap();
+    let scored = desk.on_folders(&["score"], &["--place", "yard", "-o", "own", "--detector", "made.toml"]);
+    assert!(stderr(&scored).contains("away.jpg"), "{}", stderr(&scored));
+    let summary = read_json(&desk.at("own/summary.json"));
+    assert_eq!(summary["photos_scored"], 16);
+    let left_out = summary["not_scored"].as_array().unwrap();
+    let [away] = &left_out[..] else { panic!("{left_out:?}") };
+    assert!(away["file"].as_str().unwrap().ends_with("away.jpg"), "{away}");
+}
+
 #[test]
 #[ignore = "needs the shared material: ./run test --shared"]
 fn detectors_that_look_say_the_same_of_folders_too() {

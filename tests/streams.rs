@@ -132,3 +132,50 @@ fn what_is_no_camera_is_refused_in_a_sentence_and_nothing_is_left() {
     }
     assert!(began.elapsed() < Duration::from_secs(25), "{:?}", began.elapsed());
 }
+
+/// A camera that sends without end and never an image: Ctrl-C ends the program, and the one that reads for it.
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
+    let (sent, sends) = std::sync::mpsc::channel();
+    let port = serve(move |_, _, connection| {
+        connection.write_all(MULTIPART.as_bytes())?;
+        let _ = sent.send(());
+        loop {
+            connection.write_all(&[0; 65_536])?;
+        }
+    });
+    let out = tempfile::tempdir().unwrap();
+    let address = format!("http://127.0.0.1:{port}/");
+    let mut command = program();
+    command.args([
+        "capture",
+        "--source",
+        &address,
+        "--variant",
+        "normal",
+        "--place",
+        "yard",
+    ]);
+    for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
+        command.arg(option).arg(skyline().join(name));
+    }
+    command.arg("-o").arg(out.path().join("session"));
+    let mut running = command.spawn().unwrap();
+    sends.recv_timeout(Duration::from_secs(60)).unwrap();
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &running.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+    assert_eq!(running.wait().unwrap().code(), Some(130));
+    let reads = |process: &Path| {
+        let words = std::fs::read(process.join("cmdline")).unwrap_or_default();
+        String::from_utf8_lossy(&words).contains(&address)
+    };
+    let left = std::fs::read_dir("/proc")
+        .unwrap()
+        .flatten()
+        .filter(|process| reads(&process.path()));
+    assert_eq!(left.count(), 0, "ffmpeg still reads");
+    assert!(!out.path().join("session").exists());
+}

@@ -111,6 +111,24 @@ fn a_walk_becomes_a_session_of_all_views_and_a_second_one_its_pairs() {
         again.status.code() == Some(2) && sentence.contains("already"),
         "{sentence}"
     );
+    // A capture goes on in the session, and leaves what is there.
+    let photos = || read_json(&session.join("session.json"))["photos"].clone();
+    let before = photos();
+    let mut capture = program();
+    capture.args(["capture", "--variant", "normal", "--place", "table", "--undo"]);
+    capture
+        .arg("--scene")
+        .arg(walk("scene.toml"))
+        .arg("--camera")
+        .arg(walk("camera.yaml"));
+    let done = capture.arg("-o").arg(&session).output().unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    assert!(
+        stderr(&done).contains("no photo of normal to take back"),
+        "{}",
+        stderr(&done)
+    );
+    assert_eq!(photos(), before);
 }
 
 /// The stored walk, taken as a running camera's frames are.
@@ -203,6 +221,33 @@ fn a_film_that_is_no_source_is_refused_in_one_sentence_and_a_cut_one_keeps_what_
     assert!(!list["photos"].as_array().unwrap().is_empty(), "{list}");
 }
 
+/// 12 pictures a second in a film of 24 frames, as phones make them in poor light: the camera does not rest between two frames that are one picture.
+#[test]
+fn a_picture_that_is_shown_twice_counts_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let (film, session) = (folder.path().join("twice.mp4"), folder.path().join("session"));
+    let mut encode = Command::new("ffmpeg");
+    encode.args(["-v", "error", "-t", "4", "-i"]).arg(walk("normal.mp4"));
+    encode.args(["-vf", "fps=24", "-c:v", "libx264", "-preset", "ultrafast", "-crf", "14"]);
+    assert!(encode.arg(&film).status().unwrap().success());
+    let mut command = from_video(&film, "normal", &session);
+    command.args(["--per-bin", "3"]);
+    let made = answer(command);
+    let (frames, repeated) = (
+        made["frames"].as_u64().unwrap(),
+        made["refused"]["repeated"].as_u64().unwrap(),
+    );
+    assert!(repeated.abs_diff(frames / 2) <= 1, "{repeated} of {frames}");
+    let (chosen, truth) = (made["chosen"].as_array().unwrap(), truth("normal"));
+    assert!(chosen.len() >= 6, "{made}");
+    for one in chosen {
+        let number = one["frame"].as_u64().unwrap() as usize;
+        let [is, sigma] = ["viewpoint", "sigma"].map(|of| one[of]["azimuth_deg"].as_f64().unwrap());
+        let off = turn(truth[number / 2]["azimuth_deg"].as_f64().unwrap(), is);
+        assert!(off.abs() < 3.0 * sigma, "frame {number}: {off}° off at σ {sigma}°");
+    }
+}
+
 #[test]
 fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
     let folder = tempfile::tempdir().unwrap();
@@ -254,6 +299,23 @@ fn what_cannot_be_used_is_refused_in_one_sentence_and_leaves_nothing() {
     std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
     let words = folder.path().join("words.mp4");
     std::fs::write(&words, "no video").unwrap();
+    // Another run is at work on the session.
+    let busy = folder.path().join("busy");
+    std::fs::create_dir(&busy).unwrap();
+    let lock = std::fs::File::create(busy.join(".capture.lock")).unwrap();
+    lock.lock().unwrap();
+    let second = from_video(&walk("normal.mp4"), "normal", &busy).output().unwrap();
+    assert_refused(&second, &["another run is filling"]);
+    let photos = format!("normal={}", walk("").display());
+    let added = program()
+        .args(["session", "new"])
+        .arg(&busy)
+        .arg(photos)
+        .output()
+        .unwrap();
+    assert_refused(&added, &["another run is filling"]);
+    assert_eq!(std::fs::read_dir(&busy).unwrap().count(), 1);
+    drop(lock);
     for video in [&cut, &words] {
         let done = from_video(video, "normal", &session).output().unwrap();
         let said = String::from_utf8_lossy(&done.stderr).into_owned();

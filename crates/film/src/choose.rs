@@ -31,6 +31,8 @@ pub enum Refusal {
     NoTags,
     /// Tags were found, and no pose that is beyond doubt.
     Unsure,
+    /// The picture of the frame before once more, as films of fewer pictures than frames have it.
+    Repeated,
     /// Part of the model's box is outside the image.
     ModelCut,
     /// Blurred beyond the limit, or too blurred to be located.
@@ -49,7 +51,7 @@ pub enum Refusal {
 
 impl Refusal {
     /// All, in the order in which a frame is checked.
-    pub const ALL: [Refusal; 9] = [
+    pub const ALL: [Refusal; 10] = [
         Refusal::NoTags,
         Refusal::Unsure,
         Refusal::ModelCut,
@@ -59,6 +61,7 @@ impl Refusal {
         Refusal::Pitch,
         Refusal::Distance,
         Refusal::BinEdge,
+        Refusal::Repeated,
     ];
 
     /// As people say it.
@@ -66,6 +69,7 @@ impl Refusal {
         match self {
             Refusal::NoTags => "no tags",
             Refusal::Unsure => "no sure pose",
+            Refusal::Repeated => "repeated",
             Refusal::ModelCut => "model cut off",
             Refusal::Blurred => "blurred",
             Refusal::BlurUnknown => "sharpness unknown",
@@ -105,6 +109,7 @@ impl Wish<'_> {
             Err(Unplaced::NoTags) => return Some(Refusal::NoTags),
             Err(Unplaced::Blurred) => return Some(Refusal::Blurred),
             Err(Unplaced::Unsure) => return Some(Refusal::Unsure),
+            Err(Unplaced::Repeated) => return Some(Refusal::Repeated),
             Ok(view) => view,
         };
         let (v, bin) = (&view.viewpoint, self.bins.bin_of(&view.viewpoint));

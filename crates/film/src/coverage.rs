@@ -37,7 +37,7 @@ pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
     ];
     let drawn = counts
         .iter()
-        .filter(|(refusal, _)| !matches!(refusal, Refusal::NoTags | Refusal::Unsure));
+        .filter(|(refusal, _)| !matches!(refusal, Refusal::NoTags | Refusal::Unsure | Refusal::Repeated));
     legend.extend(drawn.map(|(refusal, count)| (hue(*refusal).to_owned(), format!("{} {count}", refusal.name()))));
     let unplaced = [Refusal::NoTags, Refusal::Unsure].map(|refusal| counts.get(&refusal).copied().unwrap_or(0));
     let notes = vec![

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::choose::Chosen;
-use crate::look::{Look, Looker, Motion};
+use crate::look::{Look, Looker, Motion, Unplaced};
 use crate::motion::{self, ReadOut, Track, at_middle_row};
 use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
@@ -134,10 +134,16 @@ struct Draft {
 }
 
 /// Chosen frames, and those beside them that were not looked at.
-fn with_those_beside(chosen: &BTreeMap<u64, Chosen>, track: &Track) -> Vec<u64> {
+fn with_those_beside(chosen: &BTreeMap<u64, Chosen>, track: &Track, looks: &[Look]) -> Vec<u64> {
     let all: BTreeSet<u64> = chosen.keys().flat_map(|number| beside(*number)).collect();
+    let is_repeated = |number: &u64| {
+        let look = looks
+            .binary_search_by_key(number, |look| look.number)
+            .map(|at| &looks[at]);
+        look.is_ok_and(|look| look.shows == Err(Unplaced::Repeated))
+    };
     all.into_iter()
-        .filter(|number| chosen.contains_key(number) || !track.has(*number))
+        .filter(|number| chosen.contains_key(number) || !(track.has(*number) || is_repeated(number)))
         .collect()
 }
 
@@ -242,7 +248,7 @@ impl Keeper<'_> {
                 break;
             }
             let mut drafts = Vec::new();
-            let parts = parts(&with_those_beside(&missing, &track), looks);
+            let parts = parts(&with_those_beside(&missing, &track, looks), looks);
             let frames = parts.iter().map(|part| self.video.rgb(part));
             for frame in frames.flat_map(each) {
                 let frame = frame?;

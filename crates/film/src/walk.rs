@@ -54,6 +54,8 @@ pub enum LookError {
 
 /// So much before the damage frames are surely whole, s: ffmpeg decodes some frames ahead.
 const AHEAD_S: f64 = 0.5;
+/// Less than the time between two frames, s, and more than roundings.
+const SAME_S: f64 = 1e-5;
 
 /// Every so-manieth frame is looked at where nobody says otherwise.
 pub fn usual_step(video: &Video) -> u64 {
@@ -75,7 +77,8 @@ impl Walk {
         let (mut journal, mut looks) = Journal::open(journal, about)?;
         let mut goes_on = looked(&looks);
         let selection = Selection {
-            from_s: looks.last().map_or(about.from_s, |last| last.time_s.next_up()),
+            // From the last frame of an earlier run on, which the next one may repeat.
+            from_s: looks.last().map_or(about.from_s, |last| last.time_s - SAME_S),
             to_s: about.to_s,
             every: about.every,
             ..Selection::default()
@@ -93,6 +96,10 @@ impl Walk {
         };
         for frame in self.video.luma(&selection).map_err(|e| failed(e, &[]))? {
             let frame = frame.map_err(|e| failed(e, &looks))?;
+            if looks.last().is_some_and(|last| frame.number <= last.number) {
+                looker.begin_after(&frame);
+                continue;
+            }
             let look = looker.look(&frame);
             journal.add(&look)?;
             looks.push(look);

@@ -25,4 +25,4 @@ pub use fault::VideoError;
 pub use frames::{Frame, Frames, Pixels, Selection};
 pub use input::Input;
 pub use probe::{Range, Video};
-pub use program::reads_video;
+pub use program::{end_decoders, reads_video};

@@ -1,9 +1,10 @@
 //! The programs `ffmpeg` and `ffprobe`: where they are, what they can, and one that runs.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use scaleproof_core::files::environment;
@@ -15,6 +16,28 @@ const LOOK_AGAIN: Duration = Duration::from_millis(10);
 const SAYS_WITHIN: Duration = Duration::from_secs(20);
 /// More than the longest list of filters.
 const MOST_SAID: u64 = 1 << 20;
+
+/// Ids of the programs that run and were not waited for.
+static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+
+fn running() -> MutexGuard<'static, BTreeSet<u32>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends every decoder at once: to be called before this program ends while threads that are left behind wait for some. One that reads from a server
+/// which sends without end would read on.
+pub fn end_decoders() {
+    running().iter().for_each(|id| kill(*id));
+}
+
+fn kill(id: u32) {
+    #[cfg(unix)]
+    if let Some(pid) = i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw) {
+        let _ = rustix::process::kill_process(pid, rustix::process::Signal::KILL);
+    }
+    #[cfg(not(unix))]
+    let _ = id;
+}
 
 /// Whether the system has the programs that videos are read with.
 pub fn reads_video() -> bool {
@@ -52,7 +75,9 @@ impl Running {
             program,
             reason: scaleproof_core::files::plain(&e),
         });
-        started.map(Running)
+        let started = started?;
+        running().insert(started.id());
+        Ok(Running(started))
     }
 
     /// Whether it ended well; `None` when it did not end in time.
@@ -60,7 +85,11 @@ impl Running {
         let began = Instant::now();
         loop {
             match self.0.try_wait() {
-                Ok(Some(status)) => return Some(status.success()),
+                Ok(Some(status)) => {
+                    // Its id may be another's from now on.
+                    running().remove(&self.0.id());
+                    return Some(status.success());
+                }
                 Ok(None) if began.elapsed() < within => std::thread::sleep(LOOK_AGAIN),
                 _ => return None,
             }
@@ -70,6 +99,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
+        running().remove(&self.0.id());
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

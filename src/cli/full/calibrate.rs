@@ -108,8 +108,13 @@ fn look(video: &Path, target: Target) -> crate::cli::Result<Film> {
     })?)
 }
 
-/// By the name's end, as cameras and telephones write it.
+/// Endings of the containers that are read, as cameras and telephones write them.
+const VIDEOS: [&str; 12] = [
+    "mp4", "m4v", "mov", "3gp", "mkv", "webm", "avi", "ts", "mts", "m2ts", "mpg", "mpeg",
+];
+
+/// By the name's end.
 fn is_video(path: &Path) -> bool {
     let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
-    end.is_some_and(|end| ["mp4", "m4v", "mov", "mkv", "webm", "avi"].contains(&end.as_str()))
+    end.is_some_and(|end| VIDEOS.contains(&end.as_str()))
 }

@@ -17,7 +17,8 @@ use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
 use crate::cli::answer::told;
 use crate::cli::choice::completing;
-use crate::cli::{CommandResult, Outcome, Result};
+use crate::cli::full::interrupt::Opening;
+use crate::cli::{CommandResult, Outcome, Result, sessions};
 use scaleproof_capture::capture::{
     BinName, Capture, Film, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName,
     Store, Target, Tether, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
@@ -124,7 +125,7 @@ struct ViewArgs {
     #[arg(long, value_name = "DEG", value_parser = positive)]
     pitch_tolerance_deg: Option<f64>,
     /// How far the distance may be off [default: a tenth of the nearest; a twentieth with --pair-with]
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     distance_tolerance_mm: Option<f64>,
 }
 
@@ -212,6 +213,7 @@ fn guide(
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
     let guidance = wanted.guidance(&scene.bins)?;
+    let opening = Opening::new();
     let source = match &args.source {
         Some(SourceName::Upload) if !browser.page => {
             return Err("photos are sent to the page: add --page, or --page --lan for phones".into());
@@ -219,6 +221,7 @@ fn guide(
         Some(name) => open_source(name, args, &camera)?,
         None => None,
     };
+    drop(opening);
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
     let page = if browser.page {
@@ -279,11 +282,7 @@ fn guide(
 /// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
 fn check_names(args: &GuidedArgs) -> Result<(), String> {
     for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
-        if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
-            return Err(format!(
-                "{what} is {name:?}: give a name without blanks around it or control characters"
-            ));
-        }
+        sessions::check_name(what, name)?;
     }
     let same = |folder: &Path| files::is_same(folder, &args.output);
     match &args.source {
@@ -447,6 +446,10 @@ fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
 
 impl ViewArgs {
     fn guidance(&self, bins: &Bins) -> Result<Guidance> {
+        // Not as the other tolerances: lengths are read as all lengths are, in any unit.
+        if let Some(mm) = self.distance_tolerance_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
+            return Err(format!("--distance-tolerance-mm is {mm}: give a length above 0").into());
+        }
         let (viewpoints, tolerance) = match &self.pair_with {
             Some(session) => {
                 let (viewpoints, faults) = pair::viewpoints(session, TagDetectorChoice::default())?;

@@ -30,6 +30,7 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::session::filling;
 use scaleproof_session::session::folders::PhotoFolder;
 use scaleproof_session::session::{NewSession, PhotoEntry, Session};
 use scaleproof_terminal::progress;
@@ -82,8 +83,8 @@ pub(in crate::cli) struct FilmArgs {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s >= 0.0);
-    number.ok_or_else(|| "give seconds, 0 or more".into())
+    let number = text.parse::<f64>().ok().filter(|s| (0.0..=1e6).contains(s));
+    number.ok_or_else(|| "give seconds, from 0 to 1000000".into())
 }
 
 /// `session from-video --json`.
@@ -167,6 +168,24 @@ struct Film {
     walk: Walk,
     files: FolderFiles,
     about: About,
+    /// SHA-256 of the session's list; `None` without a session.
+    list: Option<String>,
+}
+
+impl Film {
+    /// Another run may have filled the session between the reading of it and the lock on it.
+    fn refuse_if_changed(&self, args: &FilmArgs) -> Result<()> {
+        if hash_of_list(&args.output)? == self.list {
+            return Ok(());
+        }
+        let folder = args.output.display();
+        Err(format!("{folder} was filled by another run just now: call this again").into())
+    }
+}
+
+fn hash_of_list(session: &Path) -> Result<Option<String>> {
+    let list = session.join("session.json");
+    Ok(list.exists().then(|| files::sha256_of_file(&list)).transpose()?)
 }
 
 pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult {
@@ -176,15 +195,24 @@ pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult 
     on_interrupt(move || heard.store(true, Ordering::Relaxed));
     let had_folder = args.output.exists();
     std::fs::create_dir_all(&args.output).map_err(|e| files::FileError::write(&args.output, &e))?;
+    let mark = args.output.join(filling::MARK);
+    let had_mark = mark.exists();
+    let lock = filling::locked(&args.output)?;
     let journal = args.output.join(format!(".film-{}.journal", &film.about.video[..12]));
-    let made = make(&args, &film, &journal, &stopped);
+    let made = film
+        .refuse_if_changed(&args)
+        .and_then(|()| make(&args, &film, &journal, &stopped));
     if matches!(&made, Err(e) if !e.is::<Interruption>()) {
         let _ = files::remove(&journal);
-        if !had_folder {
-            // Only when it is empty.
-            let _ = std::fs::remove_dir(&args.output);
-        }
     }
+    if !had_mark {
+        let _ = files::remove(&mark);
+    }
+    if !had_folder {
+        // Only when it is empty.
+        let _ = std::fs::remove_dir(&args.output);
+    }
+    drop(lock);
     match made {
         Ok((answer, words)) => told(args.json, answer, words, out),
         Err(e) if e.is::<Interruption>() => {
@@ -203,6 +231,9 @@ struct Interruption {
 }
 
 fn opened(args: &FilmArgs) -> Result<Film> {
+    for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
+        sessions::check_name(what, name)?;
+    }
     if args.to.is_some_and(|to| to <= args.from) {
         return Err("--to must be later than --from".into());
     }
@@ -213,6 +244,7 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         sessions::session(&args.output)
     });
     let session = session.transpose()?;
+    let hash = hash_of_list(&args.output)?;
     if let Some(session) = &session {
         files.or_those_of(session)?;
     }
@@ -243,7 +275,12 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         camera,
         wanted,
     };
-    Ok(Film { walk, files, about })
+    Ok(Film {
+        walk,
+        files,
+        about,
+        list: hash,
+    })
 }
 
 /// Each photo counts once.
@@ -276,6 +313,9 @@ fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
     if made.is_err() {
         // Photos that no list names would be taken for photos of nobody knows what.
         let _ = std::fs::remove_dir_all(&folder);
+        for picture in pictures(&folder) {
+            let _ = files::remove(&picture);
+        }
     }
     let made = made?;
     journal.remove()?;
@@ -375,6 +415,12 @@ fn keep(
     Ok(kept)
 }
 
+/// The contact sheet and the coverage plot of the photos in a folder, beside it.
+fn pictures(photos: &Path) -> [PathBuf; 2] {
+    let inside = files::name_of(photos);
+    ["contact.png", "coverage.svg"].map(|ending| photos.with_file_name(format!("{inside}.{ending}")))
+}
+
 /// Writes the session and the pictures beside it.
 fn write(
     args: &FilmArgs,
@@ -397,8 +443,7 @@ fn write(
         photo.frame = own.map(|one| one.frame.clone());
     }
     let inside = files::name_of(folder);
-    let beside = |ending: &str| args.output.join(format!("{inside}.{ending}"));
-    let (contact_sheet, coverage) = (beside("contact.png"), beside("coverage.svg"));
+    let [contact_sheet, coverage] = pictures(folder);
     let title = format!("{}: {}", walk.name, args.variant);
     files::replace_all_atomically(&[
         (&contact_sheet, sheet::png(kept).unwrap_or_default()),

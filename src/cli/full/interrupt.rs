@@ -1,6 +1,7 @@
 //! Ctrl-C while programs of others run for this one.
 
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 /// Calls something at the first Ctrl-C; the second ends the programs that run for a source, and this one.
 pub(in crate::cli) fn on_interrupt(first: impl FnOnce() + Send + 'static) {
@@ -12,6 +13,28 @@ pub(in crate::cli) fn on_interrupt(first: impl FnOnce() + Send + 'static) {
             }
         }
     });
+}
+
+/// While it lives, Ctrl-C ends the programs that run for a source, and this one: nothing was begun that could be finished.
+pub(in crate::cli) struct Opening(Arc<AtomicBool>);
+
+impl Opening {
+    pub(in crate::cli) fn new() -> Opening {
+        let is_over = Arc::new(AtomicBool::new(false));
+        let opening = Opening(is_over.clone());
+        in_background(async move {
+            if tokio::signal::ctrl_c().await.is_ok() && !is_over.load(Ordering::Relaxed) {
+                end(scaleproof_capture::capture::interrupt_programs, 130);
+            }
+        });
+        opening
+    }
+}
+
+impl Drop for Opening {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 /// Waits for signals in a thread of its own; without a runtime for that, they end the program as they always do.

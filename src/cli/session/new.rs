@@ -14,6 +14,7 @@ use crate::cli::{CommandResult, Result};
 use scaleproof_core::files;
 use scaleproof_core::spelling::{self, quoted};
 use scaleproof_session::session::NewSession;
+use scaleproof_session::session::filling;
 use scaleproof_session::session::folders::PhotoFolder;
 
 /// Make a session of folders with photos of one texture each, or add them to a session
@@ -38,6 +39,8 @@ pub(crate) struct Args {
 
 pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     let folders = folders(&args)?;
+    // Held to the end.
+    let _filling = filling::locked_if_marked(&args.folder)?;
     let list = args.folder.join("session.json");
     if list.exists() {
         // It is read and written again.

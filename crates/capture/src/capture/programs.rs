@@ -20,9 +20,19 @@ const MOST_SAID: u64 = 16 << 10;
 /// Ids of the programs that run.
 static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
-/// Asks every program that runs for a source to end: to be called before this program does, as their owners are threads that are left behind.
+/// Ends every program that runs for a source, by asking at first, and every decoder: to be called before this program ends, as their owners are
+/// threads that are left behind.
 pub fn interrupt_programs() {
-    locked(&RUNNING).iter().for_each(|id| interrupt(*id));
+    scaleproof_video::end_decoders();
+    let running: Vec<u32> = locked(&RUNNING).iter().copied().collect();
+    running.iter().for_each(|id| send(*id, Ending::Asked));
+    let began = Instant::now();
+    // One that was waited for is not ours any more.
+    let is_there = |id: &&u32| locked(&RUNNING).contains(id) && !has_ended(**id);
+    while began.elapsed() < GRACE && running.iter().any(|id| is_there(&id)) {
+        std::thread::sleep(LOOK_AGAIN);
+    }
+    running.iter().filter(is_there).for_each(|id| send(*id, Ending::Killed));
 }
 
 /// A running program. Each clone may end it; it ends with the last.
@@ -77,6 +87,21 @@ impl RunningProgram {
         }
     }
 
+    /// Bounds its memory, where the system can: what reads from a network may be told of anything.
+    pub(super) fn bound_memory(&self, bytes: u64) {
+        #[cfg(target_os = "linux")]
+        if let Some(pid) = pid(locked(&self.0.child).id()) {
+            use rustix::process::{Resource, Rlimit, prlimit};
+            let limit = Rlimit {
+                current: Some(bytes),
+                maximum: Some(bytes),
+            };
+            let _ = prlimit(Some(pid), Resource::As, limit);
+        }
+        #[cfg(not(target_os = "linux"))]
+        let _ = bytes;
+    }
+
     /// Ends it: by asking at first.
     pub(super) fn stop(&self) {
         self.0.stop();
@@ -100,7 +125,7 @@ impl Process {
         if !locked(&RUNNING).remove(&id) {
             return;
         }
-        interrupt(id);
+        send(id, Ending::Asked);
         let began = Instant::now();
         while began.elapsed() < GRACE && matches!(child.try_wait(), Ok(None)) {
             std::thread::sleep(LOOK_AGAIN);
@@ -116,13 +141,41 @@ impl Drop for Process {
     }
 }
 
-fn interrupt(id: u32) {
-    #[cfg(unix)]
-    if let Some(id) = i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw) {
-        let _ = rustix::process::kill_process(id, rustix::process::Signal::TERM);
-    }
-    #[cfg(not(unix))]
-    let _ = id;
+#[derive(Clone, Copy)]
+enum Ending {
+    Asked,
+    Killed,
+}
+
+#[cfg(unix)]
+fn pid(id: u32) -> Option<rustix::process::Pid> {
+    i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw)
+}
+
+#[cfg(unix)]
+fn send(id: u32, ending: Ending) {
+    use rustix::process::{Signal, kill_process};
+    let signal = match ending {
+        Ending::Asked => Signal::TERM,
+        Ending::Killed => Signal::KILL,
+    };
+    let _ = pid(id).map(|pid| kill_process(pid, signal));
+}
+
+#[cfg(not(unix))]
+fn send(_: u32, _: Ending) {}
+
+/// Whether a child has ended; who owns it hears of it all the same.
+#[cfg(unix)]
+fn has_ended(id: u32) -> bool {
+    use rustix::process::{WaitId, WaitIdOptions, waitid};
+    let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    pid(id).is_none_or(|pid| !matches!(waitid(WaitId::Pid(pid), look), Ok(None)))
+}
+
+#[cfg(not(unix))]
+fn has_ended(_: u32) -> bool {
+    true
 }
 
 fn listen(mut stderr: impl Read, said: &Mutex<Vec<u8>>) {

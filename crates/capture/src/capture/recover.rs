@@ -2,7 +2,7 @@
 //!
 //! | found | what it was | what becomes of it |
 //! |---|---|---|
-//! | a file `.….partial` | being written | removed |
+//! | a file or folder `.….partial` | being written | removed |
 //! | a photo without sidecar that is not listed | being accepted, sidecar not yet written; or being taken back, all but the photo moved | moved to `taken_back` |
 //! | a photo and its sidecar, not listed | accepted, list not yet written | listed |
 //! | a listed photo whose sidecar is in `taken_back` | being taken back | taken back |
@@ -11,7 +11,7 @@ use std::path::Path;
 
 use super::store::{SESSION, Store, StoreError, TAKEN_BACK, is_ours, names, number, sidecar_of, sidecars};
 use scaleproof_core::files::{self, FileError};
-use scaleproof_session::session::Session;
+use scaleproof_session::session::{PhotoEntry, Session};
 
 impl Store {
     /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera, to fill it with photos of a texture. What an
@@ -29,12 +29,19 @@ impl Store {
         let folder = self.folder.clone();
         let mut there = names(&folder)?;
         for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {
-            files::remove(&folder.join(partial))?;
+            let partial = folder.join(partial);
+            if partial.is_dir() {
+                std::fs::remove_dir_all(&partial).map_err(|e| FileError::write(&partial, &e))?;
+            } else {
+                files::remove(&partial)?;
+            }
         }
         let mut listed = Vec::new();
         if folder.join(SESSION).exists() {
-            let photos = Session::open(&folder)?.photos;
-            listed.extend(photos.into_iter().map(|photo| photo.file));
+            let is_below = |photo: &PhotoEntry| photo.file.contains('/');
+            let (below, photos) = Session::open(&folder)?.photos.into_iter().partition(is_below);
+            self.others = below;
+            listed = Vec::from_iter(photos.into_iter().map(|photo: PhotoEntry| photo.file));
         }
         let mut valid = sidecars(&folder)?;
         let away = sidecars(&folder.join(TAKEN_BACK))?;

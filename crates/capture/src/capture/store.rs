@@ -5,7 +5,7 @@
 //! lies in the folder `taken_back`.
 
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,7 @@ use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Scene, Viewpoint};
+use scaleproof_session::session::filling::{self, FillingError};
 use scaleproof_session::session::{self, PhotoEntry, SessionError};
 
 /// Why a session cannot be filled.
@@ -25,8 +26,8 @@ pub enum StoreError {
     File(#[from] FileError),
     #[error(transparent)]
     Session(#[from] SessionError),
-    #[error("another capture is filling {folder}: end it first", folder = folder.display())]
-    InUse { folder: PathBuf },
+    #[error(transparent)]
+    Filling(#[from] FillingError),
     #[error("{folder} was captured with another {what}: give that one, or capture into a new folder", folder = folder.display())]
     Other { folder: PathBuf, what: &'static str },
     #[error("the session's folder {folder} is gone or was emptied: bring it back and run this again", folder = folder.display())]
@@ -68,7 +69,6 @@ pub(super) const SIDECAR: &str = ".capture.json";
 pub(super) const TAKEN_BACK: &str = "taken_back";
 pub(super) const SESSION: &str = "session.json";
 const SCENE: &str = "scene.toml";
-const LOCK: &str = ".capture.lock";
 
 /// An open session. No other capture can open it meanwhile.
 #[derive(Debug)]
@@ -77,6 +77,8 @@ pub struct Store {
     camera: String,
     /// Accepted photos in the order of their numbers.
     pub(super) accepted: Vec<Sidecar>,
+    /// Photos in folders of the session, which something else listed, as `session from-video`: they stay.
+    pub(super) others: Vec<PhotoEntry>,
     /// SHA-256 of what was taken back.
     pub(super) taken_back: Vec<String>,
     /// The number of the next photo; numbers are never used again.
@@ -92,7 +94,7 @@ impl Store {
         let below = session::files_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
         refuse_foreign(folder)?;
         std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))?;
-        let lock = locked(folder)?;
+        let lock = filling::locked(folder)?;
         let extension = camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
         let camera_name = format!("camera.{extension}");
         let is_new = !folder.join(SESSION).exists();
@@ -111,6 +113,7 @@ impl Store {
             folder: folder.to_owned(),
             camera: camera_name,
             accepted: Vec::new(),
+            others: Vec::new(),
             taken_back: Vec::new(),
             next: 0,
             _lock: lock,
@@ -186,10 +189,11 @@ impl Store {
     /// Writes `session.json`; there is none while it would list no photo.
     pub(super) fn write_list(&self) -> Result<(), StoreError> {
         let path = self.folder.join(SESSION);
-        if self.accepted.is_empty() {
+        let accepted = self.accepted.iter().map(|sidecar| &sidecar.photo);
+        let photos: Vec<PhotoEntry> = self.others.iter().chain(accepted).cloned().collect();
+        if photos.is_empty() {
             return Ok(files::remove(&path)?);
         }
-        let photos = self.accepted.iter().map(|sidecar| sidecar.photo.clone()).collect();
         let text = session::text(&path, SCENE, Some(&self.camera), photos)?;
         Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
@@ -215,7 +219,9 @@ pub fn slug(variant: &str) -> String {
 /// A folder with files that no capture has begun is somebody's: nothing in it may be taken for a photo of ours.
 fn refuse_foreign(folder: &Path) -> Result<(), StoreError> {
     let there = names(folder)?;
-    if there.iter().any(|name| name == SESSION || name == LOCK) || there.iter().all(|name| name.starts_with('.')) {
+    if there.iter().any(|name| name == SESSION || name == filling::MARK)
+        || there.iter().all(|name| name.starts_with('.'))
+    {
         return Ok(());
     }
     let why = "it has files and is no session: capture into a new folder";
@@ -238,25 +244,6 @@ pub(super) fn number(name: &str) -> Option<u64> {
     let stem = endings.iter().find_map(|ending| name.strip_suffix(ending))?;
     let (_, digits) = stem.rsplit_once('_')?;
     (digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
-}
-
-/// The lock ends with the process, however that ends.
-fn locked(folder: &Path) -> Result<File, StoreError> {
-    let path = folder.join(LOCK);
-    // A link may lead to a photo, and opening a pipe would wait for ever.
-    if std::fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) {
-        return Err(FileError::content(&path, "it is no file that a capture made: remove it").into());
-    }
-    let opened = File::options().write(true).create(true).truncate(false).open(&path);
-    let file = opened.map_err(|e| FileError::write(&path, &e))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => {
-            let folder = folder.to_owned();
-            Err(StoreError::InUse { folder })
-        }
-        Err(TryLockError::Error(e)) => Err(FileError::write(&path, &e).into()),
-    }
 }
 
 /// Copies a file into a new session; that of an old one must be the same.

@@ -148,20 +148,22 @@ impl Listing {
         let mut listing = Listing::default();
         for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
             let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
-            // What leads nowhere is neither a file nor a folder.
-            let Ok(about) = std::fs::metadata(&path) else { continue };
+            // What leads nowhere is neither a file nor a folder. With a photo's name it is a photo that cannot be read, or it would be missed by nobody.
+            let about = std::fs::metadata(&path).ok();
+            let is_dir = about.as_ref().is_some_and(std::fs::Metadata::is_dir);
+            let is_file = about.as_ref().is_some_and(std::fs::Metadata::is_file);
             let name = path.file_name().unwrap_or_default();
             let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            let kind = match (about.is_dir(), about.is_file()) {
+            let kind = match (is_dir, is_file) {
                 (true, _) => &mut listing.folders,
-                (_, true) if is_readable(&ending) => &mut listing.photos,
+                _ if is_readable(&ending) => &mut listing.photos,
                 (_, true) if OTHER_IMAGES.contains(&ending.as_str()) => &mut listing.other_images,
                 _ => continue,
             };
             match name.to_str() {
                 Some(name) if name.starts_with('.') => {}
                 Some(name) => kind.push(name.to_owned()),
-                None if about.is_dir() => {}
+                None if is_dir => {}
                 None => return Err(FoldersError::NotText { path }),
             }
         }

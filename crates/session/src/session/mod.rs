@@ -2,6 +2,7 @@
 
 pub mod conditions;
 pub mod contents;
+pub mod filling;
 pub mod folders;
 pub mod import;
 pub mod new;

@@ -150,9 +150,11 @@ impl LiveCamera {
         let reading = ReaderThread(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
         let seconds = limit.as_secs();
-        let opened = shared.wait(limit, LiveCameraError::SlowToOpen { seconds }, |state| {
-            state.is_open.then_some(())
-        });
+        let too_late = match &name {
+            LiveName::Stream(_) => LiveCameraError::NoImage { seconds },
+            _ => LiveCameraError::SlowToOpen { seconds },
+        };
+        let opened = shared.wait(limit, too_late, |state| state.is_open.then_some(()));
         opened.map_err(|reason| name.unusable(reason))?;
         Ok(LiveCamera { name, patience, shared })
     }

@@ -15,6 +15,9 @@ use scaleproof_video::{Frames, Input, Selection, Video, VideoError};
 /// A camera that sends nothing for so long is not there any more.
 const SILENCE: Duration = Duration::from_secs(5);
 
+/// ffmpeg takes 0.3 GB of addresses, of which most is its own code. Of an image that says that it is larger it would hold as much as is sent.
+const MOST_MEMORY: u64 = 1 << 30;
+
 /// One connection to a camera that streams.
 pub trait Connection {
     /// The next image, waited for.
@@ -74,6 +77,7 @@ impl MotionJpeg {
             ]);
         let started = RunningProgram::start(&mut command);
         let (program, stdout) = started.map_err(|e| format!("ffmpeg could not be started: {e}"))?;
+        program.bound_memory(MOST_MEMORY);
         Ok(MotionJpeg {
             address: address.clone(),
             jpegs: Jpegs::new(stdout),
@@ -91,6 +95,8 @@ impl MotionJpeg {
         let last = last.rsplit("] ").next().unwrap_or(last);
         match last.strip_prefix(&shown).unwrap_or(last).trim() {
             "" => "the camera closed it".into(),
+            // What ffmpeg says at its end depends on where the memory was missing.
+            _ if said.contains("Cannot allocate memory") => "it sends an image of more than 32 MB".into(),
             "Invalid data found when processing input" | "End of file" => "it sent no motion JPEG".into(),
             last => last.to_owned(),
         }

@@ -27,7 +27,7 @@ pub const BACK_OFF: [Duration; 5] = [
 const GOOD: Duration = Duration::from_secs(10);
 
 /// Longer than a connection takes to give up by itself, so that its reason is heard.
-const OPENING: Duration = Duration::from_secs(40);
+const OPENING: Duration = Duration::from_secs(20);
 const PATIENCE: Duration = Duration::from_secs(40);
 
 /// Connects to a stream; frames are given as those of any running camera.
