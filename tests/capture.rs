@@ -774,6 +774,13 @@ fn two_captures_do_not_fill_one_session() {
     assert_eq!(running.wait_with_output().unwrap().status.code(), Some(0));
 }
 
+fn pixels(rgb: &RgbImage) -> Original {
+    Original::Pixels {
+        upright: rgb.clone(),
+        turned_deg: 0,
+    }
+}
+
 /// The library as a live camera will use it: pixels instead of files, frames that follow each other.
 #[test]
 fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
@@ -781,7 +788,7 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let mut capture = live_capture(out.path(), &scene, 850.0);
     let mut see = |rgb: &RgbImage| {
-        let frame = SourceFrame::untimed("live".into(), Original::Pixels(rgb.clone()));
+        let frame = SourceFrame::untimed("live".into(), pixels(rgb));
         let verdict = capture.see(&frame).unwrap().verdict;
         verdict.map(|(photo, _)| photo).map_err(|advice| advice.to_string())
     };
@@ -817,7 +824,7 @@ fn a_photo_is_taken_by_hand_on_target_only() {
     let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
     capture.is_auto = false;
     let shown = Photo::open(&photo(1)).unwrap().rgb(1).unwrap();
-    let frame = |rgb: &RgbImage| SourceFrame::untimed("live".into(), Original::Pixels(rgb.clone()));
+    let frame = |rgb: &RgbImage| SourceFrame::untimed("live".into(), pixels(rgb));
     let said = |answer: FrameAnswer| {
         answer
             .verdict

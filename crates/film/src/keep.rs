@@ -249,7 +249,13 @@ impl Keeper<'_> {
             }
             let mut drafts = Vec::new();
             let parts = parts(&with_those_beside(&missing, &track, looks), looks);
-            let frames = parts.iter().map(|part| self.video.rgb(part));
+            // The next part is begun before this one is gone through, and is decoded meanwhile.
+            let mut begun = parts.iter().map(|part| self.video.rgb(part)).peekable();
+            let frames = std::iter::from_fn(|| {
+                let part = begun.next();
+                let _ = begun.peek();
+                part
+            });
             for frame in frames.flat_map(each) {
                 let frame = frame?;
                 match missing.get(&frame.number) {

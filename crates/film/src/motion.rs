@@ -1,4 +1,4 @@
-//! How the camera moved in each frame, how long the sensor was read meanwhile, and what both make of a frame's pose.
+//! How the camera moved in each frame, and how long the sensor took to read it; a rolling shutter puts the frame's pose off by both.
 //!
 //! The motion of a frame is the derivative of the poses around it, never only of those before: a hand turns back within a tenth of a second. The read-out is told by the video
 //! itself, in what its frames' poses leave unexplained.
@@ -23,7 +23,7 @@ const DENSE_S: f64 = 0.09;
 const DOUBT: f64 = 1.5;
 /// What is known of the read-out before a video is seen, s: 0 to 33 ms.
 const READ_OUT_S: (f64, f64) = (0.0165, 0.0095);
-/// No read-out is known better, s: errors of the motions make the read-out that is found shorter. In four rendered videos it was off by 0.1, 0.2, 1.4 and 1.5 ms.
+/// No read-out is known better, s: errors of the motions make the read-out that is found shorter. In four rendered videos it was off by 0.1, 0.2, 1.0 and 1.2 ms.
 const LEAST_SIGMA_S: f64 = 0.001;
 
 /// Poses of frames by their number, each with its time, s.

@@ -57,6 +57,16 @@ pub enum PhotoError {
     Damaged { path: PathBuf, reason: String },
 }
 
+/// An upright picture as the sensor saw it, which was turned clockwise by 0, 90, 180 or 270°.
+pub fn turned_to_sensor(upright: GrayImage, turned_deg: u32) -> GrayImage {
+    match turned_deg {
+        90 => imageops::rotate270(&upright),
+        180 => imageops::rotate180(&upright),
+        270 => imageops::rotate90(&upright),
+        _ => upright,
+    }
+}
+
 pub const IPHONE_TO_JPEG: &str = "set the iPhone to Settings › Camera › Formats › Most Compatible";
 
 /// What to do with an HEIC, HEIF or AVIF image, which is read where the system has a decoder for it.
@@ -235,13 +245,7 @@ impl Photo {
 
     /// Luma in the sensor's own frame, which EXIF's turn does not touch: one camera holds for photos held any way.
     pub fn sensor_luma(&self) -> Result<GrayImage, PhotoError> {
-        let upright = self.luma()?;
-        Ok(match self.turned_deg {
-            90 => imageops::rotate270(&upright),
-            180 => imageops::rotate180(&upright),
-            270 => imageops::rotate90(&upright),
-            _ => upright,
-        })
+        Ok(turned_to_sensor(self.luma()?, self.turned_deg))
     }
 
     /// Colours at 1/`reduction` of the size, upright; `reduction` is 1 or what [`Photo::reduction`] gave.

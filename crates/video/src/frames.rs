@@ -30,6 +30,8 @@ pub struct Selection {
     pub to_s: Option<f64>,
     /// Every so-manieth frame, counted from the first of the video.
     pub every: u64,
+    /// At each of these, so many in a row.
+    pub in_a_row: u64,
     /// Only frames of these numbers, where given.
     pub numbers: Option<Vec<u64>>,
     /// With `numbers`: a frame by its number and time, s, before which are none of them. Decoding begins there, or at the last frame before from which it can, instead of at the
@@ -49,6 +51,7 @@ impl Default for Selection {
             from_s: 0.0,
             to_s: None,
             every: 1,
+            in_a_row: 1,
             numbers: None,
             begin: None,
             height: None,
@@ -68,7 +71,7 @@ impl Selection {
     /// Whether a frame is one of them.
     fn has(&self, number: u64, time_s: f64) -> bool {
         let is_named = self.numbers.as_ref().is_none_or(|numbers| numbers.contains(&number));
-        is_named && number.is_multiple_of(self.every.max(1)) && time_s >= self.from_s && !self.is_past(number, time_s)
+        is_named && number % self.every.max(1) < self.in_a_row && time_s >= self.from_s && !self.is_past(number, time_s)
     }
 
     /// Whether neither this frame nor a later one is one of them.
@@ -95,7 +98,7 @@ impl Selection {
         let mut terms = Vec::new();
         let first = self.beginning().map_or(0, |(number, _)| number);
         if self.every > 1 {
-            terms.push(format!("not(mod(n\\,{}))", self.every));
+            terms.push(format!("lt(mod(n\\,{})\\,{})", self.every, self.in_a_row));
         }
         if self.from_s > 0.0 {
             terms.push(format!("gte(t\\,{})", self.from_s));

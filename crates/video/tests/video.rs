@@ -273,6 +273,14 @@ fn times_of_a_variable_frame_rate_are_true_and_selections_go_by_them() {
             (30, 900)
         ]
     );
+    let in_a_row = Selection {
+        from_s: 0.1,
+        to_s: Some(0.5),
+        every: 6,
+        in_a_row: 2,
+        ..Selection::default()
+    };
+    assert_eq!(seen(&in_a_row), [(12, 144), (13, 169), (18, 324), (19, 361)]);
     let named = Selection {
         numbers: Some(vec![49, 7]),
         ..Selection::default()

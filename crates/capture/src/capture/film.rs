@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::RgbImage;
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::source::{FrameSource, Original, Purpose, SourceError, SourceFrame};
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_session::session::VideoFrame;
@@ -68,9 +68,11 @@ impl FrameSource for Film {
         };
         let after_s = frame.time_s - self.last_s.replace(frame.time_s).unwrap_or(frame.time_s);
         let name = format!("{}, frame {} at {:.3} s", self.name, frame.number, frame.time_s);
-        let original = Original::Filmed {
+        let original = Original::Pixels {
             upright: frame.image,
             turned_deg: self.turned_deg,
+        };
+        let purpose = Purpose::Filmed {
             after_ms: (1000.0 * after_s).round() as u32,
             frame: Box::new(VideoFrame {
                 video: self.name.clone(),
@@ -79,7 +81,10 @@ impl FrameSource for Film {
                 time_s: frame.time_s,
             }),
         };
-        Ok(Some(SourceFrame::untimed(name, original)))
+        Ok(Some(SourceFrame {
+            purpose,
+            ..SourceFrame::untimed(name, original)
+        }))
     }
 
     fn is_stream(&self) -> bool {

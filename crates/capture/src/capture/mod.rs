@@ -21,7 +21,7 @@ mod watch;
 
 use std::path::Path;
 
-use image::{GrayImage, ImageFormat, RgbImage};
+use image::{GrayImage, ImageFormat};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -273,11 +273,12 @@ impl Capture {
                 });
             }
         };
-        if let Original::Filmed { after_ms, .. } = frame.original {
-            self.judge.filmed_after(after_ms);
-        }
         let kind = match frame.purpose {
             Purpose::Preview(_) => FrameKind::Preview,
+            Purpose::Filmed { after_ms, .. } => {
+                self.judge.filmed_after(after_ms);
+                FrameKind::Live
+            }
             Purpose::Photo if self.judge.is_stream() => FrameKind::Live,
             Purpose::Photo | Purpose::Released { .. } => FrameKind::Photo,
         };
@@ -286,10 +287,9 @@ impl Capture {
         let mut judgement = self.judge.judge_as(kind, &luma, turned_deg, camera, &self.guidance);
         let is_by_hand = taking == Taking::ByHand || matches!(frame.purpose, Purpose::Released { is_by_hand: true });
         // Nobody holds still for a film, and the frame that is judged is the one that is kept.
-        let is_filmed = matches!(frame.original, Original::Filmed { .. });
-        let held = match &judgement.verdict {
-            Ok(_) if is_filmed => Ok(()),
-            verdict => self.hold(verdict, kind, taking),
+        let held = match (&frame.purpose, &judgement.verdict) {
+            (Purpose::Filmed { .. }, Ok(_)) => Ok(()),
+            (_, verdict) => self.hold(verdict, kind, taking),
         };
         if kind == FrameKind::Live && (is_by_hand || held.is_ok()) {
             let (camera, guidance) = (&self.camera, &self.guidance);
@@ -337,10 +337,7 @@ impl Capture {
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
-            Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
-            Original::Filmed {
-                upright, turned_deg, ..
-            } => Ok((image::imageops::grayscale(upright), *turned_deg)),
+            Original::Pixels { upright, turned_deg } => Ok((image::imageops::grayscale(upright), *turned_deg)),
             Original::Encoded(bytes) => {
                 let photo = Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
                 if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
@@ -399,8 +396,8 @@ impl Capture {
                 variant: self.variant.clone(),
                 place: Some(self.place.clone()),
                 taken: frame.taken.clone(),
-                frame: match &frame.original {
-                    Original::Filmed { frame, .. } => Some((**frame).clone()),
+                frame: match &frame.purpose {
+                    Purpose::Filmed { frame, .. } => Some((**frame).clone()),
                     _ => None,
                 },
                 ..PhotoEntry::default()
@@ -467,14 +464,9 @@ fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
             let is_png = image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::Png);
             Ok((bytes.clone(), if is_png { "png" } else { "jpg" }))
         }
-        Original::Pixels(rgb) => png(rgb, 0),
-        Original::Filmed {
-            upright, turned_deg, ..
-        } => png(upright, *turned_deg),
+        Original::Pixels { upright, turned_deg } => {
+            let bytes = photo::sensor_png(upright, *turned_deg).ok_or("the camera's image cannot be kept as PNG")?;
+            Ok((bytes, "png"))
+        }
     }
-}
-
-fn png(upright: &RgbImage, turned_deg: u32) -> Result<(Vec<u8>, &'static str), String> {
-    let bytes = photo::sensor_png(upright, turned_deg).ok_or("the camera's image cannot be kept as PNG")?;
-    Ok((bytes, "png"))
 }

@@ -31,6 +31,12 @@ pub enum Purpose {
     /// It may be taken as it is.
     #[default]
     Photo,
+    /// It is one of a video file's: nobody holds still for it, and it may be taken as it is.
+    Filmed {
+        /// How long after the last frame it is shown.
+        after_ms: u32,
+        frame: Box<VideoFrame>,
+    },
     /// It shows where a camera stands. When that is right the shutter is released, and the photo is the source's next frame.
     Preview(Shutter),
     /// The photo that a shutter was released for, amid previews.
@@ -58,16 +64,11 @@ impl Shutter {
 pub enum Original {
     /// A JPEG or PNG file; it is kept byte for byte.
     Encoded(Vec<u8>),
-    /// The pixels of a camera that gives no file, upright; kept as PNG.
-    Pixels(RgbImage),
-    /// A frame of a video file; kept as PNG that lies as the sensor does.
-    Filmed {
+    /// The pixels of a camera or video that gives no file; kept as PNG that lies as the sensor does.
+    Pixels {
         upright: RgbImage,
-        /// How far the container turned the sensor's image clockwise.
+        /// How far that is turned clockwise from the sensor's image, degrees.
         turned_deg: u32,
-        /// How long after the last frame it is shown.
-        after_ms: u32,
-        frame: Box<VideoFrame>,
     },
     /// None: the sentence says why.
     Unreadable(String),

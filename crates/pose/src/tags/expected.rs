@@ -6,7 +6,7 @@ use image::GrayImage;
 use super::TagImage;
 use super::border;
 use super::fit::TagFit;
-use super::likeness::{CellPattern, FINE, Likeness, ROUGH};
+use super::likeness::{CellPattern, Likeness};
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
@@ -74,7 +74,7 @@ pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
 fn confirmed(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<(TagSides, Corners)> {
     let outline = refine::outline(grey, corners_px, cells)?;
     let fitted = outline.corners(0.0)?;
-    let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted, &FINE)?;
+    let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted)?;
     let is_tag = of_all >= LEAST_ALL && of_code >= LEAST_CODE;
     (is_tag && border::is_whole(grey, &fitted, cells)).then_some((outline, fitted))
 }
@@ -89,14 +89,14 @@ fn most_alike(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cel
         return None;
     }
     let steps = (REACH_CELLS / STEP_CELLS) as i32;
+    let middles = pattern.middles(corners_px);
     let (mut best, mut most) = (None, f64::NEG_INFINITY);
     for i in -steps..=steps {
         for j in -steps..=steps {
             let (u, v) = (f64::from(i) * STEP_CELLS, f64::from(j) * STEP_CELLS);
-            let moved = corners_px.map(|p| [0, 1].map(|k| p[k] + u * right[k] + v * down[k]));
-            let likeness = pattern.likeness(grey, &moved, &ROUGH);
-            if let Some(Likeness { of_all, .. }) = likeness.filter(|likeness| likeness.of_all > most) {
-                (best, most) = (Some(moved), of_all);
+            let by = [0, 1].map(|k| u * right[k] + v * down[k]);
+            if let Some(alike) = middles.likeness(grey, by).filter(|alike| *alike > most) {
+                (best, most) = (Some(corners_px.map(|p| [p[0] + by[0], p[1] + by[1]])), alike);
             }
         }
     }

@@ -6,9 +6,7 @@ use super::border::level;
 use super::{TagHomography, TagImage};
 
 /// Samples along each side of a cell: how far from its middle they are, in cells.
-pub(super) const FINE: [f64; 3] = [-0.25, 0.0, 0.25];
-/// The middle of each cell alone: nine times as fast as [`FINE`].
-pub(super) const ROUGH: [f64; 1] = [0.0];
+const SAMPLES: [f64; 3] = [-0.25, 0.0, 0.25];
 
 /// A tag's cells as they would correlate: +1 white, −1 black.
 pub(super) struct CellPattern {
@@ -57,46 +55,74 @@ impl CellPattern {
         }
     }
 
-    /// How much a place looks like the tag, by samples of each cell so far from its middle each way ([`FINE`] or [`ROUGH`]); `None` where it leaves
-    /// the image or is of one tone.
-    pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4], samples: &[f64]) -> Option<Likeness> {
+    /// How much a place looks like the tag, by nine samples of each cell; `None` where it leaves the image or is of one tone.
+    pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4]) -> Option<Likeness> {
         let homography = TagHomography::to(corners_px);
         // Neighbouring cells are a cell apart.
         let cell_share = self.cells.get(1).map_or(0.0, |second| second.u - self.cells[0].u);
-        let tone = |cell: &Cell| {
-            let mut sum = 0.0;
-            for u in samples {
-                for v in samples {
+        let (mut all, mut code) = (Correlation::default(), Correlation::default());
+        for cell in &self.cells {
+            let mut tone = 0.0;
+            for u in SAMPLES {
+                for v in SAMPLES {
                     let [u, v] = [cell.u + u * cell_share, cell.v + v * cell_share];
-                    sum += level(grey, homography.pixel(u, v))?;
+                    tone += level(grey, homography.pixel(u, v))?;
                 }
             }
-            Some(sum)
-        };
-        let tones: Vec<f64> = self.cells.iter().map(tone).collect::<Option<_>>()?;
-        let correlation = |is_wanted: fn(&Cell) -> bool| {
-            let wanted = self.cells.iter().zip(&tones).filter(|(cell, _)| is_wanted(cell));
-            pearson(&wanted.map(|(cell, tone)| (cell.white, *tone)).collect::<Vec<_>>())
-        };
+            all.add(cell.white, tone);
+            if cell.is_code {
+                code.add(cell.white, tone);
+            }
+        }
         Some(Likeness {
-            of_all: correlation(|_| true)?,
-            of_code: correlation(|cell| cell.is_code)?,
+            of_all: all.coefficient()?,
+            of_code: code.coefficient()?,
         })
+    }
+
+    /// The cells' middles where a tag's corners are, for [`Middles::likeness`] there and beside it.
+    pub(super) fn middles(&self, corners_px: &[[f64; 2]; 4]) -> Middles {
+        let homography = TagHomography::to(corners_px);
+        let middle = |cell: &Cell| (cell.white, homography.pixel(cell.u, cell.v));
+        Middles(self.cells.iter().map(middle).collect())
     }
 }
 
-/// Pearson's correlation coefficient; `None` where one side does not vary.
-fn pearson(pairs: &[(f64, f64)]) -> Option<f64> {
-    let n = pairs.len() as f64;
-    let (sum_a, sum_b) = pairs.iter().fold((0.0, 0.0), |(a, b), pair| (a + pair.0, b + pair.1));
-    let (mean_a, mean_b) = (sum_a / n, sum_b / n);
-    let (mut both, mut of_a, mut of_b) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        let (a, b) = (a - mean_a, b - mean_b);
-        both += a * b;
-        of_a += a * a;
-        of_b += b * b;
+/// What each cell of a tag should be, and where its middle is, px.
+pub(super) struct Middles(Vec<(f64, [f64; 2])>);
+
+impl Middles {
+    /// As [`Likeness::of_all`] of the place moved by so many pixels, by the middles alone: more than nine times as fast.
+    pub(super) fn likeness(&self, grey: &GrayImage, by: [f64; 2]) -> Option<f64> {
+        let mut all = Correlation::default();
+        for (white, [x, y]) in &self.0 {
+            all.add(*white, level(grey, [x + by[0], y + by[1]])?);
+        }
+        all.coefficient()
     }
-    let norm = (of_a * of_b).sqrt();
-    (norm > 0.0).then(|| both / norm)
+}
+
+/// Pearson's correlation of whole numbers, which these sums hold exactly.
+#[derive(Default)]
+struct Correlation {
+    count: f64,
+    sums: [f64; 2],
+    squares: [f64; 2],
+    product: f64,
+}
+
+impl Correlation {
+    fn add(&mut self, a: f64, b: f64) {
+        self.count += 1.0;
+        self.sums = [self.sums[0] + a, self.sums[1] + b];
+        self.squares = [self.squares[0] + a * a, self.squares[1] + b * b];
+        self.product += a * b;
+    }
+
+    /// `None` where one side does not vary.
+    fn coefficient(&self) -> Option<f64> {
+        let [of_a, of_b] = [0, 1].map(|i| self.count * self.squares[i] - self.sums[i] * self.sums[i]);
+        let norm = (of_a * of_b).sqrt();
+        (norm > 0.0).then(|| (self.count * self.product - self.sums[0] * self.sums[1]) / norm)
+    }
 }

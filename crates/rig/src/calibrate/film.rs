@@ -4,22 +4,28 @@ use std::path::Path;
 
 use image::GrayImage;
 
+use super::detect::LEAST_CORNERS;
 use super::shutter::Motion;
 use super::target::{LEAST_TAGS, Target, corners_of};
 use super::{BoardPhoto, UnusedPhoto, detect, sharpness};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::{files, workers};
-use scaleproof_pose::tags::{AprilTagC, StartError, TagDetector};
+use scaleproof_photo::photo::turned_to_sensor;
+use scaleproof_pose::tags::{CornersBy, StartError, TagDetector, TagDetectorChoice};
 use scaleproof_video::{Frame, Selection, Video, VideoError};
 
 /// So many frames of a video are looked at, evenly over its length.
-const LOOKED_AT: u64 = 240;
+const LOOKED_AT: u64 = 360;
+/// Of a longer video, so many in a row each time: the frames beside one say how it moves.
+const IN_A_ROW: u64 = 3;
 /// So many of them go into the camera.
 const CHOSEN: usize = 40;
 /// Frames that are held at a time; a search for tags takes as long to start as a frame takes.
 const HELD: usize = 16;
 /// Between frames further apart, s, a hand has turned back.
 const NEAR_S: f64 = 0.5;
+/// One way is no longer than the other by more.
+const EVEN: f64 = 1.5;
 /// Frames that share fewer corners than this show other parts of the target: as different as frames are.
 const SHARED: usize = 4;
 
@@ -43,7 +49,7 @@ pub struct Film {
 }
 
 /// Looks for the target in frames of a video, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that
-/// differ most. The frames that were looked at and have no part are counted in one sentence. `on_done` gets how many frames were looked at, and of how many.
+/// differ most. Long videos are looked at three frames in a row at a time. The frames that were looked at and have no part are counted in one sentence. `on_done` gets how many frames were looked at, and of how many.
 ///
 /// # Errors
 /// A video that cannot be decoded.
@@ -54,15 +60,24 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
         .zip(video.frames_per_s)
         .map(|(s, rate)| (s * rate) as u64);
     let frames = video.frames.or(by_length);
-    let every = frames.map_or(5, |frames| frames.div_ceil(LOOKED_AT)).max(1);
+    let is_short = frames.is_some_and(|frames| frames <= LOOKED_AT);
+    let in_a_row = if is_short { 1 } else { IN_A_ROW };
+    let every = frames
+        .map_or(5 * IN_A_ROW, |frames| (frames * in_a_row).div_ceil(LOOKED_AT))
+        .max(1);
     let mut stream = video.luma(&Selection {
         every,
+        in_a_row,
         ..Selection::default()
     })?;
     let name = files::name_of(path);
     let (mut photos, mut times, mut reasons, mut looked_at) = (Vec::new(), Vec::new(), Vec::new(), 0_u64);
     loop {
-        let held: Vec<Frame<GrayImage>> = stream.by_ref().take(HELD).collect::<Result<_, _>>()?;
+        let held = stream
+            .by_ref()
+            .take(HELD)
+            .map(|frame| frame.map(|frame| as_the_sensor_lies(frame, video.turned_deg)));
+        let held: Vec<Frame<GrayImage>> = held.collect::<Result<_, _>>()?;
         if held.is_empty() {
             break;
         }
@@ -70,7 +85,7 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
         let found = workers::map(
             &held,
             || finder(target),
-            |finder, frame| Ok(look_at(frame, &name, target, finder)),
+            |finder, frame| Ok(look_at(frame, (&name, video.turned_deg), target, finder)),
             || (),
         );
         for (result, frame) in found?.into_iter().zip(&held) {
@@ -84,12 +99,14 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
         }
         on_done(
             looked_at,
-            frames.map_or(looked_at, |frames| frames.div_ceil(every)).max(looked_at),
+            frames
+                .map_or(looked_at, |frames| frames * in_a_row / every)
+                .max(looked_at),
         );
     }
     let found = photos.len();
     let motion = motion(&photos, &times);
-    let chosen = choose(photos);
+    let chosen = choose(of_known_motion(photos, &motion));
     let reason = match reasons.first() {
         Some(first) if found == 0 => format!("none of the {looked_at} frames looked at; the first: {first}"),
         _ => format!(
@@ -105,12 +122,13 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
     })
 }
 
-/// How fast corners move in each photo: from the one looked at before it to the one after, where these are near in time and show the corner too.
+/// How fast corners move in each photo: from the one looked at before it to the one after, where these are near in time, one as near as the other, and show the corner too.
 fn motion(photos: &[BoardPhoto], times: &[f64]) -> Motion {
     let mut motion = Motion::new();
     for (photos, times) in photos.windows(3).zip(times.windows(3)) {
-        let seconds = times[2] - times[0];
-        if !(seconds > 0.0 && seconds < NEAR_S) {
+        let (before_s, after_s, seconds) = (times[1] - times[0], times[2] - times[1], times[2] - times[0]);
+        let is_even = before_s.max(after_s) < EVEN * before_s.min(after_s);
+        if !(is_even && seconds < NEAR_S) {
             continue;
         }
         let find = |photo: &BoardPhoto, id| photo.corners.iter().find(|c| c.id == id).map(|c| c.px);
@@ -124,19 +142,41 @@ fn motion(photos: &[BoardPhoto], times: &[f64]) -> Motion {
     motion
 }
 
-/// What finds tags, where the target has tags.
-fn finder(target: Target) -> Result<Option<AprilTagC>, StartError> {
+/// Photos by those of their corners whose motion is known; where none is, the video is a row of stills.
+fn of_known_motion(mut photos: Vec<BoardPhoto>, motion: &Motion) -> Vec<BoardPhoto> {
+    if !motion.is_empty() {
+        photos.retain_mut(|photo| {
+            let file = &photo.file;
+            photo.corners.retain(|c| motion.contains_key(&(file.clone(), c.id)));
+            photo.corners.len() >= LEAST_CORNERS
+        });
+    }
+    photos
+}
+
+type Finder = Option<Box<dyn TagDetector>>;
+
+/// What finds tags, where the target has tags. The library's own corners lie up to a pixel inside tags that motion smears, which makes focal lengths short: the sides are fitted.
+fn finder(target: Target) -> Result<Finder, StartError> {
     match target {
         Target::Board(_) => Ok(None),
-        Target::Scene(scene) => AprilTagC::new(&scene.families()).map(Some),
+        Target::Scene(scene) => TagDetectorChoice::AprilTagC(CornersBy::Fit)
+            .open(&scene.families())
+            .map(Some),
     }
+}
+
+/// A frame as a camera file describes it, whichever way the camera was held.
+fn as_the_sensor_lies(frame: Frame<GrayImage>, turned_deg: u32) -> Frame<GrayImage> {
+    let image = turned_to_sensor(frame.image, turned_deg);
+    Frame { image, ..frame }
 }
 
 fn look_at(
     frame: &Frame<GrayImage>,
-    name: &str,
+    (name, turned_deg): (&str, u32),
     target: Target,
-    finder: &mut Option<AprilTagC>,
+    finder: &mut Finder,
 ) -> Result<BoardPhoto, String> {
     let corners = match (target, finder) {
         (Target::Board(board), _) => detect::find(&frame.image, board).map_err(|e| e.to_string())?,
@@ -152,7 +192,7 @@ fn look_at(
     Ok(BoardPhoto {
         file: format!("{name} frame {}", frame.number),
         size: frame.image.dimensions(),
-        turned_deg: 0,
+        turned_deg,
         edge_width_px: sharpness::edge_width_px(&frame.image, &corners),
         corners,
     })

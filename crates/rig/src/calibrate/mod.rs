@@ -199,6 +199,11 @@ fn fitted(
     let (board_photos, mut left_out) = doubt::alike(board_photos, left_out);
     doubt::enough(&board_photos, &left_out, target)?;
     let size = board_photos[0].size;
+    let read_out = read_out(&board_photos, size, &places, motion);
+    let board_photos = match read_out {
+        Some(read_out) => read_out.taken_back(board_photos, motion),
+        None => board_photos,
+    };
     let cleaned = outliers::clean(board_photos, size, &places).ok_or(CalibrationError::NoFit)?;
     left_out.extend(cleaned.dropped);
     let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
@@ -208,9 +213,16 @@ fn fitted(
     let fit = models[chosen].fit.clone();
     doubt::determined(&models, chosen, &views, target)?;
     doubt::fits(&fit, &views, size, target)?;
-    let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
-    let (covariance, focal_raised) = jackknife::raised(covariance, &fit, &views, !motion.is_empty());
-    let covariance = shutter::raised(covariance, &fit, &views, &cleaned.board_photos, motion);
+    let scatter = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
+    let (covariance, focal_raised) = jackknife::raised(scatter.clone(), &fit, &views, !motion.is_empty());
+    let covariance = match motion.is_empty() {
+        true => covariance,
+        false => covariance + jackknife::alike(&scatter, &fit, &views),
+    };
+    let covariance = match read_out {
+        Some(read_out) => read_out.raised(covariance, &fit, &views, &cleaned.board_photos, motion),
+        None => covariance,
+    };
     let middle_mm = target.middle_mm();
     ladder::compare(&mut models, chosen, middle_mm);
     let photos = photo_results(&cleaned.board_photos, &fit, &views, middle_mm);
@@ -239,6 +251,22 @@ fn fitted(
     };
     result.cautions = doubt::cautions(&result);
     Ok(result)
+}
+
+/// The read-out by photos whose corners move; `None` where none do, or nothing fits.
+fn read_out(
+    photos: &[BoardPhoto],
+    size: (u32, u32),
+    places: &[Point3<f64>],
+    motion: &Motion,
+) -> Option<shutter::ReadOut> {
+    if motion.is_empty() {
+        return None;
+    }
+    let cleaned = outliers::clean(photos.to_vec(), size, places)?;
+    let views: Vec<View> = cleaned.board_photos.iter().map(|photo| photo.view(places)).collect();
+    let judge = outliers::judge(&cleaned.first, size, &views)?;
+    Some(shutter::ReadOut::of(&judge, &views, &cleaned.board_photos, motion))
 }
 
 fn rms_px(fit: &fit::CameraFit, views: &[View]) -> f64 {

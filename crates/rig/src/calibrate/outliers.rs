@@ -57,7 +57,8 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
     }
 }
 
-fn judge(first: &CameraFit, size: (u32, u32), views: &[View]) -> Option<CameraFit> {
+/// The camera that photos are held against.
+pub(super) fn judge(first: &CameraFit, size: (u32, u32), views: &[View]) -> Option<CameraFit> {
     let judge = JUDGE.into_iter().try_fold(first.clone(), |start, model| {
         fit::fit(model, views, start.camera, start.poses)
     });

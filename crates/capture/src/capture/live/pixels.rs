@@ -41,7 +41,8 @@ impl RawImage {
         if self.format == PixelFormat::Mjpeg {
             return Ok(Original::Encoded(jpeg_file(&self.bytes).ok_or(BROKEN)?));
         }
-        Ok(Original::Pixels(self.colours().ok_or(BROKEN)?))
+        let upright = self.colours().ok_or(BROKEN)?;
+        Ok(Original::Pixels { upright, turned_deg: 0 })
     }
 
     fn colours(mut self) -> Option<RgbImage> {
