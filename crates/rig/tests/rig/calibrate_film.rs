@@ -37,6 +37,34 @@ fn assert_within_3_sigma(found: &Calibration, truth: &Camera) {
     }
 }
 
+/// A phone that was held the other way round: its container turns the film, and the camera is that of the film as it was.
+#[test]
+fn a_film_that_lies_otherwise_gives_the_same_camera() {
+    let (folder, scene) = (tempfile::tempdir().unwrap(), scene());
+    let [short, turned] = ["short.mp4", "turned.mp4"].map(|name| folder.path().join(name));
+    let copied = |from: &Path, options: &[&str], to: &Path| {
+        let mut command = Command::new("ffmpeg");
+        command
+            .args(["-v", "error", "-i"])
+            .arg(from)
+            .args(["-c", "copy"])
+            .args(options);
+        assert!(command.arg(to).status().unwrap().success());
+    };
+    copied(&walk("normal.mp4"), &["-t", "2"], &short);
+    copied(&short, &["-metadata:s:v:0", "rotate=180"], &turned);
+    let [as_it_was, turned] =
+        [short, turned].map(|film| look_at_video(&film, Target::Scene(&scene), |_, _| ()).unwrap());
+    assert!(as_it_was.frames.len() > 10 && turned.frames.iter().all(|frame| frame.turned_deg == 180));
+    let corners = |film: &Film| {
+        film.frames
+            .iter()
+            .map(|frame| frame.corners.clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(corners(&turned), corners(&as_it_was));
+}
+
 /// Every number is within 3 σ of the camera that the video was rendered with, although that has a rolling shutter of 10 ms, and the focal length within a thousandth; the file holds σ.
 #[test]
 fn the_tags_of_a_filmed_scene_give_the_camera() {
