@@ -245,7 +245,11 @@ impl Keeper<'_> {
             let parts = parts(&with_those_beside(&missing, &track), looks);
             // The next part is begun before this one is gone through, and is decoded meanwhile.
             let mut begun = parts.iter().map(|part| self.video.rgb(part)).peekable();
-            let frames = std::iter::from_fn(|| begun.next().inspect(|_| drop(begun.peek())));
+            let frames = std::iter::from_fn(|| {
+                let part = begun.next();
+                begun.peek();
+                part
+            });
             for frame in frames.flat_map(each) {
                 let frame = frame?;
                 match missing.get(&frame.number) {
