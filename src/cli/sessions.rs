@@ -177,16 +177,6 @@ impl OpenedPhotos {
     }
 }
 
-/// Refuses a name of a texture or a place that a session cannot have; `what` is the option it was given by.
-pub(super) fn check_name(what: &str, name: &str) -> Result<(), String> {
-    if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
-        return Err(format!(
-            "{what} is {name:?}: give a name without blanks around it or control characters"
-        ));
-    }
-    Ok(())
-}
-
 /// Why something is not written into this folder.
 pub(super) fn among_photos(what: &str, folder: &Path) -> String {
     format!(

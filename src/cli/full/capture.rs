@@ -18,7 +18,7 @@ use self::terminal::TerminalLog;
 use crate::cli::answer::told;
 use crate::cli::choice::completing;
 use crate::cli::full::interrupt::Opening;
-use crate::cli::{CommandResult, Outcome, Result, sessions};
+use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
     BinName, Capture, Film, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName,
     Store, Target, Tether, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
@@ -279,10 +279,20 @@ fn guide(
     }
 }
 
+/// Refuses a name of a texture or a place that a session cannot have; `what` is the option it was given by.
+pub(super) fn check_name(what: &str, name: &str) -> Result<(), String> {
+    if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
+        return Err(format!(
+            "{what} is {name:?}: give a name without blanks around it or control characters"
+        ));
+    }
+    Ok(())
+}
+
 /// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
 fn check_names(args: &GuidedArgs) -> Result<(), String> {
     for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
-        sessions::check_name(what, name)?;
+        check_name(what, name)?;
     }
     let same = |folder: &Path| files::is_same(folder, &args.output);
     match &args.source {

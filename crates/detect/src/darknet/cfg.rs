@@ -38,7 +38,9 @@ impl Section {
                         format!("{line:?} is neither a [section] nor key=value within one"),
                     ));
                 };
-                section.settings.insert(key.trim().to_owned(), value.trim().to_owned());
+                // Of a key that is there twice Darknet takes the first (its `option_find`).
+                let setting = section.settings.entry(key.trim().to_owned());
+                setting.or_insert_with(|| value.trim().to_owned());
             }
         }
         Ok(sections)

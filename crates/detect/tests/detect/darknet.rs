@@ -78,6 +78,20 @@ fn a_converted_network_is_one_of_darknet() {
     }
 }
 
+/// Darknet looks for a key from the front of a section.
+#[test]
+fn of_a_key_that_is_there_twice_the_first_counts() {
+    let file = |ending: &str| home().join(FOLDER).join(format!("tiny_v4.{ending}"));
+    let (cfg, weights) = (
+        std::fs::read_to_string(file("cfg")).unwrap(),
+        std::fs::read(file("weights")).unwrap(),
+    );
+    let twice = cfg.replacen("size=3\n", "size=3\nsize=5\n", 1);
+    assert_ne!(twice, cfg);
+    let network = darknet_contents_to_onnx(&twice, "twice.cfg", &weights, "tiny_v4.weights").unwrap();
+    assert!(network == converted("tiny_v4"));
+}
+
 #[test]
 fn what_is_not_read_is_named_with_its_line() {
     let read = |name: &str| {
