@@ -196,8 +196,6 @@ pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult 
     on_interrupt(move || heard.store(true, Ordering::Relaxed));
     let had_folder = args.output.exists();
     std::fs::create_dir_all(&args.output).map_err(|e| files::FileError::write(&args.output, &e))?;
-    let mark = args.output.join(filling::MARK);
-    let had_mark = mark.exists();
     let lock = filling::locked(&args.output)?;
     let journal = args.output.join(format!(".film-{}.journal", &film.about.video[..12]));
     let made = film
@@ -206,9 +204,8 @@ pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult 
     if matches!(&made, Err(e) if !e.is::<Interruption>()) {
         let _ = files::remove(&journal);
     }
-    if !had_mark {
-        let _ = files::remove(&mark);
-    }
+    // Also that of a run that was killed; a capture makes its own again.
+    let _ = files::remove(&args.output.join(filling::MARK));
     if !had_folder {
         // Only when it is empty.
         let _ = std::fs::remove_dir(&args.output);
