@@ -35,7 +35,7 @@ fn retain_freed_memory() {
 fn retain_freed_memory() {}
 
 /// The system's allocator, which asks for large pages where much memory is wanted at once: a photo of 12 megapixels, too large for [`keep`], then
-/// takes 18 of the kernel's pages instead of 9,000, and `score` of such photos a quarter less processor time. Does nothing more off Linux.
+/// takes 18 of the kernel's pages instead of 9,000, and `score` of such photos a tenth less processor time. Does nothing more off Linux.
 pub struct LargePages;
 
 /// Below this, [`keep`] has what is needed; a large page has 2 MiB.
