@@ -6,7 +6,7 @@ use crate::common;
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use common::served::{MULTIPART, part, serve, taken};
@@ -17,13 +17,18 @@ fn photo(number: usize) -> Vec<u8> {
     std::fs::read(skyline().join(format!("normal_{number:03}.jpg"))).unwrap()
 }
 
-fn capture(source: &str, session: &Path) -> Output {
-    let mut command = program();
-    command.args(["capture", "--source", source, "--variant", "normal", "--place", "yard"]);
+/// A capture from a source, into a session of the stored scene, of this program.
+pub fn captures(mut program: Command, source: &str, session: &Path) -> Command {
+    program.args(["capture", "--source", source, "--variant", "normal", "--place", "yard"]);
     for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
-        command.arg(option).arg(skyline().join(name));
+        program.arg(option).arg(skyline().join(name));
     }
-    command.arg("-o").arg(session).output().unwrap()
+    program.arg("-o").arg(session);
+    program
+}
+
+fn capture(source: &str, session: &Path) -> Output {
+    captures(program(), source, session).output().unwrap()
 }
 
 /// The photos are those that the camera made, byte for byte: whatever is computed of them is what it is for the stored session.
@@ -147,25 +152,10 @@ fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
     });
     let out = tempfile::tempdir().unwrap();
     let address = format!("http://127.0.0.1:{port}/");
-    let mut command = program();
-    command.args([
-        "capture",
-        "--source",
-        &address,
-        "--variant",
-        "normal",
-        "--place",
-        "yard",
-    ]);
-    for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
-        command.arg(option).arg(skyline().join(name));
-    }
-    command.arg("-o").arg(out.path().join("session"));
-    let mut running = command.spawn().unwrap();
+    let session = out.path().join("session");
+    let mut running = captures(program(), &address, &session).spawn().unwrap();
     sends.recv_timeout(Duration::from_secs(60)).unwrap();
-    let sent = std::process::Command::new("kill")
-        .args(["-INT", &running.id().to_string()])
-        .status();
+    let sent = Command::new("kill").args(["-INT", &running.id().to_string()]).status();
     assert!(sent.unwrap().success());
     assert_eq!(running.wait().unwrap().code(), Some(130));
     let reads = |process: &Path| {
@@ -177,5 +167,5 @@ fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
         .flatten()
         .filter(|process| reads(&process.path()));
     assert_eq!(left.count(), 0, "ffmpeg still reads");
-    assert!(!out.path().join("session").exists());
+    assert!(!session.exists());
 }

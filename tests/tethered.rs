@@ -2,6 +2,7 @@
 //! photographer walks on after each photo.
 
 use crate::common;
+use crate::streams::captures;
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::symlink;
@@ -49,20 +50,7 @@ fn with_camera(camera: &Path) -> Command {
 }
 
 fn capture(camera: &Path, session: &Path) -> Output {
-    let mut command = with_camera(camera);
-    command.args([
-        "capture",
-        "--source",
-        "gphoto2",
-        "--variant",
-        "normal",
-        "--place",
-        "yard",
-    ]);
-    for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
-        command.arg(option).arg(skyline().join(name));
-    }
-    command.arg("-o").arg(session).output().unwrap()
+    captures(with_camera(camera), "gphoto2", session).output().unwrap()
 }
 
 /// The SHA-256 of each photo in a session.
@@ -198,13 +186,8 @@ fn what_the_real_gphoto2_cannot_trigger_is_refused() {
     let (folder, session) = (out.path().join("card"), out.path().join("session"));
     std::fs::create_dir(&folder).unwrap();
     std::fs::copy(photo(0), folder.join("a.jpg")).unwrap();
-    let mut command = program();
     let source = format!("gphoto2:disk:{}", folder.display());
-    command.args(["capture", "--variant", "normal", "--place", "yard", "--source", &source]);
-    for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
-        command.arg(option).arg(skyline().join(name));
-    }
-    let output = command.arg("-o").arg(&session).output().unwrap();
+    let output = captures(program(), &source, &session).output().unwrap();
     let sentence =
         "the Directory Browse takes no photos for a computer: copy its photos into a folder and watch that (watch:DIR)";
     // Where gphoto2 sees no mounted card, its driver for folders is not found.

@@ -207,7 +207,8 @@ fn guide(
     browser: &page::Args,
     out: &mut dyn Write,
 ) -> CommandResult {
-    check_names(args)?;
+    check_names(&args.variant, &args.place)?;
+    check_output(args)?;
     // However this ends: the threads that own them are left behind.
     let _programs = Interrupting;
     let scene = Scene::open(&args.scene)?;
@@ -279,21 +280,20 @@ fn guide(
     }
 }
 
-/// Refuses a name of a texture or a place that a session cannot have; `what` is the option it was given by.
-pub(super) fn check_name(what: &str, name: &str) -> Result<(), String> {
-    if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
-        return Err(format!(
-            "{what} is {name:?}: give a name without blanks around it or control characters"
-        ));
+/// Finds out before anything is made that a session may have these names of a texture and a place.
+pub(super) fn check_names(variant: &str, place: &str) -> Result<(), String> {
+    for (what, name) in [("--variant", variant), ("--place", place)] {
+        if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
+            return Err(format!(
+                "{what} is {name:?}: give a name without blanks around it or control characters"
+            ));
+        }
     }
     Ok(())
 }
 
-/// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
-fn check_names(args: &GuidedArgs) -> Result<(), String> {
-    for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
-        check_name(what, name)?;
-    }
+/// Finds out before anything is made that nothing is written among the originals.
+fn check_output(args: &GuidedArgs) -> Result<(), String> {
     let same = |folder: &Path| files::is_same(folder, &args.output);
     match &args.source {
         Some(name) if name.folder().is_some_and(same) => Err(format!(

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::capture::check_name;
+use super::capture::check_names;
 use super::interrupt::on_interrupt;
 use crate::cli::answer::told;
 use crate::cli::session::{by_variant, in_words};
@@ -229,9 +229,7 @@ struct Interruption {
 }
 
 fn opened(args: &FilmArgs) -> Result<Film> {
-    for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
-        check_name(what, name)?;
-    }
+    check_names(&args.variant, &args.place)?;
     if args.to.is_some_and(|to| to <= args.from) {
         return Err("--to must be later than --from".into());
     }

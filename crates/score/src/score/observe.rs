@@ -351,11 +351,9 @@ impl<'a> Observer<'a> {
                 let is_alone = self.detectors.iter().filter(wants_whole).count() == 1;
                 self.kept(key, |own| {
                     let [width, height] = size;
-                    let image = match manifest.opencv_linear_px(width, height).filter(|_| is_alone) {
-                        Some(size) => decoded.opencv_linear(size)?,
-                        None => None,
-                    };
-                    let image = match image {
+                    let brought_to = manifest.opencv_linear_px(width, height).filter(|_| is_alone);
+                    let resized = brought_to.map(|size| decoded.opencv_linear(size)).transpose()?;
+                    let image = match resized.flatten() {
                         Some(image) => Arc::new(image),
                         None => Arc::clone(decoded.at_least(manifest.least_px(width, height))?),
                     };
