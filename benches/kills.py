@@ -3,8 +3,8 @@
     python kills.py PROGRAM FOLDER [KILLS [COMMAND]]
 
 PROGRAM is scaleproof, built with the attack; FOLDER is made anew. Each command is run to its end twice, which tells its files and which of them are the same
-each time. Then it is killed KILLS (20) times, each time after a random share of that time, and run to its end where the killed run stopped: its files must be
-those, and nothing else may lie there; inputs and the files of a finished run must be as they were.
+each time. Then it is killed KILLS (20) times, each time after a random share of that time (a run that ends sooner counts as none), and run to its end where the killed
+run stopped: its files must be those, and nothing else may lie there; inputs and the files of a finished run must be as they were.
 """
 
 import hashlib
@@ -102,14 +102,15 @@ def main():
             seconds = run(command)
             runs.append(files(place / "out"))
         whole, same = runs[1], [path for path, digest in runs[1].items() if runs[0].get(path) == digest]
-        killed, wrong = 0, []
-        for _ in range(kills):
+        killed, tries, wrong = 0, 0, []
+        while killed < kills:
             shutil.rmtree(place / "out")
             (place / "out").mkdir()
+            tries += 1
             killed += run(command, rng.random() * seconds) is None
             wrong += faults(command, whole, same, before)
         failed += len(wrong)
-        print(f"| `{name}` | {seconds:.1f} | {killed} of {kills} | {len(whole)}, {len(same)} | {'; '.join(sorted(set(wrong))) or 'nothing'} |", flush=True)
+        print(f"| `{name}` | {seconds:.1f} | {killed} of {tries} | {len(whole)}, {len(same)} | {'; '.join(sorted(set(wrong))) or 'nothing'} |", flush=True)
     sys.exit(1 if failed else 0)
 
 

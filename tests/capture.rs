@@ -361,6 +361,7 @@ fn photos_are_taken_back_and_their_views_wanted_again() {
     assert_eq!(lines(&filled)[0]["photo"], "normal_008.jpg");
     assert_eq!(listed(&session).len(), 8);
     assert_refused(&back(&["--redo", "east"]), &["name a bin by its azimuth"]);
+    assert_refused(&back(&["--redo", "91"]), &["no view is of the bin", "90/15/850"]);
 }
 
 /// A watched folder: the first line says what is waited for, Ctrl-C ends with what is there and how to go on, and going on starts from there.

@@ -22,7 +22,7 @@ pub(in crate::cli) struct Args {
     #[arg(required = true)]
     photos: Vec<PathBuf>,
     /// What was printed: the .toml of `print board`
-    #[arg(long, value_name = "TOML", required_unless_present = "scene")]
+    #[arg(long, value_name = "TOML")]
     board: Option<PathBuf>,
     /// Without a board: the scene (scene.toml) whose tags the video shows from all sides
     #[arg(long, value_name = "TOML", conflicts_with = "board")]
@@ -45,7 +45,7 @@ pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult 
     let target = match (&board, &scene) {
         (Some(board), _) => Target::Board(board),
         (None, Some(scene)) => Target::Scene(scene),
-        (None, None) => return Err("give the board (--board) or the scene (--scene) that was filmed".into()),
+        (None, None) => return Err("give what the photos show: --board, or of a video --scene".into()),
     };
     board.as_ref().map_or(Ok(()), calibrate::check)?;
     let found = match video(&args.photos)? {

@@ -343,11 +343,35 @@ fn take_back(args: &GuidedArgs, scene: &Scene, capture: &mut Capture, out: &mut 
         (None, false) => return Ok(()),
     };
     if photos.is_empty() {
+        if let Some(meant) = &args.redo {
+            check_planned(meant, capture)?;
+        }
         say!("note: there is no photo of {} to take back", args.variant);
     }
     let mut terminal = TerminalLog::new(args.json, false, out);
     photos.iter().try_for_each(|photo| terminal.taken_back(photo))?;
     Ok(())
+}
+
+/// A bin that no view falls into is mistyped.
+fn check_planned(meant: &BinName, capture: &Capture) -> Result<()> {
+    let targets = capture.guidance().targets();
+    if targets.iter().any(|target| meant.names(&target.bin)) {
+        return Ok(());
+    }
+    let name = |target: &Target| {
+        format!(
+            "{}/{}/{}",
+            target.bin.azimuth_deg, target.bin.pitch_deg, target.bin.distance_mm
+        )
+    };
+    let mut bins: Vec<String> = targets.iter().map(name).collect();
+    bins.dedup();
+    Err(format!(
+        "no view is of the bin that --redo names: the bins of the views are {}",
+        bins.join(", ")
+    )
+    .into())
 }
 
 /// Says what the capture waits for, before anything happens; programs read it in the summary.

@@ -107,17 +107,23 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
     let found = photos.len();
     let motion = motion(&photos, &times);
     let chosen = choose(of_known_motion(photos, &motion));
-    let reason = match reasons.first() {
-        Some(first) if found == 0 => format!("none of the {looked_at} frames looked at; the first: {first}"),
-        _ => format!(
-            "of {looked_at} frames looked at, {found} show {}, of which the {} sharpest that differ most were taken",
+    let left_out = match (reasons.first(), chosen.len()) {
+        (Some(first), 0) => Some(format!("none of the {looked_at} frames looked at; the first: {first}")),
+        (_, taken) if taken == looked_at as usize => None,
+        (_, taken) => Some(format!(
+            "{} of {looked_at} frames looked at: {} do not show {}, {} are less sharp than those taken or like them",
+            looked_at as usize - taken,
+            reasons.len(),
             target.name(),
-            chosen.len()
-        ),
+            found - taken
+        )),
     };
     Ok(Film {
         frames: chosen,
-        left_out: vec![UnusedPhoto { file: name, reason }],
+        left_out: left_out
+            .map(|reason| UnusedPhoto { file: name, reason })
+            .into_iter()
+            .collect(),
         motion,
     })
 }

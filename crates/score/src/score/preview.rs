@@ -21,10 +21,18 @@ pub fn has_preview(id: u64, photos: usize) -> bool {
     photos <= MAX_PREVIEWS || share(id) != share(id - 1)
 }
 
-/// The photo with its longest side made `longest_side_px`; never larger than it is.
+/// A photo reduced as it is decoded may be so much smaller than the preview asked for: resizing a larger one would cost more than its decoding.
+const NEARLY: f64 = 0.75;
+
+/// The photo with its longest side made `longest_side_px` at most, and [`NEARLY`] so many at least; never larger than it is.
 pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
     let size = fitting([decoded.file.width, decoded.file.height], longest_side_px);
-    let image = decoded.at_least(size)?;
+    let image = decoded.at_least(size.map(|side| (NEARLY * f64::from(side)).ceil() as u32))?;
+    let is_small = image.width() <= size[0] && image.height() <= size[1];
     // Without a preview the report still has its numbers.
-    Ok(preview_jpeg(&shrunk(image, size), 80).unwrap_or_default())
+    let jpeg = match is_small {
+        true => preview_jpeg(image, 80),
+        false => preview_jpeg(&shrunk(image, size), 80),
+    };
+    Ok(jpeg.unwrap_or_default())
 }
