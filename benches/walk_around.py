@@ -476,7 +476,8 @@ def main():
     parse.add_argument("--noise", type=float, default=2.0, help="sigma, levels of 255")
     parse.add_argument("--mbit", type=float, nargs="*", default=[10.0, 40.0])
     parse.add_argument("--preset", default="veryfast")
-    parse.add_argument("--stills", type=int, nargs="*", help="write these frames as OUT_NUMBER.png instead, sharp (1 ms, no rolling shutter) and at the truth's poses")
+    parse.add_argument("--stills", type=int, nargs="*", help="write these frames as OUT_NUMBER_0.png instead, sharp (1 ms, no rolling shutter) and at the truth's poses")
+    parse.add_argument("--draws", type=int, default=1, help="with --stills: draw each so often, with other noise and other places within the pixel, as OUT_NUMBER_DRAW.png")
     parse.add_argument("--seed", type=int, default=1)
     args = parse.parse_args()
     scale = args.size[0] / 1920
@@ -490,7 +491,8 @@ def main():
         studio = Studio(args, camera)
         for number in args.stills:
             still = type("Still", (), {"camera_model": lambda self, t: np.array(frames[number]["T_camera_model_mm"])})()
-            cv2.imwrite(f"{args.out}_{number:04}.png", studio.frame(number, 0.0, still)[..., ::-1])
+            for draw in range(args.draws):
+                cv2.imwrite(f"{args.out}_{number:04}_{draw}.png", studio.frame(number + 1000 * draw, 0.0, still)[..., ::-1])
         return
     studio = Studio(args, camera)
     stated = {key: getattr(args, key) for key in ("fps", "seconds", "path", "paint", "exposure_ms", "readout_ms", "shake", "noise", "seed")}

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# What a detector makes of a film's frames and of sharp stills at the same poses: the stored walk's chosen frames (captures/walk), and the same views drawn without blur, rolling
-# shutter and compression. FOLDER/film and FOLDER/stills are the two reports; the table goes to standard output. Some minutes on two cores.
+# What a detector makes of a film's frames and of sharp stills at the same poses: frames chosen of the stored walk (captures/walk, --per-bin 3), and the same views drawn without blur and
+# rolling shutter. Stills are drawn four times, with other noise and other places within the pixel, which says how much a score is worth; they are scored as a camera writes them (JPEG
+# of quality 95 with colours of half the resolution, 4:2:0) and as drawn (PNG). FOLDER has the reports; the table goes to standard output. Ten minutes on two cores.
 #
 #   PYTHON=venv/bin/python benches/walk_stills.sh MESH FOLDER [DETECTOR...]
 #
 # MESH: skyline_r32_lowpoly.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0). PYTHON: one with what walk_around.py needs. DETECTOR: names or manifests; all whose weights
-# are here when none is given. SCALEPROOF: another program than ./run.
+# are here when none is given. SCALEPROOF: another program than ./run. DETECTORS: where the weights are, when not at their place.
 set -euo pipefail
 if [ $# -lt 2 ]; then
     echo "usage: $0 MESH FOLDER [DETECTOR...]" >&2
@@ -14,27 +15,62 @@ fi
 home=$(cd "$(dirname "$0")/.." && pwd)
 python=${PYTHON:-python3} program=${SCALEPROOF:-$home/run} mesh=$1 folder=$2 walk=$home/captures/walk
 shift 2
-detectors=()
+detectors=(${DETECTORS:+--detectors "$DETECTORS"})
 for detector; do detectors+=(--detector "$detector"); done
+draws=4
 mkdir -p "$folder"
 for variant in normal random; do
     "$program" session from-video "$walk/$variant.mp4" --scene "$walk/scene.toml" --camera "$walk/camera.yaml" \
-        --variant $variant --place table -o "$folder/session" --json > "$folder/$variant.json"
+        --variant $variant --place table --per-bin 3 -o "$folder/session" --json > "$folder/$variant.json"
     mapfile -t frames < <("$python" -c 'import json, sys; print(*(one["frame"] for one in json.load(open(sys.argv[1]))["chosen"]), sep="\n")' "$folder/$variant.json")
-    mkdir -p "$folder/$variant"
     # As captures/walk was made.
     seed=1 && [ $variant = normal ] || seed=2
-    "$python" "$home/benches/walk_around.py" "$folder/$variant/still" --mesh "$mesh" --paint $variant --seed $seed --size 1280x720 --fps 12 --seconds 10 --from-deg -22.5 --round-deg 360 \
-        --steps 8 --pace 0.97 --exposure-ms 8 --readout-ms 10 --shake 0.5 --noise 1 --stills "${frames[@]}"
+    mkdir -p "$folder/drawn"
+    "$python" "$home/benches/walk_around.py" "$folder/drawn/$variant" --mesh "$mesh" --paint $variant --seed $seed --size 1280x720 --fps 12 --seconds 10 --from-deg -22.5 --round-deg 360 \
+        --steps 8 --pace 0.97 --exposure-ms 8 --readout-ms 10 --shake 0.5 --noise 1 --stills "${frames[@]}" --draws $draws
 done
+# A report for each draw, as views that are drawn twice would count once.
+"$python" - "$folder" <<'PY'
+import sys
+from pathlib import Path
+
+import cv2
+
+folder = Path(sys.argv[1])
+as_cameras = [cv2.IMWRITE_JPEG_QUALITY, 95, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420]
+for still in sorted((folder / "drawn").glob("*.png")):
+    variant, _, draw = still.stem.split("_")
+    for kind, ending, options in (("jpeg", "jpg", as_cameras), ("png", "png", [])):
+        path = folder / f"{kind}{draw}" / variant / f"{still.stem}.{ending}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        cv2.imwrite(str(path), cv2.imread(str(still)), options)
+PY
 "$program" score "$folder/session" "${detectors[@]}" -o "$folder/film" --json > "$folder/film.json"
-"$program" score normal="$folder/normal" random="$folder/random" --place table --scene "$walk/scene.toml" --camera "$walk/camera.yaml" "${detectors[@]}" \
-    -o "$folder/stills" --json > "$folder/stills.json"
-"$python" - "$folder/film.json" "$folder/stills.json" <<'PY'
-import json, sys
-film, stills = ({(one["detector"], one["variant"]): one["overall"]["mean_confidence"] for one in json.load(open(path))["results"]} for path in sys.argv[1:])
-for which in film:
-    print(f"{which[0]:28} {which[1]:8} film {film[which]:.3f}  stills {stills[which]:.3f}  {film[which] - stills[which]:+.3f}")
-differences = [film[which] - stills[which] for which in film]
-print(f"mean difference {sum(differences) / len(differences):+.3f}, largest {max(differences, key=abs):+.3f}")
+for draw in $(seq 0 $((draws - 1))); do
+    for kind in jpeg png; do
+        stills=$folder/$kind$draw
+        "$program" score normal="$stills/normal" random="$stills/random" --place table --scene "$walk/scene.toml" --camera "$walk/camera.yaml" "${detectors[@]}" \
+            -o "$stills.report" --json > "$stills.json"
+    done
+done
+"$python" - "$folder" $draws <<'PY'
+import json
+import sys
+from statistics import mean
+
+folder, draws = sys.argv[1], range(int(sys.argv[2]))
+
+
+def scored(report):
+    return {(one["detector"], one["variant"]): one["overall"]["mean_confidence"] for one in json.load(open(f"{folder}/{report}.json"))["results"]}
+
+
+film, stills = scored("film"), {kind: [scored(f"{kind}{draw}") for draw in draws] for kind in ("jpeg", "png")}
+print("film − stills in mean confidence; in brackets the stills of one draw, from … to")
+for which, of_film in film.items():
+    parts = []
+    for kind, reports in stills.items():
+        of_draws = [report[which] for report in reports]
+        parts.append(f"{kind} {of_film - mean(of_draws):+.3f} ({min(of_draws):.3f} … {max(of_draws):.3f})")
+    print(f"{which[0]:16} {which[1]:8} film {of_film:.3f}  " + "  ".join(parts))
 PY

@@ -1,4 +1,4 @@
-//! Chosen frames become photos: decoded at full size, located once more the one way, and written with what was measured.
+//! Chosen frames become photos: in their colours, located once more the one way, and written with what was measured.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::choose::Chosen;
+use crate::hold::Held;
 use crate::look::{Look, Looker, Motion, Unplaced};
 use crate::motion::{self, ReadOut, Track, at_middle_row};
 use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
@@ -21,7 +22,7 @@ use scaleproof_pose::locate::{Located, ShutterResponse, Sigma, step_sigma};
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, VideoFrame};
-use scaleproof_video::{Frame, Frames, Selection, Video, VideoError};
+use scaleproof_video::{Frame, Planes, Selection, Video, VideoError};
 
 /// Quality of the JPEGs.
 const QUALITY: u8 = 95;
@@ -59,6 +60,8 @@ pub struct Keeper<'a> {
     pub place: &'a str,
     /// PNG instead of JPEG.
     pub png: bool,
+    /// Frames that need not be decoded again.
+    pub held: &'a Held,
     /// The viewpoints that frames were chosen for, where they were.
     pub wanted: &'a [Viewpoint],
 }
@@ -186,8 +189,10 @@ fn parts(numbers: &[u64], looks: &[Look]) -> Vec<Selection> {
     parts.map(selection).collect()
 }
 
-/// The frames of a part, or why there are none.
-fn each(frames: Result<Frames<RgbImage>, VideoError>) -> impl Iterator<Item = Result<Frame<RgbImage>, VideoError>> {
+/// All of some frames, or why there are none.
+fn each<T>(
+    frames: Result<impl Iterator<Item = Result<T, VideoError>>, VideoError>,
+) -> impl Iterator<Item = Result<T, VideoError>> {
     let (frames, error) = match frames {
         Ok(frames) => (Some(frames), None),
         Err(error) => (None, Some(Err(error))),
@@ -248,15 +253,7 @@ impl Keeper<'_> {
                 break;
             }
             let mut drafts = Vec::new();
-            let parts = parts(&with_those_beside(&missing, &track, looks), looks);
-            // The next part is begun before this one is gone through, and is decoded meanwhile.
-            let mut begun = parts.iter().map(|part| self.video.rgb(part)).peekable();
-            let frames = std::iter::from_fn(|| {
-                let part = begun.next();
-                let _ = begun.peek();
-                part
-            });
-            for frame in frames.flat_map(each) {
+            for frame in self.frames(&with_those_beside(&missing, &track, looks), looks) {
                 let frame = frame?;
                 match missing.get(&frame.number) {
                     None => look_beside(&frame, &missing, &mut track, &mut looker),
@@ -294,6 +291,38 @@ impl Keeper<'_> {
             }
         }
         Ok(kept.into_values().collect())
+    }
+
+    /// Frames by their numbers: those that are held, then the others as they are decoded.
+    fn frames(&self, numbers: &[u64], looks: &[Look]) -> impl Iterator<Item = Result<Frame<RgbImage>, VideoError>> {
+        let look = |number: &u64| looks.binary_search_by_key(number, |look| look.number).ok();
+        let held = |number: &u64| Some((looks[look(number)?], self.held.frame(*number)?.clone()));
+        let (held, planes): (Vec<Look>, Vec<Planes>) = numbers.iter().filter_map(held).unzip();
+        let others: Vec<u64> = (numbers.iter().copied())
+            .filter(|number| held.iter().all(|look| look.number != *number))
+            .collect();
+        let colours = (!held.is_empty()).then(|| each(self.video.colours(planes)));
+        let held = held
+            .into_iter()
+            .zip(colours.into_iter().flatten())
+            .map(|(look, image)| {
+                Ok(Frame {
+                    number: look.number,
+                    time_s: look.time_s,
+                    key: look.key,
+                    image: image?,
+                })
+            });
+        // The next part is begun before this one is gone through, and is decoded meanwhile.
+        let mut begun = (parts(&others, looks).into_iter())
+            .map(|part| self.video.rgb(&part))
+            .peekable();
+        let decoded = std::iter::from_fn(move || {
+            let part = begun.next();
+            let _ = begun.peek();
+            part
+        });
+        held.chain(decoded.flat_map(each))
     }
 
     fn remove(&self, folder: &Path, file: &str) -> Result<(), FileError> {

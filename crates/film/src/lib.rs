@@ -5,14 +5,16 @@
 //! - [`motion`]: how the camera moved in each frame, and what a rolling shutter made of it;
 //! - [`side`] and [`exposure`]: how long each frame is exposed, as the sides of its tags tell, and so how far that motion smears the model;
 //! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
+//! - [`hold`]: those that may be chosen, held while the film is looked at;
 //! - [`pairs`]: the viewpoints that frames are to be pairs of;
-//! - [`keep`]: chosen frames decoded at full size, located once more the one way, and written;
+//! - [`keep`]: chosen frames in their colours, located once more the one way, and written;
 //! - [`walk`]: all of this for one video;
 //! - [`coverage`] and [`sheet`]: what was seen, chosen and refused, as pictures.
 
 pub mod choose;
 pub mod coverage;
 pub mod exposure;
+pub mod hold;
 pub mod journal;
 pub mod keep;
 pub mod look;

@@ -138,30 +138,32 @@ impl<'a> Looker<'a> {
     }
 
     /// Is told the frame before the first that is looked at, which an earlier run has looked at.
-    pub fn begin_after(&mut self, frame: &Frame<GrayImage>) {
-        self.last = Some((frame.time_s, frame.image.clone()));
+    pub fn begin_after(&mut self, frame: Frame<GrayImage>) {
+        self.last = Some((frame.time_s, frame.image));
     }
 
     /// Looks at the next frame.
-    pub fn look(&mut self, frame: &Frame<GrayImage>) -> Look {
+    pub fn look(&mut self, frame: Frame<GrayImage>) -> Look {
         if self.looked.is_multiple_of(GROUP) {
             (self.poses, self.lost) = ([None, None], 0);
         }
         self.looked += 1;
         let is_repeated =
             |(time_s, last): &(f64, GrayImage)| frame.time_s - time_s < REPEATED_S && is_alike(last, &frame.image);
-        let shows = if self.last.as_ref().is_some_and(is_repeated) {
-            Err(Unplaced::Repeated)
-        } else {
-            self.last = Some((frame.time_s, frame.image.clone()));
-            self.view(frame)
-        };
-        Look {
+        let is_repeated = self.last.as_ref().is_some_and(is_repeated);
+        let look = Look {
             number: frame.number,
             time_s: frame.time_s,
             key: frame.key,
-            shows,
+            shows: match is_repeated {
+                true => Err(Unplaced::Repeated),
+                false => self.view(&frame),
+            },
+        };
+        if !is_repeated {
+            self.last = Some((frame.time_s, frame.image));
         }
+        look
     }
 
     fn view(&mut self, frame: &Frame<GrayImage>) -> Result<View, Unplaced> {
@@ -254,7 +256,7 @@ fn is_alike(one: &GrayImage, other: &GrayImage) -> bool {
     let rows = one.chunks_exact(width).zip(other.chunks_exact(width)).step_by(COMPARED);
     let (mut sum, mut count) = (0, 0);
     for (a, b) in rows {
-        sum += a.iter().zip(b).map(|(a, b)| u64::from(a.abs_diff(*b))).sum::<u64>();
+        sum += u64::from(a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>());
         count += width;
     }
     (sum as f64) < ALIKE_LEVELS * count as f64

@@ -104,6 +104,11 @@ pub fn set(looks: &mut [Look]) {
     // A rolling shutter puts each pose off by as much as the camera moves, so that where a motion changes the poses say it wrong.
     let corrected = Track::corrected(looks);
     set_by(looks, &corrected);
+    set_smears(looks);
+}
+
+/// Sets how far the motion of each frame that has one smears the model.
+pub(crate) fn set_smears(looks: &mut [Look]) {
     let exposure_s = exposure_s(looks);
     for view in looks.iter_mut().filter_map(|look| look.shows.as_mut().ok()) {
         view.smear_px = view

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::choose::{Chosen, SMEARED_PX, Wish};
+use crate::hold::Held;
 use crate::journal::{About, Journal};
 use crate::keep::{KeepError, Keeper, Kept};
 use crate::look::{Look, Looker, Unplaced};
@@ -15,7 +16,7 @@ use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice, limit_scale};
-use scaleproof_video::{Selection, Video, VideoError};
+use scaleproof_video::{Frame, Selection, Video, VideoError};
 
 /// A hand turns back within a tenth of a second: of fewer frames a second than this the motion in each is not known.
 const LOOKS_PER_S: f64 = 30.0;
@@ -64,7 +65,8 @@ pub fn usual_step(video: &Video) -> u64 {
 }
 
 impl Walk {
-    /// Looks at the frames that a journal has not; `about` says which and of what. `looked` hears of each frame, and says whether to go on.
+    /// Looks at the frames that a journal has not; `about` says which and of what. `looked` hears of each frame, and says whether to go on. Frames that may be
+    /// chosen by `wish` are held, for [`Walk::keep`].
     ///
     /// # Errors
     /// The video breaks off; the journal cannot be written; `looked` says no, and the journal has what was looked at.
@@ -72,9 +74,11 @@ impl Walk {
         &self,
         journal: &Path,
         about: &About,
+        wish: &Wish,
         mut looked: impl FnMut(&[Look]) -> bool,
-    ) -> Result<(Journal, Vec<Look>), LookError> {
+    ) -> Result<(Journal, Vec<Look>, Held), LookError> {
         let (mut journal, mut looks) = Journal::open(journal, about)?;
+        let mut held = Held::default();
         let mut goes_on = looked(&looks);
         let selection = Selection {
             // From the last frame of an earlier run on, which the next one may repeat.
@@ -94,23 +98,33 @@ impl Walk {
             };
             LookError::Video { error, whole_s }
         };
-        for frame in self.video.luma(&selection).map_err(|e| failed(e, &[]))? {
-            let frame = frame.map_err(|e| failed(e, &looks))?;
+        for frame in self.video.pictures(&selection).map_err(|e| failed(e, &[]))? {
+            let picture = frame.map_err(|e| failed(e, &looks))?;
+            let planes = picture.image.planes;
+            let frame = Frame {
+                number: picture.number,
+                time_s: picture.time_s,
+                key: picture.key,
+                image: picture.image.luma,
+            };
             if looks.last().is_some_and(|last| frame.number <= last.number) {
-                looker.begin_after(&frame);
+                looker.begin_after(frame);
                 continue;
             }
-            let look = looker.look(&frame);
+            let look = looker.look(frame);
             journal.add(&look)?;
             looks.push(look);
+            if let Some(planes) = planes {
+                held.add(planes, &looks, wish, |looks| self.choose(looks, wish));
+            }
             goes_on &= looked(&looks);
             if !goes_on {
                 journal.flush()?;
-                return Err(LookError::Interrupted { time_s: frame.time_s });
+                return Err(LookError::Interrupted { time_s: look.time_s });
             }
         }
         motion::set(&mut looks);
-        Ok((journal, looks))
+        Ok((journal, looks, held))
     }
 
     /// How many frames there will be to look at, by the header.
@@ -141,8 +155,8 @@ impl Walk {
         }
     }
 
-    /// Writes what [`Walk::choose`] chooses into a new folder, as photos of a texture at a place; as PNG instead of JPEG, where wanted. `goes_on` is
-    /// asked after each frame.
+    /// Writes what [`Walk::choose`] chooses into a new folder, as photos of a texture at a place; as PNG instead of JPEG, where wanted. Frames that are not held are
+    /// decoded again. `goes_on` is asked after each frame.
     ///
     /// # Errors
     /// As [`Keeper::write`].
@@ -151,6 +165,7 @@ impl Walk {
         (variant, place): (&str, &str),
         png: bool,
         (looks, wish): (&[Look], &Wish),
+        held: &Held,
         folder: &Path,
         goes_on: impl Fn() -> bool,
     ) -> Result<Vec<Kept>, KeepError> {
@@ -163,6 +178,7 @@ impl Walk {
             variant,
             place,
             png,
+            held,
             wanted: &self.wanted.viewpoints,
         };
         let choose = |unfit: &BTreeSet<usize>| {

@@ -1,5 +1,7 @@
 //! The crate's tests: which frames are chosen, and what is kept of a run. The stored walk is tested through the program.
 
+#[path = "film/hold.rs"]
+mod hold;
 #[path = "film/motion.rs"]
 mod motion;
 

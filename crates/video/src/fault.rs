@@ -43,6 +43,8 @@ pub enum VideoError {
     },
     #[error("{name} gave no frame for {waited_s:.0} s")]
     Silent { name: String, waited_s: f64 },
+    #[error("ffmpeg gave no colours of frames of {name}: call this again")]
+    NotConverted { name: String },
     #[error("{program} could not be started for {name}: {reason}")]
     NotStarted {
         name: String,

@@ -138,15 +138,17 @@ pub struct Frame<P> {
 pub trait Pixels: Sized + Send + 'static {
     /// ffmpeg's name of the format.
     const FORMAT: &'static str;
-    /// Bytes of a pixel.
-    const BYTES: usize;
+    /// Bytes of an image of a width and height.
+    fn length(size: [u32; 2]) -> usize;
     /// The image of a width and height; `None` when the bytes are not as many.
     fn from_bytes(size: [u32; 2], bytes: Vec<u8>) -> Option<Self>;
 }
 
 impl Pixels for GrayImage {
     const FORMAT: &'static str = "gray";
-    const BYTES: usize = 1;
+    fn length([width, height]: [u32; 2]) -> usize {
+        width as usize * height as usize
+    }
     fn from_bytes([width, height]: [u32; 2], bytes: Vec<u8>) -> Option<GrayImage> {
         GrayImage::from_raw(width, height, bytes)
     }
@@ -154,7 +156,9 @@ impl Pixels for GrayImage {
 
 impl Pixels for RgbImage {
     const FORMAT: &'static str = "rgb24";
-    const BYTES: usize = 3;
+    fn length(size: [u32; 2]) -> usize {
+        3 * GrayImage::length(size)
+    }
     fn from_bytes([width, height]: [u32; 2], bytes: Vec<u8>) -> Option<RgbImage> {
         RgbImage::from_raw(width, height, bytes)
     }
@@ -191,11 +195,11 @@ impl Video {
         let filter = match self.is_limited && self.range == Range::Standard && selection.height.is_none() {
             // A copy, where a conversion takes ffmpeg a fifth as long as decoding.
             true => Filter {
-                frames: format!("{}:out_range=tv", self.scaled(selection)),
+                frames: Some(format!("{}:out_range=tv", self.scaled(selection))),
                 is_limited: true,
             },
             false => Filter {
-                frames: self.scaled(selection),
+                frames: Some(self.scaled(selection)),
                 is_limited: false,
             },
         };
@@ -217,14 +221,14 @@ impl Video {
             ),
         };
         let filter = Filter {
-            frames: filter,
+            frames: Some(filter),
             is_limited: false,
         };
         Frames::start(self, selection, filter)
     }
 
     /// The filter for size and colours.
-    fn scaled(&self, selection: &Selection) -> String {
+    pub(crate) fn scaled(&self, selection: &Selection) -> String {
         let [width, height] = selection.size(self);
         let (matrix, way) = match self.range {
             Range::Standard => (
@@ -239,9 +243,13 @@ impl Video {
 
 impl<P: Pixels> Frames<P> {
     /// Starts ffmpeg; `filter` gives frames their size and colours.
-    fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
+    pub(crate) fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
         let name = video.input.name.clone();
-        let choice = selection.expression().map_or(String::new(), |e| format!(",select={e}"));
+        let choice = selection.expression().map(|e| format!("select={e}"));
+        let filters: Vec<String> = [Some("showinfo=checksum=0".to_owned()), choice, filter.frames.clone()]
+            .into_iter()
+            .flatten()
+            .collect();
         let mut command = command("ffmpeg", &name)?;
         command
             .args(["-nostdin", "-hide_banner", "-nostats", "-loglevel", "level+info"])
@@ -254,7 +262,7 @@ impl<P: Pixels> Frames<P> {
             )
             .args(&video.input.arguments)
             .args(["-map", &format!("0:{}", video.stream), "-an", "-sn", "-dn"])
-            .args(["-vf", &format!("showinfo=checksum=0{choice},{}", filter.frames)])
+            .args(["-vf", &filters.join(",")])
             .args([
                 every_frame_option(),
                 "passthrough",
@@ -435,32 +443,34 @@ impl<P: Pixels> Iterator for Frames<P> {
 
 /// What makes of a decoded frame one of the wanted size and colours.
 #[derive(Debug, Clone)]
-struct Filter {
-    /// ffmpeg's.
-    frames: String,
+pub(crate) struct Filter {
+    /// ffmpeg's; `None` to leave frames as they are.
+    pub frames: Option<String>,
     /// The luma that ffmpeg gives goes from 16 to 235.
-    is_limited: bool,
+    pub is_limited: bool,
 }
 
-/// Luma from 16 to 235 as that from 0 to 255.
-fn widened(limited: u8) -> u8 {
-    let above = u32::from(limited.saturating_sub(16));
-    ((above * 255 + 109) / 219).min(255) as u8
+/// Luma from 16 to 235 becomes that from 0 to 255.
+pub(crate) fn widen(levels: &mut [u8]) {
+    for level in levels {
+        // Of 16 bits, so that many levels take one instruction.
+        let above = u16::from(level.saturating_sub(16));
+        *level = ((above * 255 + 109) / 219).min(255) as u8;
+    }
 }
 
 /// Reads frames of a size until the pipe ends; it is full while nobody takes them, which makes ffmpeg wait.
-fn images<P: Pixels>(mut stdout: ChildStdout, size: [u32; 2], is_limited: bool) -> Receiver<P> {
+pub(crate) fn images<P: Pixels>(mut stdout: ChildStdout, size: [u32; 2], is_limited: bool) -> Receiver<P> {
     let (give, images) = sync_channel(AHEAD);
-    let wide: [u8; 256] = std::array::from_fn(|level| widened(level as u8));
     std::thread::spawn(move || {
-        let length = size[0] as usize * size[1] as usize * P::BYTES;
+        let length = P::length(size);
         loop {
             let mut bytes = vec![0; length];
             if stdout.read_exact(&mut bytes).is_err() {
                 return;
             }
             if is_limited {
-                bytes.iter_mut().for_each(|byte| *byte = wide[usize::from(*byte)]);
+                widen(&mut bytes);
             }
             let Some(image) = P::from_bytes(size, bytes) else {
                 return;

@@ -18,11 +18,13 @@ mod fault;
 mod frames;
 mod input;
 mod log;
+mod planes;
 mod probe;
 mod program;
 
 pub use fault::VideoError;
 pub use frames::{Frame, Frames, Pixels, Selection};
 pub use input::Input;
+pub use planes::{Colours, Picture, Pictures, Planes};
 pub use probe::{Range, Video};
 pub use program::{end_decoders, reads_video};

@@ -71,6 +71,8 @@ pub struct Video {
     pub range: Range,
     /// Whether its luma goes from 16 to 235, as that of most videos does.
     pub(crate) is_limited: bool,
+    /// Its pictures are stored in the usual way: 4:2:0, 8 bits, limited, not HDR.
+    pub(crate) has_planes: bool,
     /// Which of the input's video streams it is.
     pub(crate) stream: u32,
     /// The matrix from luma and chroma to colours, as ffmpeg's filter `scale` calls it.
@@ -206,6 +208,9 @@ impl Video {
             bits: stream.bits(),
             range: stream.range(),
             is_limited: stream.is_limited(),
+            has_planes: stream.is_limited()
+                && stream.range() == Range::Standard
+                && stream.pix_fmt.as_deref() == Some("yuv420p"),
             stream: stream.index,
             matrix: stream.matrix(height.min(width)),
             input,

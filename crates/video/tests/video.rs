@@ -347,6 +347,90 @@ fn frames_decoded_from_a_later_beginning_are_the_same_to_the_bit() {
     }
 }
 
+/// Also of turned ones, and of an odd width and height.
+#[test]
+fn colours_of_pictures_that_were_kept_are_those_of_decoding_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let [plain, turned] = ["plain.mp4", "turned.mp4"].map(|name| folder.path().join(name));
+    let sources: [(&str, &str, &[&str]); 2] = [
+        ("testsrc2=s=318x180:r=30:d=1", "bt709", &["-c:v", "libx264", "-bf", "3"]),
+        (
+            "testsrc=s=321x179:r=30:d=1",
+            "smpte170m",
+            &["-c:v", "libvpx-vp9", "-deadline", "realtime"],
+        ),
+    ];
+    for (source, matrix, options) in sources {
+        let encoded = [
+            "-f",
+            "lavfi",
+            "-i",
+            source,
+            "-pix_fmt",
+            "yuv420p",
+            "-colorspace",
+            matrix,
+        ];
+        ffmpeg(&[&encoded[..], options].concat(), &plain);
+        let copied = [
+            "-i",
+            plain.to_str().unwrap(),
+            "-c",
+            "copy",
+            "-metadata:s:v:0",
+            "rotate=90",
+        ];
+        ffmpeg(&copied, &turned);
+        for path in [&plain, &turned] {
+            let video = Video::open(path).unwrap();
+            let pictures: Vec<_> = video
+                .pictures(&Selection::default())
+                .unwrap()
+                .map(Result::unwrap)
+                .collect();
+            let luma = video.luma(&Selection::default()).unwrap().map(Result::unwrap);
+            let pairs = pictures.iter().zip(luma);
+            assert_eq!(
+                pairs
+                    .filter(|(one, other)| one.image.luma == other.image && one.time_s == other.time_s)
+                    .count(),
+                30
+            );
+            let kept: Vec<_> = pictures
+                .iter()
+                .step_by(7)
+                .filter_map(|one| one.image.planes.clone())
+                .collect();
+            let colours: Vec<_> = video.colours(kept).unwrap().map(Result::unwrap).collect();
+            let decoded: Vec<_> = video
+                .rgb(&Selection::default())
+                .unwrap()
+                .map(|frame| frame.unwrap().image)
+                .collect();
+            assert_eq!(colours.len(), 5);
+            assert!(
+                colours.iter().eq(decoded.iter().step_by(7)),
+                "{source}, {}",
+                path.display()
+            );
+        }
+    }
+    let ten_bits = made(
+        &folder,
+        "ten.mp4",
+        &[
+            "-c:v",
+            "libx265",
+            "-x265-params",
+            "log-level=none",
+            "-pix_fmt",
+            "yuv420p10le",
+        ],
+    );
+    let mut pictures = Video::open(&ten_bits).unwrap().pictures(&Selection::default()).unwrap();
+    assert!(pictures.next().unwrap().unwrap().image.planes.is_none());
+}
+
 #[test]
 fn hdr_is_named_and_its_white_paper_is_white() {
     let folder = tempfile::tempdir().unwrap();

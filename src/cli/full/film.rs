@@ -21,6 +21,7 @@ use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_core::spelling::count;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_film::choose::{Refusal, Wish, refused};
+use scaleproof_film::hold::Held;
 use scaleproof_film::journal::{About, Journal};
 use scaleproof_film::keep::{KeepError, Kept, PairDifference};
 use scaleproof_film::look::Look;
@@ -297,11 +298,11 @@ fn refuse_twice(session: &Session, args: &FilmArgs, sha256: &str) -> Result<()> 
 
 /// Looks, chooses, writes; the answer, and the answer in words.
 fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Answer, String)> {
-    let (journal, looks) = look(args, film, journal, stopped)?;
     let wish = film.walk.wish(args.per_bin.into(), args.apart);
+    let (journal, looks, held) = look(args, film, &wish, journal, stopped)?;
     let folder = folder_name(&slug(&args.variant), &slug(&stem(&film.walk.name)));
     let folder = files::free_place(&args.output.join(folder));
-    let kept = keep(args, film, &looks, &wish, &folder, stopped)?;
+    let kept = keep(args, film, (&looks, &wish), &held, &folder, stopped)?;
     if kept.is_empty() {
         return Err(nothing(args, &wish, &looks).into());
     }
@@ -352,7 +353,13 @@ fn nothing(args: &FilmArgs, wish: &Wish, looks: &[Look]) -> String {
 }
 
 /// Looks at the frames that were not looked at yet.
-fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Journal, Vec<Look>)> {
+fn look(
+    args: &FilmArgs,
+    film: &Film,
+    wish: &Wish,
+    journal: &Path,
+    stopped: &AtomicBool,
+) -> Result<(Journal, Vec<Look>, Held)> {
     let walk = &film.walk;
     let mut shown = None;
     let looked = |looks: &[Look]| {
@@ -365,7 +372,7 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
         progress.set_position(looks.len() as u64);
         !stopped.load(Ordering::Relaxed)
     };
-    let (journal, looks) = walk.looks(journal, &film.about, looked).map_err(|e| match e {
+    let (journal, looks, held) = walk.looks(journal, &film.about, wish, looked).map_err(|e| match e {
         LookError::Interrupted { time_s } => Interruption { time_s }.into(),
         // What is before the damage can be used.
         LookError::Video {
@@ -381,15 +388,15 @@ fn look(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
         let to = args.to.map_or(String::new(), |to| format!(" and before {to} s"));
         return Err(format!("{} has no frame after {} s{to}", args.video.display(), args.from).into());
     }
-    Ok((journal, looks))
+    Ok((journal, looks, held))
 }
 
 /// Writes the chosen frames into a folder of the session.
 fn keep(
     args: &FilmArgs,
     film: &Film,
-    looks: &[Look],
-    wish: &Wish,
+    (looks, wish): (&[Look], &Wish),
+    held: &Held,
     folder: &Path,
     stopped: &AtomicBool,
 ) -> Result<Vec<Kept>> {
@@ -399,7 +406,7 @@ fn keep(
         !stopped.load(Ordering::Relaxed)
     };
     let texture = (args.variant.as_str(), args.place.as_str());
-    let kept = film.walk.keep(texture, args.png, (looks, wish), folder, goes_on);
+    let kept = film.walk.keep(texture, args.png, (looks, wish), held, folder, goes_on);
     let kept = kept.map_err(|e| match e {
         KeepError::Interrupted => Interruption {
             time_s: looks.last().map_or(0.0, |last| last.time_s),

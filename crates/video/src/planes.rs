@@ -1,0 +1,154 @@
+//! Pictures as the decoder leaves them: their luma to look at, and what their colours can be made of later without decoding the video again.
+
+use std::io::Write;
+use std::process::Stdio;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+use image::{GrayImage, RgbImage};
+
+use crate::frames::{Filter, images, widen};
+use crate::program::{Running, command, drain, every_frame_option};
+use crate::{Frame, Frames, Pixels, Selection, Video, VideoError};
+
+/// A conversion takes some 50 ms a frame.
+const CONVERTED_WITHIN: Duration = Duration::from_secs(60);
+/// More than ffmpeg says of a conversion.
+const MOST_SAID: u64 = 1 << 16;
+
+/// A decoded picture, luma and colours. Copies share their memory.
+#[derive(Debug, Clone)]
+pub struct Planes(Arc<Vec<u8>>);
+
+impl Planes {
+    /// Bytes of the picture.
+    pub fn length(&self) -> usize {
+        self.0.len()
+    }
+}
+
+/// A picture to look at.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// From black (0) to white (255).
+    pub luma: GrayImage,
+    /// What its colours are made of; `None` where only decoding again gives them.
+    pub planes: Option<Planes>,
+}
+
+impl Pixels for Picture {
+    const FORMAT: &'static str = "yuv420p";
+    fn length([width, height]: [u32; 2]) -> usize {
+        GrayImage::length([width, height]) + 2 * GrayImage::length([width.div_ceil(2), height.div_ceil(2)])
+    }
+    fn from_bytes(size: [u32; 2], bytes: Vec<u8>) -> Option<Picture> {
+        let mut luma = bytes.get(..GrayImage::length(size))?.to_vec();
+        widen(&mut luma);
+        Some(Picture {
+            luma: GrayImage::from_bytes(size, luma)?,
+            planes: Some(Planes(Arc::new(bytes))),
+        })
+    }
+}
+
+/// Pictures of a video, one after another.
+pub enum Pictures {
+    /// With what their colours are made of.
+    Whole(Frames<Picture>),
+    /// Without.
+    Luma(Frames<GrayImage>),
+}
+
+impl Iterator for Pictures {
+    type Item = Result<Frame<Picture>, VideoError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match self {
+            Pictures::Whole(frames) => frames.next(),
+            Pictures::Luma(frames) => Some(frames.next()?.map(|frame| Frame {
+                number: frame.number,
+                time_s: frame.time_s,
+                key: frame.key,
+                image: Picture {
+                    luma: frame.image,
+                    planes: None,
+                },
+            })),
+        }
+    }
+}
+
+impl Video {
+    /// Pictures at full size: their luma as [`Video::luma`] gives it, and what [`Video::colours`] needs where the video stores its pictures in the usual way (8 bits, 4:2:0).
+    ///
+    /// # Errors
+    /// As [`Video::luma`].
+    pub fn pictures(&self, selection: &Selection) -> Result<Pictures, VideoError> {
+        if !self.has_planes || selection.height.is_some() {
+            return Ok(Pictures::Luma(self.luma(selection)?));
+        }
+        let as_decoded = Filter {
+            frames: None,
+            is_limited: false,
+        };
+        Ok(Pictures::Whole(Frames::start(self, selection, as_decoded)?))
+    }
+
+    /// Colours of such pictures, in their order: the same as [`Video::rgb`] gives.
+    ///
+    /// # Errors
+    /// No ffmpeg.
+    pub fn colours(&self, pictures: Vec<Planes>) -> Result<Colours, VideoError> {
+        let name = self.input.name.clone();
+        let mut command = command("ffmpeg", &name)?;
+        command
+            .args(["-nostdin", "-hide_banner", "-nostats", "-loglevel", "error"])
+            .args(["-f", "rawvideo", "-pixel_format", Picture::FORMAT, "-video_size"])
+            .arg(format!("{}x{}", self.width, self.height))
+            .args(["-i", "pipe:0", "-vf", &self.scaled(&Selection::default())])
+            .args([every_frame_option(), "passthrough", "-pix_fmt", RgbImage::FORMAT])
+            .args(["-f", "rawvideo", "pipe:1"])
+            .stdin(Stdio::piped());
+        let mut running = Running::start(command, "ffmpeg", &name)?;
+        let left = pictures.len();
+        let pipes = running.0.stdin.take().zip(running.0.stdout.take());
+        let Some((mut stdin, stdout)) = pipes else {
+            let (program, reason) = ("ffmpeg", "it has no input or output".to_owned());
+            return Err(VideoError::NotStarted { name, program, reason });
+        };
+        drain(running.0.stderr.take(), MOST_SAID);
+        // Ends when all are written, or when ffmpeg is ended.
+        std::thread::spawn(move || pictures.iter().try_for_each(|picture| stdin.write_all(&picture.0)));
+        Ok(Colours {
+            images: images(stdout, [self.width, self.height], false),
+            running,
+            name,
+            left,
+        })
+    }
+}
+
+/// Colours as ffmpeg converts them. It is ended when this is dropped.
+pub struct Colours {
+    images: Receiver<RgbImage>,
+    #[expect(dead_code, reason = "ends ffmpeg when it is dropped")]
+    running: Running,
+    name: String,
+    left: usize,
+}
+
+impl Iterator for Colours {
+    type Item = Result<RgbImage, VideoError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let image = self.images.recv_timeout(CONVERTED_WITHIN);
+        if image.is_err() {
+            self.left = 0;
+        }
+        Some(image.map_err(|_| VideoError::NotConverted {
+            name: self.name.clone(),
+        }))
+    }
+}
