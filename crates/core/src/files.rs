@@ -194,10 +194,18 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
         .map(|f| if f.as_os_str().is_empty() { Path::new(".") } else { f })
         .find(|f| f.exists());
     match there {
-        Some(there) if there.is_dir() => Staged::write(&there.join(".scaleproof"), b"").map(drop),
+        Some(there) if there.is_dir() => takes_files(there),
         Some(file) => Err(FileError::cannot_write(folder, format!("{} is a file", file.display()))),
         None => Err(FileError::cannot_write(folder, "no part of the path exists")),
     }
+}
+
+/// By a file that is gone again at once; what killed runs left in the folder goes, too.
+fn takes_files(folder: &Path) -> Result<(), FileError> {
+    journal::tidy(folder);
+    let probe = folder.join(".scaleproof");
+    let made = new_beside(&probe, |at| File::create_new(at).and_then(|_| std::fs::remove_file(at)));
+    made.map(drop).map_err(|e| FileError::write(&probe, &e))
 }
 
 /// Finds out, before long work, that a file that a user named can be written: its folder takes files, or it is a stream. Makes nothing.
