@@ -88,7 +88,7 @@ impl Held {
         motion::set_smears(&mut self.looks[..self.settled]);
     }
 
-    /// Lets go of all but the best of what is settled, down to half of the length.
+    /// Removes all but the best of what is settled, down to half of the length.
     fn thin(&mut self, choose: impl Fn(&[Look]) -> Vec<Chosen>) {
         let mut left = self.looks[..self.settled].to_vec();
         let mut best = vec![false; self.settled];

@@ -299,7 +299,7 @@ impl Keeper<'_> {
         let held = |number: &u64| Some((looks[look(number)?], self.held.frame(*number)?.clone()));
         let (held, planes): (Vec<Look>, Vec<Planes>) = numbers.iter().filter_map(held).unzip();
         let others: Vec<u64> = (numbers.iter().copied())
-            .filter(|number| held.iter().all(|look| look.number != *number))
+            .filter(|number| self.held.frame(*number).is_none())
             .collect();
         let colours = (!held.is_empty()).then(|| each(self.video.colours(planes)));
         let held = held

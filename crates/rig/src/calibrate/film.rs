@@ -107,15 +107,15 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
     let found = photos.len();
     let motion = motion(&photos, &times);
     let chosen = choose(of_known_motion(photos, &motion));
-    let left_out = match (reasons.first(), chosen.len()) {
-        (Some(first), 0) => Some(format!("none of the {looked_at} frames looked at; the first: {first}")),
-        (_, taken) if taken == looked_at as usize => None,
-        (_, taken) => Some(format!(
-            "{} of {looked_at} frames looked at: {} do not show {}, {} are less sharp than those taken or like them",
-            looked_at as usize - taken,
+    let unused = reasons.len() + found - chosen.len();
+    let left_out = match reasons.first() {
+        Some(first) if found == 0 => Some(format!("none of the {looked_at} frames looked at; the first: {first}")),
+        _ if unused == 0 => None,
+        _ => Some(format!(
+            "{unused} of {looked_at} frames looked at: {} do not show {}, {} are less sharp than those taken or like them",
             reasons.len(),
             target.name(),
-            found - taken
+            found - chosen.len()
         )),
     };
     Ok(Film {
