@@ -8,7 +8,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use common::{assert_refused, home, program, stderr, stdout};
+use common::{assert_refused, home, program, read_json, stderr, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof_attack::baseline::patches::{is_seen, paint};
@@ -1406,6 +1406,10 @@ fn bad_arguments_are_one_sentence() {
         &run(&["run", "--augment", "median,crops"]),
         &["crops", "second defence"],
     );
+    assert_refused(
+        &run(&["run", "--augment", "exec:./blur"]),
+        &["exec:./blur", "no derivative", "median"],
+    );
     assert_refused(&run(&["run", "--against", "best"]), &["best", "worst"]);
     assert_refused(&run(&["baseline", "flat", "--flat", "red"]), &["red"]);
     let patch = out.path().join("patch.png");
@@ -1465,6 +1469,13 @@ fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
     );
     let all = [CONFIG, "history.json", "pattern.json", PATTERN];
     assert_eq!(names(folder.path()), all);
+    // What it was made to withstand goes with the pattern.
+    let card = |folder: &Path| read_json(&folder.join("pattern.json"));
+    assert!(card(folder.path()).get("knows_defence").is_none());
+    let mut knowing = config.clone();
+    knowing.eot.defence = Some(Defence::named("median").unwrap());
+    write(folder.path(), Some(&knowing)).unwrap();
+    assert_eq!(card(folder.path())["knows_defence"], "median=2");
     // A pattern that the attack did not make has no settings of it.
     write(folder.path(), None).unwrap();
     assert_eq!(names(folder.path()), all[1..]);

@@ -119,6 +119,7 @@ pub(crate) fn main(arguments: &[OsString]) -> u8 {
     full::keep_refusals_quiet();
     scaleproof_core::workers::memory::keep();
     scaleproof_core::files::inputs::guard();
+    scaleproof_core::files::limit::fail_instead_of_ending();
     // Results name files in JSON, which is UTF-8.
     if let Some(argument) = arguments.iter().skip(1).find(|argument| argument.to_str().is_none()) {
         return refuse(&format!("{} is not UTF-8 text: give another name", argument.display()));

@@ -36,11 +36,15 @@ pub fn write(
         "queries": history.queries(),
         "held_out_by_renderer_model": history.last_judged().map(|(_, figures)| figures),
     });
+    let mut about = about.as_object().cloned().unwrap_or_default();
+    if let Some(defence) = config.and_then(|config| config.eot.defence) {
+        about.insert("knows_defence".to_owned(), defence.name().into());
+    }
     let card = Card {
         pattern_sha256: files::sha256_hex(&png),
         tile_mm: history.tile_mm,
         sides: mapping == TextureMapping::Sides,
-        about: about.as_object().cloned().unwrap_or_default(),
+        about,
     };
     let card = card.to_file(&path)?;
     let mut new = vec![(path.clone(), png), card, history.to_file(folder)?];

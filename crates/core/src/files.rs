@@ -3,6 +3,7 @@
 pub mod environment;
 pub mod inputs;
 mod journal;
+pub mod limit;
 mod place;
 mod staged;
 
@@ -130,7 +131,12 @@ const MOST_TEXT: u64 = 1 << 30;
 
 /// Reads a whole UTF-8 text file of up to 1 GiB.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    String::from_utf8(read_at_most(path, MOST_TEXT)?).map_err(|_| FileError::cannot_read(path, "it is not UTF-8 text"))
+    read_text_at_most(path, MOST_TEXT)
+}
+
+/// As [`read_at_most`], of a UTF-8 text.
+pub fn read_text_at_most(path: &Path, most_bytes: u64) -> Result<String, FileError> {
+    String::from_utf8(read_at_most(path, most_bytes)?).map_err(|_| FileError::cannot_read(path, "it is not UTF-8 text"))
 }
 
 /// Writes an output that a user named: [`write_all_atomically`] of one file.

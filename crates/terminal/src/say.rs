@@ -1,6 +1,7 @@
 //! The one way to the terminal. Texts from elsewhere (file names, names in sessions and palettes, tensors) may hold characters that move the
-//! cursor, colour what follows or turn the direction of reading: they are shown by their numbers.
+//! cursor, colour what follows or turn the direction of reading: they are shown by their numbers. A word longer than any path is cut in its middle.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,11 +21,33 @@ pub fn is_quiet() -> bool {
 
 /// Says a sentence on standard error, unless it is a note that `--quiet` silences. Nobody may be there to read it.
 pub fn say(sentence: fmt::Arguments) {
-    let text = sentence.to_string().replace('\n', "\\u000a");
+    let text = without_endless_words(&sentence.to_string()).replace('\n', "\\u000a");
     if is_quiet() && is_note(&text) {
         return;
     }
     let _ = writeln!(Visible(io::stderr().lock()), "{text}");
+}
+
+/// No path is longer (Linux, `PATH_MAX`), nor is a name, a number or a label that anybody would read.
+const LONGEST_WORD: usize = 4096;
+
+/// Of a longer word its beginning, its end, and how long it is.
+fn without_endless_words(text: &str) -> Cow<'_, str> {
+    const SHOWN: usize = 60;
+    if text.split(' ').all(|word| word.len() <= LONGEST_WORD) {
+        return Cow::Borrowed(text);
+    }
+    let cut = |word: &str| {
+        if word.len() <= LONGEST_WORD {
+            return word.to_owned();
+        }
+        let letters: Vec<char> = word.chars().collect();
+        let [head, tail] =
+            [&letters[..SHOWN], &letters[letters.len() - SHOWN..]].map(|part| part.iter().collect::<String>());
+        format!("{head}…{tail} ({} letters)", letters.len())
+    };
+    let words: Vec<String> = text.split(' ').map(cut).collect();
+    Cow::Owned(words.join(" "))
 }
 
 /// `note: …`, or `note on PHOTO: …`. What became of an input (`no pose for PHOTO: …`) is a result.

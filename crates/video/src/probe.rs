@@ -90,6 +90,7 @@ struct Description {
 #[derive(Deserialize, Default)]
 struct Format {
     duration: Option<String>,
+    start_time: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -196,13 +197,12 @@ impl Video {
         } else {
             [height, width]
         };
-        let number = |text: &Option<String>| text.as_ref()?.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
         Ok(Video {
             width,
             height,
             turned_deg,
             codec: codec.clone(),
-            duration_s: number(&stream.duration).or_else(|| number(&description.format.duration)),
+            duration_s: number(&stream.duration).or_else(|| description.format.length_s()),
             frames: stream.nb_frames.as_ref().and_then(|text| text.parse().ok()),
             frames_per_s: stream.frames_per_s(),
             bits: stream.bits(),
@@ -241,6 +241,19 @@ impl Video {
             name: self.input.name.clone(),
             transfer: self.range.name(),
         })
+    }
+}
+
+/// A time that is not 0, s.
+fn number(text: &Option<String>) -> Option<f64> {
+    text.as_ref()?.parse().ok().filter(|v: &f64| v.is_finite() && *v > 0.0)
+}
+
+impl Format {
+    /// Matroska's duration is the time of the end, wherever the first frame stands.
+    fn length_s(&self) -> Option<f64> {
+        let end_s = number(&self.duration)?;
+        Some(end_s - number(&self.start_time).unwrap_or(0.0)).filter(|s| *s > 0.0)
     }
 }
 

@@ -288,6 +288,29 @@ fn times_of_a_variable_frame_rate_are_true_and_selections_go_by_them() {
     assert_eq!(seen(&named), [(7, 49), (49, 2401)]);
 }
 
+#[test]
+fn a_clock_that_does_not_begin_at_0_makes_no_film_longer() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = [
+        "-c:v",
+        "libx264",
+        "-crf",
+        "1",
+        "-g",
+        "10",
+        "-output_ts_offset",
+        "100000",
+    ];
+    let path = made(&folder, "late.mkv", &options);
+    let video = Video::open(&path).unwrap();
+    assert_eq!(video.duration_s, Some(2.0));
+    let frames = video.luma(&Selection::default()).unwrap();
+    assert_eq!(frames.map(Result::unwrap).count(), 50);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    assert!(refusal(&path).contains("damaged or cut after"));
+}
+
 /// A moving picture, with references over frames not shown yet, key frames that those before lean on, and containers that know times to a millisecond or not by an index.
 #[test]
 fn frames_decoded_from_a_later_beginning_are_the_same_to_the_bit() {

@@ -23,9 +23,12 @@ pub enum DarknetError {
     Weights { file: String, fault: String },
 }
 
+/// YOLOv4's configuration, one of the longest, has 12 kB.
+const MOST_CFG: u64 = 16 << 20;
+
 /// The bytes of an ONNX file that computes what Darknet computes from a configuration and its weights.
 pub fn darknet_to_onnx(cfg: &Path, weights: &Path) -> Result<Vec<u8>, DarknetError> {
-    let (text, bytes) = (files::read_text(cfg)?, files::read(weights)?);
+    let (text, bytes) = (files::read_text_at_most(cfg, MOST_CFG)?, files::read(weights)?);
     let [cfg, weights] = [cfg, weights].map(|path| path.display().to_string());
     from_contents(&text, &cfg, &bytes, &weights)
 }

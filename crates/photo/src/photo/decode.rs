@@ -148,6 +148,10 @@ fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, Dec
     if !has_whole_colours(bytes) {
         return Err(DecodeProblem::Damaged("its palette ends within a colour".to_owned()));
     }
+    // Before the decoder, which says of sizes beyond its own limits only that there are such.
+    if let Some(size) = png_size(bytes) {
+        budget.check(&DecodeCost::of_png(size, 1, false))?;
+    }
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(PNG_CHUNKS);
     let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
@@ -157,6 +161,13 @@ fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, Dec
     let cost = DecodeCost::of_png(decoder.dimensions().into(), bytes_per_pixel, is_turned);
     budget.check(&cost)?;
     Ok((decoder, cost, exif))
+}
+
+/// Width and height of a PNG, px, by the chunk that it begins with (ISO/IEC 15948, 11.2.1).
+fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let header = bytes.get(12..24)?.strip_prefix(b"IHDR")?;
+    let (width, height) = header.split_first_chunk::<4>()?;
+    Some([*width, *height.first_chunk()?].map(u32::from_be_bytes))
 }
 
 /// Whether the palette of a PNG, if it has one, is made of whole colours (ISO/IEC 15948, 11.2.2). The decoder takes that for granted: of another it
@@ -184,5 +195,6 @@ fn has_whole_colours(bytes: &[u8]) -> bool {
 fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
     let text = e.to_string();
     let line = text.lines().next().unwrap_or_default();
+    let line = line.strip_prefix("Format error decoding Png: ").unwrap_or(line);
     DecodeProblem::Damaged(line.split(" {").next().unwrap_or(line).to_owned())
 }

@@ -47,15 +47,21 @@ fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
     RgbImage::new(1, 1)
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
         .unwrap();
-    // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
-    bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
-    let crc = crc32(&bytes[12..29]);
-    bytes[29..33].copy_from_slice(&crc.to_be_bytes());
-    let problem = decode(&bytes).unwrap_err();
-    assert!(
-        matches!(&problem, PhotoError::TooLarge { size, .. } if size.starts_with("10000 megapixels")),
-        "{problem:?}"
-    );
+    // The second is the largest that the format has, at which the decoder ends by itself.
+    for (side, size_in_words) in [
+        (100_000_u32, "10000 megapixels"),
+        (i32::MAX as u32, "4611686014132 megapixels"),
+    ] {
+        // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
+        bytes[16..24].copy_from_slice(&[side.to_be_bytes(), side.to_be_bytes()].concat());
+        let crc = crc32(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+        let problem = decode(&bytes).unwrap_err();
+        assert!(
+            matches!(&problem, PhotoError::TooLarge { size, .. } if size.starts_with(size_in_words)),
+            "{problem:?}"
+        );
+    }
 }
 
 /// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.

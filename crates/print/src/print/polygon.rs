@@ -53,40 +53,43 @@ impl Affine {
 }
 
 /// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.
-pub fn slices(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>) -> impl Iterator<Item = (i64, Polygon)> {
-    let last = *cells.end();
+pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>, mut found: impl FnMut(i64, &[Point])) {
+    let (first, last) = cells.into_inner();
+    if first == last {
+        return found(first, polygon);
+    }
     let mut rest = Polygon::from_slice(polygon);
-    cells.map(move |cell| {
-        let beyond = if cell == last {
-            Polygon::new()
+    let (mut part, mut beyond) = (Polygon::new(), Polygon::new());
+    for cell in first..last {
+        let above = |p: &Point| value.at(p) - (cell + 1) as f64;
+        cut(&rest, above, &mut beyond);
+        if beyond.is_empty() {
+            found(cell, &rest);
+            rest.clear();
         } else {
-            cut(&rest, |p| value.at(p) - (cell + 1) as f64)
-        };
-        let part = if beyond.is_empty() {
-            std::mem::take(&mut rest)
-        } else {
-            let part = cut(&rest, |p| (cell + 1) as f64 - value.at(p));
-            rest = beyond;
-            part
-        };
-        (cell, part)
-    })
+            cut(&rest, |p| (cell + 1) as f64 - value.at(p), &mut part);
+            found(cell, &part);
+            std::mem::swap(&mut rest, &mut beyond);
+        }
+    }
+    found(last, &rest);
 }
 
+/// The part in a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
     let turn = doubled_area(*a, *b, *c).signum();
-    let cut_by = |part: Polygon, (from, to): (&Point, &Point)| cut(&part, |p| turn * doubled_area(*from, *to, *p));
-    [(a, b), (b, c), (c, a)]
-        .into_iter()
-        .fold(Polygon::from_slice(polygon), cut_by)
+    let (mut part, mut cut_once_more) = (Polygon::from_slice(polygon), Polygon::new());
+    for (from, to) in [(a, b), (b, c), (c, a)] {
+        cut(&part, |p| turn * doubled_area(*from, *to, *p), &mut cut_once_more);
+        std::mem::swap(&mut part, &mut cut_once_more);
+    }
+    part
 }
 
 /// The part where an affine function is not negative (Sutherland & Hodgman 1974).
-fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Polygon {
-    let mut part = Polygon::new();
-    let Some(mut before) = polygon.last() else {
-        return part;
-    };
+fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64, part: &mut Polygon) {
+    part.clear();
+    let Some(mut before) = polygon.last() else { return };
     let mut value_before = value(before);
     for p in polygon {
         let here = value(p);
@@ -99,7 +102,6 @@ fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64) -> Polygon {
         }
         (before, value_before) = (p, here);
     }
-    part
 }
 
 pub fn area(polygon: &[Point]) -> f64 {

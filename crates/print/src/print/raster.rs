@@ -4,7 +4,7 @@
 use image::{Rgb, RgbImage};
 
 use super::buckets::{Buckets, bounds};
-use super::polygon::{Affine, area, slices, within};
+use super::polygon::{Affine, area, each_slice, within};
 use super::sheet::RectMm;
 use super::wrap::{Point, Region};
 use scaleproof_core::geometry::length::shown;
@@ -294,12 +294,12 @@ impl<'a> FlatPaint<'a> {
         if count(&columns).saturating_mul(count(&rows)) > MOST_CELLS {
             return None;
         }
-        for (column, strip) in slices(polygon, &across, columns) {
-            for (row, cell) in slices(&strip, &up, rows.clone()) {
+        each_slice(polygon, &across, columns, |column, strip| {
+            each_slice(strip, &up, rows.clone(), |row, cell| {
                 let colour = self.texture.cell(self.triangles[i].triangle, [column, row]);
-                found.add(colour, area(&cell));
-            }
-        }
+                found.add(colour, area(cell));
+            });
+        });
         Some(())
     }
 

@@ -29,3 +29,19 @@ fn what_moves_the_cursor_is_shown_and_json_stays_json() {
     let read: serde_json::Value = serde_json::from_slice(&out).unwrap();
     assert_eq!(read["name"], name);
 }
+
+#[test]
+fn endless_words_are_cut_and_paths_are_not() {
+    let path = format!("/data/{}", "x".repeat(4000));
+    let text = format!("error: {path} is not there");
+    assert_eq!(without_endless_words(&text), text);
+    let number = "7".repeat(100_000);
+    let sentence = without_endless_words(&format!(
+        "error: n.cfg, line 3: [net] has width={number}: give a number"
+    ))
+    .into_owned();
+    let beginning = format!("error: n.cfg, line 3: [net] has width={}", "7".repeat(54));
+    assert!(sentence.starts_with(&beginning), "{sentence}");
+    assert!(sentence.ends_with("7: (100007 letters) give a number"), "{sentence}");
+    assert!(sentence.len() < 250);
+}

@@ -29,6 +29,7 @@ use scaleproof_detect::{Manifest, ProgramDetector};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_gradients::program::ProgramWhiteBox;
+use scaleproof_photo::defence::Defence;
 use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::card::{self, CardError};
 use scaleproof_surface::pattern::{MAX_CELLS, Pattern, PatternError};
@@ -217,8 +218,11 @@ impl OnFrames {
         let (beside, next) = random.map_or(Default::default(), |figures| {
             (beside(&figures), self.next_command(&path))
         });
+        let defended = config
+            .and_then(|config| config.eot.defence)
+            .map_or_else(String::new, undefended);
         let words = format!(
-            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}{beside}{next}",
+            "{}: {columns} × {rows} cells, tile {tile_mm} mm{figures}{beside}{defended}{next}",
             path.display()
         );
         let made = Made {
@@ -303,6 +307,14 @@ fn beside(random: &HeldOutFigures) -> String {
     format!(
         "\nrandom cells on these views: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2}{hidden}",
         random.ap50, random.hit_rate, random.mean_confidence
+    )
+}
+
+/// That the figures of a pattern that knows a defence are not under it, as a line after a line break.
+fn undefended(defence: Defence) -> String {
+    let name = defence.name();
+    format!(
+        "\nboth without the defence {name}: `scaleproof score --defence {name}` judges photos of the print under it"
     )
 }
 

@@ -230,6 +230,12 @@ fn augmentations() -> Vec<&'static str> {
 /// Why something is no augmentation; `fault`: why it is no defence.
 fn no_augmentation(asked: &str, fault: String) -> String {
     let name = asked.split('=').next().unwrap_or_default();
+    if asked.starts_with("exec:") {
+        return format!(
+            "--augment {asked}: a program gives no derivative, so only the defences with a name can be attacked through: take one of {}",
+            Defence::NAMES.join(", ")
+        );
+    }
     if Defence::NAMES.contains(&name) {
         return fault;
     }
