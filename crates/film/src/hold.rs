@@ -4,15 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::choose::{Chosen, Refusal, Wish};
 use crate::look::{Look, Unplaced};
-use crate::motion;
+use crate::motion::{self, BESIDE};
 use scaleproof_video::Planes;
 
 /// Frames of so many bytes are held at most.
 const MOST_BYTES: usize = 256 << 20;
 /// Where fewer fit, as of 8K, none is held: some bins' best would drop out all the time.
 const LEAST_FRAMES: usize = 16;
-/// So many frames on each side tell the motion in one.
-const BESIDE: usize = 2;
 
 /// Frames by their numbers; of what is looked at so far those that are chosen, and then those that would be chosen without them, up to a length.
 #[derive(Debug)]

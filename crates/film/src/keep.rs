@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::choose::Chosen;
 use crate::hold::Held;
 use crate::look::{Look, Looker, Motion, Unplaced};
-use crate::motion::{self, ReadOut, Track, at_middle_row};
+use crate::motion::{self, BESIDE, ReadOut, Track, at_middle_row};
 use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::rigid::step_between;
@@ -30,8 +30,6 @@ const QUALITY: u8 = 95;
 const THUMBNAIL_PX: u32 = 320;
 /// So often at most, frames that turn out unfit at full size are replaced by others.
 const MOST_ROUNDS: usize = 4;
-/// So many frames before and after a chosen one say how the camera moved in it.
-const BESIDE: u64 = 2;
 
 /// Why frames could not be kept.
 #[derive(Debug, thiserror::Error)]
@@ -151,7 +149,7 @@ fn with_those_beside(chosen: &BTreeMap<u64, Chosen>, track: &Track, looks: &[Loo
 }
 
 fn beside(number: u64) -> std::ops::RangeInclusive<u64> {
-    number.saturating_sub(BESIDE)..=number + BESIDE
+    number.saturating_sub(BESIDE as u64)..=number + BESIDE as u64
 }
 
 /// Doubts of the motions of all frames that are no more smeared than these. Not of these alone: they were chosen since they seemed still.

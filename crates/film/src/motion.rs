@@ -14,6 +14,8 @@ use scaleproof_core::geometry::rigid::{step_between, stepped};
 use scaleproof_pose::locate::{ShutterResponse, Sigma, step_sigma};
 use scaleproof_pose::scene::Scene;
 
+/// So many frames before and after one tell how the camera moved in it.
+pub const BESIDE: usize = 2;
 /// Neighbours further away, s, say nothing of a frame's motion.
 const REACH_S: f64 = 0.25;
 /// Two neighbours on each side are better than one where all lie within so many seconds of the frame. Simulated walks with a hand's shake up to 12 Hz: at 30 frames a second errors

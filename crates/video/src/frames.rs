@@ -192,16 +192,13 @@ impl Video {
     /// # Errors
     /// No ffmpeg. What is wrong with the video shows while it is decoded.
     pub fn luma(&self, selection: &Selection) -> Result<Frames<GrayImage>, VideoError> {
-        let filter = match self.is_limited && self.range == Range::Standard && selection.height.is_none() {
-            // A copy, where a conversion takes ffmpeg a fifth as long as decoding.
-            true => Filter {
-                frames: Some(format!("{}:out_range=tv", self.scaled(selection))),
-                is_limited: true,
-            },
-            false => Filter {
-                frames: Some(self.scaled(selection)),
-                is_limited: false,
-            },
+        let scaled = self.scaled(selection);
+        // A copy, where a conversion takes ffmpeg a fifth as long as decoding.
+        let is_limited = self.is_limited && selection.height.is_none();
+        let range = if is_limited { ":out_range=tv" } else { "" };
+        let filter = Filter {
+            frames: Some(scaled + range),
+            is_limited,
         };
         Frames::start(self, selection, filter)
     }

@@ -69,9 +69,9 @@ pub struct Video {
     /// Bits of a sample: 8, 10 or 12.
     pub bits: u32,
     pub range: Range,
-    /// Whether its luma goes from 16 to 235, as that of most videos does.
+    /// Its luma has 8 bits and goes from 16 to 235, as that of most videos does.
     pub(crate) is_limited: bool,
-    /// Its pictures are stored in the usual way: 4:2:0, 8 bits, limited, not HDR.
+    /// Moreover there is one value of either chroma for 2 × 2 pixels (4:2:0).
     pub(crate) has_planes: bool,
     /// Which of the input's video streams it is.
     pub(crate) stream: u32,
@@ -208,9 +208,7 @@ impl Video {
             bits: stream.bits(),
             range: stream.range(),
             is_limited: stream.is_limited(),
-            has_planes: stream.is_limited()
-                && stream.range() == Range::Standard
-                && stream.pix_fmt.as_deref() == Some("yuv420p"),
+            has_planes: stream.is_limited() && stream.pix_fmt.as_deref() == Some("yuv420p"),
             stream: stream.index,
             matrix: stream.matrix(height.min(width)),
             input,
@@ -299,10 +297,12 @@ impl Stream {
         }
     }
 
-    /// What does not say is limited where it is YUV; RGB never is, and the formats of old JPEGs are not. Of 8 bits alone: others are converted anyway.
+    /// What does not say is limited where it is YUV; RGB never is, and the formats of old JPEGs are not. Of 8 bits without HDR alone: others are converted anyway.
     fn is_limited(&self) -> bool {
         let format = self.pix_fmt.as_deref().unwrap_or_default();
-        self.color_range.as_deref() != Some("pc") && ["yuv420p", "yuv422p", "yuv444p", "nv12"].contains(&format)
+        self.range() == Range::Standard
+            && self.color_range.as_deref() != Some("pc")
+            && ["yuv420p", "yuv422p", "yuv444p", "nv12"].contains(&format)
     }
 
     /// A video that does not say is BT.709 from 720 lines on, and BT.601 below, as players take it.
