@@ -35,7 +35,7 @@ def outputs(cell):
 
 def page(name):
     notebook = nbformat.v4.new_notebook(cells=list(cells((FOLDER / f"{name}.py").read_text())))
-    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(FOLDER)}}).execute()
+    nbclient.NotebookClient(notebook, timeout=120, coalesce_streams=True, kernel_name="python3", resources={"metadata": {"path": str(FOLDER)}}).execute()
     title, *rest = notebook.cells
     parts = [title.source, f"{ABOUT}\n\nA notebook: `python/notebooks/{name}.py`."]
     for cell in rest:
