@@ -7,12 +7,14 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::body::{Body, Bytes};
-use axum::extract::{Path, Request, State};
+use axum::extract::{FromRequestParts, Path, Request, State};
 use axum::http::header::{CACHE_CONTROL, CONNECTION, CONTENT_TYPE, LOCATION, SET_COOKIE};
+use axum::http::request::Parts;
 use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use serde::de::DeserializeOwned;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 
 use super::access::{Access, Scheme};
@@ -78,13 +80,27 @@ impl PageContext {
             .route("/undo", post(|site| ask(site, Action::Undo)))
             .route(
                 "/redo/{sector}",
-                post(|site, Path(sector)| ask(site, Action::Redo(sector))),
+                post(|site, Named(sector)| ask(site, Action::Redo(sector))),
             )
             .route("/finish", post(finish))
             .layer(middleware::from_fn_with_state(self.clone(), known))
             .route("/join/{token}", get(join))
             .layer(middleware::from_fn_with_state(self.clone(), from_here))
             .with_state(self)
+    }
+}
+
+/// What an address names, as numbers and words of their kinds; an address with others is answered in a sentence of ours, not of the framework's.
+struct Named<T>(T);
+
+impl<T: DeserializeOwned + Send> FromRequestParts<PageContext> for Named<T> {
+    type Rejection = Response;
+
+    async fn from_request_parts(parts: &mut Parts, site: &PageContext) -> Result<Named<T>, Response> {
+        let named = Path::from_request_parts(parts, site).await;
+        named
+            .map(|Path(named)| Named(named))
+            .map_err(|_| stranger(StatusCode::BAD_REQUEST, "this page has no such address"))
     }
 }
 
@@ -119,7 +135,7 @@ async fn known(State(site): State<PageContext>, request: Request, next: Next) ->
     next.run(request).await
 }
 
-async fn join(State(site): State<PageContext>, Path(token): Path<String>, request: Request) -> Response {
+async fn join(State(site): State<PageContext>, Named(token): Named<String>, request: Request) -> Response {
     let to_page = [(LOCATION, "/")];
     match site.access.join(&token, scheme(&request)) {
         Some(cookie) => (StatusCode::SEE_OTHER, to_page, [(SET_COOKIE, cookie)]).into_response(),
@@ -134,7 +150,7 @@ async fn join(State(site): State<PageContext>, Path(token): Path<String>, reques
 }
 
 /// The newest state, as soon as it is another than the one that was seen.
-async fn state(State(site): State<PageContext>, Path(seen): Path<u64>) -> Response {
+async fn state(State(site): State<PageContext>, Named(seen): Named<u64>) -> Response {
     let mut published = site.published.clone();
     let is_news = |p: &Arc<Published>| p.revision != seen || p.has_ended;
     let _ = tokio::time::timeout(NEWS, published.wait_for(is_news)).await; // without news, the old once more
@@ -143,7 +159,7 @@ async fn state(State(site): State<PageContext>, Path(seen): Path<u64>) -> Respon
 }
 
 /// The newest frame; an older one is gone.
-async fn preview(State(site): State<PageContext>, Path(number): Path<u64>) -> Response {
+async fn preview(State(site): State<PageContext>, Named(number): Named<u64>) -> Response {
     let Ok(turn) = site.previews.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
     };
@@ -155,7 +171,7 @@ async fn preview(State(site): State<PageContext>, Path(number): Path<u64>) -> Re
 }
 
 /// A photo that fills a view. The name is compared with those of such photos, and never made into a path unless it is one.
-async fn photo(State(site): State<PageContext>, Path(name): Path<String>) -> Response {
+async fn photo(State(site): State<PageContext>, Named(name): Named<String>) -> Response {
     let is_one = site.published.borrow().photos.contains(&name);
     if !is_one {
         return StatusCode::NOT_FOUND.into_response();
@@ -186,7 +202,7 @@ async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>>
 /// A picture of what a device films, drawn so long after the one before; the page made up the device's number.
 async fn film(
     site: State<PageContext>,
-    Path((device, kind, after_ms)): Path<(u32, FilmKind, u32)>,
+    Named((device, kind, after_ms)): Named<(u32, FilmKind, u32)>,
     request: Request,
 ) -> Response {
     let filmed = |bytes, place| Action::Filmed {
