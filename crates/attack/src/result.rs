@@ -26,7 +26,7 @@ pub fn write(
 ) -> Result<PathBuf, RunError> {
     let path = folder.join(PATTERN);
     let png = encode_rgb(&to_image(cells, columns))?;
-    let about = json!({
+    let mut about = json!({
         "made_by": format!("scaleproof {} attack, method {}", history.scaleproof, history.method),
         "cells": mapping.grid(columns),
         "seed": history.seed,
@@ -36,15 +36,14 @@ pub fn write(
         "queries": history.queries(),
         "held_out_by_renderer_model": history.last_judged().map(|(_, figures)| figures),
     });
-    let mut about = about.as_object().cloned().unwrap_or_default();
     if let Some(defence) = config.and_then(|config| config.eot.defence) {
-        about.insert("knows_defence".to_owned(), defence.name().into());
+        about["knows_defence"] = defence.name().into();
     }
     let card = Card {
         pattern_sha256: files::sha256_hex(&png),
         tile_mm: history.tile_mm,
         sides: mapping == TextureMapping::Sides,
-        about,
+        about: about.as_object().cloned().unwrap_or_default(),
     };
     let card = card.to_file(&path)?;
     let mut new = vec![(path.clone(), png), card, history.to_file(folder)?];

@@ -1,7 +1,6 @@
 //! The one way to the terminal. Texts from elsewhere (file names, names in sessions and palettes, tensors) may hold characters that move the
 //! cursor, colour what follows or turn the direction of reading: they are shown by their numbers. A word longer than any path is cut in its middle.
 
-use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,13 +30,10 @@ pub fn say(sentence: fmt::Arguments) {
 /// No path is longer (Linux, `PATH_MAX`), nor is a name, a number or a label that anybody would read.
 const LONGEST_WORD: usize = 4096;
 
-/// Of a longer word its beginning, its end, and how long it is.
-fn without_endless_words(text: &str) -> Cow<'_, str> {
+/// A text with its words; of a longer one its beginning, its end, and how long it is.
+fn without_endless_words(text: &str) -> String {
     const SHOWN: usize = 60;
-    if text.split(' ').all(|word| word.len() <= LONGEST_WORD) {
-        return Cow::Borrowed(text);
-    }
-    let cut = |word: &str| {
+    let shown = |word: &str| {
         if word.len() <= LONGEST_WORD {
             return word.to_owned();
         }
@@ -46,8 +42,7 @@ fn without_endless_words(text: &str) -> Cow<'_, str> {
             [&letters[..SHOWN], &letters[letters.len() - SHOWN..]].map(|part| part.iter().collect::<String>());
         format!("{head}…{tail} ({} letters)", letters.len())
     };
-    let words: Vec<String> = text.split(' ').map(cut).collect();
-    Cow::Owned(words.join(" "))
+    text.split(' ').map(shown).collect::<Vec<_>>().join(" ")
 }
 
 /// `note: …`, or `note on PHOTO: …`. What became of an input (`no pose for PHOTO: …`) is a result.

@@ -1,16 +1,9 @@
 //! The largest file that this process may write.
 
-use std::sync::Once;
-
 /// From now on a file that grows past what the system lets this process write (`ulimit -f`) cannot be written, as on a full disk; a process that does not
-/// ask for that is ended by the signal SIGXFSZ, without a word. Programs that are started from here inherit it. Does nothing off Unix.
-pub fn fail_instead_of_ending() {
-    static DONE: Once = Once::new();
-    DONE.call_once(ignore_signal);
-}
-
+/// ask for that is ended by the signal SIGXFSZ, without a word. Programs that are started from here inherit it. Does nothing off Linux and macOS.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
-fn ignore_signal() {
+pub fn fail_instead_of_ending() {
     use std::ffi::c_int;
 
     // signal.h of both
@@ -24,4 +17,4 @@ fn ignore_signal() {
 }
 
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn ignore_signal() {}
+pub fn fail_instead_of_ending() {}

@@ -78,10 +78,10 @@ pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>,
 /// The part in a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
     let turn = doubled_area(*a, *b, *c).signum();
-    let (mut part, mut cut_once_more) = (Polygon::from_slice(polygon), Polygon::new());
+    let (mut part, mut less) = (Polygon::from_slice(polygon), Polygon::new());
     for (from, to) in [(a, b), (b, c), (c, a)] {
-        cut(&part, |p| turn * doubled_area(*from, *to, *p), &mut cut_once_more);
-        std::mem::swap(&mut part, &mut cut_once_more);
+        cut(&part, |p| turn * doubled_area(*from, *to, *p), &mut less);
+        std::mem::swap(&mut part, &mut less);
     }
     part
 }

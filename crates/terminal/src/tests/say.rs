@@ -38,8 +38,7 @@ fn endless_words_are_cut_and_paths_are_not() {
     let number = "7".repeat(100_000);
     let sentence = without_endless_words(&format!(
         "error: n.cfg, line 3: [net] has width={number}: give a number"
-    ))
-    .into_owned();
+    ));
     let beginning = format!("error: n.cfg, line 3: [net] has width={}", "7".repeat(54));
     assert!(sentence.starts_with(&beginning), "{sentence}");
     assert!(sentence.ends_with("7: (100007 letters) give a number"), "{sentence}");
