@@ -359,6 +359,7 @@ fn see(tag: &Tag, pose: &Rigid, c: &Camera, sigma_px: f64, rng: &mut Pcg64Mcg) -
         family: tag.family,
         corners_px,
         is_whole: true,
+        is_fitted: true,
     })
 }
 

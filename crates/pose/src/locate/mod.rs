@@ -47,7 +47,7 @@ pub use relabelled::{CardFault, Relabelled};
 pub use shutter::{READ_OUT_S, ShutterResponse, step_sigma};
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
-pub use uncertainty::{Sigma, Uncertainty, bin_probability, expected_px2};
+pub use uncertainty::{SPREAD, Sigma, Uncertainty, bin_probability, expected_px2};
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]

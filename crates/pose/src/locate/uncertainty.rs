@@ -4,7 +4,7 @@
 //! expected. `camera_doubt` adds what the camera is known to. What is wrong in the same way in every photo beyond that (another lens's camera file, a wrong
 //! tag size) leaves the residuals small and is not.
 
-use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
 use super::matches::{Corners, area_px};
@@ -115,7 +115,7 @@ const NOISE_PX: f64 = 0.3;
 const BENT_PAPER: f64 = 0.009;
 
 /// Variance of the logarithm of a photo's noise variance: renders have a tenth of what is expected, bent cards three times as much.
-const SPREAD: f64 = 1.2;
+pub const SPREAD: f64 = 1.2;
 
 /// The variance that is expected of a tag's corners, px² per axis: of any corner, and of paper that bends.
 pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
@@ -126,6 +126,8 @@ struct TagTerms {
     information: Matrix6<f64>,
     /// JᵀT, with the derivatives T of its corners by a displacement of the tag, mm.
     displaced: Matrix6x3<f64>,
+    /// Jᵀ times the corners from their middle: by how the tag would look larger.
+    enlarged: Vector6<f64>,
     /// Σ T², px² per mm².
     displacement: f64,
     /// See [`expected_px2`].
@@ -165,7 +167,12 @@ pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64
         let own = scale * tag.expected_px2 * tag.information;
         own + displaced_mm2 * tag.displaced * tag.displaced.transpose()
     });
-    let covariance = inverse * middle.sum::<Matrix6<f64>>() * inverse;
+    let alike = tags
+        .iter()
+        .zip(&corners.off_alike)
+        .map(|(tag, share)| *share * tag.enlarged);
+    let alike = alike.sum::<Vector6<f64>>();
+    let covariance = inverse * (middle.sum::<Matrix6<f64>>() + alike * alike.transpose()) * inverse;
     let mean = tags.iter().map(|tag| tag.expected_px2).sum::<f64>() / tags.len() as f64;
     let is_finite = covariance.iter().all(|v| v.is_finite());
     is_finite.then_some(Uncertainty {
@@ -227,9 +234,12 @@ fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera, residuals_px: &[[
         let by_turn = jacobian.fixed_columns::<3>(0).into_owned();
         let by_turn = by_turn - by_place * places.solve(&(by_place.transpose() * by_turn));
         let residual = residual - by_place * places.solve(&(by_place.transpose() * residual));
+        let middle = [0, 1].map(|k| pixels[tag].iter().map(|px| px[k]).sum::<f64>() / 4.0);
+        let from_middle = pixels[tag].map(|px| [px[0] - middle[0], px[1] - middle[1]]);
         Some(TagTerms {
             information: jacobian.transpose() * jacobian,
             displaced: jacobian.transpose() * by_place,
+            enlarged: jacobian.transpose() * SVector::<f64, 8>::from_column_slice(from_middle.as_flattened()),
             displacement: by_place.norm_squared(),
             expected_px2: expected_px2(&pixels[tag]),
             shape: (

@@ -95,6 +95,7 @@ impl<'a> Simulator<'a> {
                 family: tag.family,
                 corners_px: self.seen_px(tag, pose)?,
                 is_whole: true,
+                is_fitted: true,
             })
         };
         tags.iter().filter_map(seen).collect()

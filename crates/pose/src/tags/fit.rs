@@ -73,6 +73,7 @@ impl TagFit {
         let in_part = SeenTag::new(self.found.family, self.found.id, corners_px, &self.part.pixels);
         SeenTag {
             corners_px: self.part.in_image(&corners_px),
+            is_fitted: fitted.is_some(),
             ..in_part
         }
     }

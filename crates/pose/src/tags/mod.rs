@@ -56,10 +56,12 @@ pub struct SeenTag {
     pub corners_px: [[f64; 2]; 4],
     /// False when part of the tag's border is covered or outside the image: a corner may then be many pixels off.
     pub is_whole: bool,
+    /// False where the corners are those of the library that found the tag, since its sides could not be fitted.
+    pub is_fitted: bool,
 }
 
 impl SeenTag {
-    /// A tag with its corners in this project's order and pixel convention; its border is looked at in the photo.
+    /// A tag with its library's corners in this project's order and pixel convention; its border is looked at in the photo.
     fn new(family: TagFamily, id: u32, corners_px: [[f64; 2]; 4], grey: &GrayImage) -> SeenTag {
         let is_whole = border::is_whole(grey, &corners_px, family.cells_across());
         SeenTag {
@@ -67,6 +69,7 @@ impl SeenTag {
             family,
             corners_px,
             is_whole,
+            is_fitted: false,
         }
     }
 }

@@ -74,6 +74,7 @@ impl Room {
                     family: FAMILY,
                     corners_px,
                     is_whole: true,
+                    is_fitted: true,
                 });
             }
             PhotoTags {

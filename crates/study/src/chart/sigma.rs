@@ -15,7 +15,7 @@ use scaleproof_core::statistics::{Interval, normal, wilson_95};
 use scaleproof_core::workers;
 use scaleproof_plot::{PlotAxis, PlotLine, PlotPanel, Scale, distinct, panels};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{FOCAL_SHARE, Located, Sigma, area_px, locate, locate_luma};
+use scaleproof_pose::locate::{FOCAL_SHARE, Located, SPREAD, Sigma, area_px, locate, locate_luma};
 use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
 use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
@@ -31,7 +31,7 @@ const TAGS: [usize; 4] = [1, 2, 3, 4];
 const SURE: f64 = 0.99;
 
 /// What simulated views suffer from besides corner noise of 0.3 px (2 % of the corners 1.2 px): cards bowed by so many mm in 100 (see
-/// [`SimulatedFault::BentPaper`]), and corner noise of a share of the tag's side.
+/// [`SimulatedFault::BentPaper`]), and corner noise of a share of the tag's side, all of it in each view so many times larger or smaller as it differs between real photos.
 const SIMULATED: [(&str, f64, f64); 3] = [
     ("simulated: corner noise", 0.0, 0.0),
     ("simulated: bent paper", 1.5, 0.0),
@@ -185,8 +185,13 @@ pub fn simulated(scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec
 /// A view of so many tags; `None` where fewer are seen.
 fn one_view(scene: &Scene, camera: &Camera, (bow_mm, share): (f64, f64), tags: usize, seed: u64) -> Option<SigmaView> {
     let mut rng = Pcg64Mcg::seed_from_u64(!seed);
+    let times = if share > 0.0 {
+        (SPREAD.sqrt() / 2.0 * normal::draw(&mut rng)).exp()
+    } else {
+        1.0
+    };
     let noise = Noise {
-        sigma_px: 0.3,
+        sigma_px: 0.3 * times,
         tail_share: 0.02,
     };
     let mut simulator = Simulator::new(scene, camera, noise, seed);
@@ -194,7 +199,7 @@ fn one_view(scene: &Scene, camera: &Camera, (bow_mm, share): (f64, f64), tags: u
     let fault = (bow_mm > 0.0).then_some(SimulatedFault::BentPaper { mm: bow_mm });
     let mut view = simulator.view(&viewpoint, fault);
     for tag in &mut view.seen {
-        let paper_px = share * area_px(&tag.corners_px).sqrt();
+        let paper_px = times * share * area_px(&tag.corners_px).sqrt();
         tag.corners_px = tag
             .corners_px
             .map(|px| px.map(|v| v + paper_px * normal::draw(&mut rng)));
