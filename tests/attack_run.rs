@@ -1340,6 +1340,7 @@ fn an_attack_says_where_random_cells_leave_nothing_to_learn() {
         let mut command = program();
         let command = command.args(["attack", "run", "--steps", "1", "--batch", "1", "--cells", "4"]);
         let command = command
+            .args(["--augment", "median=2"])
             .arg(home().join("captures/skyline_attack"))
             .arg("--detector")
             .arg(own);
@@ -1347,6 +1348,7 @@ fn an_attack_says_where_random_cells_leave_nothing_to_learn() {
         assert!(output.status.success(), "{}", stderr(&output));
         let text = stdout(&output);
         assert!(text.contains("random cells on these views"), "{text}");
+        assert!(text.contains("both without the defence median=2"), "{text}");
         assert_eq!(text.contains("hide the model here already"), is_hidden, "{text}");
     }
 }

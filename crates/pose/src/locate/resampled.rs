@@ -24,15 +24,20 @@ const DRAWS: usize = 200;
 pub(super) struct Resampled(Vec<(Rigid, Viewpoint)>);
 
 impl Resampled {
-    /// By normal noise of `noise_px` per axis about the corners that were seen. The same for the same tag.
+    /// By normal noise of `noise_px` per axis about the corners that were seen, and by what the tag may look larger or smaller. The same for the same tag.
     pub(super) fn new(only: &Match, noise_px: f64, scene: &Scene, camera: &Camera) -> Resampled {
         let mut rng = Pcg64Mcg::seed_from_u64(0);
         // Undistorted corners differ from seen ones in how much each counts, which hardly differs within a tag, and are fitted in half the time.
         let straight = camera.straight();
+        let (middle, off_alike) = (only.middle_px(), only.off_alike());
         let pose = |_| {
-            let mut corners_px = only
-                .corners_px
-                .map(|px| px.map(|v| v + noise_px * normal::draw(&mut rng)));
+            let larger = if off_alike > 0.0 {
+                off_alike * normal::draw(&mut rng)
+            } else {
+                0.0
+            };
+            let mut moved = |at: f64, middle: f64| at + larger * (at - middle) + noise_px * normal::draw(&mut rng);
+            let mut corners_px = only.corners_px.map(|[x, y]| [moved(x, middle[0]), moved(y, middle[1])]);
             for pixel in &mut corners_px {
                 *pixel = straight.pixel_of(camera.point_at(*pixel)?);
             }

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::matches::{Corners, area_px};
+use super::matches::{Corners, area_px, middle_px};
 use super::refine;
 use super::solver::PoseCandidate;
 use crate::camera::Camera;
@@ -234,7 +234,7 @@ fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera, residuals_px: &[[
         let by_turn = jacobian.fixed_columns::<3>(0).into_owned();
         let by_turn = by_turn - by_place * places.solve(&(by_place.transpose() * by_turn));
         let residual = residual - by_place * places.solve(&(by_place.transpose() * residual));
-        let middle = [0, 1].map(|k| pixels[tag].iter().map(|px| px[k]).sum::<f64>() / 4.0);
+        let middle = middle_px(&pixels[tag]);
         let from_middle = pixels[tag].map(|px| [px[0] - middle[0], px[1] - middle[1]]);
         Some(TagTerms {
             information: jacobian.transpose() * jacobian,
