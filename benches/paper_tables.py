@@ -148,6 +148,16 @@ def of_transfer(judged, target, is_paper):
     table(head, shown)
 
 
+def of_both(judged):
+    """The patterns made against both targets at once, beside DTA's."""
+    bases = [*(f"dta_{target}" for target in TARGETS), "published"]
+    shown = ["normal", *bases, "both_1", "both_2"]
+    rows = [[name, *(judged.both(name, detector) for detector in TITLES)] for name in shown]
+    for base in bases:
+        rows += [[f"{base} − {name}", *(judged.difference(base, name, detector) for detector in TITLES)] for name in ("both_1", "both_2")]
+    table(["AP@0.5 / mean confidence", *TITLES.values()], rows)
+
+
 def of_nine(judged):
     names = ["normal", "random", "published", *(f"ours_{target}_1" for target in TARGETS), "stored_yolox_nano", "stored_three_convolutional", "nine"]
     rows = []
@@ -179,6 +189,9 @@ def of_car(folder, title, is_paper):
     print("Transfer: AP@0.5\n")
     for target in TARGETS:
         of_transfer(judged, target, is_paper)
+    if judged.has("both_1"):
+        print("Against both targets at once, on three cars\n")
+        of_both(judged)
     if judged.has("nine"):
         print("Against all nine at once (`--against worst`), beside stored patterns\n")
         of_nine(judged)

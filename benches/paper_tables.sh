@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The experiment of DTA (Suryanto et al., CVPR 2022) from rendered frames to its tables, on detectors of its families that are to be had: YOLOv4-tiny and
 # SSDLite as targets, seven others and a second car for the transfer. Rows: plain, random, CAMOU, ER, UPC and DAS (where their textures are given), DTA by its
-# algorithm (its renderer DTN, its projection, its loss), DTA's published pattern, ours in two seeds; then one pattern against all nine detectors at once.
+# algorithm (its renderer DTN, its projection, its loss), DTA's published pattern, ours in two seeds, against each target and, on three cars, against both; then
+# one pattern against all nine detectors at once.
 #
 #   benches/paper_tables.sh MESH MORE PUBLISHED TORCS FOLDER
 #
@@ -81,8 +82,15 @@ train_dtn() { # with the error over whole images, as the paper has it, measured 
     "$python" "$here/dtn_predicted.py" "$folder/network.dtn" "$folder/dtn_test" error >"$folder/dtn_error.json"
 }
 
-attack_frames() { # with the camera of the judging, as in the paper: a car that is larger hardly shows a detector under random cells, and nothing is learnt from it
-    LOTS="${lots[*]}" FIELD_OF_VIEW_DEG=68 SIZE_PX=${FRAME_PX:-256} SAMPLES=${FRAME_SAMPLES:-8} "$here/attack_frames.sh" "$folder/frames" "${model[@]}"
+attack_frames() { # FOLDER LOTS MODEL…: with the camera of the judging, as in the paper: a car that is larger hardly shows a detector under random cells, and nothing is learnt from it
+    local out=$1 lots=$2
+    shift 2
+    LOTS="$lots" FIELD_OF_VIEW_DEG=68 SIZE_PX=${FRAME_PX:-256} SAMPLES=${FRAME_SAMPLES:-8} "$here/attack_frames.sh" "$out" "$@"
+}
+
+frames_of_two_more() { # coupés of TORCS; the second car is none of them
+    attack_frames "$folder/frames_car1-trb1" "1 4" --mesh "$folder/cars/car1-trb1.obj" --material paint --length-mm 452 --mesh-front +x --mesh-up +y
+    attack_frames "$folder/frames_car4-trb1" "2 6" --mesh "$folder/cars/car4-trb1.obj" --material paint --length-mm 460 --mesh-front +x --mesh-up +y
 }
 
 predict() { # the attack's frames as DTN predicts them, from one grey image a view; and how well the closed form that is fitted to them stands for the network
@@ -101,6 +109,10 @@ as_published() { # algorithm 1 of the paper: DTN, Repeated Texture Projection wi
     attack "${predicted[@]}" --detector "$more/$1.toml" --laying repeated --floor 0.5 --hard 0 --cells 16 --steps "$steps" -o "$folder/dta_$1"
 }
 ours() { attack "${frames[@]}" --detector "$more/$1.toml" --steps "$steps" --seed "$2" -o "$folder/ours_$1_$2"; }
+against_both() { # both targets at once, on three cars
+    attack "${frames[@]}" "$folder"/frames_car1-trb1/{1,4} "$folder"/frames_car4-trb1/{2,6} --detector "$more/${targets[0]}.toml,$more/${targets[1]}.toml" --steps "$steps" \
+        --seed "$1" -o "$folder/both_$1"
+}
 against_all() { attack "${frames[@]}" --detector "$nine" --against worst --steps "${NINE_STEPS:-600}" -o "$folder/nine"; }
 
 patterns=(random="$here/../print_templates/random16.png" published="$published")
@@ -110,6 +122,7 @@ for target in "${targets[@]}"; do
     done
     patterns+=("ours_${target}_1=$folder/ours_${target}_1/pattern.png" "ours_${target}_2=$folder/ours_${target}_2/pattern.png")
 done
+patterns+=(both_1="$folder/both_1/pattern.png" both_2="$folder/both_2/pattern.png")
 stored=("$here"/../print_templates/patterns/{yolox_nano_118mm,three_convolutional}_1.png)
 last=(nine="$folder/nine/pattern.png" stored_yolox_nano="${stored[0]}" stored_three_convolutional="${stored[1]}")
 textures=()
@@ -134,7 +147,7 @@ tables() { "$python" "$here/paper_tables.py" "$folder" >"$folder/tables.md.parti
 
 stage dtn_frames dtn_frames
 stage train_dtn train_dtn
-stage attack_frames attack_frames
+stage attack_frames attack_frames "$folder/frames" "${lots[*]}" "${model[@]}"
 stage predict predict
 for target in "${targets[@]}"; do
     stage "dta_$target" as_published "$target"
@@ -144,6 +157,9 @@ for target in "${targets[@]}"; do
     stage "camou_$target" search camou "$target"
 done
 stage cars "$python" "$here/torcs_cars.py" "$torcs" "$folder/cars"
+stage frames_of_two_more frames_of_two_more
+stage both_1 against_both 1
+stage both_2 against_both 2
 stage judge_target on_target "${patterns[@]}"
 tables
 stage judge_second on_second "${patterns[@]}"
