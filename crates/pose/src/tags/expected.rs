@@ -3,13 +3,13 @@
 
 use image::GrayImage;
 
-use super::TagImage;
 use super::border;
 use super::fit::TagFit;
 use super::likeness::{CellPattern, Likeness};
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
+use super::{TagImage, shortest_side_px};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::Luma;
 
@@ -37,9 +37,8 @@ pub struct StillMissing {
 
 type Corners = [[f64; 2]; 4];
 
-/// How far from its place a tag is looked for, and in which steps: in bit cells.
-const REACH_CELLS: f64 = 2.5;
-const STEP_CELLS: f64 = 0.5;
+/// How far from its place a tag is looked for, in steps of half a bit cell.
+const REACH_HALF_CELLS: usize = 5;
 
 /// A tag is believed where its code correlates at least so much with the pixels. Another tag of 36h11 has 11 of 36 bits otherwise, which is
 /// 0.39 at most.
@@ -55,7 +54,7 @@ pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
     let cells = expected.family.cells_across();
     let pattern = CellPattern::new(&tag);
     // Far corners of a tag seen at a slant have smaller cells than near ones: reach is counted in the larger.
-    let reach = (REACH_CELLS + refine::REACH.0, refine::REACH.1);
+    let reach = (REACH_HALF_CELLS as f64 / 2.0 + refine::REACH.0, refine::REACH.1);
     let part = Part::around(luma, &expected.corners_px, cells, reach);
     let (grey, place) = (&part.pixels, part.inside(&expected.corners_px));
     let (outline, corners_px) = confirmed(grey, &place, &pattern, cells).or_else(|| {
@@ -81,24 +80,10 @@ fn confirmed(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cell
 
 /// The place within reach that looks most like the tag.
 fn most_alike(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<Corners> {
-    let [a, b, c, d] = corners_px;
-    let along = |from: &[f64; 2], to: &[f64; 2]| [0, 1].map(|k| (to[k] - from[k]) / cells);
-    let (right, down) = (along(a, b), along(a, d));
-    let least_px = [right, down, along(d, c), along(b, c)].map(|[x, y]| x.hypot(y));
-    if least_px.iter().any(|px| px.is_nan() || *px < LEAST_CELL_PX) {
+    let cell_px = shortest_side_px(corners_px) / cells;
+    if cell_px.is_nan() || cell_px < LEAST_CELL_PX {
         return None;
     }
-    let steps = (REACH_CELLS / STEP_CELLS) as i32;
-    let middles = pattern.middles(corners_px);
-    let (mut best, mut most) = (None, f64::NEG_INFINITY);
-    for i in -steps..=steps {
-        for j in -steps..=steps {
-            let (u, v) = (f64::from(i) * STEP_CELLS, f64::from(j) * STEP_CELLS);
-            let by = [0, 1].map(|k| u * right[k] + v * down[k]);
-            if let Some(alike) = middles.likeness(grey, by).filter(|alike| *alike > most) {
-                (best, most) = (Some(corners_px.map(|p| [p[0] + by[0], p[1] + by[1]])), alike);
-            }
-        }
-    }
-    best.filter(|_| most >= LEAST_ALL / 2.0)
+    let (place, most) = pattern.most_alike(grey, corners_px, REACH_HALF_CELLS)?;
+    (most >= LEAST_ALL / 2.0).then_some(place)
 }

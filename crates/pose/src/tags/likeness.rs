@@ -5,12 +5,20 @@ use image::GrayImage;
 use super::border::level;
 use super::{TagHomography, TagImage};
 
+/// Pixel corners as in [`super::SeenTag`].
+type Corners = [[f64; 2]; 4];
+
 /// Samples along each side of a cell: how far from its middle they are, in cells.
 const SAMPLES: [f64; 3] = [-0.25, 0.0, 0.25];
 
 /// A tag's cells as they would correlate: +1 white, −1 black.
 pub(super) struct CellPattern {
+    /// Row by row.
     cells: Vec<Cell>,
+    /// Cells along each side.
+    side: usize,
+    /// The width of a cell, as a share of the outline.
+    width: f64,
 }
 
 /// One cell: its middle in shares of the outline, and what it should be.
@@ -52,20 +60,20 @@ impl CellPattern {
         let cells = (0..side).flat_map(|row| (0..side).map(move |column| (row, column)));
         CellPattern {
             cells: cells.map(|(row, column)| cell(row, column)).collect(),
+            side,
+            width: 1.0 / border as f64,
         }
     }
 
     /// How much a place looks like the tag, by nine samples of each cell; `None` where it leaves the image or is of one tone.
-    pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &[[f64; 2]; 4]) -> Option<Likeness> {
+    pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &Corners) -> Option<Likeness> {
         let homography = TagHomography::to(corners_px);
-        // Neighbouring cells are a cell apart.
-        let cell_share = self.cells.get(1).map_or(0.0, |second| second.u - self.cells[0].u);
         let (mut all, mut code) = (Correlation::default(), Correlation::default());
         for cell in &self.cells {
             let mut tone = 0.0;
             for u in SAMPLES {
                 for v in SAMPLES {
-                    let [u, v] = [cell.u + u * cell_share, cell.v + v * cell_share];
+                    let [u, v] = [cell.u + u * self.width, cell.v + v * self.width];
                     tone += level(grey, homography.pixel(u, v))?;
                 }
             }
@@ -80,25 +88,46 @@ impl CellPattern {
         })
     }
 
-    /// The cells' middles where a tag's corners are, for [`Middles::likeness`] there and beside it.
-    pub(super) fn middles(&self, corners_px: &[[f64; 2]; 4]) -> Middles {
+    /// The place up to so many half cells beside this one that looks most like the tag, with its correlation by the middles of all cells; `None` where every place leaves the
+    /// image or is of one tone.
+    ///
+    /// Middles of cells moved by half cells lie on one grid of half cells, which is sampled once.
+    pub(super) fn most_alike(&self, grey: &GrayImage, corners_px: &Corners, reach: usize) -> Option<(Corners, f64)> {
         let homography = TagHomography::to(corners_px);
-        let middle = |cell: &Cell| (cell.white, homography.pixel(cell.u, cell.v));
-        Middles(self.cells.iter().map(middle).collect())
+        let first = self.cells.first()?;
+        let moved = |half_cells: usize| (half_cells as f64 - reach as f64) / 2.0 * self.width;
+        let wide = 2 * self.side - 1 + 2 * reach;
+        let points = (0..wide).flat_map(|row| (0..wide).map(move |column| (row, column)));
+        let sample = |(row, column)| level(grey, homography.pixel(first.u + moved(column), first.v + moved(row)));
+        let levels: Vec<Option<i64>> = points.map(|point| sample(point).map(|level| level as i64)).collect();
+        let places = (0..=2 * reach).flat_map(|down| (0..=2 * reach).map(move |right| (down, right)));
+        let alike =
+            places.filter_map(|(down, right)| Some(((down, right), self.likeness_on(&levels, wide, down, right)?)));
+        let ((down, right), most) = alike.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (u, v) = (moved(right), moved(down));
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        Some((corners.map(|[x, y]| homography.pixel(x + u, y + v)), most))
     }
-}
 
-/// What each cell of a tag should be, and where its middle is, px.
-pub(super) struct Middles(Vec<(f64, [f64; 2])>);
-
-impl Middles {
-    /// As [`Likeness::of_all`] of the place moved by so many pixels, by the middles alone: more than nine times as fast.
-    pub(super) fn likeness(&self, grey: &GrayImage, by: [f64; 2]) -> Option<f64> {
-        let mut all = Correlation::default();
-        for (white, [x, y]) in &self.0 {
-            all.add(*white, level(grey, [x + by[0], y + by[1]])?);
+    /// As [`Likeness::of_all`], by the middles alone: of the place so many half cells down and right on a grid of levels.
+    fn likeness_on(&self, levels: &[Option<i64>], wide: usize, down: usize, right: usize) -> Option<f64> {
+        let (mut whites, mut white, mut sum, mut squares) = (0, 0, 0, 0);
+        for (row, cells) in self.cells.chunks_exact(self.side).enumerate() {
+            let line = &levels[(2 * row + down) * wide + right..];
+            for (cell, level) in cells.iter().zip(line.iter().step_by(2)) {
+                let level = (*level)?;
+                sum += level;
+                squares += level * level;
+                if cell.white > 0.0 {
+                    whites += 1;
+                    white += level;
+                }
+            }
         }
-        all.coefficient()
+        let count = self.cells.len() as i64;
+        let [pattern, product] = [(whites, count), (white, sum)].map(|(of_white, of_all)| 2 * of_white - of_all);
+        let norm = ((count * count - pattern * pattern) * (count * squares - sum * sum)) as f64;
+        (norm > 0.0).then(|| (count * product - pattern * sum) as f64 / norm.sqrt())
     }
 }
 
