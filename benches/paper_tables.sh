@@ -37,7 +37,8 @@ targets=(yolov4_tiny ssdlite_mobilenet_v2_coco)
 known=yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto
 nine=$more/yolov4_tiny.toml,$more/ssdlite_mobilenet_v2_coco.toml,$more/yolo_fastest_xl.toml,$more/picodet_s_320.toml,$known
 model=(--mesh "$mesh" --material Material.001 --length-mm 455)
-second=(--mesh "$folder/cars/p406.obj" --material paint --length-mm 464 --mesh-front +x --mesh-up +y)
+of_torcs=(--material paint --mesh-front +x --mesh-up +y)
+second=(--mesh "$folder/cars/p406.obj" --length-mm 464 "${of_torcs[@]}")
 mkdir -p "$folder/done"
 echo "${PLACES:-72} lights × turns for DTN (frames of ${DTN_PX:-256} px, ${EPOCHS:-60} epochs), ${TEST_PLACES:-8} to test it;" \
     "patterns on $((24 * ${#lots[@]})) views of ${FRAME_PX:-256} px, $steps steps of 8 images each, ${NINE_STEPS:-600} against all nine;" \
@@ -89,8 +90,8 @@ attack_frames() { # FOLDER LOTS MODEL…: with the camera of the judging, as in 
 }
 
 frames_of_two_more() { # coupés of TORCS; the second car is none of them
-    attack_frames "$folder/frames_car1-trb1" "1 4" --mesh "$folder/cars/car1-trb1.obj" --material paint --length-mm 452 --mesh-front +x --mesh-up +y
-    attack_frames "$folder/frames_car4-trb1" "2 6" --mesh "$folder/cars/car4-trb1.obj" --material paint --length-mm 460 --mesh-front +x --mesh-up +y
+    attack_frames "$folder/frames_car1-trb1" "1 4" --mesh "$folder/cars/car1-trb1.obj" --length-mm 452 "${of_torcs[@]}"
+    attack_frames "$folder/frames_car4-trb1" "2 6" --mesh "$folder/cars/car4-trb1.obj" --length-mm 460 "${of_torcs[@]}"
 }
 
 predict() { # the attack's frames as DTN predicts them, from one grey image a view; and how well the closed form that is fitted to them stands for the network

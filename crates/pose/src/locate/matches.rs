@@ -76,10 +76,6 @@ impl Match<'_> {
         area_px(&self.corners_px)
     }
 
-    pub(super) fn middle_px(&self) -> [f64; 2] {
-        middle_px(&self.corners_px)
-    }
-
     /// By what share it may look larger or smaller, as all tags of its kind do in the photo; one standard deviation. Blur, what covers a border, and a library's own
     /// corners move all sides of a tag alike, of which residuals show little.
     pub(super) fn off_alike(&self) -> f64 {
@@ -98,11 +94,6 @@ const NOT_FITTED_PX: f64 = 0.35;
 pub fn area_px(c: &[[f64; 2]; 4]) -> f64 {
     let cross = |i: usize| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1];
     (0..4).map(cross).sum::<f64>().abs() / 2.0
-}
-
-/// The mean of four corners, px.
-pub(super) fn middle_px(corners_px: &[[f64; 2]; 4]) -> [f64; 2] {
-    [0, 1].map(|k| corners_px.iter().map(|px| px[k]).sum::<f64>() / 4.0)
 }
 
 /// Corresponding corners: model frame in mm, image in px; four of each tag, tag after tag.

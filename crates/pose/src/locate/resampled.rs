@@ -14,6 +14,7 @@ use super::refine;
 use super::uncertainty::Sigma;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Scene, Viewpoint, corners_in_tag_mm};
+use crate::tags::middle_px;
 use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
 use scaleproof_core::statistics::normal;
 
@@ -29,7 +30,7 @@ impl Resampled {
         let mut rng = Pcg64Mcg::seed_from_u64(0);
         // Undistorted corners differ from seen ones in how much each counts, which hardly differs within a tag, and are fitted in half the time.
         let straight = camera.straight();
-        let (middle, off_alike) = (only.middle_px(), only.off_alike());
+        let (middle, off_alike) = (middle_px(&only.corners_px), only.off_alike());
         let pose = |_| {
             let larger = if off_alike > 0.0 {
                 off_alike * normal::draw(&mut rng)

@@ -7,11 +7,12 @@
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::matches::{Corners, area_px, middle_px};
+use super::matches::{Corners, area_px};
 use super::refine;
 use super::solver::PoseCandidate;
 use crate::camera::Camera;
 use crate::scene::{Bin, Bins, Viewpoint};
+use crate::tags::middle_px;
 use scaleproof_core::geometry::{Rigid, angle::turn};
 use scaleproof_core::statistics::normal::between;
 

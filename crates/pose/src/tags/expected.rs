@@ -5,7 +5,7 @@ use image::GrayImage;
 
 use super::border;
 use super::fit::TagFit;
-use super::likeness::{CellPattern, Likeness};
+use super::likeness::{CellPattern, Corners, Likeness};
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
@@ -34,8 +34,6 @@ pub struct StillMissing {
     /// The tags that the pose, or else each pose they allow, expects where none was found.
     pub expected: Vec<ExpectedTag>,
 }
-
-type Corners = [[f64; 2]; 4];
 
 /// How far from its place a tag is looked for, in steps of half a bit cell.
 const REACH_HALF_CELLS: usize = 5;

@@ -6,7 +6,7 @@ use super::border::level;
 use super::{TagHomography, TagImage};
 
 /// Pixel corners as in [`super::SeenTag`].
-type Corners = [[f64; 2]; 4];
+pub(super) type Corners = [[f64; 2]; 4];
 
 /// Samples along each side of a cell: how far from its middle they are, in cells.
 const SAMPLES: [f64; 3] = [-0.25, 0.0, 0.25];
@@ -100,34 +100,41 @@ impl CellPattern {
         let points = (0..wide).flat_map(|row| (0..wide).map(move |column| (row, column)));
         let sample = |(row, column)| level(grey, homography.pixel(first.u + moved(column), first.v + moved(row)));
         let levels: Vec<Option<i64>> = points.map(|point| sample(point).map(|level| level as i64)).collect();
+        let pattern: i64 = self.cells.iter().map(|cell| cell.white as i64).sum();
+        let alike_at = |place| self.correlation_on(&levels, wide, place, pattern)?.coefficient();
         let places = (0..=2 * reach).flat_map(|down| (0..=2 * reach).map(move |right| (down, right)));
-        let alike =
-            places.filter_map(|(down, right)| Some(((down, right), self.likeness_on(&levels, wide, down, right)?)));
+        let alike = places.filter_map(|place| Some((place, alike_at(place)?)));
         let ((down, right), most) = alike.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (u, v) = (moved(right), moved(down));
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         Some((corners.map(|[x, y]| homography.pixel(x + u, y + v)), most))
     }
 
-    /// As [`Likeness::of_all`], by the middles alone: of the place so many half cells down and right on a grid of levels.
-    fn likeness_on(&self, levels: &[Option<i64>], wide: usize, down: usize, right: usize) -> Option<f64> {
-        let (mut whites, mut white, mut sum, mut squares) = (0, 0, 0, 0);
+    /// That of [`Likeness::of_all`], by the middles alone: of the place so many half cells down and right on a grid of levels. `pattern`: the sum of all cells' `white`.
+    fn correlation_on(
+        &self,
+        levels: &[Option<i64>],
+        wide: usize,
+        (down, right): (usize, usize),
+        pattern: i64,
+    ) -> Option<Correlation> {
+        let (mut white, mut sum, mut squares) = (0, 0, 0);
         for (row, cells) in self.cells.chunks_exact(self.side).enumerate() {
             let line = &levels[(2 * row + down) * wide + right..];
             for (cell, level) in cells.iter().zip(line.iter().step_by(2)) {
                 let level = (*level)?;
                 sum += level;
                 squares += level * level;
-                if cell.white > 0.0 {
-                    whites += 1;
-                    white += level;
-                }
+                white += if cell.white > 0.0 { level } else { 0 };
             }
         }
-        let count = self.cells.len() as i64;
-        let [pattern, product] = [(whites, count), (white, sum)].map(|(of_white, of_all)| 2 * of_white - of_all);
-        let norm = ((count * count - pattern * pattern) * (count * squares - sum * sum)) as f64;
-        (norm > 0.0).then(|| (count * product - pattern * sum) as f64 / norm.sqrt())
+        let count = self.cells.len() as f64;
+        Some(Correlation {
+            count,
+            sums: [pattern as f64, sum as f64],
+            squares: [count, squares as f64],
+            product: (2 * white - sum) as f64,
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::fit::{self, TagFit};
 use super::search::Found;
-use super::{SeenTag, shortest_side_px};
+use super::{SeenTag, middle_px, shortest_side_px};
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 
@@ -30,7 +30,7 @@ impl MergedTags {
 
     /// Adds a tag that is fitted already, by the rules of [`Self::add`].
     pub(super) fn add_fit(&mut self, new: TagFit) {
-        let (place, reach) = (middle(&new.found), half_side(&new.found));
+        let (place, reach) = (middle_px(&new.found.corners_px), half_side(&new.found));
         if self.contradicted.iter().any(|known| distance(*known, place) < reach) {
             return;
         }
@@ -47,8 +47,8 @@ impl MergedTags {
 
     /// Which of the known tags is in a tag's place.
     fn here(&self, tag: &Found) -> Option<usize> {
-        let (place, reach) = (middle(tag), half_side(tag));
-        let is_here = |known: &TagFit| distance(middle(&known.found), place) < reach;
+        let (place, reach) = (middle_px(&tag.corners_px), half_side(tag));
+        let is_here = |known: &TagFit| distance(middle_px(&known.found.corners_px), place) < reach;
         self.fits.iter().position(is_here)
     }
 
@@ -64,10 +64,6 @@ impl MergedTags {
 
 fn is_same(a: &Found, b: &Found) -> bool {
     (a.family, a.id) == (b.family, b.id)
-}
-
-fn middle(found: &Found) -> [f64; 2] {
-    [0, 1].map(|k| found.corners_px.iter().map(|c| c[k]).sum::<f64>() / 4.0)
 }
 
 fn half_side(found: &Found) -> f64 {

@@ -144,6 +144,11 @@ pub fn sides_px(corners_px: &[[f64; 2]; 4]) -> [f64; 4] {
     std::array::from_fn(|i| distance(corners_px[i], corners_px[(i + 1) % 4]))
 }
 
+/// The mean of a tag's corners, px.
+pub fn middle_px(corners_px: &[[f64; 2]; 4]) -> [f64; 2] {
+    [0, 1].map(|k| corners_px.iter().map(|px| px[k]).sum::<f64>() / 4.0)
+}
+
 fn shortest_side_px(corners_px: &[[f64; 2]; 4]) -> f64 {
     sides_px(corners_px).into_iter().fold(f64::INFINITY, f64::min)
 }

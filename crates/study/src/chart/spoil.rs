@@ -8,6 +8,7 @@ use rand::{Rng, RngExt};
 
 use scaleproof_core::geometry::extent;
 use scaleproof_pose::simulate::normal;
+use scaleproof_pose::tags::middle_px;
 
 /// Four corners of a tag in the image, px.
 pub(super) type TagCorners = [[f64; 2]; 4];
@@ -99,7 +100,7 @@ fn lit(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rng) -
     for tag in tags {
         let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
         let along = |[x, y]: [f64; 2]| x * around.cos() + y * around.sin();
-        let middle = [0, 1].map(|k| tag.iter().map(|p| p[k]).sum::<f64>() / 4.0);
+        let middle = middle_px(tag);
         let margin = tag.map(|p| [0, 1].map(|k| middle[k] + 1.4 * (p[k] - middle[k])));
         let (from, to) = extent(margin.iter().map(|p| along(*p)));
         inside(&margin, photo.dimensions(), |x, y| {
