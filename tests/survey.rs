@@ -360,6 +360,7 @@ fn see(tag: &Tag, pose: &Rigid, c: &Camera, sigma_px: f64, rng: &mut Pcg64Mcg) -
         corners_px,
         is_whole: true,
         is_fitted: true,
+        side_blurs_px: None,
     })
 }
 

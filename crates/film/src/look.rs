@@ -3,18 +3,20 @@
 //! The pose of the frame before says where tags are, and only there it is looked. Every so often, and when that fails, the whole image is
 //! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
 
-use image::GrayImage;
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
 use crate::side::{SIDES, Side};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::rigid::{from_rotation_vector, to_rotation_vector};
+use scaleproof_photo::photo::Luma;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, ShutterResponse, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
-use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice, edge_blurs, worst_blur_px};
-use scaleproof_video::Frame;
+use scaleproof_pose::tags::{
+    self, EdgeBlur, SeenTag, StartError, TagDetector, TagDetectorChoice, edge_blurs, worst_blur_px,
+};
+use scaleproof_video::{Frame, Picture};
 
 /// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer, and a run that goes on
 /// at the beginning of such a group sees what an uninterrupted one sees.
@@ -27,8 +29,8 @@ const SEARCHED_WELL: u32 = 12;
 const ALIKE_LEVELS: f64 = 0.6;
 /// A picture is repeated for no longer than this, s: a camera that is held still gives frames that are as alike.
 const REPEATED_S: f64 = 0.12;
-/// Every so-manieth row is compared.
-const COMPARED: usize = 4;
+/// Frames are looked at reduced to no less than this on their long side, px: what is kept of them is located at full size.
+const LOOKED_AT_PX: u32 = 1920;
 
 /// One frame, looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -105,7 +107,7 @@ pub struct Looker<'a> {
     looked: usize,
     lost: u32,
     /// The last frame that was not repeated, with its time, s.
-    last: Option<(f64, GrayImage)>,
+    last: Option<(f64, Picture)>,
 }
 
 impl<'a> Looker<'a> {
@@ -138,18 +140,18 @@ impl<'a> Looker<'a> {
     }
 
     /// Is told the frame before the first that is looked at, which an earlier run has looked at.
-    pub fn begin_after(&mut self, frame: Frame<GrayImage>) {
+    pub fn begin_after(&mut self, frame: Frame<Picture>) {
         self.last = Some((frame.time_s, frame.image));
     }
 
     /// Looks at the next frame.
-    pub fn look(&mut self, frame: Frame<GrayImage>) -> Look {
+    pub fn look(&mut self, frame: Frame<Picture>) -> Look {
         if self.looked.is_multiple_of(GROUP) {
             (self.poses, self.lost) = ([None, None], 0);
         }
         self.looked += 1;
         let is_repeated =
-            |(time_s, last): &(f64, GrayImage)| frame.time_s - time_s < REPEATED_S && is_alike(last, &frame.image);
+            |(time_s, last): &(f64, Picture)| frame.time_s - time_s < REPEATED_S && is_alike(last, &frame.image);
         let is_repeated = self.last.as_ref().is_some_and(is_repeated);
         let look = Look {
             number: frame.number,
@@ -166,8 +168,13 @@ impl<'a> Looker<'a> {
         look
     }
 
-    fn view(&mut self, frame: &Frame<GrayImage>) -> Result<View, Unplaced> {
-        let luma = &frame.image;
+    fn view(&mut self, frame: &Frame<Picture>) -> Result<View, Unplaced> {
+        let factor = reduction(frame.image.size());
+        let reduced = (factor > 1).then(|| frame.image.reduced(factor));
+        let luma: &dyn Luma = match &reduced {
+            Some(reduced) => reduced.as_ref(),
+            None => &frame.image,
+        };
         let guess = self.guess();
         let mut photo = self.located(luma, guess.as_ref(), false);
         if guess.is_some() && photo.result.is_err() {
@@ -186,8 +193,11 @@ impl<'a> Looker<'a> {
         }
         match (&photo.result, &photo.fitted) {
             (Ok(located), Ok(fitted)) => {
-                let (seen, camera) = (&photo.seen, &fitted.camera);
-                let blurs = edge_blurs(luma, seen);
+                // From here on in pixels of the frame.
+                let [width, height] = frame.image.size();
+                let camera = &(fitted.camera.scaled_to(width, height)).map_err(|_| Unplaced::Unsure)?;
+                let (seen, blurs) = enlarged(&photo.seen, edge_blurs(luma, &photo.seen), factor);
+                let seen = &seen;
                 Ok(View {
                     viewpoint: located.viewpoint,
                     pose: to_rotation_vector(&located.pose).into(),
@@ -206,7 +216,7 @@ impl<'a> Looker<'a> {
     }
 
     /// The pose of a frame near one of a known pose.
-    pub fn pose_near(&mut self, luma: &GrayImage, near: &Rigid) -> Option<Rigid> {
+    pub fn pose_near(&mut self, luma: &dyn Luma, near: &Rigid) -> Option<Rigid> {
         self.located(luma, Some(near), false)
             .result
             .ok()
@@ -215,7 +225,7 @@ impl<'a> Looker<'a> {
 
     fn located(
         &mut self,
-        luma: &GrayImage,
+        luma: &dyn Luma,
         guess: Option<&Rigid>,
         is_thorough: bool,
     ) -> scaleproof_pose::locate::LocatedPhoto {
@@ -248,18 +258,29 @@ impl<'a> Looker<'a> {
 }
 
 /// Whether two frames show one picture.
-fn is_alike(one: &GrayImage, other: &GrayImage) -> bool {
-    let width = one.width() as usize;
-    if one.dimensions() != other.dimensions() || one.is_empty() {
-        return false;
-    }
-    let rows = one.chunks_exact(width).zip(other.chunks_exact(width)).step_by(COMPARED);
-    let (mut sum, mut count) = (0, 0);
-    for (a, b) in rows {
-        sum += u64::from(a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>());
-        count += width;
-    }
-    (sum as f64) < ALIKE_LEVELS * count as f64
+fn is_alike(one: &Picture, other: &Picture) -> bool {
+    one.difference(other).is_some_and(|levels| levels < ALIKE_LEVELS)
+}
+
+/// By how much frames of a size are reduced, whole pixels to whole pixels.
+fn reduction(size: [u32; 2]) -> u32 {
+    let most = size[0].max(size[1]) / LOOKED_AT_PX;
+    let is_whole = |factor: &u32| size.iter().all(|side| side.is_multiple_of(*factor));
+    (1..=most).rev().find(is_whole).unwrap_or(1)
+}
+
+/// Tags and their blurs in a reduced image, in pixels of the whole one.
+fn enlarged(seen: &[SeenTag], blurs: Vec<EdgeBlur>, factor: u32) -> (Vec<SeenTag>, Vec<EdgeBlur>) {
+    let tag = |tag: &SeenTag| SeenTag {
+        corners_px: tag.corners_px.map(|corner| tags::enlarged(corner, factor)),
+        side_blurs_px: tag.side_blurs_px.map(|blurs| blurs.map(|px| px * f64::from(factor))),
+        ..tag.clone()
+    };
+    let blur = |blur: EdgeBlur| EdgeBlur {
+        px: blur.px * f64::from(factor),
+        ..blur
+    };
+    (seen.iter().map(tag).collect(), blurs.into_iter().map(blur).collect())
 }
 
 impl View {

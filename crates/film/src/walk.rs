@@ -16,7 +16,7 @@ use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice, limit_scale};
-use scaleproof_video::{Frame, Selection, Video, VideoError};
+use scaleproof_video::{Selection, Video, VideoError};
 
 /// A hand turns back within a tenth of a second: of fewer frames a second than this the motion in each is not known.
 const LOOKS_PER_S: f64 = 30.0;
@@ -99,18 +99,12 @@ impl Walk {
             LookError::Video { error, whole_s }
         };
         for frame in self.video.pictures(&selection).map_err(|e| failed(e, &[]))? {
-            let picture = frame.map_err(|e| failed(e, &looks))?;
-            let planes = picture.image.planes;
-            let frame = Frame {
-                number: picture.number,
-                time_s: picture.time_s,
-                key: picture.key,
-                image: picture.image.luma,
-            };
+            let frame = frame.map_err(|e| failed(e, &looks))?;
             if looks.last().is_some_and(|last| frame.number <= last.number) {
                 looker.begin_after(frame);
                 continue;
             }
+            let planes = frame.image.planes().cloned();
             let look = looker.look(frame);
             journal.add(&look)?;
             looks.push(look);

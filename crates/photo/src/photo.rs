@@ -31,7 +31,7 @@ pub use heif::reads_heif;
 pub use jpeg::standard_huffman_tables;
 use jpeg::{Coefficients, Colours};
 use luma::JpegLuma;
-pub use luma::Luma;
+pub use luma::{Luma, mean_squares};
 pub use perceptual::{PerceptualHash, bits_apart, perceptual_hash};
 pub use problem::DecodeProblem;
 pub use resample::{Filter, resampled};

@@ -1,16 +1,19 @@
 //! Pictures as the decoder leaves them: their luma to look at, and what their colours can be made of later without decoding the video again.
 
+use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::io::Write;
 use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-use image::{GrayImage, RgbImage};
+use image::{GrayImage, ImageBuffer, RgbImage};
 
 use crate::frames::{Filter, images, widen};
 use crate::program::{Running, command, drain, every_frame_option};
 use crate::{Frame, Frames, Pixels, Selection, Video, VideoError};
+use scaleproof_photo::photo::{Luma, mean_squares};
 
 /// A conversion takes some 50 ms a frame.
 const CONVERTED_WITHIN: Duration = Duration::from_secs(60);
@@ -28,13 +31,91 @@ impl Planes {
     }
 }
 
-/// A picture to look at.
-#[derive(Debug, Clone)]
+/// A picture to look at. Its luma, from black (0) to white (255), is made where somebody looks.
+#[derive(Debug)]
 pub struct Picture {
-    /// From black (0) to white (255).
-    pub luma: GrayImage,
+    size: [u32; 2],
+    planes: Option<Planes>,
+    whole: OnceCell<GrayImage>,
+}
+
+/// Every so-manieth row is compared.
+const COMPARED: usize = 4;
+
+impl Picture {
     /// What its colours are made of; `None` where only decoding again gives them.
-    pub planes: Option<Planes>,
+    pub fn planes(&self) -> Option<&Planes> {
+        self.planes.as_ref()
+    }
+
+    /// By how many levels the luma of another one differs on average; `None` for one of another size.
+    pub fn difference(&self, other: &Picture) -> Option<f64> {
+        let width = self.size[0] as usize;
+        let [one, its] = [self.levels(), other.levels()];
+        if self.size != other.size || one.len() != its.len() || one.is_empty() {
+            return None;
+        }
+        let rows = one.chunks_exact(width).zip(its.chunks_exact(width)).step_by(COMPARED);
+        let (mut sum, mut count) = (0, 0);
+        for (a, b) in rows {
+            sum += u64::from(a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>());
+            count += width;
+        }
+        let level = if self.planes.is_some() { 255.0 / 219.0 } else { 1.0 };
+        Some(level * sum as f64 / count as f64)
+    }
+
+    /// Levels as they are stored: those of planes go from 16 to 235.
+    fn levels(&self) -> &[u8] {
+        match (&self.planes, self.whole.get()) {
+            (Some(planes), _) => planes.0.get(..GrayImage::length(self.size)).unwrap_or_default(),
+            (None, luma) => luma.map(|luma| luma.as_raw().as_slice()).unwrap_or_default(),
+        }
+    }
+
+    fn of_luma(luma: GrayImage) -> Picture {
+        Picture {
+            size: luma.dimensions().into(),
+            planes: None,
+            whole: OnceCell::from(luma),
+        }
+    }
+}
+
+impl Luma for Picture {
+    fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    fn whole(&self) -> &GrayImage {
+        self.whole.get_or_init(|| self.part([0, 0], self.size))
+    }
+
+    fn reduced(&self, factor: u32) -> Cow<'_, GrayImage> {
+        let [width, height] = self.size;
+        match (self.whole.get(), ImageBuffer::from_raw(width, height, self.levels())) {
+            (None, Some(levels)) if factor > 1 => {
+                let mut reduced = mean_squares(&levels, factor);
+                widen(&mut reduced);
+                Cow::Owned(reduced)
+            }
+            _ => self.whole().reduced(factor),
+        }
+    }
+
+    fn part(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> GrayImage {
+        if let Some(whole) = self.whole.get() {
+            return whole.part([x, y], [width, height]);
+        }
+        let [from, to] = [x, x + width].map(|v| v as usize);
+        let rows = self.levels().chunks_exact((self.size[0] as usize).max(1));
+        let mut part = Vec::with_capacity(width as usize * height as usize);
+        for row in rows.skip(y as usize).take(height as usize) {
+            part.extend_from_slice(&row[from..to]);
+        }
+        widen(&mut part);
+        GrayImage::from_raw(width, height, part).unwrap_or_default()
+    }
 }
 
 impl Pixels for Picture {
@@ -43,11 +124,10 @@ impl Pixels for Picture {
         GrayImage::length([width, height]) + 2 * GrayImage::length([width.div_ceil(2), height.div_ceil(2)])
     }
     fn from_bytes(size: [u32; 2], bytes: Vec<u8>) -> Option<Picture> {
-        let mut luma = bytes.get(..GrayImage::length(size))?.to_vec();
-        widen(&mut luma);
-        Some(Picture {
-            luma: GrayImage::from_bytes(size, luma)?,
+        (bytes.len() == Picture::length(size)).then(|| Picture {
+            size,
             planes: Some(Planes(Arc::new(bytes))),
+            whole: OnceCell::new(),
         })
     }
 }
@@ -70,10 +150,7 @@ impl Iterator for Pictures {
                 number: frame.number,
                 time_s: frame.time_s,
                 key: frame.key,
-                image: Picture {
-                    luma: frame.image,
-                    planes: None,
-                },
+                image: Picture::of_luma(frame.image),
             })),
         }
     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
-use crate::program::{Running, command, drain, has_zscale};
+use crate::program::{Running, command, drain, every_frame_option, has_zscale};
 use crate::{Input, VideoError};
 use scaleproof_photo::photo::{Budget, DecodeCost};
 
@@ -155,6 +155,8 @@ impl Video {
     /// As [`Video::open`].
     pub fn of(input: Input) -> Result<Video, VideoError> {
         let name = || input.name.clone();
+        // ffmpeg takes as long to say its version as ffprobe what the video is.
+        let _ = std::thread::Builder::new().spawn(every_frame_option);
         let description = described(&input)?;
         let is_picture = |s: &&Stream| s.codec_type.as_deref() == Some("video") && s.disposition.attached_pic == 0;
         let Some(stream) = description.streams.iter().find(is_picture) else {

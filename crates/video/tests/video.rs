@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use scaleproof_photo::photo::Luma as _;
 use scaleproof_video::{Range, Selection, Video, VideoError};
 use tempfile::TempDir;
 
@@ -415,14 +416,14 @@ fn colours_of_pictures_that_were_kept_are_those_of_decoding_to_the_bit() {
             let pairs = pictures.iter().zip(luma);
             assert_eq!(
                 pairs
-                    .filter(|(one, other)| one.image.luma == other.image && one.time_s == other.time_s)
+                    .filter(|(one, other)| *one.image.whole() == other.image && one.time_s == other.time_s)
                     .count(),
                 30
             );
             let kept: Vec<_> = pictures
                 .iter()
                 .step_by(7)
-                .filter_map(|one| one.image.planes.clone())
+                .filter_map(|one| one.image.planes().cloned())
                 .collect();
             let colours: Vec<_> = video.colours(kept).unwrap().map(Result::unwrap).collect();
             let decoded: Vec<_> = video
@@ -451,7 +452,7 @@ fn colours_of_pictures_that_were_kept_are_those_of_decoding_to_the_bit() {
         ],
     );
     let mut pictures = Video::open(&ten_bits).unwrap().pictures(&Selection::default()).unwrap();
-    assert!(pictures.next().unwrap().unwrap().image.planes.is_none());
+    assert!(pictures.next().unwrap().unwrap().image.planes().is_none());
 }
 
 #[test]

@@ -133,6 +133,7 @@ fn a_square_that_lies_straight_does_not_hide_motion_along_its_diagonal() {
         corners_px,
         is_whole: true,
         is_fitted: true,
+        side_blurs_px: None,
     };
     for direction in [0.0, 45.0, 90.0, 135.0] {
         let px = Appearance::measure(&moved(&square, 6.0, direction), std::slice::from_ref(&tag)).blur_px;

@@ -96,6 +96,7 @@ impl<'a> Simulator<'a> {
                 corners_px: self.seen_px(tag, pose)?,
                 is_whole: true,
                 is_fitted: true,
+                side_blurs_px: None,
             })
         };
         tags.iter().filter_map(seen).collect()

@@ -1,11 +1,13 @@
 //! How tags look in a photo: the same print everywhere, so that they tell of its focus and its light.
 
-use image::{GrayImage, Luma, RgbImage};
+use image::{GrayImage, RgbImage};
 
 use super::blur::{self, EdgeBlur};
+use super::part::Part;
 use super::{SeenTag, TagHomography, border, refine};
 use scaleproof_core::geometry::distance;
 use scaleproof_core::statistics::upper_median;
+use scaleproof_photo::photo::Luma;
 
 /// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
 const BAND_CELLS: f64 = 0.6;
@@ -39,18 +41,18 @@ impl Appearance {
 }
 
 /// The blur of every side that tells one, of the whole tags: covered and cut ones say nothing of focus.
-pub fn edge_blurs(grey: &GrayImage, tags: &[SeenTag]) -> Vec<EdgeBlur> {
+pub fn edge_blurs(luma: &dyn Luma, tags: &[SeenTag]) -> Vec<EdgeBlur> {
     let whole = tags.iter().enumerate().filter(|(_, tag)| tag.is_whole);
     let sides = whole.flat_map(|(at, tag)| (0..4).map(move |side| (at, tag, side)));
     sides
-        .filter_map(|(at, tag, side)| side_blur(grey, (at, tag), side))
+        .filter_map(|(at, tag, side)| side_blur(luma, (at, tag), side))
         .collect()
 }
 
 /// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the image.
 pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
     let (width, height) = rgb.dimensions();
-    let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| Luma([rgb.get_pixel(x, y).0[c]])));
+    let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| image::Luma([rgb.get_pixel(x, y).0[c]])));
     let level = |tag: &SeenTag| {
         let [r, g, b] = [0, 1, 2].map(|c| white(&channels[c], tag));
         Some([r?, g?, b?])
@@ -59,7 +61,7 @@ pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
 }
 
 /// `None` where the side's cells are too small, or it touches the image's border.
-fn side_blur(grey: &GrayImage, (at, tag): (usize, &SeenTag), side: usize) -> Option<EdgeBlur> {
+fn side_blur(luma: &dyn Luma, (at, tag): (usize, &SeenTag), side: usize) -> Option<EdgeBlur> {
     let cells = tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);
     let cell = refine::cell_px(&homography, side, cells);
@@ -68,7 +70,14 @@ fn side_blur(grey: &GrayImage, (at, tag): (usize, &SeenTag), side: usize) -> Opt
     }
     let end = END_CELLS / cells;
     let [from, to] = [end, 1.0 - end].map(|share| homography.pixel_at(side, share, 0.0));
-    let px = refine::edge_blur(grey, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))?;
+    let px = match tag.side_blurs_px {
+        Some(blurs) => blurs[side],
+        None => {
+            let part = Part::around(luma, &tag.corners_px, cells, refine::REACH);
+            let [from, to] = part.inside(&[from, to]);
+            refine::edge_blur(&part.pixels, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))?
+        }
+    };
     let length = distance(from, to);
     let normal = [(from[1] - to[1]) / length, (to[0] - from[0]) / length];
     Some(EdgeBlur {

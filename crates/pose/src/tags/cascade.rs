@@ -32,6 +32,9 @@ const SEARCHED_LIVE_PX: u32 = 640;
 /// Tags that are found in their places make a better pose, which tells more places; so often at most.
 const MOST_LOOKS: usize = 3;
 
+/// With so many whole tags where the last image's pose expects them, a live image's pose is as good as one that a search makes.
+const ENOUGH_LIVE_TAGS: usize = 4;
+
 /// With so many whole tags a pose is likely beyond doubt, and small ones that a reduced image hides are not missed: where nobody says what is missing.
 const ENOUGH_TAGS: usize = 2;
 
@@ -39,6 +42,8 @@ const ENOUGH_TAGS: usize = 2;
 pub struct Cascade {
     stages: Vec<Stage>,
     first: View,
+    /// A pose by so many whole tags is enough, whatever else is expected; `None` where all is looked for.
+    enough_tags: Option<usize>,
 }
 
 /// One finder and when it runs.
@@ -87,6 +92,7 @@ impl Cascade {
         Ok(Cascade {
             stages,
             first: View::Small,
+            enough_tags: None,
         })
     }
 
@@ -103,7 +109,17 @@ impl Cascade {
         Ok(Cascade {
             first: stage.view,
             stages: vec![stage],
+            enough_tags: Some(ENOUGH_LIVE_TAGS),
         })
+    }
+
+    /// Whether no more finders need run.
+    fn is_done(&self, seen: &[SeenTag], left: &StillMissing) -> bool {
+        let whole = seen.iter().filter(|tag| tag.is_whole).count();
+        // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
+        let is_lone = whole < 2;
+        let is_enough = self.enough_tags.is_some_and(|enough| whole >= enough);
+        left.has_pose && !is_lone && (is_enough || !left.expected.iter().any(|tag| tag.is_in_plain_view))
     }
 }
 
@@ -209,15 +225,17 @@ impl TagDetector for Cascade {
     }
 
     fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+        let mut tags = MergedTags::default();
+        let (mut seen, mut left) = looked(&mut tags, luma, missing);
+        if self.is_done(&seen, &left) {
+            return seen;
+        }
         Shown::with(luma, self.first, |shown| {
-            let mut tags = MergedTags::default();
-            let (mut seen, mut left) = looked(&mut tags, shown, missing);
-            for stage in &mut self.stages {
-                // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
-                let is_lone = seen.iter().filter(|tag| tag.is_whole).count() < 2;
-                if left.has_pose && !is_lone && !left.expected.iter().any(|tag| tag.is_in_plain_view) {
+            for at in 0..self.stages.len() {
+                if self.is_done(&seen, &left) {
                     break;
                 }
+                let stage = &mut self.stages[at];
                 if stage.need == Need::NoPose && left.has_pose {
                     continue;
                 }

@@ -36,6 +36,8 @@ pub(super) struct TagFit {
     outline: Option<TagSides>,
     /// How far the lines lie inside the true outline; `None` where the tag is too small to tell.
     inset_px: Option<f64>,
+    /// The tag, where no other one's inset moves its corners.
+    settled: Option<SeenTag>,
 }
 
 impl TagFit {
@@ -52,12 +54,17 @@ impl TagFit {
             let tag = TagImage::new(found.family, found.id)?;
             inset::inset_px(&part.pixels, &outline.corners(0.0)?, &tag)
         };
-        TagFit {
+        let mut fit = TagFit {
             inset_px: outline.as_ref().and_then(inset),
             outline,
             part,
             found,
+            settled: None,
+        };
+        if fit.outline.is_none() || fit.inset_px.is_some() {
+            fit.settled = Some(fit.moved(fit.inset_px.unwrap_or_default()));
         }
+        fit
     }
 
     /// Whether all its sides were seen well enough.
@@ -65,15 +72,19 @@ impl TagFit {
         self.outline.is_some()
     }
 
-    /// The search's own corners stay where the sides could not be fitted.
     fn seen(&self, usual_inset_px: f64) -> SeenTag {
-        let inset = self.inset_px.unwrap_or(usual_inset_px);
-        let fitted = self.outline.as_ref().and_then(|outline| outline.corners(inset));
+        self.settled.clone().unwrap_or_else(|| self.moved(usual_inset_px))
+    }
+
+    /// The tag with its sides moved outwards. The search's own corners stay where the sides could not be fitted.
+    fn moved(&self, outwards_px: f64) -> SeenTag {
+        let fitted = self.outline.as_ref().and_then(|outline| outline.corners(outwards_px));
         let corners_px = fitted.unwrap_or_else(|| self.part.inside(&self.found.corners_px));
         let in_part = SeenTag::new(self.found.family, self.found.id, corners_px, &self.part.pixels);
         SeenTag {
             corners_px: self.part.in_image(&corners_px),
             is_fitted: fitted.is_some(),
+            side_blurs_px: self.outline.as_ref().map(TagSides::blurs_px),
             ..in_part
         }
     }

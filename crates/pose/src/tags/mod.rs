@@ -58,6 +58,9 @@ pub struct SeenTag {
     pub is_whole: bool,
     /// False where the corners are those of the library that found the tag, since its sides could not be fitted.
     pub is_fitted: bool,
+    /// How blurred its sides are, from each corner to the next: standard deviations, px. `None` where they were not fitted.
+    #[serde(skip)]
+    pub side_blurs_px: Option<[f64; 4]>,
 }
 
 impl SeenTag {
@@ -70,6 +73,7 @@ impl SeenTag {
             corners_px,
             is_whole,
             is_fitted: false,
+            side_blurs_px: None,
         }
     }
 }

@@ -41,7 +41,7 @@ impl Part {
         }
     }
 
-    pub(super) fn inside(&self, places_px: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
+    pub(super) fn inside<const N: usize>(&self, places_px: &[[f64; 2]; N]) -> [[f64; 2]; N] {
         places_px.map(|place| [0, 1].map(|k| place[k] - self.origin[k]))
     }
 

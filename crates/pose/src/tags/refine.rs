@@ -49,6 +49,12 @@ impl TagSides {
         }
         Some(corners)
     }
+
+    /// How blurred each is: standard deviations, px.
+    pub(super) fn blurs_px(&self) -> [f64; 4] {
+        self.0
+            .map(|(first, second)| (first.profile.blur + second.profile.blur) / 2.0)
+    }
 }
 
 /// The sides fitted to the image; `None` when one of them cannot be seen well enough.

@@ -75,6 +75,7 @@ impl Room {
                     corners_px,
                     is_whole: true,
                     is_fitted: true,
+                    side_blurs_px: None,
                 });
             }
             PhotoTags {

@@ -466,6 +466,7 @@ fn strange_tags_never_make_a_pose() {
         corners_px: [[at, at], [at + 40.0, at], [at + 40.0, at + 40.0], [at, at + 40.0]],
         is_whole: true,
         is_fitted: true,
+        side_blurs_px: None,
     };
     assert_eq!(locate(&[], &scene, &camera), Err(Abstention::NoTags));
     assert_eq!(
