@@ -6,7 +6,8 @@
 #   PYTHON=venv/bin/python benches/walk_stills.sh MESH FOLDER [DETECTOR...]
 #
 # MESH: skyline_r32_lowpoly.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0). PYTHON: one with what walk_around.py needs. DETECTOR: names or manifests; all whose weights
-# are here when none is given. SCALEPROOF: another program than ./run. DETECTORS: where the weights are, when not at their place.
+# are here when none is given. SCALEPROOF: another program than ./run. DETECTORS: where the weights are, when not at their place. ROUND: instead of the stored walk a plain round of 30 s
+# that `walk_around.py ROUND --mesh MESH --size 1280x720 --seconds 30 --mbit 10` made, with a frame of each view, or PER_BIN of them.
 set -euo pipefail
 if [ $# -lt 2 ]; then
     echo "usage: $0 MESH FOLDER [DETECTOR...]" >&2
@@ -14,20 +15,26 @@ if [ $# -lt 2 ]; then
 fi
 home=$(cd "$(dirname "$0")/.." && pwd)
 python=${PYTHON:-python3} program=${SCALEPROOF:-$home/run} mesh=$1 folder=$2 walk=$home/captures/walk
+camera=$walk/camera.yaml per_bin=${PER_BIN:-3} variants=(normal random)
+# As the film was made.
+made=(--size 1280x720 --fps 12 --seconds 10 --from-deg -22.5 --round-deg 360 --steps 8 --pace 0.97 --exposure-ms 8 --readout-ms 10 --shake 0.5 --noise 1)
+if [ -n "${ROUND:-}" ]; then
+    camera=$ROUND.camera.yaml per_bin=${PER_BIN:-1} variants=(normal)
+    made=(--size 1280x720 --seconds 30)
+fi
 shift 2
 detectors=(${DETECTORS:+--detectors "$DETECTORS"})
 for detector; do detectors+=(--detector "$detector"); done
 draws=4
 mkdir -p "$folder"
-for variant in normal random; do
-    "$program" session from-video "$walk/$variant.mp4" --scene "$walk/scene.toml" --camera "$walk/camera.yaml" \
-        --variant $variant --place table --per-bin 3 -o "$folder/session" --json > "$folder/$variant.json"
+for variant in "${variants[@]}"; do
+    film=$walk/$variant.mp4 && [ -z "${ROUND:-}" ] || film=${ROUND}_10M.mp4
+    "$program" session from-video "$film" --scene "$walk/scene.toml" --camera "$camera" \
+        --variant $variant --place table --per-bin "$per_bin" -o "$folder/session" --json > "$folder/$variant.json"
     mapfile -t frames < <("$python" -c 'import json, sys; print(*(one["frame"] for one in json.load(open(sys.argv[1]))["chosen"]), sep="\n")' "$folder/$variant.json")
-    # As captures/walk was made.
     seed=1 && [ $variant = normal ] || seed=2
     mkdir -p "$folder/drawn"
-    "$python" "$home/benches/walk_around.py" "$folder/drawn/$variant" --mesh "$mesh" --paint $variant --seed $seed --size 1280x720 --fps 12 --seconds 10 --from-deg -22.5 --round-deg 360 \
-        --steps 8 --pace 0.97 --exposure-ms 8 --readout-ms 10 --shake 0.5 --noise 1 --stills "${frames[@]}" --draws $draws
+    "$python" "$home/benches/walk_around.py" "$folder/drawn/$variant" --mesh "$mesh" --paint $variant --seed $seed "${made[@]}" --stills "${frames[@]}" --draws $draws
 done
 # A report for each draw, as views that are drawn twice would count once.
 "$python" - "$folder" <<'PY'
@@ -49,7 +56,8 @@ PY
 for draw in $(seq 0 $((draws - 1))); do
     for kind in jpeg png; do
         stills=$folder/$kind$draw
-        "$program" score normal="$stills/normal" random="$stills/random" --place table --scene "$walk/scene.toml" --camera "$walk/camera.yaml" "${detectors[@]}" \
+        sets=() && for variant in "${variants[@]}"; do sets+=("$variant=$stills/$variant"); done
+        "$program" score "${sets[@]}" --place table --scene "$walk/scene.toml" --camera "$camera" "${detectors[@]}" \
             -o "$stills.report" --json > "$stills.json"
     done
 done

@@ -2,6 +2,8 @@
 
 #[path = "film/hold.rs"]
 mod hold;
+#[path = "film/look.rs"]
+mod look;
 #[path = "film/motion.rs"]
 mod motion;
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scaleproof_photo::photo::Luma as _;
-use scaleproof_video::{Range, Selection, Video, VideoError};
+use scaleproof_video::{Picture, Range, Selection, Video, VideoError};
 use tempfile::TempDir;
 
 /// Two seconds at 25 frames a second; the n-th frame has the luma 16 + 4 n, and its left half is 40 levels lighter.
@@ -453,6 +453,50 @@ fn colours_of_pictures_that_were_kept_are_those_of_decoding_to_the_bit() {
     );
     let mut pictures = Video::open(&ten_bits).unwrap().pictures(&Selection::default()).unwrap();
     assert!(pictures.next().unwrap().unwrap().image.planes().is_none());
+}
+
+#[test]
+fn what_is_seen_of_a_picture_is_what_the_whole_has_there() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, pixels) in [("eight.mp4", "yuv420p"), ("ten.mp4", "yuv420p10le")] {
+        let path = folder.path().join(name);
+        let source = ["-f", "lavfi", "-i", "testsrc2=s=318x180:r=30:d=0.2", "-pix_fmt", pixels];
+        ffmpeg(&[&source[..], &["-c:v", "libx264"]].concat(), &path);
+        let video = Video::open(&path).unwrap();
+        let pictures = video.pictures(&Selection::default()).unwrap();
+        let pictures: Vec<Picture> = pictures.map(|frame| frame.unwrap().image).collect();
+        let (one, other) = (&pictures[0], &pictures[5]);
+        assert_eq!(one.size(), [318, 180]);
+        let difference = one.difference(other).unwrap();
+        let parts = [([0, 0], [1, 1]), ([17, 3], [40, 60]), ([300, 170], [18, 10])];
+        let seen = parts.map(|(start, size)| one.part(start, size));
+        let reduced = one.reduced(2).into_owned();
+        for ((start, size), seen) in parts.into_iter().zip(seen) {
+            assert_eq!(seen, one.whole().part(start, size), "{name}");
+        }
+        let of_whole = one.whole().reduced(2).into_owned();
+        // Both are rounded, at steps of 1 and of 255/219.
+        let levels_off = reduced.iter().zip(of_whole.iter()).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(levels_off.unwrap() <= 2, "{name}");
+        let rows = |picture: &Picture| -> Vec<u8> {
+            picture
+                .whole()
+                .chunks_exact(318)
+                .step_by(4)
+                .flatten()
+                .copied()
+                .collect()
+        };
+        let off = rows(one)
+            .into_iter()
+            .zip(rows(other))
+            .map(|(a, b)| f64::from(a.abs_diff(b)));
+        let expected = off.sum::<f64>() / rows(one).len() as f64;
+        assert!(
+            (difference - expected).abs() < 0.5 && expected > 2.0,
+            "{name}: {difference}, not {expected}"
+        );
+    }
 }
 
 #[test]

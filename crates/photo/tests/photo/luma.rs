@@ -13,6 +13,25 @@ fn reducing_takes_means_and_leaves_the_rest_out() {
     assert_eq!(small.as_raw(), &[6, 26, 46, 8, 28, 48]); // 5.5 and so on, rounded up
 }
 
+/// By every factor: rounded means, half upwards.
+#[test]
+fn reducing_by_any_factor_takes_means() {
+    let image = GrayImage::from_fn(97, 61, |x, y| {
+        image::Luma([((x * x * 7 + 31 * y * x + 250) % 256) as u8])
+    });
+    for factor in 1..=9 {
+        let mean = |x: u32, y: u32| {
+            let all = (0..factor * factor).map(|k| (factor * x + k % factor, factor * y + k / factor));
+            let sum: u32 = all.map(|(x, y)| u32::from(image.get_pixel(x, y).0[0])).sum();
+            image::Luma([(f64::from(sum) / f64::from(factor * factor)).round() as u8])
+        };
+        let expected = GrayImage::from_fn(97 / factor, 61 / factor, mean);
+        assert_eq!(*image.reduced(factor), expected, "{factor}");
+    }
+    let white = GrayImage::from_pixel(64, 64, image::Luma([255]));
+    assert!((2..=8).all(|factor| white.reduced(factor).iter().all(|level| *level == 255)));
+}
+
 /// However it is turned, and wherever the part begins: the same bytes as of the whole.
 #[test]
 fn a_part_of_a_jpeg_is_what_the_whole_has_there() {
