@@ -123,7 +123,7 @@ pub fn mean_squares<C: Deref<Target = [u8]>>(grey: &ImageBuffer<image::Luma<u8>,
 /// Means of squares of a side that the compiler knows: several take one instruction. `sums`: of their columns.
 fn add_means<const SIDE: usize>(sums: &[u16], means: &mut Vec<u8>) {
     let area = (SIDE * SIDE) as u32;
-    // Rounded up, so that whole numbers stay: exact for sums below 2¹⁶, and 32 bits hold 4080 times as much.
+    // Rounded up, so that whole numbers stay: exact for sums below 2¹⁶, and such squares have sums below 2¹², which 32 bits hold.
     let per_area = (1u32 << 20).div_ceil(area);
     let squares = sums.as_chunks::<SIDE>().0.iter();
     let squares = squares.map(|sums| sums.iter().copied().map(u32::from).sum::<u32>());
