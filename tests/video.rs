@@ -220,6 +220,32 @@ fn a_film_that_is_no_source_is_refused_in_one_sentence_and_a_cut_one_keeps_what_
     assert!(!list["photos"].as_array().unwrap().is_empty(), "{list}");
 }
 
+/// A second or two of a walk have few frames to tell how well its motion is known.
+#[test]
+fn frames_of_short_parts_are_as_far_off_as_they_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = truth("normal");
+    let (mut errors, mut within_two) = (0, 0);
+    for (from, to) in [(4, 5), (5, 6), (4, 6), (3, 6), (8, 10)] {
+        let session = folder.path().join(format!("{from}_{to}"));
+        let mut command = from_video(&walk("normal.mp4"), "normal", &session);
+        command.args(["--from", &from.to_string(), "--to", &to.to_string()]);
+        for one in answer(command)["chosen"].as_array().unwrap() {
+            let number = one["frame"].as_u64().unwrap() as usize;
+            let [is, sigma] = ["viewpoint", "sigma"].map(|of| one[of]["azimuth_deg"].as_f64().unwrap());
+            let off = turn(truth[number]["azimuth_deg"].as_f64().unwrap(), is).abs();
+            println!("{from} to {to} s, frame {number}: {off:.3}° at σ {sigma:.3}°");
+            assert!(
+                off < 3.0 * sigma,
+                "{from} to {to} s, frame {number}: {off}° off at σ {sigma}°"
+            );
+            errors += 1;
+            within_two += usize::from(off < 2.0 * sigma);
+        }
+    }
+    assert!(errors >= 8 && 10 * within_two >= 9 * errors, "{within_two} of {errors}");
+}
+
 /// 12 pictures a second in a film of 24 frames, as phones make them in poor light: the camera does not rest between two frames that are one picture.
 #[test]
 fn a_picture_that_is_shown_twice_counts_once() {

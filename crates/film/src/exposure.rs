@@ -9,6 +9,8 @@ use crate::look::Look;
 
 /// What is known of the exposure before a video is seen, s: 1/60, and 0 to 1/40.
 const USUAL_S: f64 = 1.0 / 60.0;
+/// Fewer sides tell no exposure: those of three frames lie on a line by chance.
+const LEAST_SIDES: usize = 40;
 /// Rounds of reweighting, and the difference (px²) below which all weigh alike.
 const ROUNDS: usize = 15;
 const ALIKE_PX2: f64 = 0.02;
@@ -35,6 +37,9 @@ pub fn exposure_s(looks: &[Look]) -> f64 {
 
 /// The slope of the line through points (y, x), and its variance by their own scatter; `None` where they leave it open.
 fn slope(points: &[[f64; 2]]) -> Option<(f64, f64)> {
+    if points.len() < LEAST_SIDES {
+        return None;
+    }
     let mut line = Vector2::zeros();
     let mut weights = vec![1.0; points.len()];
     let mut inverse = Matrix2::zeros();

@@ -8,11 +8,11 @@ use nalgebra::{Point3, Vector6};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::choose::Chosen;
+use crate::choose::{Chosen, SMEARED_PX};
 use crate::hold::Held;
 use crate::look::{Look, Looker, Motion, Unplaced};
 use crate::motion::{self, BESIDE, ReadOut, Track, at_middle_row};
-use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
+use scaleproof_capture::capture::{Guidance, Judge, MAX_BLUR_PX, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::rigid::step_between;
 use scaleproof_core::geometry::{Rigid, rigid};
@@ -20,7 +20,7 @@ use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Located, ShutterResponse, Sigma, step_sigma};
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
-use scaleproof_pose::tags::{StartError, TagDetectorChoice};
+use scaleproof_pose::tags::{StartError, TagDetectorChoice, limit_scale};
 use scaleproof_session::session::{PhotoEntry, VideoFrame};
 use scaleproof_video::{Frame, Planes, Selection, Video, VideoError};
 
@@ -152,9 +152,9 @@ fn beside(number: u64) -> std::ops::RangeInclusive<u64> {
     number.saturating_sub(BESIDE as u64)..=number + BESIDE as u64
 }
 
-/// Doubts of the motions of all frames that are no more smeared than these. Not of these alone: they were chosen since they seemed still.
-fn usual_doubts(looks: &[Look], chosen: impl Iterator<Item = usize>) -> Vec<Vector6<f64>> {
-    let most_px = chosen.filter_map(|at| looks[at].smear_px()).fold(0.0, f64::max);
+/// Doubts of the motions of all frames that are smeared by no more than `sharp_px`, or no more than the chosen ones. Not of these alone: they were chosen since they seemed still.
+fn usual_doubts(looks: &[Look], chosen: impl Iterator<Item = usize>, sharp_px: f64) -> Vec<Vector6<f64>> {
+    let most_px = chosen.filter_map(|at| looks[at].smear_px()).fold(sharp_px, f64::max);
     let still = looks
         .iter()
         .filter(|look| look.smear_px().is_some_and(|px| px <= most_px));
@@ -267,7 +267,11 @@ impl Keeper<'_> {
                 }
             }
             let motion = |draft: &Draft| track.motion(draft.kept.frame.number);
-            let usual = usual_doubts(looks, drafts.iter().map(|draft| draft.kept.at));
+            let usual = usual_doubts(
+                looks,
+                drafts.iter().map(|draft| draft.kept.at),
+                SMEARED_PX * self.limit_scale(),
+            );
             for draft in drafts {
                 let shutter = looks[draft.kept.at].shows.as_ref().ok().and_then(|view| {
                     Some(Shutter {
@@ -323,6 +327,11 @@ impl Keeper<'_> {
         held.chain(decoded.flat_map(each))
     }
 
+    /// How many times larger than their own limits in px are of these frames.
+    fn limit_scale(&self) -> f64 {
+        limit_scale([self.video.width, self.video.height])
+    }
+
     fn remove(&self, folder: &Path, file: &str) -> Result<(), FileError> {
         [file.to_owned(), sidecar_of(file)]
             .iter()
@@ -350,7 +359,9 @@ impl Keeper<'_> {
         let bins = &self.scene.bins;
         let guidance = Guidance::at(&[target], Tolerance::of_bins(bins, &bins.distance_mm), bins);
         let judged = judge.judge(&photo.luma()?, photo.turned_deg, self.camera, &guidance);
-        let Some(located) = judged.located.filter(|located| located.bin == one.bin) else {
+        // A frame that was looked at reduced hid what fills single pixels.
+        let is_sharp = (judged.measures.blur_px).is_none_or(|px| px <= MAX_BLUR_PX * self.limit_scale());
+        let Some(located) = judged.located.filter(|located| is_sharp && located.bin == one.bin) else {
             return Ok(None);
         };
         let light = judged.verdict.err().filter(|advice| {
