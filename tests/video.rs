@@ -243,7 +243,8 @@ fn frames_of_short_parts_are_as_far_off_as_they_say() {
             within_two += usize::from(off < 2.0 * sigma);
         }
     }
-    assert!(errors >= 8 && 10 * within_two >= 9 * errors, "{within_two} of {errors}");
+    // Of nine normal errors one is expected beyond 2 σ every third time.
+    assert!(errors >= 8 && within_two + 1 >= errors, "{within_two} of {errors}");
 }
 
 /// 12 pictures a second in a film of 24 frames, as phones make them in poor light: the camera does not rest between two frames that are one picture.
