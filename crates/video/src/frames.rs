@@ -270,8 +270,8 @@ impl<P: Pixels> Frames<P> {
                 P::FORMAT,
                 "-f",
                 "rawvideo",
-                // Else the end of a frame waits for the next one: after the last of a part, for the end of the film.
-                "-flush_packets",
+                // With more, frames wait for those after them: the last ones of a part for the end of the film.
+                "-threads",
                 "1",
             ])
             // Where no frame is written nothing makes ffmpeg wait: it would decode all that follows while the frames are looked at.
