@@ -12,7 +12,7 @@ use crate::choose::{Chosen, SMEARED_PX};
 use crate::hold::Held;
 use crate::look::{Look, Looker, Motion, Unplaced};
 use crate::motion::{self, BESIDE, ReadOut, Track, at_middle_row};
-use scaleproof_capture::capture::{Guidance, Judge, MAX_BLUR_PX, Measures, Sidecar, Tolerance, sidecar_of, slug};
+use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::rigid::step_between;
 use scaleproof_core::geometry::{Rigid, rigid};
@@ -54,6 +54,8 @@ pub struct Keeper<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub detector: TagDetectorChoice,
+    /// As frames were chosen by.
+    pub most_blur_px: f64,
     pub variant: &'a str,
     pub place: &'a str,
     /// PNG instead of JPEG.
@@ -270,7 +272,7 @@ impl Keeper<'_> {
             let usual = usual_doubts(
                 looks,
                 drafts.iter().map(|draft| draft.kept.at),
-                SMEARED_PX * self.limit_scale(),
+                SMEARED_PX * limit_scale([self.video.width, self.video.height]),
             );
             for draft in drafts {
                 let shutter = looks[draft.kept.at].shows.as_ref().ok().and_then(|view| {
@@ -327,11 +329,6 @@ impl Keeper<'_> {
         held.chain(decoded.flat_map(each))
     }
 
-    /// How many times larger than their own limits in px are of these frames.
-    fn limit_scale(&self) -> f64 {
-        limit_scale([self.video.width, self.video.height])
-    }
-
     fn remove(&self, folder: &Path, file: &str) -> Result<(), FileError> {
         [file.to_owned(), sidecar_of(file)]
             .iter()
@@ -360,7 +357,7 @@ impl Keeper<'_> {
         let guidance = Guidance::at(&[target], Tolerance::of_bins(bins, &bins.distance_mm), bins);
         let judged = judge.judge(&photo.luma()?, photo.turned_deg, self.camera, &guidance);
         // A frame that was looked at reduced hid what fills single pixels.
-        let is_sharp = (judged.measures.blur_px).is_none_or(|px| px <= MAX_BLUR_PX * self.limit_scale());
+        let is_sharp = (judged.measures.blur_px).is_none_or(|px| px <= self.most_blur_px);
         let Some(located) = judged.located.filter(|located| is_sharp && located.bin == one.bin) else {
             return Ok(None);
         };

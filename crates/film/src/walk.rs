@@ -169,6 +169,7 @@ impl Walk {
             scene: &self.scene,
             camera: &self.camera,
             detector: TagDetectorChoice::default(),
+            most_blur_px: wish.most_blur_px,
             variant,
             place,
             png,

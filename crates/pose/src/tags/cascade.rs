@@ -112,15 +112,6 @@ impl Cascade {
             enough_tags: Some(ENOUGH_LIVE_TAGS),
         })
     }
-
-    /// Whether no more finders need run.
-    fn is_done(&self, seen: &[SeenTag], left: &StillMissing) -> bool {
-        let whole = seen.iter().filter(|tag| tag.is_whole).count();
-        // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
-        let is_lone = whole < 2;
-        let is_enough = self.enough_tags.is_some_and(|enough| whole >= enough);
-        left.has_pose && !is_lone && (is_enough || !left.expected.iter().any(|tag| tag.is_in_plain_view))
-    }
 }
 
 impl Stage {
@@ -227,15 +218,22 @@ impl TagDetector for Cascade {
     fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
         let mut tags = MergedTags::default();
         let (mut seen, mut left) = looked(&mut tags, luma, missing);
-        if self.is_done(&seen, &left) {
+        let enough_tags = self.enough_tags;
+        let is_done = |seen: &[SeenTag], left: &StillMissing| {
+            let whole = seen.iter().filter(|tag| tag.is_whole).count();
+            // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
+            let is_lone = whole < 2;
+            let is_enough = enough_tags.is_some_and(|enough| whole >= enough);
+            left.has_pose && !is_lone && (is_enough || !left.expected.iter().any(|tag| tag.is_in_plain_view))
+        };
+        if is_done(&seen, &left) {
             return seen;
         }
         Shown::with(luma, self.first, |shown| {
-            for at in 0..self.stages.len() {
-                if self.is_done(&seen, &left) {
+            for stage in &mut self.stages {
+                if is_done(&seen, &left) {
                     break;
                 }
-                let stage = &mut self.stages[at];
                 if stage.need == Need::NoPose && left.has_pose {
                     continue;
                 }
