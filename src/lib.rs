@@ -19,6 +19,7 @@
 //! ```toml
 //! [env]
 //! APRILTAG_SYS_METHOD = "raw,static"
+//! HOST_CFLAGS = "-std=gnu17" # for GCC 15 and later
 //! ```
 
 #![deny(missing_docs)]

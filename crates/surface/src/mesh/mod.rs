@@ -16,6 +16,7 @@ mod paint;
 mod placement;
 mod ply;
 mod polygon;
+#[cfg(feature = "full")]
 mod simplify;
 mod stl;
 mod text;
@@ -26,6 +27,7 @@ pub use image::{ImageSource, Look, Wrap};
 pub use paint::{PaintDoubt, propose_paint};
 pub use placement::{MeshPlacement, is_gltf};
 pub use scaleproof_core::geometry::SignedAxis;
+#[cfg(feature = "full")]
 pub use simplify::Simplified;
 
 use std::collections::HashMap;
