@@ -359,3 +359,42 @@ fn what_cannot_be_used_is_refused_in_one_sentence_and_leaves_nothing() {
     );
     assert!(!session.exists());
 }
+
+/// One that has lost an option, as a later version may.
+#[test]
+fn what_ffmpeg_says_of_its_own_options_is_not_the_film_s_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    let (programs, session) = (folder.path().join("bin"), folder.path().join("session"));
+    std::fs::create_dir(&programs).unwrap();
+    let find = |name: &str| {
+        let folders = std::env::var_os("PATH").unwrap();
+        std::env::split_paths(&folders)
+            .map(|folder| folder.join(name))
+            .find(|path| path.exists())
+            .unwrap()
+    };
+    std::os::unix::fs::symlink(find("ffprobe"), programs.join("ffprobe")).unwrap();
+    let script = "#!/bin/sh
+case \"$*\" in
+  *-version) echo 'ffmpeg version 99.0-next Copyright' ;;
+  *) echo '[fatal] Unrecognized option: showinfo' >&2; exit 8 ;;
+esac
+";
+    let ffmpeg = programs.join("ffmpeg");
+    std::fs::write(&ffmpeg, script).unwrap();
+    std::fs::set_permissions(&ffmpeg, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let mut command = from_video(&walk("normal.mp4"), "normal", &session);
+    let output = command
+        .env("PATH", format!("{}:/usr/bin:/bin", programs.display()))
+        .output()
+        .unwrap();
+    assert_refused(
+        &output,
+        &[
+            "ffmpeg 99.0-next does not take",
+            "unrecognized option: showinfo",
+            "install another",
+        ],
+    );
+    assert!(!session.exists());
+}

@@ -41,6 +41,14 @@ pub enum VideoError {
         after_s: f64,
         reason: String,
     },
+    #[error(
+        "{name} was not decoded: ffmpeg {version} does not take what this program tells it ({reason}): install another (5.1 to 9.0 were tried)"
+    )]
+    OtherDecoder {
+        name: String,
+        version: String,
+        reason: String,
+    },
     #[error("{name} gave no frame for {waited_s:.0} s")]
     Silent { name: String, waited_s: f64 },
     #[error("ffmpeg gave no colours of frames of {name}: call this again")]

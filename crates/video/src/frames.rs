@@ -1,7 +1,7 @@
 //! The frames of a video, one after another.
 
-use std::io::Read;
-use std::process::ChildStdout;
+use std::io::{Read, Write};
+use std::process::{ChildStdout, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use image::{GrayImage, RgbImage};
 
 use crate::log::{Said, listen, plain};
 use crate::probe::{MOST_MEGAPIXELS, Range};
-use crate::program::{Running, command, every_frame_option};
+use crate::program::{Running, command, drain, every_frame_option, version};
 use crate::{Video, VideoError};
 
 /// So many frames wait between ffmpeg and whoever takes them, besides those that ffmpeg holds itself.
@@ -20,6 +20,9 @@ const SHORT_SHARE: f64 = 0.02;
 
 /// So long before the frame that decoding begins with ffmpeg is sent, s: containers round times to a millisecond.
 const BEFORE_S: f64 = 0.001;
+
+/// A picture of 64 × 64 px takes some 0.1 s.
+const TRIED_WITHIN: Duration = Duration::from_secs(20);
 
 /// Which frames of a video, and how large.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,6 +172,8 @@ pub struct Frames<P> {
     video: Video,
     name: String,
     filter: Filter,
+    /// What ffmpeg was told of the output.
+    output: Vec<String>,
     selection: Selection,
     /// Length of what is to come by the header, s.
     expected_s: Option<f64>,
@@ -192,13 +197,13 @@ impl Video {
     /// # Errors
     /// No ffmpeg. What is wrong with the video shows while it is decoded.
     pub fn luma(&self, selection: &Selection) -> Result<Frames<GrayImage>, VideoError> {
-        let scaled = self.scaled(selection);
-        // A copy, where a conversion takes ffmpeg a fifth as long as decoding.
-        let is_limited = self.is_limited && selection.height.is_none();
-        let range = if is_limited { ":out_range=tv" } else { "" };
         let filter = Filter {
-            frames: Some(scaled + range),
-            is_limited,
+            frames: Some(if self.is_limited {
+                self.stored_luma(selection)
+            } else {
+                self.scaled(selection)
+            }),
+            is_limited: self.is_limited,
         };
         Frames::start(self, selection, filter)
     }
@@ -213,8 +218,9 @@ impl Video {
         let scaled = self.scaled(selection);
         let filter = match self.range {
             Range::Standard => scaled,
+            // Exact curves, and no desaturation, which some versions leave out.
             Range::Hlg | Range::Pq => format!(
-                "zscale=t=linear:npl=203,format=gbrpf32le,zscale=p=bt709,tonemap=clip,zscale=t=bt709:m=bt709:r=pc,format=gbrp,{scaled}"
+                "zscale=t=linear:npl=203:agamma=0,format=gbrpf32le,zscale=p=bt709:agamma=0,tonemap=clip:desat=0,zscale=t=bt709:m=bt709:r=pc:agamma=0,format=gbrp,{scaled}"
             ),
         };
         let filter = Filter {
@@ -222,6 +228,14 @@ impl Video {
             is_limited: false,
         };
         Frames::start(self, selection, filter)
+    }
+
+    /// The filter for luma as it is stored, in 8 bits. What ffmpeg makes of grey's range depends on its version, and a conversion takes it a fifth as
+    /// long as decoding.
+    fn stored_luma(&self, selection: &Selection) -> String {
+        let is_as_stored = selection.height.is_none() && self.bits == 8;
+        let converted = (!is_as_stored).then(|| format!("{},format=yuv420p,", self.scaled(selection)));
+        format!("{}extractplanes=y", converted.unwrap_or_default())
     }
 
     /// The filter for size and colours.
@@ -242,15 +256,10 @@ impl<P: Pixels> Frames<P> {
     /// Starts ffmpeg; `filter` gives frames their size and colours.
     pub(crate) fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
         let name = video.input.name.clone();
-        let choice = selection.expression().map(|e| format!("select={e}"));
-        let filters: Vec<String> = [Some("showinfo=checksum=0".to_owned()), choice, filter.frames.clone()]
-            .into_iter()
-            .flatten()
-            .collect();
+        let output = output_arguments::<P>(selection, &filter);
         let mut command = command("ffmpeg", &name)?;
         command
-            .args(["-nostdin", "-hide_banner", "-nostats", "-loglevel", "level+info"])
-            .args(["-max_pixels", &(MOST_MEGAPIXELS * 1_000_000).to_string()])
+            .args(input_options())
             .args(
                 selection
                     .beginning()
@@ -258,30 +267,8 @@ impl<P: Pixels> Frames<P> {
                     .flat_map(|(_, time_s)| ["-ss".to_owned(), format!("{:.6}", (time_s - BEFORE_S).max(0.0))]),
             )
             .args(&video.input.arguments)
-            .args(["-map", &format!("0:{}", video.stream), "-an", "-sn", "-dn"])
-            .args(["-vf", &filters.join(",")])
-            .args([
-                every_frame_option(),
-                "passthrough",
-                // Without it frames of a variable rate fall on the grid of their mean rate.
-                "-enc_time_base",
-                "-1",
-                "-pix_fmt",
-                P::FORMAT,
-                "-f",
-                "rawvideo",
-                // With more, frames wait for those after them: the last ones of a part for the end of the film.
-                "-threads",
-                "1",
-            ])
-            // Where no frame is written nothing makes ffmpeg wait: it would decode all that follows while the frames are looked at.
-            .args(
-                selection
-                    .numbers
-                    .iter()
-                    .flat_map(|numbers| ["-frames:v".to_owned(), numbers.len().max(1).to_string()]),
-            )
-            .arg("pipe:1");
+            .args(["-map", &format!("0:{}", video.stream)])
+            .args(&output);
         let mut running = Running::start(command, "ffmpeg", &name)?;
         let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
             let reason = "it has no output".to_owned();
@@ -298,6 +285,7 @@ impl<P: Pixels> Frames<P> {
             video: video.clone(),
             name,
             filter,
+            output,
             origin: None,
             key: selection.begin.map_or(0, |(number, _)| number),
             selection: selection.clone(),
@@ -412,9 +400,15 @@ impl<P: Pixels> Frames<P> {
         Err(self.damaged())
     }
 
+    /// What ffmpeg complains of is the video's fault, unless it says the same of any picture.
     fn damaged(&self) -> VideoError {
+        let name = self.name.clone();
+        if let Err(reason) = takes(&self.output, self.video.range) {
+            let version = version().to_owned();
+            return VideoError::OtherDecoder { name, version, reason };
+        }
         VideoError::Damaged {
-            name: self.name.clone(),
+            name,
             after_s: self.last_s.unwrap_or(0.0),
             reason: self.complaint.clone().unwrap_or("ffmpeg ended early".to_owned()),
         }
@@ -438,6 +432,77 @@ impl<P: Pixels> Iterator for Frames<P> {
         let following = self.following();
         self.is_over = !matches!(following, Ok(Some(_)));
         following.transpose()
+    }
+}
+
+/// What ffmpeg is told before its input.
+fn input_options() -> [String; 7] {
+    let most_pixels = (MOST_MEGAPIXELS * 1_000_000).to_string();
+    [
+        "-nostdin",
+        "-hide_banner",
+        "-nostats",
+        "-loglevel",
+        "level+info",
+        "-max_pixels",
+        &most_pixels,
+    ]
+    .map(str::to_owned)
+}
+
+/// What ffmpeg is told of its output: every chosen frame, with its own time, as raw bytes.
+fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter) -> Vec<String> {
+    let choice = selection.expression().map(|e| format!("select={e}"));
+    let filters = [Some("showinfo=checksum=0".to_owned()), choice, filter.frames.clone()];
+    let filters: Vec<String> = filters.into_iter().flatten().collect();
+    let mut arguments: Vec<String> = ["-an", "-sn", "-dn", "-vf", &filters.join(",")]
+        .map(str::to_owned)
+        .into();
+    arguments.extend([every_frame_option(), "passthrough"].map(str::to_owned));
+    // A clock of microseconds: on that of their mean rate two frames of a variable rate would fall together.
+    arguments.extend(["-enc_time_base", "1/1000000"].map(str::to_owned));
+    arguments.extend(["-pix_fmt", P::FORMAT, "-f", "rawvideo"].map(str::to_owned));
+    // With more threads, frames wait for those after them: the last ones of a part for the end of the film.
+    arguments.extend(["-threads", "1"].map(str::to_owned));
+    // Where no frame is written nothing makes ffmpeg wait: it would decode all that follows while the frames are looked at.
+    if let Some(numbers) = &selection.numbers {
+        arguments.extend(["-frames:v".to_owned(), numbers.len().max(1).to_string()]);
+    }
+    arguments.push("pipe:1".to_owned());
+    arguments
+}
+
+/// Whether ffmpeg takes what it is told of the output, tried on a grey picture of a range of light.
+///
+/// # Errors
+/// What it says.
+fn takes(output: &[String], range: Range) -> Result<(), String> {
+    const PICTURE: [usize; 2] = [64, 64];
+    let not_started = |e: VideoError| e.to_string();
+    let mut command = command("ffmpeg", "").map_err(not_started)?;
+    command
+        .args(input_options())
+        .args(["-f", "rawvideo", "-pixel_format", "yuv420p", "-video_size"])
+        .arg(format!("{}x{}", PICTURE[0], PICTURE[1]))
+        .args(range.options())
+        .args(["-i", "pipe:0"])
+        .args(output)
+        .stdin(Stdio::piped());
+    let mut running = Running::start(command, "ffmpeg", "").map_err(not_started)?;
+    if let Some(mut stdin) = running.0.stdin.take() {
+        // It reads nothing where it does not take an option.
+        let _ = stdin.write_all(&vec![128; PICTURE[0] * PICTURE[1] * 3 / 2]);
+    }
+    drain(running.0.stdout.take(), 0);
+    let mut said = running.0.stderr.take().map(listen).into_iter().flatten();
+    let complaint = said.find_map(|said| match said {
+        Said::Error(line) => Some(plain(&line, "")),
+        Said::Frame { .. } => None,
+    });
+    match (complaint, running.ended_well(TRIED_WITHIN)) {
+        (Some(complaint), _) => Err(complaint),
+        (None, Some(false)) => Err("it gives no reason".to_owned()),
+        (None, _) => Ok(()),
     }
 }
 

@@ -46,6 +46,24 @@ impl Range {
             Range::Pq => "PQ",
         }
     }
+
+    /// ffmpeg's options that say so of raw pictures.
+    pub(crate) fn options(self) -> Vec<&'static str> {
+        let transfer = match self {
+            Range::Standard => return Vec::new(),
+            Range::Hlg => "arib-std-b67",
+            Range::Pq => "smpte2084",
+        };
+        let wide = [
+            "-color_primaries",
+            "bt2020",
+            "-colorspace",
+            "bt2020nc",
+            "-color_range",
+            "tv",
+        ];
+        [&wide[..], &["-color_trc", transfer]].concat()
+    }
 }
 
 /// A video that can be decoded, as its header says.
@@ -69,9 +87,9 @@ pub struct Video {
     /// Bits of a sample: 8, 10 or 12.
     pub bits: u32,
     pub range: Range,
-    /// Its luma has 8 bits and goes from 16 to 235, as that of most videos does.
+    /// Its luma goes from 16 to 235 of 255, as that of most videos does.
     pub(crate) is_limited: bool,
-    /// Moreover there is one value of either chroma for 2 × 2 pixels (4:2:0).
+    /// Moreover it is no HDR, has 8 bits, and one value of either chroma for 2 × 2 pixels (4:2:0).
     pub(crate) has_planes: bool,
     /// Which of the input's video streams it is.
     pub(crate) stream: u32,
@@ -210,7 +228,9 @@ impl Video {
             bits: stream.bits(),
             range: stream.range(),
             is_limited: stream.is_limited(),
-            has_planes: stream.is_limited() && stream.pix_fmt.as_deref() == Some("yuv420p"),
+            has_planes: stream.is_limited()
+                && stream.range() == Range::Standard
+                && stream.pix_fmt.as_deref() == Some("yuv420p"),
             stream: stream.index,
             matrix: stream.matrix(height.min(width)),
             input,
@@ -299,12 +319,13 @@ impl Stream {
         }
     }
 
-    /// What does not say is limited where it is YUV; RGB never is, and the formats of old JPEGs are not. Of 8 bits without HDR alone: others are converted anyway.
+    /// What does not say is limited where it is YUV; RGB never is, and the formats of old JPEGs (`yuvj…`) are not.
     fn is_limited(&self) -> bool {
         let format = self.pix_fmt.as_deref().unwrap_or_default();
-        self.range() == Range::Standard
-            && self.color_range.as_deref() != Some("pc")
-            && ["yuv420p", "yuv422p", "yuv444p", "nv12"].contains(&format)
+        let is_yuv = ["yuv4", "nv12", "p010", "p012", "p016"]
+            .iter()
+            .any(|name| format.starts_with(name));
+        is_yuv && self.color_range.as_deref() != Some("pc")
     }
 
     /// A video that does not say is BT.709 from 720 lines on, and BT.601 below, as players take it.

@@ -131,21 +131,26 @@ fn said(argument: &str) -> String {
     String::from_utf8_lossy(&answer().unwrap_or_default()).into_owned()
 }
 
-/// The option that keeps every frame with its own time: `-fps_mode` since ffmpeg 5.1, `-vsync` before.
-pub(crate) fn every_frame_option() -> &'static str {
-    static OPTION: OnceLock<&str> = OnceLock::new();
-    OPTION.get_or_init(|| {
+/// ffmpeg's version as it says it, such as `7.1.5-0+deb13u1`; nothing where it does not start.
+pub(crate) fn version() -> &'static str {
+    static VERSION: OnceLock<String> = OnceLock::new();
+    VERSION.get_or_init(|| {
         let said = said("-version");
         let version = said.strip_prefix("ffmpeg version ").unwrap_or_default();
-        // Builds from the repository are called otherwise, and are newer.
-        let mut parts = version
-            .split(['.', '-', ' '])
-            .map(|part| part.trim_start_matches('n').parse::<u32>().ok());
-        match (parts.next().flatten(), parts.next().flatten()) {
-            (Some(major), minor) if (major, minor.unwrap_or(0)) < (5, 1) => "-vsync",
-            _ => "-fps_mode",
-        }
+        version.split(' ').next().unwrap_or_default().to_owned()
     })
+}
+
+/// The option that keeps every frame with its own time: `-fps_mode` since ffmpeg 5.1, `-vsync` before.
+pub(crate) fn every_frame_option() -> &'static str {
+    // Builds from the repository are called otherwise, and are newer.
+    let mut parts = version()
+        .split(['.', '-'])
+        .map(|part| part.trim_start_matches('n').parse::<u32>().ok());
+    match (parts.next().flatten(), parts.next().flatten()) {
+        (Some(major), minor) if (major, minor.unwrap_or(0)) < (5, 1) => "-vsync",
+        _ => "-fps_mode",
+    }
 }
 
 /// Whether ffmpeg has the filter zscale, which converts HDR.

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use scaleproof_core::files::sha256_hex;
 use scaleproof_photo::photo::Luma as _;
-use scaleproof_video::{Picture, Range, Selection, Video, VideoError};
+use scaleproof_testing::{films::turn, home};
+use scaleproof_video::{Frames, Picture, Pixels, Range, Selection, Video, VideoError};
 use tempfile::TempDir;
 
 /// Two seconds at 25 frames a second; the n-th frame has the luma 16 + 4 n, and its left half is 40 levels lighter.
@@ -159,6 +161,70 @@ fn frames_of_every_codec_and_container_come_with_their_numbers_times_and_greys()
     }
 }
 
+/// Bytes that are known, encoded without loss: the same luma, whatever the version of ffmpeg makes of the range of grey; reduced, too.
+#[test]
+fn luma_is_that_which_is_stored() {
+    let (folder, size) = (tempfile::tempdir().unwrap(), [512, 64]);
+    let [raw, film] = ["stored.yuv", "stored.mp4"].map(|name| folder.path().join(name));
+    let stored: Vec<u8> = (0..size[1] * size[0]).map(|i| (i / 2 % 256) as u8).collect();
+    std::fs::write(&raw, [&stored[..], &vec![128; stored.len() / 2]].concat()).unwrap();
+    let source = [
+        "-f",
+        "rawvideo",
+        "-pixel_format",
+        "yuv420p",
+        "-video_size",
+        "512x64",
+        "-i",
+        raw.to_str().unwrap(),
+    ];
+    ffmpeg(&[&source[..], &["-c:v", "libx264", "-qp", "0"]].concat(), &film);
+    let video = Video::open(&film).unwrap();
+    let wide = |level: f64| (255.0 / 219.0 * (level - 16.0)).clamp(0.0, 255.0);
+    let luma = |height| {
+        let selection = Selection {
+            height,
+            ..Selection::default()
+        };
+        video.luma(&selection).unwrap().next().unwrap().unwrap().image
+    };
+    let whole = luma(None);
+    assert_eq!((whole.width(), whole.height()), (size[0], size[1]));
+    for (found, stored) in whole.iter().zip(&stored) {
+        assert_eq!(*found, wide(f64::from(*stored)).round() as u8, "stored as {stored}");
+    }
+    // Two of a row are alike, and so are all rows.
+    for (found, stored) in luma(Some(32)).iter().zip(0..=255) {
+        assert!(
+            (f64::from(*found) - wide(f64::from(stored))).abs() <= 1.0,
+            "stored as {stored}: {found}"
+        );
+    }
+}
+
+/// Luma, also reduced, and colours of a stored film, as ffmpeg 5.1, 7.1 and 9.0 give them, to the bit.
+#[test]
+fn frames_do_not_depend_on_the_version_of_ffmpeg() {
+    fn bytes<P: Pixels>(frames: Frames<P>, of: impl Fn(&P) -> &[u8]) -> Vec<u8> {
+        let frames = frames.map(Result::unwrap).step_by(24);
+        frames.flat_map(|frame| of(&frame.image).to_vec()).collect()
+    }
+    let video = Video::open(&home().join("captures/walk/normal.mp4")).unwrap();
+    let whole = Selection::default();
+    let half = Selection {
+        height: Some(video.height / 2),
+        ..whole.clone()
+    };
+    let luma = |selection| bytes(video.luma(selection).unwrap(), |image| image.as_raw());
+    let given = [
+        luma(&whole),
+        luma(&half),
+        bytes(video.rgb(&whole).unwrap(), |image| image.as_raw()),
+    ];
+    let given = given.map(|bytes| sha256_hex(&bytes)[..16].to_owned());
+    assert_eq!(given, ["7c25a7851aa5027f", "f0872b8ff85b6784", "c548c6abb23dcac6"]);
+}
+
 #[test]
 fn colours_are_those_that_were_encoded() {
     // Red, green and blue by BT.709 and by BT.601, with and without a tag: full colours come back within what 8 bits of Y'CbCr hold.
@@ -208,12 +274,7 @@ fn frames_are_upright_however_the_phone_was_held() {
         (270, [180, 320], [90, 240]),
     ] {
         let turned = folder.path().join("turned.mp4");
-        // ffmpeg 5 writes this number counter-clockwise, as its own display of the file shows.
-        let rotate = format!("rotate={}", 360 - turned_deg);
-        ffmpeg(
-            &["-i", path.to_str().unwrap(), "-c", "copy", "-metadata:s:v:0", &rotate],
-            &turned,
-        );
+        turn(&path, turned_deg, &turned);
         let video = Video::open(&turned).unwrap();
         assert_eq!((video.turned_deg, [video.width, video.height]), (turned_deg, size));
         let frame = video.luma(&Selection::default()).unwrap().nth(10).unwrap().unwrap();
@@ -234,10 +295,13 @@ fn times_of_a_variable_frame_rate_are_true_and_selections_go_by_them() {
         &[
             "-vf",
             "settb=1/1000,setpts=N*N",
-            "-vsync",
+            "-fps_mode",
             "vfr",
             "-enc_time_base",
             "1/1000",
+            // ffmpeg 7 gives the last frame none, and does not show it then.
+            "-bsf:v",
+            "setts=duration=40",
             "-c:v",
             "libx264",
             "-preset",
@@ -396,15 +460,7 @@ fn colours_of_pictures_that_were_kept_are_those_of_decoding_to_the_bit() {
             matrix,
         ];
         ffmpeg(&[&encoded[..], options].concat(), &plain);
-        let copied = [
-            "-i",
-            plain.to_str().unwrap(),
-            "-c",
-            "copy",
-            "-metadata:s:v:0",
-            "rotate=90",
-        ];
-        ffmpeg(&copied, &turned);
+        turn(&plain, 270, &turned);
         for path in [&plain, &turned] {
             let video = Video::open(path).unwrap();
             let pictures: Vec<_> = video
@@ -534,6 +590,15 @@ fn hdr_is_named_and_its_white_paper_is_white() {
             assert!(r.abs_diff(g) < 3 && g.abs_diff(b) < 3, "{transfer}: {r} {g} {b}");
             assert!((least..=most).contains(&g), "{transfer}, {share} of white: {g}");
         }
+        // What is wrong is the film, not what ffmpeg is told.
+        let mut bytes = std::fs::read(&path).unwrap();
+        let start = bytes.windows(4).position(|name| name == b"mdat").unwrap();
+        let length = u32::from_be_bytes(bytes[start - 4..start].try_into().unwrap()) as usize - 8;
+        bytes[start + 4..][length / 2..length].fill(0x55);
+        std::fs::write(&path, bytes).unwrap();
+        let video = Video::open(&path).unwrap();
+        let fault = video.rgb(&Selection::default()).unwrap().find_map(Result::err).unwrap();
+        assert!(matches!(fault, VideoError::Damaged { .. }), "{fault}");
     }
 }
 

@@ -1,5 +1,6 @@
-//! What tests of the program and of several crates need: paths, the program, networks, rendered photos, and bad input made from good.
+//! What tests of the program and of several crates need: paths, the program, networks, films, rendered photos, and bad input made from good.
 
+pub mod films;
 pub mod onnx;
 pub mod rendered;
 pub mod served;

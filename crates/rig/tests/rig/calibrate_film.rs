@@ -13,6 +13,7 @@ use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_rig::calibrate::{
     BoardPhoto, Calibration, CalibrationError, Film, Motion, SeenCorner, Target, calibrate_film, look_at_video,
 };
+use scaleproof_testing::films::turn;
 
 fn home() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -42,17 +43,11 @@ fn assert_within_3_sigma(found: &Calibration, truth: &Camera) {
 fn a_film_that_lies_otherwise_gives_the_same_camera() {
     let (folder, scene) = (tempfile::tempdir().unwrap(), scene());
     let [short, turned] = ["short.mp4", "turned.mp4"].map(|name| folder.path().join(name));
-    let copied = |from: &Path, options: &[&str], to: &Path| {
-        let mut command = Command::new("ffmpeg");
-        command
-            .args(["-v", "error", "-i"])
-            .arg(from)
-            .args(["-c", "copy"])
-            .args(options);
-        assert!(command.arg(to).status().unwrap().success());
-    };
-    copied(&walk("normal.mp4"), &["-t", "2"], &short);
-    copied(&short, &["-metadata:s:v:0", "rotate=180"], &turned);
+    let mut copied = Command::new("ffmpeg");
+    copied.args(["-v", "error", "-i"]).arg(walk("normal.mp4"));
+    copied.args(["-c", "copy", "-t", "2"]).arg(&short);
+    assert!(copied.status().unwrap().success());
+    turn(&short, 180, &turned);
     let [as_it_was, turned] =
         [short, turned].map(|film| look_at_video(&film, Target::Scene(&scene), |_, _| ()).unwrap());
     assert!(as_it_was.frames.len() > 10 && turned.frames.iter().all(|frame| frame.turned_deg == 180));

@@ -89,11 +89,9 @@ impl MotionJpeg {
     fn reason(&self) -> String {
         self.program.ended_within(Duration::from_secs(1));
         let said = self.address.without_secrets(&self.program.said());
-        let shown = format!("{}: ", self.address);
         let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();
-        // Without the address of ffmpeg's part and that of the stream.
-        let last = last.rsplit("] ").next().unwrap_or(last);
-        match last.strip_prefix(&shown).unwrap_or(last).trim() {
+        // Its versions differ in what they say before the reason.
+        match last.rsplit(": ").next().unwrap_or(last).trim() {
             "" => "the camera closed it".into(),
             // What ffmpeg says at its end depends on where the memory was missing.
             _ if said.contains("Cannot allocate memory") => "it sends an image of more than 32 MB".into(),
