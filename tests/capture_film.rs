@@ -4,7 +4,7 @@ use crate::capture_page::browser::Browser;
 use crate::capture_page::http::{Client, post, upload};
 use crate::capture_page::running::Running;
 use crate::capture_page::{in_network, jpeg, photo};
-use crate::common::{self, read_json, shared, skyline, stderr};
+use crate::common::{self, HANG, read_json, shared, skyline, stderr};
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -181,7 +181,7 @@ fn filmed_session() -> (Running, Vec<Value>) {
         "document.querySelectorAll('#preview .ground').length === 8 && document.querySelectorAll('#preview .ground.next').length === 1 \
          && document.querySelectorAll('#preview polygon.whole').length >= 3 && document.getElementById('video').videoWidth === 1280",
     );
-    let end = Instant::now() + Duration::from_secs(150);
+    let end = Instant::now() + HANG;
     let screenshots = common::variable("SCALEPROOF_SCREENSHOTS").map(PathBuf::from);
     while browser.value("document.querySelectorAll('#sectors .ok').length") != 8 {
         assert!(Instant::now() < end, "{}", browser.value("document.body.innerText"));

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use browser::Browser;
-use common::{assert_refused, read_json, skyline};
+use common::{HANG, assert_refused, read_json, skyline};
 use http::{Client, Request, post, upload};
 use image::codecs::jpeg::JpegEncoder;
 use image::{GrayImage, Luma, RgbImage};
@@ -50,7 +50,7 @@ fn states(state: &Value) -> Vec<String> {
 
 /// The newest state once it is as wished.
 fn wait_for(client: &mut Client, wished: impl Fn(&Value) -> bool) -> Value {
-    let (end, mut seen) = (Instant::now() + Duration::from_secs(30), 0);
+    let (end, mut seen) = (Instant::now() + HANG, 0);
     loop {
         let state = client.get(&format!("/state/{seen}")).json();
         if wished(&state) {

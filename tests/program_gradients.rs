@@ -5,9 +5,8 @@ use crate::common;
 
 use std::path::Path;
 use std::process::{Command, Output};
-use std::time::Duration;
 
-use common::{assert_refused, home, program, read_json, stderr};
+use common::{HANG, assert_refused, home, program, read_json, stderr};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Manifest, ProgramDetector, ProgramSpec};
 use scaleproof_gradients::program::ProgramWhiteBox;
@@ -109,7 +108,7 @@ fn attacked(folder: &Path, fault: &str, more: &[&str]) -> Output {
 fn losses_and_gradients_are_those_of_the_formula() {
     let folder = tempfile::tempdir().unwrap();
     let spec = ProgramSpec::named(&weave(folder.path(), "")).unwrap().unwrap();
-    let detector = ProgramDetector::open(spec, Duration::from_secs(60)).unwrap();
+    let detector = ProgramDetector::open(spec, HANG).unwrap();
     let manifest = Manifest::of_foreign(detector.card());
     let detector = ProgramWhiteBox::open(detector, manifest, vec![0], true).unwrap();
     let (width, height) = (96, 64);

@@ -5,8 +5,8 @@ use crate::common;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
+use common::kills::{send, stop_at};
 use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
 use scaleproof_detect::{Detection, Detector, Kernel, Manifest, Runtime, WeightFolders};
@@ -218,11 +218,7 @@ fn damaged_entries_are_reported_and_computed_again() {
 fn an_interrupted_run_is_taken_up_again() {
     let set = Set::new();
     let whole = set.outputs("whole", &[]);
-    // On a busy machine a run may be over before it is interrupted.
-    assert!(
-        (0..5).any(|_| is_interrupted(&set)),
-        "five runs were over before they were interrupted"
-    );
+    interrupt(&set);
     let kept = set.cache_entries();
     assert!(
         (3..21).contains(&kept.len()) && !set.path("out").exists(),
@@ -239,24 +235,16 @@ fn an_interrupted_run_is_taken_up_again() {
     );
 }
 
-/// Starts a run without anything kept, and interrupts it after three photos; false when it was over by then.
-fn is_interrupted(set: &Set) -> bool {
+/// Starts a run without anything kept, and interrupts it after three photos.
+fn interrupt(set: &Set) {
     std::fs::remove_dir_all(set.path("cache")).unwrap();
     let _ = std::fs::remove_dir_all(set.path("out"));
-    let mut child = set
-        .command("out", &["--threads", "1"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let began = Instant::now();
-    while set.cache_entries().len() < 3 && began.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    let (mut command, folder) = (set.command("out", &["--threads", "1"]), tempfile::tempdir().unwrap());
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = stop_at(&mut command, folder.path(), 4);
     // Ends it as Ctrl-C does; that signal itself is ignored by whatever a shell started in the background.
-    let interrupted = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
-    assert!(interrupted.unwrap().success());
-    !child.wait().unwrap().success()
+    send(&["-TERM", "-CONT"], &child);
+    assert!(!child.wait().unwrap().success());
 }
 
 fn merge(set: &Set, shards: &[&str], out: &str) -> Output {

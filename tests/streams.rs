@@ -7,10 +7,9 @@ use std::io::{Read, Write};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::Path;
 use std::process::{Command, Output};
-use std::time::{Duration, Instant};
 
 use common::served::{MULTIPART, part, serve, taken};
-use common::{assert_refused, program, skyline, stderr, stdout};
+use common::{HANG, assert_refused, program, skyline, stderr, stdout};
 
 /// A photo of the stored session.
 fn photo(number: usize) -> Vec<u8> {
@@ -127,7 +126,6 @@ fn what_is_no_camera_is_refused_in_a_sentence_and_nothing_is_left() {
         ),
         ("http://u:s3cret@".into(), "it names no host"),
     ];
-    let began = Instant::now();
     for (source, sentence) in refused {
         let output = capture(&source, &session);
         assert_refused(&output, &[sentence]);
@@ -135,7 +133,6 @@ fn what_is_no_camera_is_refused_in_a_sentence_and_nothing_is_left() {
         assert!(!told.contains("s3cret") && !told.contains("root:"), "{told}");
         assert!(!session.exists());
     }
-    assert!(began.elapsed() < Duration::from_secs(25), "{:?}", began.elapsed());
 }
 
 /// A camera that sends without end and never an image: Ctrl-C ends the program, and the one that reads for it.
@@ -154,7 +151,7 @@ fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
     let address = format!("http://127.0.0.1:{port}/");
     let session = out.path().join("session");
     let mut running = captures(program(), &address, &session).spawn().unwrap();
-    sends.recv_timeout(Duration::from_secs(60)).unwrap();
+    sends.recv_timeout(HANG).unwrap();
     let sent = Command::new("kill").args(["-INT", &running.id().to_string()]).status();
     assert!(sent.unwrap().success());
     assert_eq!(running.wait().unwrap().code(), Some(130));

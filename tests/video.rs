@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::{assert_refused, home, program, read_json, stderr, stdout};
+use crate::common::{HANG, assert_refused, home, kills, program, read_json, stderr, stdout};
 
 fn walk(name: &str) -> PathBuf {
     home().join("captures/walk").join(name)
@@ -274,6 +274,32 @@ fn a_picture_that_is_shown_twice_counts_once() {
     }
 }
 
+/// The system's ffmpeg, in a folder of its own, whose frames stop after some 1280 × 720 ones of luma and chroma; what follows waits at a gate.
+fn held_ffmpeg(programs: &Path, gate: &Path, frames: usize) {
+    std::fs::create_dir(programs).unwrap();
+    std::os::unix::fs::symlink(in_path("ffprobe"), programs.join("ffprobe")).unwrap();
+    assert!(Command::new("mkfifo").arg(gate).status().unwrap().success());
+    let (system, gate, bytes) = (in_path("ffmpeg"), gate.display(), frames * 1280 * 720 * 3 / 2);
+    let script = format!(
+        "case \"$*\" in *yuv420p*rawvideo*pipe:1) '{}' \"$@\" | {{ head -c {bytes}; cat '{gate}'; }} ;; *) exec '{}' \"$@\" ;; esac",
+        system.display(),
+        system.display(),
+    );
+    write_program(&programs.join("ffmpeg"), &script);
+}
+
+/// Where a program of the system is.
+fn in_path(name: &str) -> PathBuf {
+    let folders = std::env::var_os("PATH").unwrap();
+    let mut places = std::env::split_paths(&folders).map(|folder| folder.join(name));
+    places.find(|path| path.exists()).unwrap()
+}
+
+fn write_program(path: &Path, script: &str) {
+    std::fs::write(path, format!("#!/bin/sh\n{script}\n")).unwrap();
+    std::fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+}
+
 #[test]
 fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
     let folder = tempfile::tempdir().unwrap();
@@ -285,7 +311,10 @@ fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
         command
     };
     let whole = answer(part(&at_once));
+    let (programs, gate) = (folder.path().join("bin"), folder.path().join("gate"));
+    held_ffmpeg(&programs, &gate, 20);
     let mut running = part(&resumed)
+        .env("PATH", format!("{}:/usr/bin:/bin", programs.display()))
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
@@ -301,13 +330,16 @@ fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
         })
     };
     let began = Instant::now();
-    while journal() == 0 && began.elapsed() < Duration::from_secs(20) {
+    while journal() == 0 || !kills::is_caught(2, &running) {
+        assert!(began.elapsed() < HANG && running.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_millis(5));
     }
     // As Ctrl-C in a terminal.
     let pid = running.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let ended = running.wait().unwrap();
+    // Whoever still waits there goes.
+    drop(std::fs::OpenOptions::new().read(true).write(true).open(&gate).unwrap());
     let rest = answer(part(&resumed));
     assert_eq!(ended.code(), Some(130));
     assert_eq!(
@@ -366,23 +398,12 @@ fn what_ffmpeg_says_of_its_own_options_is_not_the_film_s_fault() {
     let folder = tempfile::tempdir().unwrap();
     let (programs, session) = (folder.path().join("bin"), folder.path().join("session"));
     std::fs::create_dir(&programs).unwrap();
-    let find = |name: &str| {
-        let folders = std::env::var_os("PATH").unwrap();
-        std::env::split_paths(&folders)
-            .map(|folder| folder.join(name))
-            .find(|path| path.exists())
-            .unwrap()
-    };
-    std::os::unix::fs::symlink(find("ffprobe"), programs.join("ffprobe")).unwrap();
-    let script = "#!/bin/sh
-case \"$*\" in
+    std::os::unix::fs::symlink(in_path("ffprobe"), programs.join("ffprobe")).unwrap();
+    let script = "case \"$*\" in
   *-version) echo 'ffmpeg version 99.0-next Copyright' ;;
   *) echo '[fatal] Unrecognized option: showinfo' >&2; exit 8 ;;
-esac
-";
-    let ffmpeg = programs.join("ffmpeg");
-    std::fs::write(&ffmpeg, script).unwrap();
-    std::fs::set_permissions(&ffmpeg, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+esac";
+    write_program(&programs.join("ffmpeg"), script);
     let mut command = from_video(&walk("normal.mp4"), "normal", &session);
     let output = command
         .env("PATH", format!("{}:/usr/bin:/bin", programs.display()))

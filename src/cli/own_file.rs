@@ -1,4 +1,4 @@
-//! Which file this code runs from, since results that are kept depend on it.
+//! Which file this code runs from, since results that are kept depend on it, and whether it is the program's own.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -16,6 +16,11 @@ pub fn begin(module: &Path) -> std::result::Result<(), String> {
 }
 
 static MODULE: OnceLock<String> = OnceLock::new();
+
+/// Whether this code runs inside another program, whose process goes on after an interruption.
+pub(super) fn is_in_another_program() -> bool {
+    MODULE.get().is_some()
+}
 
 /// SHA-256 of the module that holds this code, on which results depend that are kept; empty in the program, whose own file is hashed.
 pub(super) fn module() -> &'static str {

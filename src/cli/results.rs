@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::{Result, full};
+use super::{Result, full, own_file};
 use scaleproof_detect::{
     Manifest, OutsideResults, PhotoName, ProgramDefence, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
     ResultsRequest,
@@ -67,10 +67,10 @@ impl Programs {
         Ok((networks, programs))
     }
 
-    /// Starts them. From then on an interruption ends them before it ends this program.
+    /// Starts them.
     pub(super) fn started(&self, programs: Vec<ProgramSpec>) -> Result<Vec<ProgramDetector>, ProgramError> {
         if !programs.is_empty() {
-            full::end_programs_first();
+            end_with_an_interruption();
         }
         programs
             .into_iter()
@@ -80,12 +80,19 @@ impl Programs {
 
     /// Starts a program that changes photos.
     pub(super) fn started_as_defence(&self, program: ProgramSpec) -> Result<ProgramDefence, ProgramError> {
-        full::end_programs_first();
+        end_with_an_interruption();
         ProgramDefence::open(program, self.limit())
     }
 
     fn limit(&self) -> Duration {
         Duration::from_secs(self.detector_timeout)
+    }
+}
+
+/// From here on an interruption ends programs that run before it ends this one. Another program, as Python, goes on, and ends them itself.
+fn end_with_an_interruption() {
+    if !own_file::is_in_another_program() {
+        full::end_programs_first();
     }
 }
 

@@ -12,7 +12,7 @@ use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
 use crate::capture_page::http::Client;
-use crate::common::with_chromium;
+use crate::common::{HANG, with_chromium};
 
 /// A browser with one tab; ended when dropped.
 pub struct Browser {
@@ -43,7 +43,7 @@ impl Browser {
             .find(|tab| tab["type"] == "page")
             .unwrap();
         let stream = TcpStream::connect(&host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(40))).unwrap();
+        stream.set_read_timeout(Some(HANG)).unwrap();
         let url = tab["webSocketDebuggerUrl"].as_str().unwrap();
         let socket = upgraded(stream, &host, url.split_once(&host).unwrap().1);
         let mut browser = Browser {
@@ -100,7 +100,7 @@ impl Browser {
 
     /// Waits until an expression is true.
     pub fn wait_for(&mut self, script: &str) {
-        let end = Instant::now() + Duration::from_secs(30);
+        let end = Instant::now() + HANG;
         while self.value(script) != Value::Bool(true) {
             assert!(
                 Instant::now() < end,
@@ -176,7 +176,7 @@ fn upgraded(mut stream: TcpStream, host: &str, path: &str) -> WebSocket<TcpStrea
 
 /// Chromium writes the port it chose into its profile.
 fn debugging_port(profile: &Path) -> u16 {
-    let end = Instant::now() + Duration::from_secs(30);
+    let end = Instant::now() + HANG;
     loop {
         let text = std::fs::read_to_string(profile.join("DevToolsActivePort")).unwrap_or_default();
         if let Some((port, _)) = text.split_once('\n') {

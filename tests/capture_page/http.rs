@@ -2,9 +2,10 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::time::Duration;
 
 use serde_json::Value;
+
+use crate::common::HANG;
 
 /// A request as bytes; `{host}` in the head stands for the server's.
 pub struct Request {
@@ -103,7 +104,7 @@ impl Client {
 
 pub fn connect(host: &str) -> BufReader<TcpStream> {
     let stream = TcpStream::connect(host).unwrap();
-    stream.set_read_timeout(Some(Duration::from_secs(40))).unwrap();
+    stream.set_read_timeout(Some(HANG)).unwrap();
     stream.set_nodelay(true).unwrap();
     BufReader::new(stream)
 }

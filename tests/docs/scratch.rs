@@ -7,13 +7,10 @@ use std::time::{Duration, Instant};
 
 use super::markdown::Page;
 use super::shell::{Kind, kind, script};
-use crate::common;
+use crate::common::{self, HANG};
 
 /// What commands of the documentation read.
 const COPIED: [&str; 4] = ["captures", "calibration", "detectors", "print_templates"];
-/// No command of a page takes that long; one that waits for somebody would wait for ever.
-const AT_MOST: Duration = Duration::from_secs(120);
-
 /// Removed when dropped.
 pub struct Scratch<'a> {
     folder: tempfile::TempDir,
@@ -136,7 +133,7 @@ fn ended_in_time(command: &mut Command) -> Option<bool> {
         if let Some(status) = child.try_wait().unwrap() {
             return Some(status.success());
         }
-        if start.elapsed() > AT_MOST {
+        if start.elapsed() > HANG {
             // The whole group: bash alone would leave the program behind.
             let _ = Command::new("kill")
                 .args(["-KILL", "--", &format!("-{}", child.id())])

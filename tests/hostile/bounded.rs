@@ -1,7 +1,9 @@
-//! Runs the program with a bound on its time, and measures its memory.
+//! Runs the program until it ends or hangs, and measures its memory.
 
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+use crate::common::HANG;
 
 /// What became of a run.
 pub struct Ended {
@@ -10,8 +12,8 @@ pub struct Ended {
     pub memory: u64,
 }
 
-/// Runs a command; fails the test when it takes longer than `limit`, or ends by a signal.
-pub fn run(command: &mut Command, limit: Duration) -> Ended {
+/// Runs a command; fails the test when it hangs, or ends by a signal.
+pub fn run(command: &mut Command) -> Ended {
     let mut child = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -25,10 +27,10 @@ pub fn run(command: &mut Command, limit: Duration) -> Ended {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if begin.elapsed() > limit {
+        if begin.elapsed() > HANG {
             let _ = child.kill();
             let _ = child.wait();
-            panic!("{command:?} takes longer than {limit:?}");
+            panic!("{command:?} hangs");
         }
         std::thread::sleep(Duration::from_millis(5));
     };

@@ -2,10 +2,11 @@
 
 use std::os::unix::fs::symlink;
 use std::os::unix::net::UnixListener;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Duration;
 
+use crate::common::kills::kill_at;
 use crate::common::{assert_refused, home, program, read_json, skyline, stderr};
 use crate::hostile::bounded;
 
@@ -26,11 +27,7 @@ fn command(arguments: &str, out: &str) -> Command {
 }
 
 fn run(arguments: &str, out: &Path) -> Output {
-    bounded::run(
-        &mut command(arguments, &out.display().to_string()),
-        Duration::from_secs(20),
-    )
-    .output
+    bounded::run(&mut command(arguments, &out.display().to_string())).output
 }
 
 #[test]
@@ -163,32 +160,6 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A library that ends the program at its Nth renaming, when it is loaded before the system's.
-fn killer(folder: &Path) -> PathBuf {
-    let (source, library) = (folder.join("kill.c"), folder.join("kill.so"));
-    let text = r#"
-        #define _GNU_SOURCE
-        #include <dlfcn.h>
-        #include <signal.h>
-        #include <stdlib.h>
-        #include <string.h>
-        static int count;
-        int rename(const char *from, const char *to) {
-            if (strstr(to, "journal") == 0 && ++count == atoi(getenv("KILL_AT"))) raise(SIGKILL);
-            return ((int (*)(const char *, const char *))dlsym(RTLD_NEXT, "rename"))(from, to);
-        }
-    "#;
-    std::fs::write(&source, text).unwrap();
-    let built = Command::new("cc")
-        .args(["-shared", "-fPIC", "-o"])
-        .arg(&library)
-        .arg(&source)
-        .arg("-ldl")
-        .status();
-    assert!(built.unwrap().success());
-    library
-}
-
 fn score(out: &Path, confidence: &str) -> Command {
     let mut command = program();
     command
@@ -203,15 +174,12 @@ fn score(out: &Path, confidence: &str) -> Command {
 #[cfg(target_os = "linux")]
 fn a_run_killed_between_two_of_its_files_is_finished_by_the_next_in_that_folder() {
     let folder = tempfile::tempdir().unwrap();
-    let (out, library) = (folder.path().join("out"), killer(folder.path()));
+    let out = folder.path().join("out");
     assert!(score(&out, "0.5").output().unwrap().status.success());
     let expected = folder.path().join("expected");
     assert!(score(&expected, "0.25").output().unwrap().status.success());
-    let killed = score(&out, "0.25")
-        .env("LD_PRELOAD", &library)
-        .env("KILL_AT", "3")
-        .output()
-        .unwrap();
+    let mut killed = score(&out, "0.25");
+    let killed = kill_at(&mut killed, folder.path(), 3).output().unwrap();
     assert_eq!(killed.status.code(), None, "it was killed: {}", stderr(&killed));
     let confidence = |folder: &Path| {
         read_json(&folder.join("summary.json"))["hit_confidence"]
@@ -237,9 +205,9 @@ fn a_run_killed_between_two_of_its_files_is_finished_by_the_next_in_that_folder(
 #[cfg(target_os = "linux")]
 fn what_a_killed_run_left_half_written_is_removed_by_a_later_one() {
     let folder = tempfile::tempdir().unwrap();
-    let (out, library) = (folder.path().join("out"), killer(folder.path()));
+    let out = folder.path().join("out");
     let mut killed = command(COMMANDS[1], &out.join("p.png").display().to_string());
-    killed.env("LD_PRELOAD", &library).env("KILL_AT", "1");
+    kill_at(&mut killed, folder.path(), 1);
     assert_eq!(killed.output().unwrap().status.code(), None);
     let left = names(&out);
     assert!(matches!(&left[..], [name] if name.ends_with(".partial")), "{left:?}");
@@ -311,10 +279,10 @@ fn files_whose_names_the_program_chose_go_through_no_link() {
 #[cfg(target_os = "linux")]
 fn what_is_newer_than_a_killed_run_stays() {
     let folder = tempfile::tempdir().unwrap();
-    let (out, library) = (folder.path().join("out"), killer(folder.path()));
+    let out = folder.path().join("out");
     assert!(score(&out, "0.5").output().unwrap().status.success());
     let mut killed = score(&out, "0.25");
-    killed.env("LD_PRELOAD", &library).env("KILL_AT", "3");
+    kill_at(&mut killed, folder.path(), 3);
     assert_eq!(killed.output().unwrap().status.code(), None);
     std::thread::sleep(Duration::from_millis(20));
     std::fs::write(out.join("report.html"), "newer").unwrap();
@@ -368,7 +336,7 @@ fn files_of_one_command_may_spell_their_folder_differently() {
             .args(arguments.split_whitespace())
             .arg(definition)
             .current_dir(folder.path());
-        let ended = bounded::run(&mut board, Duration::from_secs(20));
+        let ended = bounded::run(&mut board);
         assert!(ended.output.status.success(), "{}", stderr(&ended.output));
         assert_eq!(names(&folder.path().join("out")), ["board.pdf", "board.toml"]);
     }

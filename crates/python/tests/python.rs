@@ -1,5 +1,7 @@
 //! The Python package: its own tests, run by pytest with the module that cargo has just built.
 
+use std::ffi::OsStr;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -34,17 +36,22 @@ fn package() -> tempfile::TempDir {
 /// What `./run test` has installed for the tests of the package.
 fn installed() -> PathBuf {
     let installed = home().join(".cache/python-tests");
-    let named = std::env::var_os("SCALEPROOF_PYTHON_TESTS").map_or(installed, PathBuf::from);
-    let place = named.display();
-    assert!(named.is_dir(), "{place} has no packages: start this test by ./run test");
-    named
+    assert!(
+        installed.is_dir(),
+        "{} has no packages: start this test by ./run test",
+        installed.display()
+    );
+    installed
 }
 
 /// Runs a Python with the package, and with another folder of packages.
 fn python(program: &str, (package, others): (&Path, &Path), arguments: &[&str]) {
     let output = Command::new(program)
         .args(arguments)
-        .env("PYTHONPATH", std::env::join_paths([package, others]).unwrap())
+        .env(
+            "PYTHONPATH",
+            [package.as_os_str(), others.as_os_str()].join(OsStr::new(":")),
+        )
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("MYPYPATH", package)
         .current_dir(package)
@@ -71,18 +78,26 @@ fn the_renderer_in_pytorch_is_the_attack_s() {
     python("/usr/bin/python3", (package.path(), &home().join("python")), &arguments);
 }
 
+/// Against the packages that `./run test` has installed and PyTorch's types beside them, whatever else this machine's Python has: `-S` hides it, from mypy
+/// and from the Python that it asks for its packages.
 #[test]
 fn types_are_whole() {
     let (package, example) = (package(), home().join("python/examples/score_a_function.py"));
-    let cache = package.path().join("mypy");
+    let [cache, alone] = ["mypy", "python_alone"].map(|name| package.path().join(name));
+    std::fs::write(&alone, "#!/bin/sh\nexec python3 -S \"$@\"\n").unwrap();
+    std::fs::set_permissions(&alone, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let [cache, alone] = [&cache, &alone].map(|path| path.to_str().unwrap());
     let options = [
         "-m",
         "mypy",
         "--strict",
         "--ignore-missing-imports",
         "--cache-dir",
-        cache.to_str().unwrap(),
+        cache,
+        "--python-executable",
+        alone,
     ];
     let arguments = [&options[..], &[example.to_str().unwrap(), "scaleproof"]].concat();
-    python("python3", (package.path(), &installed()), &arguments);
+    let others = std::env::join_paths([installed(), installed().join("types")]).unwrap();
+    python(alone, (package.path(), Path::new(&others)), &arguments);
 }

@@ -1,6 +1,7 @@
 //! What tests of the program and of several crates need: paths, the program, networks, films, rendered photos, and bad input made from good.
 
 pub mod films;
+pub mod kills;
 pub mod onnx;
 pub mod rendered;
 pub mod served;
@@ -8,8 +9,12 @@ pub mod served;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::Duration;
 
 pub use scaleproof_core::files::environment::variable;
+
+/// What takes longer hangs. It ends a test, and judges no speed: a machine may be busy.
+pub const HANG: Duration = Duration::from_secs(600);
 
 /// The project's folder.
 pub fn home() -> &'static Path {

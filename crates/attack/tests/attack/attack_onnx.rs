@@ -1270,14 +1270,10 @@ fn tensors_without_bound_are_refused_before_they_are_made() {
     ];
     for (i, parts) in nets.into_iter().enumerate() {
         let bytes = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
-        let started = Instant::now();
         let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None, &Device::flex()).err();
         let error = error.unwrap_or_else(|| panic!("network {i} is taken")).to_string();
         println!("{i}: {error}");
-        assert!(
-            started.elapsed().as_secs() < 20 && error.lines().count() == 1,
-            "{i}: {error}"
-        );
+        assert_eq!(error.lines().count(), 1, "{i}: {error}");
     }
 }
 

@@ -4,7 +4,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use image::RgbImage;
 use scaleproof_capture::capture::stream::{self, StreamAddress};
@@ -13,6 +13,7 @@ use scaleproof_photo::photo::Photo;
 use scaleproof_pose::camera::Camera;
 
 use super::stored::{capture, skyline};
+use scaleproof_testing::HANG;
 use scaleproof_testing::served::{MULTIPART, part, serve, taken};
 
 /// A photo of the stored session.
@@ -31,7 +32,7 @@ fn photographed(address: &str, capture: &mut Capture, count: usize) -> Vec<Strin
             said.push(sentence.clone());
         }
         capture.see(&frame).unwrap();
-        assert!(began.elapsed() < Duration::from_secs(60), "{said:?}");
+        assert!(began.elapsed() < HANG, "{said:?}");
     }
     said
 }
@@ -175,13 +176,11 @@ fn an_rtsp_camera_fills_views_with_its_images_and_its_end_is_told() {
     let mut live = stream::open(&StreamAddress::new(&address), &camera).unwrap();
     live.next().unwrap();
     drop(server);
-    let began = Instant::now();
     let sentence = loop {
         if let Original::Unreadable(sentence) = live.next().unwrap().unwrap().original {
             break sentence;
         }
     };
-    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
     assert!(
         sentence.contains("/camera broke off (") && !sentence.contains("s3cret"),
         "{sentence}"
