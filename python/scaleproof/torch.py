@@ -22,7 +22,7 @@ def render(cells: torch.Tensor, views: Sequence[View]) -> torch.Tensor:
         raise Error("the views are of different grids or sizes: render them one by one")
     if tuple(cells.shape) != (3, rows, columns) or not cells.is_floating_point():
         raise Error(f"the cells have the shape {tuple(cells.shape)} of {cells.dtype}: give 3 × {rows} × {columns} floating-point numbers")
-    light = _decode(cells.clamp(0, 1)).reshape(3, -1).t()
+    light = _decode(_within(cells)).reshape(3, -1).t()
     return torch.stack([_view(light, view) for view in views])
 
 
@@ -43,6 +43,11 @@ def _view(light: torch.Tensor, view: View) -> torch.Tensor:
     if view.power is not None:
         y = _encode(_power(y, 1 / view.power))
     return y.t().reshape(3, *view.shape)
+
+
+def _within(cells: torch.Tensor) -> torch.Tensor:
+    """Cells from 0 to 1. The derivative at 0 and 1 is 1 in every version of PyTorch, so that black and white cells can change."""
+    return torch.where(cells.ge(0) & cells.le(1), cells, cells.detach().clamp(0, 1))
 
 
 def _power(y: torch.Tensor, exponent: float) -> torch.Tensor:
