@@ -69,6 +69,7 @@ mod real_photos;
 mod real_survey;
 mod report;
 mod results_outside;
+mod run_script;
 mod scale;
 mod score;
 mod sequential;
