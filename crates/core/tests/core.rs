@@ -10,6 +10,8 @@ mod bbox;
 mod bootstrap;
 #[path = "core/files.rs"]
 mod files;
+#[path = "core/flips.rs"]
+mod flips;
 #[path = "core/homography.rs"]
 mod homography;
 #[path = "core/hull.rs"]
