@@ -116,5 +116,5 @@ fn doubt(squares: (u32, u32), square_mm: f64) -> Option<String> {
 }
 
 #[cfg(test)]
-#[path = "../tests/board.rs"]
+#[path = "tests/board.rs"]
 mod tests;

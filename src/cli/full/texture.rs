@@ -153,5 +153,5 @@ fn named(path: &Path, texture: Texture, sha256: String) -> NamedTexture {
 }
 
 #[cfg(test)]
-#[path = "../tests/texture.rs"]
+#[path = "tests/texture.rs"]
 mod tests;
