@@ -4,9 +4,10 @@
 //! Five detectors look at so many views of the plain model and of two textures. A confidence is the detector's mean, plus what is hard about the view, plus
 //! what is hard about it for the detector, plus noise of each photo, cut to 0 … 1; a hit is one of 0.5 or more.
 
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use scaleproof_core::statistics::{holm, mcnemar_p, shares, sign_flip_p};
+use scaleproof_pose::simulate::normal;
 
 const EXPERIMENTS: usize = 5000;
 const DETECTORS: usize = 5;
@@ -33,18 +34,13 @@ const TWICE: Spread = Spread {
     photo: 0.24,
 };
 
-/// By how much each texture lowers each detector's confidence.
+/// Falls of confidence: of each texture, for each detector.
 type Drops = Vec<[f64; DETECTORS]>;
 
-/// What is measured of a texture: for each detector the differences to plain by view, texture minus plain.
+/// Differences of a texture to plain, texture minus plain: for each detector, by view.
 struct Differences {
     confidence: Vec<Vec<f64>>,
     hits: Vec<Vec<f64>>,
-}
-
-fn normal(rng: &mut Pcg64Mcg) -> f64 {
-    let [a, b]: [f64; 2] = [rng.random_range(f64::MIN_POSITIVE..1.0), rng.random()];
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
 fn experiment(rng: &mut Pcg64Mcg, views: usize, spread: Spread, drops: &Drops) -> Vec<Differences> {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::kills::kill_at;
+use common::kills::{kill_at, send};
 use common::{HANG, assert_refused, program, read_json, skyline, stderr, stdout};
 use image::{GrayImage, Rgb, RgbImage};
 use live::live_capture;
@@ -398,8 +398,7 @@ fn a_capture_says_what_it_waits_for_and_ctrl_c_ends_it_with_its_summary() {
     std::fs::copy(photo(0), folder.join("IMG_1.jpg")).unwrap();
     assert!(said.next().unwrap().contains("IMG_1.jpg: taken as normal_000.jpg"));
     let interrupt = |running: &std::process::Child| {
-        let sent = Command::new("kill").args(["-INT", &running.id().to_string()]).status();
-        assert!(sent.unwrap().success());
+        send(&["-INT"], running);
     };
     interrupt(&running);
     let rest: Vec<String> = said.collect();

@@ -4,9 +4,10 @@
 use crate::common;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
 
+use common::kills::send;
 use common::{HANG, assert_refused, program, read_json, skyline, stderr};
 use serde_json::{Value, json};
 
@@ -398,13 +399,7 @@ fn an_interrupted_run_leaves_no_program_behind() {
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(runs(&desk.at("pid")) && runs(&desk.at("child")));
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &running.id().to_string()])
-            .status()
-            .unwrap()
-            .success()
-    );
+    send(&["-INT"], &running);
     assert_eq!(running.wait().unwrap().code(), Some(130));
     let start = Instant::now();
     while runs(&desk.at("pid")) || runs(&desk.at("child")) {

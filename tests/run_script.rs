@@ -3,25 +3,19 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::{home, stderr};
+use crate::common::{home, stderr, write_program};
 
 /// A stand-in for cargo, by a script that is given its subcommand.
-fn with_cargo(folder: &Path, script: &str, arguments: &[&str]) -> Output {
-    let cargo = folder.join("cargo");
-    std::fs::write(
-        &cargo,
-        format!(
-            "#!/bin/sh\necho \"$1\" >> '{}'\ncase \"$1\" in\n{script}\nesac\n",
-            folder.join("called").display()
-        ),
-    )
-    .unwrap();
-    std::fs::set_permissions(&cargo, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+fn with_cargo(folder: &Path, script: &str) -> Output {
+    let called = folder.join("called");
+    write_program(
+        &folder.join("cargo"),
+        &format!("echo \"$1\" >> '{}'\ncase \"$1\" in\n{script}\nesac", called.display()),
+    );
     let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
     Command::new("bash")
         .arg(home().join("run"))
         .arg("test")
-        .args(arguments)
         .env("PATH", path)
         .output()
         .unwrap()
@@ -49,7 +43,7 @@ test src/lib.rs - (line 4) ... ok
 test result: ok. 1 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out
 SAID
 exit 101 ;;"#;
-    let ended = with_cargo(folder.path(), script, &[]);
+    let ended = with_cargo(folder.path(), script);
     let said = stderr(&ended);
     assert_eq!(ended.status.code(), Some(1), "{said}");
     let called = std::fs::read_to_string(folder.path().join("called")).unwrap();
@@ -79,7 +73,6 @@ fn tests_that_do_not_build_are_said_not_to_have_run() {
     let ended = with_cargo(
         folder.path(),
         "test) echo 'error: could not compile `scaleproof` (lib)'; exit 101 ;;",
-        &[],
     );
     assert_eq!(ended.status.code(), Some(1));
     assert!(

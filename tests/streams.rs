@@ -8,6 +8,7 @@ use std::net::{Ipv4Addr, TcpListener};
 use std::path::Path;
 use std::process::{Command, Output};
 
+use common::kills::send;
 use common::served::{MULTIPART, part, serve, taken};
 use common::{HANG, assert_refused, program, skyline, stderr, stdout};
 
@@ -152,8 +153,7 @@ fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
     let session = out.path().join("session");
     let mut running = captures(program(), &address, &session).spawn().unwrap();
     sends.recv_timeout(HANG).unwrap();
-    let sent = Command::new("kill").args(["-INT", &running.id().to_string()]).status();
-    assert!(sent.unwrap().success());
+    send(&["-INT"], &running);
     assert_eq!(running.wait().unwrap().code(), Some(130));
     let reads = |process: &Path| {
         let words = std::fs::read(process.join("cmdline")).unwrap_or_default();

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::{HANG, assert_refused, home, kills, program, read_json, stderr, stdout};
+use scaleproof_core::files::environment;
+
+use crate::common::{HANG, assert_refused, home, kills, program, read_json, stderr, stdout, write_program};
 
 fn walk(name: &str) -> PathBuf {
     home().join("captures/walk").join(name)
@@ -277,27 +279,19 @@ fn a_picture_that_is_shown_twice_counts_once() {
 /// The system's ffmpeg, in a folder of its own, whose frames stop after some 1280 × 720 ones of luma and chroma; what follows waits at a gate.
 fn held_ffmpeg(programs: &Path, gate: &Path, frames: usize) {
     std::fs::create_dir(programs).unwrap();
-    std::os::unix::fs::symlink(in_path("ffprobe"), programs.join("ffprobe")).unwrap();
+    std::os::unix::fs::symlink(environment::program("ffprobe").unwrap(), programs.join("ffprobe")).unwrap();
     assert!(Command::new("mkfifo").arg(gate).status().unwrap().success());
-    let (system, gate, bytes) = (in_path("ffmpeg"), gate.display(), frames * 1280 * 720 * 3 / 2);
+    let (system, gate, bytes) = (
+        environment::program("ffmpeg").unwrap(),
+        gate.display(),
+        frames * 1280 * 720 * 3 / 2,
+    );
     let script = format!(
         "case \"$*\" in *yuv420p*rawvideo*pipe:1) '{}' \"$@\" | {{ head -c {bytes}; cat '{gate}'; }} ;; *) exec '{}' \"$@\" ;; esac",
         system.display(),
         system.display(),
     );
     write_program(&programs.join("ffmpeg"), &script);
-}
-
-/// Where a program of the system is.
-fn in_path(name: &str) -> PathBuf {
-    let folders = std::env::var_os("PATH").unwrap();
-    let mut places = std::env::split_paths(&folders).map(|folder| folder.join(name));
-    places.find(|path| path.exists()).unwrap()
-}
-
-fn write_program(path: &Path, script: &str) {
-    std::fs::write(path, format!("#!/bin/sh\n{script}\n")).unwrap();
-    std::fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
 }
 
 #[test]
@@ -335,8 +329,7 @@ fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
         std::thread::sleep(Duration::from_millis(5));
     }
     // As Ctrl-C in a terminal.
-    let pid = running.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    kills::send(&["-INT"], &running);
     let ended = running.wait().unwrap();
     // Whoever still waits there goes.
     drop(std::fs::OpenOptions::new().read(true).write(true).open(&gate).unwrap());
@@ -398,7 +391,7 @@ fn what_ffmpeg_says_of_its_own_options_is_not_the_film_s_fault() {
     let folder = tempfile::tempdir().unwrap();
     let (programs, session) = (folder.path().join("bin"), folder.path().join("session"));
     std::fs::create_dir(&programs).unwrap();
-    std::os::unix::fs::symlink(in_path("ffprobe"), programs.join("ffprobe")).unwrap();
+    std::os::unix::fs::symlink(environment::program("ffprobe").unwrap(), programs.join("ffprobe")).unwrap();
     let script = "case \"$*\" in
   *-version) echo 'ffmpeg version 99.0-next Copyright' ;;
   *) echo '[fatal] Unrecognized option: showinfo' >&2; exit 8 ;;

@@ -68,8 +68,7 @@ pub fn work<T: Send, R: Send>(
                     request.map_or(Ok(()), |request| answer(py, request, &receiver))
                 });
                 if let Err(e) = looked {
-                    course.stop.store(true, Ordering::Relaxed);
-                    scaleproof_detect::kill_programs();
+                    give_up(&course.stop);
                     failed = Some(e);
                 }
             };
@@ -89,6 +88,12 @@ pub fn work<T: Send, R: Send>(
         (None, Ok(done)) => done,
         (None, Err(_)) => unpanicked(|| panic!("a thread ended")),
     }
+}
+
+/// Tells work to stop, and ends the programs that it waits for.
+fn give_up(stop: &AtomicBool) {
+    stop.store(true, Ordering::Relaxed);
+    scaleproof_detect::kill_programs();
 }
 
 /// What comes from the thread that works.
@@ -112,10 +117,7 @@ pub fn alone<T: Send + 'static>(py: Python<'_>, work: impl FnOnce() -> T + Send 
             match receiver.recv_timeout(EVERY) {
                 Ok(done) => return done,
                 Err(RecvTimeoutError::Timeout) => {
-                    Python::attach(|py| py.check_signals()).inspect_err(|_| {
-                        flag.store(true, Ordering::Relaxed);
-                        scaleproof_detect::kill_programs();
-                    })?;
+                    Python::attach(|py| py.check_signals()).inspect_err(|_| give_up(&flag))?;
                 }
                 Err(RecvTimeoutError::Disconnected) => return unpanicked(|| panic!("a thread ended")),
             }

@@ -172,8 +172,6 @@ pub struct Frames<P> {
     video: Video,
     name: String,
     filter: Filter,
-    /// What ffmpeg was told of the output.
-    output: Vec<String>,
     selection: Selection,
     /// Length of what is to come by the header, s.
     expected_s: Option<f64>,
@@ -256,7 +254,6 @@ impl<P: Pixels> Frames<P> {
     /// Starts ffmpeg; `filter` gives frames their size and colours.
     pub(crate) fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
         let name = video.input.name.clone();
-        let output = output_arguments::<P>(selection, &filter);
         let mut command = command("ffmpeg", &name)?;
         command
             .args(input_options())
@@ -268,7 +265,7 @@ impl<P: Pixels> Frames<P> {
             )
             .args(&video.input.arguments)
             .args(["-map", &format!("0:{}", video.stream)])
-            .args(&output);
+            .args(output_arguments::<P>(selection, &filter));
         let mut running = Running::start(command, "ffmpeg", &name)?;
         let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
             let reason = "it has no output".to_owned();
@@ -285,7 +282,6 @@ impl<P: Pixels> Frames<P> {
             video: video.clone(),
             name,
             filter,
-            output,
             origin: None,
             key: selection.begin.map_or(0, |(number, _)| number),
             selection: selection.clone(),
@@ -400,10 +396,10 @@ impl<P: Pixels> Frames<P> {
         Err(self.damaged())
     }
 
-    /// What ffmpeg complains of is the video's fault, unless it says the same of any picture.
+    /// The fault behind a complaint of ffmpeg's: the video's, unless it says the same of any picture.
     fn damaged(&self) -> VideoError {
         let name = self.name.clone();
-        if let Err(reason) = takes(&self.output, self.video.range) {
+        if let Err(reason) = takes(&output_arguments::<P>(&self.selection, &self.filter), self.video.range) {
             let version = version().to_owned();
             return VideoError::OtherDecoder { name, version, reason };
         }
