@@ -34,7 +34,7 @@ impl Desk {
             let answer = if MISSED.contains(&(photo as usize)) {
                 json!([])
             } else {
-                json!([{"label": "car", "score": 0.9, "box": [x, y, x + w, y + h]}])
+                json!([{"label": "car", "score": 1.0, "box": [x, y, x + w, y + h]}])
             };
             std::fs::write(desk.at("answers").join(photo.to_string()), answer.to_string()).unwrap();
         }

@@ -257,17 +257,24 @@ fn the_stored_session_compared() {
     let femto = result(&page, "deimv2_femto");
     assert_eq!((&femto["pairs"], &femto["clusters"]), (&8.into(), &8.into()));
     assert_eq!(femto["hit_rate"]["base_alone"], 6);
-    assert_eq!(femto["hit_rate"]["mcnemar_p"], 0.03125);
-    // Of five tests one has a smaller p: 4 × 0.03125.
-    assert_eq!((&femto["holm_p"], &femto["tests"]), (&0.125.into(), &5.into()));
-    assert_eq!(femto["hit_rate"]["finding"], "not_after_correction");
-    // 6/8 against 4/8 shows nothing with eight photos, and says so.
+    // All eight confidences fall: two of 2⁸ patterns of signs, for whichever detector.
+    let finding = &femto["finding"];
     assert_eq!(
-        result(&page, "yolox_nano")["hit_rate"]["finding"],
-        "too_few_photos_to_tell"
+        (&finding["effect"], &finding["confidence_p"]),
+        (&"hides".into(), &(2.0 / 256.0).into())
     );
+    assert_eq!(finding["in_places_like_these"]["places_missing"], 5);
+    // One that falls from 0.58 to 0.37 shows nothing with these eight photos, and says how much would have been.
+    let open = &result(&page, "yolox_nano")["finding"];
+    assert_eq!(
+        (&open["effect"], &open["in_places_like_these"]),
+        (&"nothing_shown".into(), &Value::Null)
+    );
+    let from = open["drop_shown_from"].as_f64().unwrap();
     assert!(
-        stdout(&output).contains("too few photos to tell"),
+        stdout(&output).contains(&format!(
+            "a drop of {from:.2} would have been shown with a chance of 0.8"
+        )),
         "{}",
         stdout(&output)
     );
@@ -283,12 +290,9 @@ fn the_stored_session_compared() {
             .abs()
             < 1e-9
     );
-    // One photo a bin cannot tell anything in the bin.
+    // One photo a bin has no interval in the bin.
     for bin in femto["azimuth_bins"].as_array().unwrap() {
-        assert_eq!(
-            (&bin["hits"]["finding"], &bin["holm_p"]),
-            (&"too_few_photos_to_tell".into(), &Value::Null)
-        );
+        assert_eq!((&bin["pairs"], &bin["hits"]["interval_95"]), (&1.into(), &Value::Null));
     }
     let again = tempfile::tempdir().unwrap();
     let printed = compare(&skyline(), again.path(), &["--json"]);
@@ -346,7 +350,7 @@ fn a_comparison_speaks_of_the_base_that_was_named() {
     }
 }
 
-/// Twelve pairs that all differ one way: p = 2 / 2¹².
+/// Sixteen pairs that all differ one way, of 20,000 patterns that are drawn: p = 1 / 20,001, or a few more.
 #[test]
 fn a_small_p_is_not_said_to_be_zero() {
     let [a, b] = ["meadow", "garage"].map(|place| {
@@ -363,7 +367,7 @@ fn a_small_p_is_not_said_to_be_zero() {
     let output = compare(a.path(), out.path(), &[b.path().to_str().unwrap()]);
     let text = stdout(&output);
     assert!(
-        text.contains("16 pairs") && text.contains("McNemar p < 0.001, corrected = 0.002: a drop"),
+        text.contains("16 pairs from 2 places × 8 bins: hides, p < 0.001"),
         "{text}{}",
         stderr(&output)
     );

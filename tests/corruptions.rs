@@ -198,7 +198,7 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
         let survival = summary["robustness"]["survival"].as_array().unwrap();
         let own = survival.iter().find(|s| s["corruption"] == corruption).unwrap();
         assert_eq!(
-            (&own["shown_at"], &own["base_lost_at"]),
+            (&own["above_zero_at"], &own["base_lost_at"]),
             (&shown_at, &json!([])),
             "{own}"
         );
@@ -214,9 +214,18 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
         .unwrap()
         .into_records()
         .count();
-    assert_eq!(lines, 18);
+    // At six steps of three kinds, and what each of five steps changes in each of two textures.
+    assert_eq!(lines, 18 + 2 * 15);
+    // Plain photos are found at every step; dark ones, which are not, from the second step of light on: that step gives back what the pattern takes.
+    let changes = summary["robustness"]["changes"].as_array().unwrap();
+    for row in changes {
+        let is_given_back =
+            row["variant"] == "camo" && row["corruption"] == "exposure" && row["severity"].as_u64() >= Some(2);
+        let effect = if is_given_back { "strengthens" } else { "nothing_shown" };
+        assert_eq!(row["finding"]["effect"], effect, "{row}");
+    }
     let page = std::fs::read_to_string(table.at("out/report.html")).unwrap();
-    assert!(page.contains("On photos made worse") && page.contains("Filled: a drop of AP@0.5 from the base"));
+    assert!(page.contains("On photos made worse") && page.contains("Filled: the 95 % interval of the drop of AP@0.5"));
     assert!(table.at("out/figure_robustness.pdf").is_file());
 
     // What was found is kept, the same bytes come out, and a report without it leaves nothing of it behind.
@@ -246,7 +255,7 @@ fn patterns_are_also_held_against_the_random_one() {
     let survival = summary["robustness"]["survival"].as_array().unwrap();
     assert_eq!(survival.len(), 1);
     assert_eq!(
-        (&survival[0]["base"], &survival[0]["shown_at"]),
+        (&survival[0]["base"], &survival[0]["above_zero_at"]),
         (&json!("random"), &json!([0, 1]))
     );
 }

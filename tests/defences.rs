@@ -98,8 +98,8 @@ fn a_drop_is_what_is_left_of_it_under_each_defence() {
         assert_eq!([added("camo"), added("normal")], [camo, normal], "{name}");
     }
     assert_eq!(
-        rows(&summary, "changes", "lighten")[1]["ap50"]["finding"],
-        "rise",
+        rows(&summary, "changes", "lighten")[1]["finding"]["effect"],
+        "strengthens",
         "{summary}"
     );
     let lines = csv::Reader::from_path(table.at("out/defences.csv"))

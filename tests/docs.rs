@@ -18,9 +18,6 @@ use help::Commands;
 use markdown::Page;
 use scratch::Scratch;
 
-/// What a newcomer reads in five minutes.
-const README_WORDS: usize = 1000;
-
 /// Options of other programs that the documentation shows.
 const FOREIGN_OPTIONS: [&str; 21] = [
     "--all-targets",
@@ -135,18 +132,6 @@ fn the_summary_of_the_guide_lists_every_page() {
     assert!(
         elsewhere.is_empty(),
         "in SUMMARY.md and no page of the guide: {elsewhere:?}"
-    );
-}
-
-#[test]
-fn the_readme_is_read_in_five_minutes() {
-    let words = std::fs::read_to_string(home().join("README.md"))
-        .unwrap()
-        .split_whitespace()
-        .count();
-    assert!(
-        words <= README_WORDS,
-        "README.md has {words} words, more than {README_WORDS}: move what is not for a newcomer to the guide"
     );
 }
 

@@ -156,8 +156,8 @@ fn the_charts_are_files_that_look_like_the_page() {
     for words in [
         "Drop of the hit rate<",
         "Drop of AP@0.5<",
-        "Filled: a difference is shown after correction",
-        "corrected for their number (Holm)",
+        "Filled: an effect is shown",
+        "sign flips by view, joint over the detectors",
     ] {
         assert!(drops.contains(words), "{words}");
     }

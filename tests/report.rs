@@ -176,7 +176,7 @@ fn what_the_figures_rest_on_stands_beside_them() {
     ] {
         assert!(report.contains(words), "{words}");
     }
-    // Five detectors and three figures; 6 of 8 hits lost, p = 2 / 2⁶, is the second of five p, and is taken four times.
+    // Every one of eight confidences falls: 2 of 2⁸ patterns of signs. Six of eight hits are lost, and all eight of another detector.
     let terminal = stdout(&compared);
     for text in [
         &report,
@@ -186,10 +186,10 @@ fn what_the_figures_rest_on_stands_beside_them() {
         &read("comparison.tex"),
     ] {
         assert!(
-            text.contains("Findings are decided by the hit rate (5 detectors × 1 texture, 5 tests)"),
+            text.contains("Decided by the mean confidence (5 detectors × 1 texture)"),
             "{text}"
         );
-        assert!(text.contains("DEIMv2-Femto 416 0.031 → 0.125"), "{text}");
+        assert!(text.contains("DEIMv2-Femto 416 0.008, 0.031"), "{text}");
     }
     // No hit of eight is no certain 1.00.
     let open = "no interval: all resamples agree; 0 of 8 hit, Wilson up to 0.32";
@@ -670,7 +670,9 @@ fn times_pt(cell: &str) -> f64 {
         ("\\scriptsize ", ""),
         ("\\textbf", ""),
         ("\\emph", ""),
-        ("^\\dagger", "†"),
+        ("\\Downarrow", "⇓"),
+        ("\\downarrow", "↓"),
+        ("\\uparrow", "↑"),
         ("\\times", "×"),
         ("$-", "−"),
         ("$<$", "−"),
@@ -680,7 +682,8 @@ fn times_pt(cell: &str) -> f64 {
         .iter()
         .fold(cell.to_owned(), |text, (tex, sign)| text.replace(tex, sign));
     let width = |c: char| match c {
-        '†' => 375,
+        '⇓' => 611,
+        '↓' | '↑' => 500,
         '−' => 778,
         '×' => 1222,
         '$' | '{' | '}' | '\\' => 0,
@@ -733,11 +736,12 @@ fn the_tables_of_a_comparison_fit_one_column_of_a_paper_of_two() {
     assert!(output.status.success(), "{}", stderr(&output));
     let tex = std::fs::read_to_string(compared.join("comparison.tex")).unwrap();
     assert!(
-        tex.contains("{a\\_detector\\_of\\_our\\_own\\_640\\_best} \\\\\n & 0.75 & 0.00"),
+        tex.contains("{a\\_detector\\_of\\_our\\_own\\_640\\_best} \\\\\n & 0.72 & 0.23"),
         "{tex}"
     );
-    // The widest figures that a row of the hit rate may have: a rise that is shown.
-    let widest = "DEIMv2-Femto 416 & 0.38 & 0.75 & \\textbf{$-0.38$} [$-0.55$, $-0.10$] & $<$0.001 & $<$0.001 \\\\";
+    // The widest figures that a row of the mean confidence may have: a rise that is shown.
+    let widest =
+        "DEIMv2-Femto 416 & 0.38 & 0.75 & \\textbf{$-0.38$} [$-0.55$, $-0.10$] & $<$0.001 & $\\Downarrow$ \\\\";
     let femto = tex.lines().find(|line| line.starts_with("DEIMv2-Femto")).unwrap();
     for tex in [&tex, &tex.replacen(femto, widest, 1)] {
         let widths = table_widths_pt(tex);
@@ -775,35 +779,39 @@ fn the_latex_tables_have_the_summary_s_numbers_and_typeset() {
         );
         assert_eq!(row[4].is_empty(), r["variant"] == "normal");
     }
-    // A table for each endpoint, with the rows of the JSON: its numbers, and of the hit rate both p.
+    // A table for each endpoint, with the rows of the JSON: its numbers, and p where there is one.
     let tex = read("comparison.tex");
     let tables: Vec<&str> = tex
-        .split("% Hit rate\n")
+        .split("% Mean confidence\n")
         .nth(1)
         .unwrap()
         .split("\\begin{tabular}")
         .skip(1)
         .collect();
     let json = read_json(&out.path().join("comparison.json"));
-    assert_eq!(tables.len(), 3);
+    // Two of five detectors are shown to lose confidence and hits; AP is not tested.
+    let bold: Vec<usize> = tables.iter().map(|table| table.matches("textbf").count()).collect();
+    assert_eq!(bold, [2, 2, 0]);
     for r in results(&json) {
         let two = |v: &Value| format!("{:.2}", v.as_f64().unwrap() + 1e-9);
         let three = |v: &Value| format!("{:.3}", v.as_f64().unwrap() + 1e-9);
-        let (hit, ap) = (&r["hit_rate"], &r["ap50"]);
+        let (confidence, hit, ap) = (&r["mean_confidence"], &r["hit_rate"], &r["ap50"]);
         let has = |table: &str, words: String| assert!(table.contains(&words), "{table} lacks {words}");
+        for (table, figure) in tables.iter().zip([confidence, hit, ap]) {
+            has(
+                table,
+                format!("& {} & {} & {}", two(&figure["base"]), two(&figure["other"]), ""),
+            );
+        }
+        let word = match r["finding"]["effect"].as_str() {
+            Some("hides") => "$\\Downarrow$",
+            _ => "--",
+        };
         has(
             tables[0],
-            format!("& {} & {} & {}", two(&hit["base"]), two(&hit["other"]), ""),
+            format!("& {} & {word} \\\\", three(&r["finding"]["confidence_p"])),
         );
-        has(
-            tables[0],
-            format!("& {} & {} \\\\", three(&hit["mcnemar_p"]), three(&r["holm_p"])),
-        );
-        has(
-            tables[1],
-            format!("& {} & {} & {}", two(&ap["base"]), two(&ap["other"]), ""),
-        );
-        assert!(!tables[0].contains("textbf"), "nothing is shown after correction");
+        has(tables[1], format!("& {} \\\\", three(&r["finding"]["hit_rate_p"])));
     }
     for (tex, width) in [(read("table.tex"), "280mm"), (read("comparison.tex"), "237.13pt")] {
         match typeset(&tex, width) {

@@ -219,7 +219,7 @@ fn course<'a>(page: &'a Value, detector: &str) -> &'a Value {
     results.iter().find(|course| course["detector"] == detector).unwrap()
 }
 
-/// deimv2_femto hits six of eight plain photos and no other: the eighth pair that differs decides, the second of the second place.
+/// All eight confidences of deimv2_femto fall: decided in the second place.
 #[test]
 fn a_comparison_says_when_it_was_decided() {
     let (a, b) = (at("meadow"), at("garage"));
@@ -227,7 +227,7 @@ fn a_comparison_says_when_it_was_decided() {
     let one = compare(&[a.path()], out.path(), &["--sequential", "--detector", "deimv2_femto"]);
     assert!(one.status.success(), "{}", stderr(&one));
     let page = read_json(&out.path().join("comparison.json"));
-    let decision = &course(&page, "deimv2_femto")["hit_rate"];
+    let decision = &course(&page, "deimv2_femto")["mean_confidence"];
     assert_eq!(
         (&decision["finding"], &decision["decided_after"]),
         (&"undecided".into(), &Value::Null)
@@ -242,9 +242,12 @@ fn a_comparison_says_when_it_was_decided() {
     );
     assert!(output.status.success(), "{}", stderr(&output));
     let page = read_json(&out.path().join("comparison.json"));
-    let hits = &course(&page, "deimv2_femto")["hit_rate"];
-    assert_eq!(hits["finding"], "drop");
-    // By the other command's table: a pair is there when its photo of the patterned model is, none of which is found.
+    let [confidence, hits] = ["mean_confidence", "hit_rate"].map(|name| &course(&page, "deimv2_femto")[name]);
+    assert_eq!(
+        (&confidence["finding"], &hits["finding"]),
+        (&"drop".into(), &"drop".into())
+    );
+    // By the other command's table: a pair is there when its photo of the patterned model is.
     let score = tempfile::tempdir().unwrap();
     let scored = program()
         .arg("score")
@@ -254,12 +257,17 @@ fn a_comparison_says_when_it_was_decided() {
         .output()
         .unwrap();
     assert!(scored.status.success(), "{}", stderr(&scored));
-    let differ = pairs_that_differ(&std::fs::read_to_string(score.path().join("photos.csv")).unwrap());
-    let twice = [differ.clone(), differ].concat();
-    let eighth = (1..=16)
-        .find(|n| twice[..*n].iter().filter(|differs| **differs).count() == 8)
-        .unwrap();
-    assert_eq!(hits["decided_after"], eighth);
+    let drops = drops_of_confidence(&std::fs::read_to_string(score.path().join("photos.csv")).unwrap());
+    let mut sequence = Sequence::new(8, Some(0.1));
+    let twice = (0..16).map(|look| (look % 8, drops[look % 8]));
+    let decided = twice.enumerate().find_map(|(look, (bin, drop))| {
+        sequence.see(bin, drop);
+        (sequence.p() < 0.05).then_some(look + 1)
+    });
+    let decided = decided.unwrap();
+    assert_eq!(confidence["decided_after"], decided);
+    // All six hits are lost by the end of the second place, and not said before the confidence.
+    assert!(hits["decided_after"].as_u64().unwrap() >= decided as u64);
     assert_eq!(hits["log10_evidence"].as_array().unwrap().len(), 16);
     assert_eq!(
         (&hits["rounds"], &course(&page, "deimv2_femto")["looks"]),
@@ -268,11 +276,11 @@ fn a_comparison_says_when_it_was_decided() {
     assert!((hits["p_always_valid"].as_f64().unwrap() - 2.0 * 13.0 / 8191.0).abs() < 1e-4);
     let text = stdout(&output);
     assert!(
-        text.contains(&format!("a drop, shown after {eighth} of 16 pairs")),
+        text.contains(&format!("a drop, shown after {decided} of 16 pairs")),
         "{text}"
     );
     let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
-    assert!(html.contains("However often one looks") && html.contains(&format!("shown after {eighth} of 16 pairs")));
+    assert!(html.contains("However often one looks") && html.contains(&format!("shown after {decided} of 16 pairs")));
 
     // Two places are two looks, which decide nothing.
     let out = tempfile::tempdir().unwrap();
@@ -288,33 +296,31 @@ fn a_comparison_says_when_it_was_decided() {
     let output = compare(&[a.path(), b.path()], out.path(), &["--sequential"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let page = read_json(&out.path().join("comparison.json"));
-    let of_five = &course(&page, "deimv2_femto")["hit_rate"];
-    assert_eq!(of_five["p_always_valid"], hits["p_always_valid"]);
+    let of_five = &course(&page, "deimv2_femto")["mean_confidence"];
+    assert_eq!(of_five["p_always_valid"], confidence["p_always_valid"]);
     assert!(
         of_five["decided_after"]
             .as_u64()
-            .is_none_or(|after| after > eighth as u64)
+            .is_none_or(|after| after > decided as u64)
     );
-    assert!(of_five["p_corrected"].as_f64() > hits["p_corrected"].as_f64());
+    assert!(of_five["p_corrected"].as_f64() > confidence["p_corrected"].as_f64());
 }
 
-/// Of each patterned photo, in their order: whether the plain one of its direction alone was found.
-fn pairs_that_differ(csv: &str) -> Vec<bool> {
+/// Of each patterned photo, in their order: by how much less confidently it is found than the plain one of its direction.
+fn drops_of_confidence(csv: &str) -> Vec<f64> {
     let mut rows = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = rows.next().unwrap();
     let column = |name: &str| head.iter().position(|h| *h == name).unwrap();
-    let [variant, azimuth, verdict] = ["variant", "bin_azimuth_deg", "verdict"].map(column);
+    let [variant, azimuth, confidence] = ["variant", "bin_azimuth_deg", "confidence"].map(column);
     let rows: Vec<_> = rows.collect();
-    let is_found = |row: &&Vec<&str>| row[verdict].starts_with("found");
+    let found = |row: &Vec<&str>| row[confidence].parse().unwrap_or(0.0);
     let plain = |at: &str| {
         rows.iter()
             .find(|row| row[variant] == "normal" && row[azimuth] == at)
             .unwrap()
     };
     let patterned = rows.iter().filter(|row| row[variant] == "random");
-    patterned
-        .map(|row| is_found(&plain(row[azimuth])) && !is_found(&row))
-        .collect()
+    patterned.map(|row| found(plain(row[azimuth])) - found(row)).collect()
 }
 
 #[test]

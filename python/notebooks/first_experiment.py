@@ -51,7 +51,7 @@ for row in scores.photos.rows():
 
 # %%
 for drop in scores.compare().drops:
-    print(f"{drop.detector}: {drop.base:.2f} → {drop.other:.2f}, {drop.finding}")
+    print(f"{drop.detector}: {drop.base:.2f} → {drop.other:.2f}, {drop.effect}")
 
 # %% [markdown]
 # Eight pairs show only a very large drop. How many photos does a drop of 20 points take?

@@ -51,7 +51,7 @@ for row in scores.photos.rows()[::4]:
 
 # %%
 (drop,) = scores.compare().drops
-drop.drop, drop.interval_95, drop.mcnemar_p, drop.finding
+drop.drop, drop.interval_95, drop.p, drop.effect
 
 # %% [markdown]
 # What the function does wrong is one sentence. What it raises is the cause of that error.

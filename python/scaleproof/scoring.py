@@ -303,16 +303,17 @@ class Drop:
     detector: str
     variant: str
     pairs: int
-    #: Of the hit rate, the primary endpoint: both figures, the drop with its interval, and what was found.
+    #: Of the mean confidence, the primary endpoint: both figures, and the drop with its interval.
     base: float
     other: float
     drop: float
     interval_95: Interval | None
-    finding: str
-    mcnemar_p: float
-    #: Corrected over all detectors and textures by Holm's method.
-    holm_p: float
-    #: All that ``comparison.json`` has of it: confidence, AP and directions too.
+    #: ``hides``, ``weakens``, ``strengthens``, ``nothing_shown`` or ``base_unseen``.
+    effect: str
+    #: Of the mean confidence, corrected over the detectors; an effect is shown where it is no larger than ``level``.
+    p: float
+    level: float
+    #: All that ``comparison.json`` has of it: hit rate, AP and directions too.
     json: dict[str, Any]
 
 
@@ -328,10 +329,11 @@ class Comparison(_Report):
 
     @staticmethod
     def _drop(one: dict[str, Any]) -> Drop:
-        hits = one["hit_rate"]
-        interval = hits["interval_95"] and Interval(**hits["interval_95"])
-        figures = (hits["base"], hits["other"], hits["drop"], interval, hits["finding"], hits["mcnemar_p"])
-        return Drop(one["detector"], one["variant"], one["pairs"], *figures, one["holm_p"], one)
+        confidence, finding = one["mean_confidence"], one["finding"]
+        interval = confidence["interval_95"] and Interval(**confidence["interval_95"])
+        figures = (confidence["base"], confidence["other"], confidence["drop"], interval)
+        found = (finding["effect"], finding["confidence_p"], finding["confidence_level"])
+        return Drop(one["detector"], one["variant"], one["pairs"], *figures, *found, one)
 
     def __repr__(self) -> str:
         return f"Comparison with {self.base}: {len(self.drops)} drops"

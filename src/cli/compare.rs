@@ -124,6 +124,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         comparison.sequential = Some(score::sequential(&scores, &base, by, least)?);
     }
     if let Some((plan, mut kept)) = plan {
+        plan.judge(&mut comparison);
         kept.deviations.extend(plan.deviations(&scores, &comparison)?);
         comparison.plan = Some(kept);
     }

@@ -30,12 +30,24 @@ pub fn sign_flip_p(differences: &[Vec<f64>]) -> Vec<f64> {
     );
     let ordered = Ordered::of(differences);
     let mut reached = vec![0_u64; differences.len()];
-    let patterns = if clusters <= EXACT_CLUSTERS {
-        ordered.count_all(clusters, &mut reached)
-    } else {
-        ordered.count_drawn(clusters, &mut reached)
-    };
+    let patterns = ordered.visit_patterns(|sums| ordered.count(sums, &mut reached));
     ordered.stepped_down(&reached, patterns)
+}
+
+/// The statistic from which on the measure with the largest one is shown at a level: at most this share of the patterns of signs has a larger maximum.
+pub fn sign_flip_critical(differences: &[Vec<f64>], level: f64) -> f64 {
+    let ordered = Ordered::of(differences);
+    let mut maxima = Vec::new();
+    let largest = |sums: &[f64]| {
+        sums.iter()
+            .zip(&ordered.scales)
+            .map(|(sum, scale)| sum.abs() * scale)
+            .fold(0.0, f64::max)
+    };
+    ordered.visit_patterns(|sums| maxima.push(largest(sums)));
+    maxima.sort_by(|a, b| b.total_cmp(a));
+    let within = (level * maxima.len() as f64) as usize;
+    maxima.get(within).map_or(f64::INFINITY, |critical| critical + TIED)
 }
 
 /// The smallest p that [`sign_flip_p`] can give for so many clusters: 2 · 2⁻ⁿ, or that of the draws.
@@ -67,7 +79,7 @@ pub fn shares(families: &[Vec<f64>], level: f64) -> Vec<f64> {
 }
 
 /// Measures from the largest statistic to the smallest.
-struct Ordered<'a> {
+struct Ordered {
     /// Positions in the order given.
     order: Vec<usize>,
     /// Differences in this order, by cluster.
@@ -75,11 +87,10 @@ struct Ordered<'a> {
     /// 1 / √Σd², 0 where that is 0.
     scales: Vec<f64>,
     seen: Vec<f64>,
-    given: &'a [Vec<f64>],
 }
 
-impl Ordered<'_> {
-    fn of(differences: &[Vec<f64>]) -> Ordered<'_> {
+impl Ordered {
+    fn of(differences: &[Vec<f64>]) -> Ordered {
         let scale = |d: &[f64]| {
             let norm = d.iter().map(|d| d * d).sum::<f64>().sqrt();
             if norm > 0.0 { 1.0 / norm } else { 0.0 }
@@ -95,7 +106,6 @@ impl Ordered<'_> {
             scales: order.iter().map(|k| scale(&differences[*k])).collect(),
             seen: order.iter().map(|k| statistic(*k)).collect(),
             order,
-            given: differences,
         }
     }
 
@@ -108,48 +118,60 @@ impl Ordered<'_> {
         }
     }
 
-    /// All patterns but for an exchange of all signs, each from the one before by one sign (Gray 1953); their number.
-    fn count_all(&self, clusters: usize, reached: &mut [u64]) -> u64 {
-        let mut sums: Vec<f64> = (0..self.order.len())
-            .map(|rank| self.by_cluster.iter().map(|d| d[rank]).sum())
-            .collect();
-        let mut signs = vec![1.0; clusters];
-        let patterns = 1_u64 << clusters.saturating_sub(1);
-        self.count(&sums, reached);
+    /// Shows each pattern's sums, in this order; the number of patterns. Up to [`EXACT_CLUSTERS`] all are shown, else some that are drawn and the one seen.
+    fn visit_patterns(&self, visit: impl FnMut(&[f64])) -> u64 {
+        if self.by_cluster.len() <= EXACT_CLUSTERS {
+            self.visit_all(visit)
+        } else {
+            self.visit_drawn(visit)
+        }
+    }
+
+    /// All patterns but for an exchange of all signs, each from the one before by one sign (Gray 1953).
+    fn visit_all(&self, mut visit: impl FnMut(&[f64])) -> u64 {
+        let mut sums = self.sums_seen();
+        let mut signs = vec![1.0; self.by_cluster.len()];
+        let patterns = 1_u64 << self.by_cluster.len().saturating_sub(1);
+        visit(&sums);
         for pattern in 1..patterns {
             let flipped = pattern.trailing_zeros() as usize;
             signs[flipped] = -signs[flipped];
             for (sum, d) in sums.iter_mut().zip(&self.by_cluster[flipped]) {
                 *sum += 2.0 * signs[flipped] * d;
             }
-            self.count(&sums, reached);
+            visit(&sums);
         }
         patterns
     }
 
-    /// Patterns drawn, and the one seen; their number.
-    fn count_drawn(&self, clusters: usize, reached: &mut [u64]) -> u64 {
+    fn visit_drawn(&self, mut visit: impl FnMut(&[f64])) -> u64 {
         let mut rng = Pcg64Mcg::seed_from_u64(FLIP_SEED);
-        let mut sums = vec![0.0; self.order.len()];
+        let mut sums = self.sums_seen();
+        visit(&sums);
         for _ in 0..DRAWN_FLIPS {
             sums.fill(0.0);
             let mut bits = 0_u64;
-            for (c, differences) in self.by_cluster.iter().enumerate().take(clusters) {
+            for (c, differences) in self.by_cluster.iter().enumerate() {
                 if c % 64 == 0 {
                     bits = rng.random();
                 }
                 let sign = if bits >> (c % 64) & 1 == 1 { 1.0 } else { -1.0 };
                 sums.iter_mut().zip(differences).for_each(|(sum, d)| *sum += sign * d);
             }
-            self.count(&sums, reached);
+            visit(&sums);
         }
-        reached.iter_mut().for_each(|count| *count += 1);
         DRAWN_FLIPS as u64 + 1
+    }
+
+    fn sums_seen(&self) -> Vec<f64> {
+        (0..self.order.len())
+            .map(|rank| self.by_cluster.iter().map(|d| d[rank]).sum())
+            .collect()
     }
 
     /// Shares of patterns, none smaller than that of a larger statistic, in the order given.
     fn stepped_down(&self, reached: &[u64], patterns: u64) -> Vec<f64> {
-        let mut p = vec![1.0; self.given.len()];
+        let mut p = vec![1.0; self.order.len()];
         let mut largest = 0.0_f64;
         for (rank, k) in self.order.iter().enumerate() {
             largest = largest.max(reached[rank] as f64 / patterns as f64);

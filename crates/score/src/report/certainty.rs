@@ -6,7 +6,7 @@ use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};
 use scaleproof_plot::distinct;
 
-/// How findings are decided, and of how many tests: `5 detectors × 2 textures, 10 tests`.
+/// What is tested: `5 detectors × 2 textures`.
 pub(super) fn family(results: &[Compared]) -> String {
     let [detectors, textures] = [
         distinct(results.iter().map(|r| &r.detector)).len(),
@@ -16,14 +16,11 @@ pub(super) fn family(results: &[Compared]) -> String {
         spelling::count(detectors, "detector"),
         spelling::count(textures, "texture"),
     ];
-    format!("{}, {}", of.join(" × "), spelling::count(results.len(), "test"))
+    of.join(" × ")
 }
 
-/// Sentences: how findings are decided, and each p of the hit rate before and after correction.
+/// Sentences: how effects are decided, and the p of each.
 pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
-    if results.is_empty() {
-        return None;
-    }
     let each = |r: &Compared| {
         let is_only = results.iter().all(|other| other.variant == r.variant);
         let texture = if is_only {
@@ -31,17 +28,20 @@ pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
         } else {
             format!(" on {}", r.variant)
         };
-        let [p, corrected] = [r.hit_rate.mcnemar_p, r.holm_p].map(|p| digits(p, 3));
-        format!("{}{texture} {p} → {corrected}", scores.title(&r.detector))
+        let finding = r.finding?;
+        let [confidence, hits] = [finding.confidence_p, finding.hit_rate_p].map(|p| digits(p, 3));
+        Some(format!("{}{texture} {confidence}, {hits}", scores.title(&r.detector)))
     };
-    let all: Vec<String> = results.iter().map(each).collect();
-    Some(format!(
-        "Findings are decided by the hit rate ({}): McNemar's exact p, corrected for their number (Holm), so that where nothing differs anything is shown with a \
-         probability of 5 % at most. Mean confidence and AP@0.5 count where the hit rate of the same detector and texture is shown. Intervals are 95 % each, \
-         uncorrected. p → corrected: {}",
-        family(results),
-        all.join("; ")
-    ))
+    let all: Vec<String> = results.iter().filter_map(each).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "Decided by the mean confidence ({}): the signs of the paired differences are flipped view by view, for the detectors of a texture together \
+             (step-down by the largest statistic, Westfall and Young 1993); the textures share 5 %. The hit rate is decided in the same way, with 5 % of its own. \
+             Intervals are 95 % each, uncorrected. p of the confidence, of the hit rate: {}",
+            family(results),
+            all.join("; ")
+        )
+    })
 }
 
 /// `0.33` and `[−0.10, 0.60]`: the attack success rate, and its interval or why it has none; `–` alone where the base's figure is 0.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, certainty, comparison_csv, counted, figures, latex, p_value, paired, sequential, verdict};
+use super::{ReportError, certainty, comparison_csv, counted, figures, latex, paired, sequential, verdict};
 use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
@@ -63,36 +63,28 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// In what it differs from its plan; what was found, in a sentence; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+/// In what it differs from its plan; what was found, in a sentence; the protocol that is followed; for each detector and variant what is shown, and the drop of each figure with its interval; how it was decided.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     let mut lines = Vec::new();
     if let Some(plan) = &comparison.plan {
         lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
     }
-    lines.extend(verdict::sentences(scores, &comparison.results));
+    lines.extend(verdict::sentences(scores, &comparison.results, &comparison.base));
     lines.push(String::new());
     if let Some(protocol) = scores.criteria.protocol {
         lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
     }
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
-        lines.push(format!("{head}, {}", paired::basis(r)));
-        let [p, corrected] = [r.hit_rate.mcnemar_p, r.holm_p].map(p_value);
-        let p = format!("McNemar p {p}, corrected {corrected}: ");
-        lines.push(line("hit rate", r, &r.hit_rate.rate, &p));
-        lines.push(line("mean confidence", r, &r.mean_confidence, ""));
-        lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50, ""));
-        for (bin, p) in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
-            let (name, d) = (format!("hit rate at {}°", bin.azimuth_deg), &bin.hits.rate);
-            // The photos of a bin have clusters of their own.
-            lines.push(with_asr(
-                &name,
-                d,
-                &paired::asr(d, two),
-                &format!("Holm p {}: ", p_value(p)),
-            ));
-        }
+        lines.push(format!(
+            "{head}, {}: {}",
+            paired::basis(r),
+            paired::in_words(r, &comparison.base)
+        ));
+        lines.push(line("mean confidence", r, &r.mean_confidence));
+        lines.push(line("hit rate", r, &r.hit_rate.rate));
+        lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50));
     }
     lines.extend(certainty::tested(scores, &comparison.results));
     if let Some(own) = &comparison.sequential {
@@ -101,15 +93,11 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     lines.join("\n")
 }
 
-fn line(name: &str, r: &Compared, d: &Difference, test: &str) -> String {
-    with_asr(name, d, &certainty::asr_text(r, d, two), test)
-}
-
-fn with_asr(name: &str, d: &Difference, asr: &str, test: &str) -> String {
+fn line(name: &str, r: &Compared, d: &Difference) -> String {
     let interval = paired::interval(d, two).unwrap_or_else(|| "no interval".to_owned());
     let [base, other, drop] = [d.base, d.other, d.drop].map(|v| digits(v, 3));
-    let finding = paired::in_words(d.finding);
-    format!("  {name:<24} {base} → {other}, drop {drop} {interval}, ASR {asr}  {test}{finding}")
+    let asr = certainty::asr_text(r, d, two);
+    format!("  {name:<24} {base} → {other}, drop {drop} {interval}, ASR {asr}")
 }
 
 fn two(value: f64) -> String {

@@ -1,4 +1,4 @@
-//! `comparison.csv`: a line for each detector, texture and endpoint: both figures, the drop and its interval, and how its finding was decided.
+//! `comparison.csv`: a line for each detector, texture and endpoint: both figures, the drop and its interval, and what is shown of the detector and texture.
 
 use serde_json::json;
 
@@ -8,8 +8,8 @@ use crate::score::{Compared, Comparison, Difference, Scores};
 pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     csv_of(comparison.results.iter().flat_map(|r| {
         let endpoints = [
-            ("hit_rate", &r.hit_rate.rate),
             ("mean_confidence", &r.mean_confidence),
+            ("hit_rate", &r.hit_rate.rate),
             ("ap50", &r.ap50),
         ];
         endpoints.map(|(name, d)| row(scores, comparison, r, (name, d)))
@@ -17,19 +17,30 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, Report
 }
 
 fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d): (&str, &Difference)) -> Row<'a> {
-    let is_primary = endpoint == "hit_rate";
     let (drop, asr) = (d.interval_95, d.asr_interval_95);
+    let (role, p, level) = match (endpoint, r.finding) {
+        ("mean_confidence", finding) => (
+            "primary",
+            finding.map(|f| f.confidence_p),
+            finding.map(|f| f.confidence_level),
+        ),
+        ("hit_rate", finding) => (
+            "second",
+            finding.map(|f| f.hit_rate_p),
+            finding.map(|f| f.hit_rate_level),
+        ),
+        _ => ("interval alone", None, None),
+    };
     vec![
         ("detector", json!(r.detector)),
         ("base", json!(comparison.base)),
         ("variant", json!(r.variant)),
         ("endpoint", json!(endpoint)),
-        ("role", json!(if is_primary { "primary" } else { "secondary" })),
+        ("role", json!(role)),
         ("pairs", json!(r.pairs)),
         ("places", json!(r.places)),
         ("bins", json!(r.bins)),
         ("clusters", json!(r.clusters)),
-        ("clustered_by", json!(r.clustered_by)),
         ("near_copies", json!(r.near_copies)),
         ("base_value", json!(d.base)),
         ("value", json!(d.other)),
@@ -39,10 +50,13 @@ fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d)
         ("asr", json!(d.asr)),
         ("asr_low", json!(asr.map(|i| i.low))),
         ("asr_high", json!(asr.map(|i| i.high))),
-        ("mcnemar_p", json!(is_primary.then_some(r.hit_rate.mcnemar_p))),
-        ("holm_p", json!(is_primary.then_some(r.holm_p))),
-        ("tests", json!(r.tests)),
-        ("finding", json!(d.finding)),
+        ("p", json!(p)),
+        ("level", json!(level)),
+        ("effect", json!(r.finding.map(|f| f.effect))),
+        (
+            "effect_in_places_like_these",
+            json!(r.finding.and_then(|f| f.in_places_like_these).map(|like| like.effect)),
+        ),
         ("ap_definition", json!(comparison.ap_definition)),
         ("box_labels", json!(counted::box_labels_of(scores, &r.detector))),
     ]

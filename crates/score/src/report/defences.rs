@@ -5,15 +5,15 @@ use serde_json::json;
 use super::latex::{escaped, row, tabular};
 use super::robustness::columns;
 use super::{ReportError, counted, csv_of, protocol};
-use crate::score::{Defences, DefendedRow, Finding, Held, Scores, UNDEFENDED};
+use crate::score::{Defences, DefendedRow, Held, Scores, UNDEFENDED};
 use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 
 pub(super) const NAMES: [&str; 2] = ["defences.csv", "defences.tex"];
 
-pub(super) const DROPS: &str = "AP@0.5 of the base → of the texture, and the 95 % interval of the drop; * a drop or rise is shown after correction, within each defence over detectors and textures, and where one is shown without a defence; ?: too few photos to tell";
+pub(super) const DROPS: &str = "AP@0.5 of the base → of the texture, and the 95 % interval of the drop, nothing tested";
 
-pub(super) const CHANGES: &str = "AP@0.5 of the same photos without → with the defence, and the 95 % interval of what it adds; marks as above, by themselves";
+pub(super) const CHANGES: &str = "AP@0.5 of the same photos without → with the defence, and the 95 % interval of what it adds; * the defence is shown to change the mean confidence, tested over the defences of a detector and texture";
 
 /// Names and contents of the files; none where it was not asked for.
 pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportError> {
@@ -71,10 +71,10 @@ fn cell(held: &Held, sign: f64) -> String {
         let (a, b) = (sign * i.low, sign * i.high);
         format!(" [{}, {}]", number(a.min(b)), number(a.max(b)))
     });
-    let mark = match held.ap50.finding {
-        Finding::Drop | Finding::Rise => "*",
-        Finding::TooFewPhotosToTell => "?",
-        Finding::NotAfterCorrection | Finding::NoDifferenceShown => "",
+    let mark = if held.finding.is_some_and(|finding| finding.effect.is_shown()) {
+        "*"
+    } else {
+        ""
     };
     let [base, other] = [held.ap50.base, held.ap50.other].map(number);
     format!("{base} → {other}{}{mark}", interval.unwrap_or_default())

@@ -2,7 +2,7 @@
 
 use super::table::line as aligned;
 use super::{counted, paired};
-use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
+use crate::score::{BASE_VARIANT, Compared, Comparison, EvaluatedDetector, Figures, Scores};
 use scaleproof_core::spelling::{self, digits};
 
 pub struct Evaluation<'a> {
@@ -35,11 +35,11 @@ impl<'a> Evaluation<'a> {
         own.map(|s| &s.overall)
     }
 
-    /// AP@0.5 of `base` minus that of `pattern` on pairs; `base` is listed before `pattern`.
-    pub(super) fn drop(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Difference> {
+    /// `pattern` against `base` on pairs; `base` is listed before `pattern`.
+    pub(super) fn compared(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Compared> {
         let comparison = self.comparisons.iter().find(|c| c.base == base)?;
-        let of = |r: &&crate::score::Compared| r.variant == pattern && r.detector == detector.manifest.name;
-        comparison.results.iter().find(of).map(|r| &r.ap50)
+        let of = |r: &&Compared| r.variant == pattern && r.detector == detector.manifest.name;
+        comparison.results.iter().find(of)
     }
 }
 
@@ -68,7 +68,7 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
         lines.extend(table(evaluation, &others, |f| digits(f.ap50, 2)));
     }
     lines.push(String::new());
-    lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown after correction (by the hit rate, over all pairs of patterns and detectors)".to_owned());
+    lines.push("Difference of AP@0.5, paired, [95 % interval]; against the plain model also what is shown of the mean confidence".to_owned());
     let patterns = evaluation.patterns.iter().filter(|p| *p != BASE_VARIANT);
     let from_base = patterns.flat_map(|p| targets.iter().chain(&others).map(move |c| (BASE_VARIANT, p, c)));
     let others = evaluation.comparisons.iter().filter(|c| c.base != BASE_VARIANT);
@@ -79,7 +79,7 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
         })
     });
     let differences = from_base.chain(from_others);
-    lines.extend(differences.filter_map(|(base, p, c)| Some(line(base, p, c, evaluation.drop(base, p, c)?))));
+    lines.extend(differences.filter_map(|(base, p, c)| Some(line(base, p, c, evaluation.compared(base, p, c)?))));
     lines.push(format!("({SCOPE})"));
     lines.push(format!("counts as the model: {}", counted(evaluation.scores)));
     lines.join("\n")
@@ -95,20 +95,21 @@ fn table(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: fn(&Fi
     lines
 }
 
-fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, d: &Difference) -> String {
-    let mark = if paired::is_shown(d) { " *" } else { "" };
+fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, r: &Compared) -> String {
     let pair = format!("{base} − {pattern}");
-    format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
+    format!("{:<14} {pair:<32} {}", detector.manifest.name, drop_in_words(r))
 }
 
-/// The difference with its interval, and whether the photos suffice to show one.
-pub(super) fn interval(d: &Difference) -> String {
-    let range = paired::interval(d, |v| digits(v, 2)).map(|ends| format!(" {ends}"));
-    let range = range.unwrap_or_default();
-    let doubt = match d.finding {
-        Finding::TooFewPhotosToTell => " (too few photos to tell)",
-        Finding::NotAfterCorrection => " (not shown after correction)",
-        _ => "",
-    };
-    format!("{}{range}{doubt}", digits(d.drop, 2))
+/// The difference of AP with its interval, and the effect where one was asked for.
+pub(super) fn drop_in_words(r: &Compared) -> String {
+    let range = paired::interval(&r.ap50, |v| digits(v, 2)).map(|ends| format!(" {ends}"));
+    let effect = r
+        .finding
+        .map(|finding| format!(", {}", paired::briefly(finding.effect)));
+    format!(
+        "{}{}{}",
+        digits(r.ap50.drop, 2),
+        range.unwrap_or_default(),
+        effect.unwrap_or_default()
+    )
 }

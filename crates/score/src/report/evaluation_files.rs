@@ -73,7 +73,7 @@ fn differences_csv(evaluation: &Evaluation) -> Result<String, ReportError> {
                 ("difference", json!(d.drop)),
                 ("low_95", json!(d.interval_95.map(|i| i.low))),
                 ("high_95", json!(d.interval_95.map(|i| i.high))),
-                ("finding", json!(d.finding)),
+                ("effect", json!(r.finding.map(|finding| finding.effect))),
             ]
         })
     }))

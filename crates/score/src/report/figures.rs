@@ -75,11 +75,11 @@ pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
     let explained = Explained {
         notes: vec![
             format!(
-                "Dot: the figure of “{}” minus that of the texture; line: its 95 % interval. Filled: a difference is shown after correction.",
+                "Dot: the figure of “{}” minus that of the texture; line: its 95 % interval. Filled: an effect is shown.",
                 comparison.base
             ),
             format!(
-                "Decided by the hit rate, {}: McNemar's p corrected for their number (Holm); the others count where it is shown.",
+                "Decided by the mean confidence, {}: sign flips by view, joint over the detectors.",
                 certainty::family(&comparison.results)
             ),
         ],

@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use super::{certainty, p_value, paired};
 use crate::score::{
-    Compared, Comparison, Difference, Drop, EvaluatedDetector, Figures, Finding, Scores, Summary, disagreements,
+    Compared, Comparison, Difference, Drop, Effect, EvaluatedDetector, Figures, Scores, Summary, disagreements,
     paired as all_paired,
 };
 use scaleproof_core::spelling::digits;
@@ -41,7 +41,7 @@ fn comment(scores: &Scores) -> String {
     format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
          % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
-         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown after correction; dagger: too few photos to tell;\n\
+         % on pairs by place and bin, with its cluster bootstrap interval. Bold: an effect is shown;\n\
          % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}{}",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
@@ -54,7 +54,7 @@ fn comment(scores: &Scores) -> String {
     )
 }
 
-/// What stands below the notes of a table: how many findings were tested, rates without an interval, and every caution; a line each.
+/// What stands below the notes of a table: how effects were decided, rates without an interval, and every caution; a line each.
 fn below(scores: &Scores, results: &[Compared]) -> String {
     let open = results.iter().flat_map(|r| {
         let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
@@ -87,8 +87,10 @@ fn commented(scores: &Scores) -> String {
 fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
     let (f, r) = (&s.overall, &s.overall.hit_rate);
     let compared = paired::compared(scores, &s.detector, &s.variant);
-    let drop = |overall: fn(&Drop) -> f64, of: fn(&Compared) -> &Difference| match (compared, s.drop) {
-        (Some(r), _) => drop_cell(of(r)),
+    let drop = |overall: fn(&Drop) -> f64, is_shown: fn(&Compared) -> bool, of: fn(&Compared) -> &Difference| match (
+        compared, s.drop,
+    ) {
+        (Some(r), _) => drop_cell(of(r), is_shown(r)),
         (None, Some(drop)) => format!("{}$^\\ddagger$", number(overall(&drop), 2)),
         (None, None) => String::new(),
     };
@@ -97,12 +99,16 @@ fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
         escaped(&s.variant),
         f.photos.to_string(),
         number(f.ap50, 3),
-        drop(|d| d.ap50, |r| &r.ap50),
+        drop(|d| d.ap50, |_| false, |r| &r.ap50),
         format!("{}/{}", r.count, f.photos),
         format!("{} [{}, {}]", number(r.rate, 2), number(r.low, 2), number(r.high, 2)),
-        drop(|d| d.hit_rate, |r| &r.hit_rate.rate),
+        drop(|d| d.hit_rate, paired::is_hit_rate_shown, |r| &r.hit_rate.rate),
         number(f.mean_confidence, 2),
-        drop(|d| d.mean_confidence, |r| &r.mean_confidence),
+        drop(
+            |d| d.mean_confidence,
+            paired::is_confidence_shown,
+            |r| &r.mean_confidence,
+        ),
     ]
 }
 
@@ -111,8 +117,8 @@ pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol.map(|p| format!(", protocol {}", p.name()));
     let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Base: {}; figures on pairs by place and bin.\n\
-         % Drop with its cluster bootstrap interval ({} draws, seed {}), uncorrected; p: McNemar, exact. Bold: a difference is shown after correction;\n\
-         % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
+         % Drop with its cluster bootstrap interval ({} draws, seed {}), uncorrected; p: signs of the views flipped,\n\
+         % joint over the detectors. Bold: shown. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
         env!("CARGO_PKG_VERSION"),
         comparison.ap_definition,
         comparison.base,
@@ -124,20 +130,26 @@ pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         commented(scores),
         below(scores, &comparison.results)
     );
-    let p = |r: &Compared| {
-        [r.hit_rate.mcnemar_p, r.holm_p]
-            .map(|p| p_value(p).replace("= ", "").replace("< ", "$<$").replace("> ", "$>$"))
-            .join(" & ")
+    let p = |p: Option<f64>| {
+        let p = p.map(|p| p_value(p).replace("= ", "").replace("< ", "$<$").replace("> ", "$>$"));
+        p.unwrap_or_else(|| "--".to_owned())
     };
     let tables = [
-        endpoint(scores, comparison, ("Hit rate", ["$p$ & Holm", "rr"]), |r| {
-            (&r.hit_rate.rate, p(r))
+        endpoint(scores, comparison, ("Mean confidence", ["$p$ & ", "rl"]), |r| {
+            let cell = drop_cell(&r.mean_confidence, paired::is_confidence_shown(r));
+            let shown = effect_cell(r.effect());
+            (
+                &r.mean_confidence,
+                cell,
+                format!("{} & {shown}", p(r.finding.map(|f| f.confidence_p))),
+            )
+        }),
+        endpoint(scores, comparison, ("Hit rate", ["$p$", "r"]), |r| {
+            let cell = drop_cell(&r.hit_rate.rate, paired::is_hit_rate_shown(r));
+            (&r.hit_rate.rate, cell, p(r.finding.map(|f| f.hit_rate_p)))
         }),
         endpoint(scores, comparison, ("AP@0.5", ["ASR", "r"]), |r| {
-            (&r.ap50, asr_cell(&r.ap50))
-        }),
-        endpoint(scores, comparison, ("Mean confidence", ["ASR", "r"]), |r| {
-            (&r.mean_confidence, asr_cell(&r.mean_confidence))
+            (&r.ap50, drop_cell(&r.ap50, false), asr_cell(&r.ap50))
         }),
     ];
     format!("{comment}\n{}", tables.join("\n"))
@@ -146,6 +158,20 @@ pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
 fn asr_cell(d: &Difference) -> String {
     d.asr.map_or("--".to_owned(), |asr| number(asr, 2))
 }
+
+/// An effect in a narrow column; a note below the table has the words.
+fn effect_cell(effect: Effect) -> &'static str {
+    match effect {
+        Effect::Hides => "$\\Downarrow$",
+        Effect::Weakens => "$\\downarrow$",
+        Effect::Strengthens => "$\\uparrow$",
+        Effect::NothingShown => "--",
+        Effect::BaseUnseen => "?",
+    }
+}
+
+const EFFECTS: &str =
+    "$\\Downarrow$ hides, $\\downarrow$ weakens, $\\uparrow$ strengthens, -- nothing shown, ? cannot tell";
 
 /// Letters of a detector's title that leave room for the widest figures beside it; a longer one stands on a line of its own.
 const LONGEST_TITLE: usize = 16;
@@ -156,7 +182,7 @@ fn endpoint<'a>(
     scores: &Scores,
     comparison: &'a Comparison,
     (name, [last, aligned]): (&str, [&str; 2]),
-    cells: impl Fn(&'a Compared) -> (&'a Difference, String),
+    cells: impl Fn(&'a Compared) -> (&'a Difference, String, String),
 ) -> String {
     let columns = format!("lrrl{aligned}");
     let across = |text: String| format!("\\multicolumn{{{}}}{{@{{}}l@{{}}}}{{{text}}} \\\\\n", columns.len());
@@ -166,9 +192,9 @@ fn endpoint<'a>(
         let pairs = scaleproof_core::spelling::count(own[0].pairs, "pair");
         let title = across(format!("\\emph{{{}}}, {pairs}", escaped(&own[0].variant)));
         let rows = own.iter().map(|r| {
-            let (d, last) = cells(r);
+            let (d, drop, last) = cells(r);
             let [base, other] = [d.base, d.other].map(|v| number(v, 2));
-            let (title, cells) = (scores.title(&r.detector), [base, other, drop_cell(d), last]);
+            let (title, cells) = (scores.title(&r.detector), [base, other, drop, last]);
             let name = escaped(title);
             if title.chars().count() > LONGEST_TITLE {
                 across(name) + &row([String::new()].into_iter().chain(cells))
@@ -179,11 +205,11 @@ fn endpoint<'a>(
         std::iter::once(title).chain(rows).collect()
     });
     let notes = [
+        EFFECTS.to_owned(),
         format!(
-            "Bold: shown after Holm's correction, {};",
+            "Bold: shown; {}, joint sign flips.",
             certainty::family(&comparison.results).replace('×', "$\\times$")
         ),
-        "AP and confidence where the hit rate is. $^\\dagger$: too few photos to tell.".to_owned(),
     ];
     let notes = notes.map(|note| across(format!("\\scriptsize {note}"))).to_vec();
     let table = tabular(
@@ -193,11 +219,11 @@ fn endpoint<'a>(
     format!("% {name}\n{{\\footnotesize\\setlength{{\\tabcolsep}}{{2pt}}%\n{table}}}\n")
 }
 
-fn drop_cell(d: &Difference) -> String {
-    let drop = match d.finding {
-        Finding::Drop | Finding::Rise => format!("\\textbf{{{}}}", number(d.drop, 2)),
-        Finding::NoDifferenceShown | Finding::NotAfterCorrection => number(d.drop, 2),
-        Finding::TooFewPhotosToTell => format!("{}$^\\dagger$", number(d.drop, 2)),
+fn drop_cell(d: &Difference, is_shown: bool) -> String {
+    let drop = if is_shown {
+        format!("\\textbf{{{}}}", number(d.drop, 2))
+    } else {
+        number(d.drop, 2)
     };
     let interval = paired::interval(d, |v| number(v, 2)).map(|i| format!(" {i}"));
     drop + &interval.unwrap_or_default()

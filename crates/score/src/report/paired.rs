@@ -1,6 +1,7 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
-use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed_among};
+use super::p_value;
+use crate::score::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 
@@ -10,23 +11,86 @@ pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) ->
     results.find(|r| r.detector == detector && r.variant == variant)
 }
 
-pub(super) fn in_words(finding: Finding) -> &'static str {
-    match finding {
-        Finding::Drop => "a drop",
-        Finding::Rise => "a rise",
-        Finding::NotAfterCorrection => "not shown after correction, by itself it would be",
-        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
-        Finding::TooFewPhotosToTell => "too few photos to tell",
+/// An effect in a word or two.
+pub fn briefly(effect: Effect) -> &'static str {
+    match effect {
+        Effect::Hides => "hides",
+        Effect::Weakens => "weakens",
+        Effect::Strengthens => "strengthens",
+        Effect::NothingShown => "nothing shown",
+        Effect::BaseUnseen => "cannot tell",
     }
 }
 
-/// A finding in a few words, without its explanation.
-pub fn briefly(finding: Finding) -> &'static str {
-    in_words(finding).split(',').next().unwrap_or_default()
+/// What was found and what it leaves open: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
+pub(super) fn in_words(r: &Compared, base: &str) -> String {
+    let Some(finding) = r.finding else {
+        return "not tested".to_owned();
+    };
+    let effect = briefly(finding.effect);
+    let p = format!("p {}", p_value(finding.confidence_p));
+    let beside = match finding.effect {
+        Effect::BaseUnseen => return format!("{effect}: it does not see {}", named_base(base)),
+        Effect::NothingShown => open(r),
+        Effect::Hides | Effect::Weakens | Effect::Strengthens => elsewhere(r),
+    };
+    format!(
+        "{effect}, {p}{}",
+        beside.map(|beside| format!("; {beside}")).unwrap_or_default()
+    )
 }
 
-pub(super) fn is_shown(d: &Difference) -> bool {
-    d.finding.is_shown()
+/// `the plain model`, or another base by its name.
+pub(super) fn named_base(base: &str) -> String {
+    match base {
+        BASE_VARIANT => "the plain model".to_owned(),
+        other => format!("“{other}”"),
+    }
+}
+
+/// What photos that show nothing would have shown.
+fn open(r: &Compared) -> Option<String> {
+    let finding = r.finding?;
+    let drop = finding.drop_shown_from.map(|drop| digits(drop, 2));
+    match finding.views_missing {
+        0 => drop.map(|drop| format!("a drop of {drop} would have been shown with a chance of 0.8")),
+        more => Some(format!(
+            "{} more are needed before anything can be",
+            spelling::count(more, "view")
+        )),
+    }
+}
+
+/// Whether what is shown of these places holds for places like these.
+fn elsewhere(r: &Compared) -> Option<String> {
+    let second = r.finding?.in_places_like_these?;
+    Some(match second.places_missing {
+        0 if second.effect.is_shown() => {
+            let p = p_value(second.confidence_p);
+            format!("in places like these, too: {}, p {p}", briefly(second.effect))
+        }
+        0 => format!(
+            "in places like these it is not shown, p {}",
+            p_value(second.confidence_p)
+        ),
+        more => format!(
+            "for places like these {} missing",
+            spelling::choose(more, "1 place is", &format!("{more} places are"))
+        ),
+    })
+}
+
+/// Whether a change of the mean confidence is shown.
+pub(super) fn is_confidence_shown(r: &Compared) -> bool {
+    r.effect().is_shown()
+}
+
+/// Whether the hit rate is shown to fall, which is asked where the confidence is.
+pub(super) fn is_hit_rate_shown(r: &Compared) -> bool {
+    let falls = |finding: &Finding| {
+        matches!(finding.effect, Effect::Hides | Effect::Weakens) && finding.hit_rate_p <= finding.hit_rate_level
+    };
+    r.hit_rate.rate.drop > 0.0 && r.finding.as_ref().is_some_and(falls)
 }
 
 /// `[0.38, 1.00]`, by what writes its numbers.
@@ -46,7 +110,7 @@ pub(super) fn asr(d: &Difference, number: impl Fn(f64) -> String) -> String {
     rate.unwrap_or_else(|| "–".to_owned())
 }
 
-/// `8 pairs from 1 place × 8 bins`, how many clusters they are where that is not the product, and how many near-copies count with them.
+/// `8 pairs from 1 place × 8 bins`, how many of these views are there where not all are, and how many near-copies count with them.
 pub(super) fn basis(r: &Compared) -> String {
     let grid = format!(
         "{} from {} × {}",
@@ -54,10 +118,10 @@ pub(super) fn basis(r: &Compared) -> String {
         spelling::count(r.places, "place"),
         spelling::count(r.bins, "bin")
     );
-    let basis = match r.clustered_by {
-        ClusteredBy::Place => format!("{grid}, clustered by place"),
-        ClusteredBy::PlaceAndBin if r.clusters == r.places * r.bins => grid,
-        ClusteredBy::PlaceAndBin => format!("{grid}, {} of them taken", r.clusters),
+    let basis = if r.clusters == r.places * r.bins {
+        grid
+    } else {
+        format!("{grid}, {} of them taken", r.clusters)
     };
     match r.near_copies {
         0 => basis,
@@ -68,36 +132,36 @@ pub(super) fn basis(r: &Compared) -> String {
     }
 }
 
-/// How many more places would show the drop of the hit rate that was seen, if it is the true one; none where it is shown already or there is none.
+/// How many views would show the drop of the mean confidence that was seen, if it is the true one; none where something is shown or there is no drop. Intervals
+/// narrow with the square root of the number of views.
 pub(super) fn more_photos(r: &Compared) -> Option<String> {
-    let d = &r.hit_rate.rate;
-    if is_shown(d) || d.drop <= 0.0 {
-        return None;
+    let drop = r.mean_confidence.drop;
+    let shown_from = r.finding?.drop_shown_from.filter(|_| drop > 0.005)?;
+    let seen = digits(drop, 2);
+    let needed = (r.clusters as f64 * (shown_from / drop).powi(2)).ceil();
+    if needed > MOST_VIEWS {
+        return Some(format!("a drop as small as {seen} is beyond what photos can show"));
     }
-    let needed = places_needed_among(r.tests, r.bins, [d.base, d.drop.min(d.base)], POWER).ok();
-    let (bins, drop) = (spelling::count(r.bins, "bin"), digits(d.drop, 2));
-    let Some(needed) = needed else {
-        return Some(format!("a drop as small as {drop} is beyond what photos can show"));
-    };
-    let places = spelling::count(needed, "place");
-    Some(match needed.saturating_sub(r.places) {
-        0 => format!("{places} of {bins} show a drop of {drop} with a chance of {POWER}: these happened not to"),
+    let more = (needed as usize).saturating_sub(r.clusters);
+    Some(match more {
+        0 => format!("photos like these show a drop of {seen} with a chance of 0.8: these happened not to"),
         more => format!(
-            "if the true drop is the {drop} seen, {places} of these {bins} show it with a chance of {POWER}, and these photos are of {}: {}, {} photos",
-            r.places,
-            spelling::choose(more, "1 place more", &format!("{more} places more")),
-            2 * more * r.bins
+            "if the true drop is the {seen} seen, about {needed} views show it with a chance of 0.8, and these photos are of {}: {} photos more",
+            r.clusters,
+            2 * more
         ),
     })
 }
 
+/// More views than anyone photographs.
+const MOST_VIEWS: f64 = 2000.0;
+
 /// `2 deviations`, or that there is none.
 pub(super) fn deviations(plan: &PlanCheck) -> String {
-    match plan.deviations.len() {
+    let kept = match plan.deviations.len() {
         0 => "kept, no deviation".into(),
         n => spelling::count(n, "deviation"),
-    }
+    };
+    let judged = "; judged as it was sealed, by the hit rate (McNemar, corrected by Holm)";
+    kept + if plan.judged_by_hit_rate { judged } else { "" }
 }
-
-/// How often a drop shall be shown.
-const POWER: f64 = 0.8;

@@ -10,14 +10,19 @@ pub(super) const NAME: &str = "robustness.csv";
 
 pub(super) fn heading() -> String {
     format!(
-        "severities at which a drop of AP@0.5 is shown, corrected at each severity over detectors and textures, and where it is shown at severity 0 (reduced to 640 px, no worse; ?: too few photos to tell anywhere; \
+        "severities at which the 95 % interval of the drop of AP@0.5 lies above 0, uncorrected (0: reduced to 640 px, no worse; ?: too few photos for an interval; \
          lost: the base itself has an AP below {BASE_LOST} there)"
     )
 }
 
 pub(super) fn csv(scores: &Scores, robustness: &Robustness) -> Result<String, ReportError> {
-    csv_of(robustness.rows.iter().map(|row| {
+    let rows = [("drop", &robustness.rows), ("change", &robustness.changes)];
+    let rows = rows
+        .into_iter()
+        .flat_map(|(what, rows)| rows.iter().map(move |row| (what, row)));
+    csv_of(rows.map(|(what, row)| {
         let mut line = vec![
+            ("of", json!(what)),
             ("corruption", json!(row.corruption)),
             ("severity", json!(row.severity)),
             ("amount", json!(row.amount)),
@@ -35,43 +40,36 @@ pub(super) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)
         ("detector", json!(held.detector)),
         ("pairs", json!(held.pairs)),
     ];
+    line.push(("effect", json!(held.finding.map(|finding| finding.effect))));
+    line.push(("p", json!(held.finding.map(|finding| finding.confidence_p))));
+    line.extend(CONFIDENCE.into_iter().zip(values(&held.mean_confidence)));
     line.extend(AP50.into_iter().zip(values(&held.ap50)));
     line.extend(HIT_RATE.into_iter().zip(values(&held.hit_rate)));
-    line.push(("base_mean_confidence", json!(held.mean_confidence.base)));
-    line.push(("mean_confidence", json!(held.mean_confidence.other)));
     line.push(("ap_definition", json!(scores.criteria.ap.name())));
     line.push(("box_labels", json!(counted::box_labels_of(scores, &held.detector))));
     line
 }
 
 /// Columns of a difference, as [`values`] has them.
-const AP50: [&str; 6] = [
-    "base_ap50",
-    "ap50",
-    "drop_ap50",
-    "drop_ap50_low",
-    "drop_ap50_high",
-    "finding_ap50",
-];
-const HIT_RATE: [&str; 6] = [
+const AP50: [&str; 5] = ["base_ap50", "ap50", "drop_ap50", "drop_ap50_low", "drop_ap50_high"];
+const HIT_RATE: [&str; 5] = [
     "base_hit_rate",
     "hit_rate",
     "drop_hit_rate",
     "drop_hit_rate_low",
     "drop_hit_rate_high",
-    "finding_hit_rate",
+];
+const CONFIDENCE: [&str; 5] = [
+    "base_mean_confidence",
+    "mean_confidence",
+    "drop_mean_confidence",
+    "drop_mean_confidence_low",
+    "drop_mean_confidence_high",
 ];
 
-fn values(d: &Difference) -> [Value; 6] {
+fn values(d: &Difference) -> [Value; 5] {
     let (low, high) = (d.interval_95.map(|i| i.low), d.interval_95.map(|i| i.high));
-    [
-        json!(d.base),
-        json!(d.other),
-        json!(d.drop),
-        json!(low),
-        json!(high),
-        json!(d.finding),
-    ]
+    [json!(d.base), json!(d.other), json!(d.drop), json!(low), json!(high)]
 }
 
 /// A head, then a line for each detector and comparison with a column for each corruption.
@@ -98,7 +96,7 @@ pub(super) fn survival_table(robustness: &Robustness) -> Vec<Vec<String>> {
 
 /// As in `0–2, lost 4–5`.
 fn cell(survival: &Survival) -> String {
-    let shown = match (&survival.shown_at[..], survival.too_few_at.len()) {
+    let shown = match (&survival.above_zero_at[..], survival.without_interval_at.len()) {
         ([], too_few) if too_few > usize::from(SEVERITIES) => "?".to_owned(),
         ([], _) => "none".to_owned(),
         (shown, _) => ranges(shown),

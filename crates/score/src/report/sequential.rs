@@ -37,11 +37,11 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
     lines
 }
 
-/// What the hit rates say so far, in one line.
+/// What the confidences say so far, in one line.
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
-        let found = found(&course.hit_rate, sequential, course.looks);
-        format!("{}: {found}, p {}", course.detector, p_of(&course.hit_rate))
+        let found = found(&course.mean_confidence, sequential, course.looks);
+        format!("{}: {found}, p {}", course.detector, p_of(&course.mean_confidence))
     });
     each.collect::<Vec<_>>().join("; ")
 }
@@ -63,8 +63,8 @@ pub(super) fn repeats(course: &Course) -> String {
 
 pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
     [
-        ("hit rate", &course.hit_rate),
         ("mean confidence", &course.mean_confidence),
+        ("hit rate", &course.hit_rate),
     ]
 }
 
@@ -107,7 +107,7 @@ pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
     let sessions = spelling::choose(scores.sessions.len(), "session lists", "sessions list");
     format!(
         "Looked at after each {}, in the order in which the {sessions} the photos, the first pair of each place and bin. All decisions hold however often one looks and whenever one stops: \
-         where no texture changes anything, any drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences, Waudby-Smith and Ramdas 2024; the p of the hit rates corrected over the detectors by Holm, and for the number of textures; the mean confidence not before the hit rate). The interval rests on whole rounds alone, so that it may hold 0 where a drop is shown. Average \
+         where no texture changes anything, any drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences, Waudby-Smith and Ramdas 2024; the p of the mean confidences corrected over the detectors by Holm, and for the number of textures; the hit rate not before the confidence). The interval rests on whole rounds alone, so that it may hold 0 where a drop is shown. Average \
          precision is no mean of photos, and so has no such test.",
         unit(sequential)
     )

@@ -12,7 +12,7 @@ use scaleproof_plot::distinct;
 /// count as the model.
 pub fn summary_table(scores: &Scores) -> String {
     let headline = format!("AP@0.5 ({}) / hits / mean confidence", scores.criteria.ap.name());
-    let mut lines = verdict::sentences(scores, all_paired(scores));
+    let mut lines = verdict::sentences(scores, all_paired(scores), &scores.base);
     lines.extend(by_detector(scores, &headline, headline_cell));
     let explained = disagreements(scores).into_iter();
     lines.extend(explained.map(|sentence| format!("  {sentence}")));
@@ -109,29 +109,37 @@ fn drops(scores: &Scores) -> Vec<String> {
             scores.base
         ));
         for (s, drop) in own().filter_map(|s| Some((s, s.drop?))) {
-            lines.extend(drop_lines(s, &drop, paired(s), names_width(scores)));
+            lines.extend(drop_lines(scores, s, &drop, paired(s)));
         }
     }
     lines
 }
 
-fn drop_lines(s: &Summary, drop: &Drop, compared: Option<&Compared>, width: usize) -> [String; 2] {
-    let line = |head: &str, name: &str, overall: f64, of: fn(&Compared) -> &Difference| {
-        let said = compared.map_or_else(
+fn drop_lines(scores: &Scores, s: &Summary, drop: &Drop, compared: Option<&Compared>) -> Vec<String> {
+    let width = names_width(scores);
+    let said = |overall: f64, of: fn(&Compared) -> &Difference| {
+        compared.map_or_else(
             || format!("{}, over all photos: not paired", digits(overall, 3)),
             |r| {
                 let (d, number) = (of(r), |v: f64| digits(v, 2));
                 let interval = paired::interval(d, number).unwrap_or_else(|| "no interval".into());
-                let (drop, asr) = (digits(d.drop, 3), certainty::asr_text(r, d, number));
-                format!("{drop} {interval}: {}; ASR {asr}", paired::briefly(d.finding))
+                format!(
+                    "{} {interval}; ASR {}",
+                    digits(d.drop, 3),
+                    certainty::asr_text(r, d, number)
+                )
             },
-        );
-        format!("{head:<width$}  {name:<8}  {said}")
+        )
     };
-    [
-        line(&s.detector, "AP@0.5", drop.ap50, |r| &r.ap50),
-        line("", "hit rate", drop.hit_rate, |r| &r.hit_rate.rate),
-    ]
+    let line = |head: &str, name: &str, said: String| format!("{head:<width$}  {name:<10}  {said}");
+    let effect = compared.map(|r| line(&s.detector, "effect", paired::in_words(r, &scores.base)));
+    let head = if effect.is_some() { "" } else { &s.detector };
+    let figures = [
+        line(head, "confidence", said(drop.mean_confidence, |r| &r.mean_confidence)),
+        line("", "hit rate", said(drop.hit_rate, |r| &r.hit_rate.rate)),
+        line("", "AP@0.5", said(drop.ap50, |r| &r.ap50)),
+    ];
+    effect.into_iter().chain(figures).collect()
 }
 
 /// A line for each value of a condition and variant, a column for each detector.

@@ -1,59 +1,77 @@
 //! What a comparison found, in a sentence for each texture: it stands above every table.
 
 use super::paired;
-use crate::score::{Compared, Finding, Scores};
+use crate::score::{Compared, Effect, Scores};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 
-/// What a finding of the hit rate says, before and after the detectors that it is of; in the order in which findings are said.
-const SAID: [(Finding, [&str; 2]); 5] = [
-    (Finding::Drop, ["lowers the hit rate", ""]),
-    (Finding::Rise, ["raises the hit rate", ""]),
-    (
-        Finding::NotAfterCorrection,
-        [
-            "shows no difference after correction for the number of tests",
-            ", where one test alone would",
-        ],
-    ),
-    (
-        Finding::NoDifferenceShown,
-        ["shows no difference", ", and one of 0.2 is excluded"],
-    ),
-    (
-        Finding::TooFewPhotosToTell,
-        ["leaves it open", ", as the photos are too few to tell"],
-    ),
-];
+/// So many detectors are named; more are counted.
+const MOST_NAMED: usize = 2;
 
-/// `On 5 detectors “random” lowers the hit rate on 2 (A, B); leaves it open on 3 (C, D, E), as the photos are too few to tell`. A sentence for each texture.
-pub(super) fn sentences(scores: &Scores, results: &[Compared]) -> Vec<String> {
+/// `“ours” hides the model from 2 of 5 detectors (A, B) and weakens 1 (C); nothing is shown of 2.` One for each texture.
+pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
     let textures = distinct(results.iter().map(|r| r.variant.as_str()));
     textures
         .into_iter()
-        .map(|texture| sentence(scores, results, texture))
+        .map(|texture| sentence(scores, results, [texture, base]))
         .collect()
 }
 
-fn sentence(scores: &Scores, results: &[Compared], texture: &str) -> String {
+fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -> String {
     let own: Vec<&Compared> = results.iter().filter(|r| r.variant == texture).collect();
-    let part = |(finding, [before, after]): &(Finding, [&str; 2])| {
-        let found = own.iter().filter(|r| r.hit_rate.rate.finding == *finding);
-        let names: Vec<&str> = found.map(|r| scores.title(&r.detector)).collect();
-        let on = match names.len() {
-            0 => return None,
-            1 if own.len() == 1 => String::new(),
-            n if n == own.len() => " on all".to_owned(),
-            n => format!(" on {n} ({})", names.join(", ")),
-        };
-        Some(format!("{before}{on}{after}"))
+    let mut is_first = true;
+    let mut some = |effect: Effect| {
+        let names: Vec<&str> = own
+            .iter()
+            .filter(|r| r.effect() == effect)
+            .map(|r| scores.title(&r.detector))
+            .collect();
+        if names.is_empty() {
+            return None;
+        }
+        let is_first = std::mem::take(&mut is_first);
+        Some(match (names.len(), own.len()) {
+            (1, 1) => names[0].to_owned(),
+            (n, all) if n == all => format!("all {}", count(n, "detector")),
+            (n, all) => {
+                let of = if is_first {
+                    format!("{n} of {}", count(all, "detector"))
+                } else {
+                    n.to_string()
+                };
+                if n <= MOST_NAMED {
+                    format!("{of} ({})", names.join(", "))
+                } else {
+                    of
+                }
+            }
+        })
     };
-    let parts: Vec<String> = SAID.iter().filter_map(part).collect();
-    let on = if own.len() == 1 {
-        scores.title(&own[0].detector).to_owned()
-    } else {
-        count(own.len(), "detector")
-    };
-    let basis = own.first().map_or(String::new(), |r| paired::basis(r));
-    format!("On {on} “{texture}” {} ({basis})", parts.join("; "))
+    let shown = [
+        (Effect::Hides, "hides the model from"),
+        (Effect::Weakens, "weakens"),
+        (Effect::Strengthens, "strengthens"),
+    ];
+    let shown: Vec<String> = shown
+        .into_iter()
+        .filter_map(|(effect, verb)| Some(format!("{verb} {}", some(effect)?)))
+        .collect();
+    let nothing = some(Effect::NothingShown);
+    let unseen = some(Effect::BaseUnseen);
+    let mut parts = Vec::new();
+    if !shown.is_empty() {
+        parts.push(format!("“{texture}” {}", shown.join(" and ")));
+    }
+    parts.extend(nothing.map(|detectors| match parts.is_empty() {
+        true => format!("nothing is shown of “{texture}” on {detectors}"),
+        false => format!("nothing is shown of {detectors}"),
+    }));
+    parts.extend(unseen.map(|detectors| match parts.is_empty() {
+        true => format!(
+            "of “{texture}” nothing can be told by {detectors}, without {} seen",
+            paired::named_base(base)
+        ),
+        false => format!("{detectors} cannot tell, not seeing {}", paired::named_base(base)),
+    }));
+    parts.join("; ")
 }

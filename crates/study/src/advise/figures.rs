@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use scaleproof_core::statistics::Interval;
-use scaleproof_score::score::{ApDefinition, CompareError, Finding, Scores, compare, moved_drops};
+use scaleproof_score::score::{ApDefinition, CompareError, Effect, Scores, compare, moved_drops};
 
 /// The drop of AP of one detector and texture, by one definition and envelope.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -20,10 +20,22 @@ pub struct FigureRow {
     pub drop: f64,
     /// 95 % interval of the drop; `null` with too few clusters, and when all clusters differ alike.
     pub drop_95: Option<Interval>,
-    pub finding: Finding,
+    /// What is shown of the mean confidence, on which the definition of AP has no bearing.
+    pub effect: Effect,
     /// The drop minus that of the usual way, on the same photos, and in `moved_by_95` its 95 % interval; `null` for the usual way.
     pub moved_by: Option<f64>,
     pub moved_by_95: Option<Interval>,
+}
+
+impl FigureRow {
+    /// On which side of 0 the interval of the drop lies; 0 where it holds 0, or there is none.
+    fn side(&self) -> i8 {
+        match self.drop_95 {
+            Some(interval) if interval.low > 0.0 => 1,
+            Some(interval) if interval.high < 0.0 => -1,
+            _ => 0,
+        }
+    }
 }
 
 /// What the drops of AP depend on, and whether the findings do.
@@ -31,13 +43,13 @@ pub struct FigureRow {
 pub struct FigureAdvice {
     /// One for each detector, texture, definition of AP and truth box; those of the usual way first.
     pub rows: Vec<FigureRow>,
-    /// Definitions that change no finding, the usual one among them.
+    /// Definitions that leave every interval of a drop on the same side of 0, the usual one among them.
     pub same_findings: Vec<&'static str>,
     /// The largest difference of a drop from that by the usual definition.
     pub definition_moves: f64,
     /// The largest move of a drop when the box of the model's size replaces the outline; `null` where the box is the outline.
     pub box_moves: Option<f64>,
-    /// Whether the box changes no finding and moves no drop by more than 0.01; `null` where the box is the outline.
+    /// Whether the box changes no effect, takes no interval to another side of 0, and moves no drop by more than 0.01; `null` where the box is the outline.
     pub box_is_enough: Option<bool>,
 }
 
@@ -49,7 +61,11 @@ pub fn advise_figures(scores: &Scores, by_box: Option<&Scores>, base: &str) -> R
     let envelope = scores.sessions[0].scene.model.envelope.name();
     let usual_way = (scores, scores.criteria.ap);
     let usual = rows_of(usual_way, None, base, envelope)?;
-    let same = |own: &[FigureRow]| own.iter().zip(&usual).all(|(a, b)| a.finding == b.finding);
+    let same = |own: &[FigureRow]| {
+        own.iter()
+            .zip(&usual)
+            .all(|(a, b)| a.effect == b.effect && a.side() == b.side())
+    };
     let moves = |own: &[FigureRow]| {
         let moved = own.iter().filter_map(|row| row.moved_by);
         moved.map(f64::abs).fold(0.0, f64::max)
@@ -89,6 +105,7 @@ fn rows_of(
 ) -> Result<Vec<FigureRow>, CompareError> {
     let compared = compare(scores, base, definition)?.results.into_iter();
     let rows = compared.map(|r| FigureRow {
+        effect: r.effect(),
         detector: r.detector,
         variant: r.variant,
         definition: definition.name(),
@@ -97,7 +114,6 @@ fn rows_of(
         ap50: r.ap50.other,
         drop: r.ap50.drop,
         drop_95: r.ap50.interval_95,
-        finding: r.ap50.finding,
         moved_by: None,
         moved_by_95: None,
     });

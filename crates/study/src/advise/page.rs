@@ -66,7 +66,7 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
                             td { (row.detector) } td { (row.variant) } td { (row.definition) } td { (row.envelope) }
                             td { (digits(row.base_ap50, 3)) " → " (digits(row.ap50, 3)) }
                             td { (digits(row.drop, 3)) (interval(row.drop_95, 3)) }
-                            td { (briefly(row.finding)) }
+                            td { (briefly(row.effect)) }
                             td { (number(row.moved_by, 3, "")) (interval(row.moved_by_95, 3)) }
                         }
                     }

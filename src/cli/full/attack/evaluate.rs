@@ -24,7 +24,7 @@ use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
 use scaleproof_score::report;
 use scaleproof_score::score::Summary;
 use scaleproof_score::score::{
-    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, decide_together,
+    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, decide,
     evaluated_detectors,
 };
 use scaleproof_session::session::Session;
@@ -145,7 +145,10 @@ fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> 
     let names: Vec<&str> = variants.iter().map(String::as_str).collect();
     let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
     let mut compared: Vec<Comparison> = compared.collect::<Result<_, _>>()?;
-    decide_together(&mut compared);
+    // Against the plain model; pattern against pattern has intervals alone.
+    if let Some(from_plain) = compared.iter_mut().find(|comparison| comparison.base == BASE_VARIANT) {
+        decide(from_plain);
+    }
     Ok(compared)
 }
 

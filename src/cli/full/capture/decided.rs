@@ -120,7 +120,7 @@ impl Question {
         let (sentence, is_decided) = match score::sequential(&scores, &self.base, ClusteredBy::PlaceAndBin, self.least)
         {
             Ok(looked) => {
-                let mut findings = looked.results.iter().map(|course| &course.hit_rate.finding);
+                let mut findings = looked.results.iter().map(|course| &course.mean_confidence.finding);
                 let is_decided = findings.all(|finding| *finding != SequentialFinding::Undecided);
                 (report::standing(&looked), is_decided)
             }

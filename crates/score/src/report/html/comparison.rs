@@ -3,9 +3,8 @@
 use maud::{Markup, html};
 
 use super::{heads, notes, number, pairs, round, sequential, shell, table};
-use crate::report::{certainty, counted, p_value, paired};
+use crate::report::{certainty, counted, paired};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
-use scaleproof_core::spelling;
 use scaleproof_plot::Drawing;
 
 const PLOT: f64 = 300.0;
@@ -25,7 +24,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     );
     let (plan, chance) = (comparison.plan.as_ref().map(plan), notes::bootstrap(comparison));
     let (pairs, tail) = pairs::section(scores, comparison).unzip();
-    let verdict = html! { (notes::verdict(scores, &comparison.results)) (notes::cautions(scores)) };
+    let verdict = html! { (notes::verdict(scores, &comparison.results, &comparison.base)) (notes::cautions(scores)) };
     let sections = [
         ("result", "Result", Some(verdict)),
         ("plan", "Plan", plan),
@@ -60,30 +59,49 @@ fn plan(plan: &PlanCheck) -> Markup {
     }
 }
 
-/// Name of a figure, what its chart is called, and where it is.
-type Figure = (&'static str, &'static str, fn(&Compared) -> &Difference);
+/// One figure of a comparison: its name, what its chart is called, where it is, and whether it is shown to change.
+struct Figure {
+    name: &'static str,
+    title: &'static str,
+    of: fn(&Compared) -> &Difference,
+    is_shown: fn(&Compared) -> bool,
+}
 
 const FIGURES: [Figure; 3] = [
-    ("hit rate", "Drop of the hit rate", |r| &r.hit_rate.rate),
-    ("mean confidence", "Drop of the mean confidence", |r| &r.mean_confidence),
-    ("AP@0.5", "Drop of AP@0.5", |r| &r.ap50),
+    Figure {
+        name: "mean confidence",
+        title: "Drop of the mean confidence",
+        of: |r| &r.mean_confidence,
+        is_shown: paired::is_confidence_shown,
+    },
+    Figure {
+        name: "hit rate",
+        title: "Drop of the hit rate",
+        of: |r| &r.hit_rate.rate,
+        is_shown: paired::is_hit_rate_shown,
+    },
+    Figure {
+        name: "AP@0.5",
+        title: "Drop of AP@0.5",
+        of: |r| &r.ap50,
+        is_shown: |_| false,
+    },
 ];
 
 fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
         @for figure in FIGURES {
-            h3 { (figure.1) }
-            div.scroll { (forest(scores, comparison, figure).inline(Some("forest"))) }
+            h3 { (figure.title) }
+            div.scroll { (forest(scores, comparison, &figure).inline(Some("forest"))) }
         }
         @let open: Vec<(&Compared, String)> = comparison.results.iter().filter_map(|r| Some((r, paired::more_photos(r)?))).collect();
         @if !open.is_empty() {
             h3 { "How many more photos would tell" }
-            ul { @for (r, sentence) in open { li { (scores.title(&r.detector)) ", " (r.variant) ": hit rate, " (sentence) "." } } }
+            ul { @for (r, sentence) in open { li { (scores.title(&r.detector)) ", " (r.variant) ": confidence, " (sentence) "." } } }
         }
         p.note {
-            "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown "
-            "after correction. Numbers: base → texture, drop [interval], attack success rate [interval]; of the hit rate also McNemar's exact p, by itself and corrected. “No difference shown”: one of 0.2 is "
-            "excluded."
+            "Dot: the drop; line: its 95 % interval, absent with too few views or when all differ alike. Filled: a change is shown. "
+            "Numbers: base → texture, drop [interval], attack success rate [interval]."
         }
         @if let Some(sentence) = certainty::tested(scores, &comparison.results) { p.note { (sentence) "." } }
     }
@@ -91,12 +109,18 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
 
 pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
     let all = FIGURES.into_iter();
-    all.map(|figure| (figure.1, forest(scores, comparison, figure)))
+    all.map(|figure| (figure.title, forest(scores, comparison, &figure)))
         .collect()
 }
 
 /// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
-fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -> Drawing {
+fn forest(scores: &Scores, comparison: &Comparison, figure: &Figure) -> Drawing {
+    let Figure {
+        name,
+        title,
+        of,
+        is_shown,
+    } = figure;
     let height = ROW * comparison.results.len() as f64;
     let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
     let marks = html! {
@@ -107,7 +131,7 @@ fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -
         @for (i, r) in comparison.results.iter().enumerate() {
             @let d = of(r);
             @let y = ROW * (i as f64 + 0.5);
-            @let is_shown = paired::is_shown(d);
+            @let is_shown = is_shown(r);
             text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
             g.drop {
                 title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (number(d.drop, 3)) }
@@ -117,17 +141,17 @@ fn forest(scores: &Scores, comparison: &Comparison, (name, title, of): Figure) -
                 circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
             }
             text x=(LEFT + PLOT + 16.0) y=(y) font-size="11.5" {
-                (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (paired::briefly(d.finding))
+                (numbers(d))
             }
             text x=(LEFT + PLOT + 16.0) y=(y + 12.0) font-size="9.5" fill="#5b6573" {
-                @if name == "hit rate" { "p corrected for " (spelling::count(r.tests, "test")) " (Holm): " (number(r.holm_p, 3)) ". " }
+                @if *name == "mean confidence" { (paired::in_words(r, &comparison.base)) ". " }
                 @if d.asr.is_some() && d.asr_interval_95.is_none() { "ASR: " (certainty::without_interval(r, d)) }
             }
         }
     };
     Drawing {
         area: [0.0, -4.0, WIDTH, height + 26.0],
-        label: title.to_owned(),
+        label: (*title).to_owned(),
         marks,
     }
 }
@@ -153,7 +177,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
                         @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
                             Some(bin) => {
                                 (number(bin.hits.rate.drop, 2)) br;
-                                small { @match bin.holm_p { Some(p) => { "p " (p_value(p)) } None => { "too few" } } }
+                                small { @if let Some(interval) = paired::interval(&bin.hits.rate, |v| number(v, 2)) { (interval) } }
                             }
                             None => { "–" }
                         }
@@ -164,7 +188,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
     };
     html! {
         (table(None, &head, &rows))
-        p.note { "Drop of the hit rate, and McNemar's p corrected by Holm over the bins that have six clusters or more. “–”: no pair." }
+        p.note { "Drop of the hit rate, with its 95 % interval where a bin has six places or more; nothing is tested. “–”: no pair." }
     }
 }
 

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{ACROSS, notes, number, patterns, shell, table};
 use crate::report::evaluation::{Evaluation, SCOPE};
 use crate::report::{counted, paired};
-use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures, Finding};
+use crate::score::{BASE_VARIANT, Compared, Effect, EvaluatedDetector, Figures};
 use scaleproof_core::spelling;
 
 pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
@@ -72,7 +72,7 @@ fn by_detector(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: 
                         @for c in some {
                             td {
                                 (evaluation.figures(pattern, c).map_or("–".to_owned(), cell))
-                                @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, c) { br; small { "drop " } (difference(d)) }
+                                @if let Some(r) = evaluation.compared(BASE_VARIANT, pattern, c) { br; small { "drop " } (difference(r)) }
                             }
                         }
                     }
@@ -83,11 +83,15 @@ fn by_detector(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: 
     }
 }
 
-/// The difference, what it is known to, and whether it is shown.
-fn difference(d: &Difference) -> Markup {
+/// The difference of AP, its interval, and the effect where one was asked for. Red where the texture is shown to weaken the detector.
+fn difference(r: &Compared) -> Markup {
+    let is_weaker = matches!(r.effect(), Effect::Hides | Effect::Weakens);
     html! {
-        span.down[d.finding == Finding::Drop] { (number(d.drop, 2)) }
-        small { @if let Some(interval) = paired::interval(d, |v| number(v, 2)) { " " (interval) } br; (paired::briefly(d.finding)) }
+        span.down[is_weaker] { (number(r.ap50.drop, 2)) }
+        small {
+            @if let Some(interval) = paired::interval(&r.ap50, |v| number(v, 2)) { " " (interval) }
+            @if let Some(finding) = r.finding { br; (paired::briefly(finding.effect)) }
+        }
     }
 }
 
@@ -103,13 +107,13 @@ fn differences(evaluation: &Evaluation) -> Markup {
                     @for base in rows.iter().take(columns.len()) {
                         tr {
                             td { (base) }
-                            @for other in some { td { @if let Some(d) = evaluation.drop(base, other, c) { (difference(d)) } } }
+                            @for other in some { td { @if let Some(r) = evaluation.compared(base, other, c) { (difference(r)) } } }
                         }
                     }
                 };
                 (table(Some("cells"), &head, &rows))
             }
         }
-        p.note { "Above 0, the detector does worse with the column's pattern; red when that is shown after correction. " (SCOPE) "." }
+        p.note { "Above 0, the detector does worse with the column's pattern; red when the pattern is shown to weaken it, which is asked against the plain model alone. " (SCOPE) "." }
     }
 }

@@ -5,8 +5,7 @@ use maud::{Markup, html};
 use super::{heads, number, rows_by_detector, table};
 use crate::report::{certainty, paired};
 use crate::score::{
-    Compared, Difference, Drop, EvaluatedDetector, Figures, Finding, Scores, Summary, disagreements,
-    paired as all_paired,
+    Compared, Difference, Drop, EvaluatedDetector, Figures, Scores, Summary, disagreements, paired as all_paired,
 };
 use scaleproof_plot::distinct;
 
@@ -23,10 +22,13 @@ pub(super) fn headline(scores: &Scores) -> Markup {
     let cells = |s: &Summary| {
         html! {
             td.photos { (s.overall.photos) }
-            td { (number(s.overall.ap50, 3)) } td.of { (drop(scores, s, |d| d.ap50, |r| &r.ap50)) }
-            td { (rate(&s.overall)) } td.of { (drop(scores, s, |d| d.hit_rate, |r| &r.hit_rate.rate)) }
+            td { (number(s.overall.ap50, 3)) } td.of { (drop(scores, s, |d| d.ap50, (|r| &r.ap50, |_| false))) }
+            td { (rate(&s.overall)) } td.of { (drop(scores, s, |d| d.hit_rate, (|r| &r.hit_rate.rate, paired::is_hit_rate_shown))) }
             td { (number(s.overall.mean_confidence, 2)) }
-            td.of { (drop(scores, s, |d| d.mean_confidence, |r| &r.mean_confidence)) }
+            td.of {
+                (drop(scores, s, |d| d.mean_confidence, (|r| &r.mean_confidence, paired::is_confidence_shown)))
+                @if let Some(r) = paired::compared(scores, &s.detector, &s.variant) { small { (paired::briefly(r.effect())) } }
+            }
             td { (number(s.overall.median_confidence, 2)) }
         }
     };
@@ -38,7 +40,7 @@ pub(super) fn headline(scores: &Scores) -> Markup {
             "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
             ". Confidence: misses count 0. Drop: " (scores.base) " minus this texture; above 0, the detector does worse"
             @if scores.variants().contains(&scores.base.as_str()) {
-                " " (bases(scores)) ". Red: a drop is shown after correction; grey: none is shown, or too few photos can tell. "
+                " " (bases(scores)) ". Red: a drop is shown. "
             } @else {
                 ". This run lacks " (scores.base) ", so no drop is given. "
             }
@@ -68,17 +70,17 @@ fn rate(f: &Figures) -> Markup {
     html! { (r.count) "/" (f.photos) " " small { "[" (number(r.low, 2)) ", " (number(r.high, 2)) "]" } }
 }
 
-/// The drop on paired photos with its interval and finding, or over all photos where none pair. Red only where it is shown.
-fn drop(scores: &Scores, s: &Summary, overall: fn(&Drop) -> f64, of: fn(&Compared) -> &Difference) -> Markup {
-    let compared = paired::compared(scores, &s.detector, &s.variant).map(of);
+/// A figure of a comparison, and whether it is shown to change.
+type Figure = (fn(&Compared) -> &Difference, fn(&Compared) -> bool);
+
+/// The drop on paired photos with its interval, or over all photos where none pair. Red only where it is shown.
+fn drop(scores: &Scores, s: &Summary, overall: fn(&Drop) -> f64, (of, is_shown): Figure) -> Markup {
+    let compared = paired::compared(scores, &s.detector, &s.variant).map(|r| (of(r), is_shown(r)));
     html! {
         @match (compared, s.drop) {
-            (Some(d), _) => {
-                span.down[d.finding == Finding::Drop] { (number(d.drop, 2)) }
-                br; small {
-                    @if let Some(interval) = paired::interval(d, |v| number(v, 2)) { (interval) br; }
-                    (paired::briefly(d.finding))
-                }
+            (Some((d, is_shown)), _) => {
+                span.down[is_shown && d.drop > 0.0] { (number(d.drop, 2)) }
+                br; small { @if let Some(interval) = paired::interval(d, |v| number(v, 2)) { (interval) " " } }
             }
             (None, Some(drop)) => { (number(overall(&drop), 2)) br; small { "not paired" } }
             (None, None) => {}

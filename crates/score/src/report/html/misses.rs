@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::shade::{ink, shade};
 use super::{ACROSS, heads, number, rows_by_detector, table, title_of};
 use crate::report::{counted, other_label, paired};
-use crate::score::{Compared, Difference, Figures, ScoredPhoto, Scores, Summary, TransferDrop, TransferRow, transfer};
+use crate::score::{Figures, ScoredPhoto, Scores, Summary, TransferDrop, TransferRow, transfer};
 
 /// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {
@@ -126,7 +126,7 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
                 @let rows = html! { @for row in &rows { tr { td { (row.variant) } (cells(row)) } } };
                 (table(Some("matrix"), &head, &rows))
             }
-            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5; bold: shown after correction, on paired photos." }
+            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5; bold: an effect is shown, and of the hit rate that it changes, on paired photos." }
         }
     }
 }
@@ -134,12 +134,12 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
 fn transfer_cell(scores: &Scores, row: &TransferRow, cell: &TransferDrop) -> Markup {
     let d = &cell.drop;
     let compared = paired::compared(scores, &cell.detector, &row.variant);
-    let is_shown = |of: fn(&Compared) -> &Difference| compared.is_some_and(|r| paired::is_shown(of(r)));
+    let is_shown = compared.is_some_and(paired::is_confidence_shown);
     let bold = |is_shown: bool, text: String| html! { @if is_shown { b { (text) } } @else { (text) } };
     html! {
         td style=(format!("background:{};color:{}", shade(d.ap50), ink(d.ap50))) {
-            (bold(is_shown(|r| &r.ap50), number(d.ap50, 3))) br;
-            small { (bold(is_shown(|r| &r.hit_rate.rate), number(d.hit_rate, 2))) }
+            (bold(is_shown, number(d.ap50, 3))) br;
+            small { (bold(compared.is_some_and(paired::is_hit_rate_shown), number(d.hit_rate, 2))) }
         }
     }
 }

@@ -65,8 +65,7 @@ fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> Str
 }
 
 fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 16] {
-    let result =
-        html! { (notes::verdict(scores, all_paired(scores))) (figures::headline(scores)) (notes::cautions(scores)) };
+    let result = html! { (notes::verdict(scores, all_paired(scores), &scores.base)) (figures::headline(scores)) (notes::cautions(scores)) };
     let outcomes = html! { (misses::outcomes(scores)) (misses::confusion(scores)) (misses::transfer_matrix(scores)) };
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };

@@ -7,8 +7,8 @@ use crate::report::{counted, provenance, truth_boxes, verdict};
 use crate::score::{Compared, Comparison, NotScored, Scores};
 use scaleproof_core::spelling;
 
-pub(super) fn verdict(scores: &Scores, results: &[Compared]) -> Markup {
-    html! { @for sentence in verdict::sentences(scores, results) { p.verdict { (sentence) "." } } }
+pub(super) fn verdict(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+    html! { @for sentence in verdict::sentences(scores, results, base) { p.verdict { (sentence) "." } } }
 }
 
 pub(super) fn cautions(scores: &Scores) -> Markup {

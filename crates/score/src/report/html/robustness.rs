@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{Plane, colour, colour_names, points, small_charts, table};
 use crate::report::robustness::{heading, survival_table};
-use crate::score::{CorruptedRow, Finding, Robustness, Scores};
+use crate::score::{CorruptedRow, Robustness, Scores};
 use scaleproof_plot::{Drawing, distinct};
 
 const PLANE: Plane = Plane {
@@ -14,7 +14,7 @@ const PLANE: Plane = Plane {
 /// Of the last severity.
 const LAST: f64 = 5.0;
 
-pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: a drop of AP@0.5 from the base is shown there after correction; hollow: none is.";
+pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: the 95 % interval of the drop of AP@0.5 from the base lies above 0 there.";
 
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
@@ -65,7 +65,7 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
                 (
                     f64::from(row.severity),
                     row.held.ap50.other,
-                    row.held.ap50.finding == Finding::Drop,
+                    row.held.is_above_zero() == Some(true),
                 )
             })
             .collect()

@@ -32,7 +32,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
     };
     Some(html! {
         (table(None, &heads("detector", &["texture", "figure", "finding", "p", "mean drop, 95 %"]), &rows))
-        ul.legend { (colour_names(&["hit rate", "mean confidence"])) }
+        ul.legend { (colour_names(&["mean confidence", "hit rate"])) }
         (small_charts(sequential.results.iter().map(captioned)))
         p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on one test alone would show it." }
     })

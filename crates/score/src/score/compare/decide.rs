@@ -1,51 +1,172 @@
-//! What is shown of many detectors and textures at once, and in several figures of each.
+//! What is shown of many detectors and textures at once.
 
-use super::result::{Compared, Comparison, Finding};
-use scaleproof_core::statistics::holm;
+use std::collections::BTreeMap;
 
-/// Where nothing differs, anything at all is shown with this probability at most.
-pub(super) const LEVEL: f64 = 0.05;
+use super::detectable::drop_shown_from;
+use super::finding::{Effect, Finding, InPlacesLikeThese};
+use super::result::{Compared, Comparison, PairedView};
+use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
 
-/// Corrects the findings of a comparison, each of which was made at the level by itself, for their number.
+/// The rate of wrong findings that is promised, for the confidence and again for the hit rate.
+pub(in crate::score) const LEVEL: f64 = 0.05;
+
+/// A base of which a detector has a smaller mean confidence is not seen by it.
+const LEAST_SEEN: f64 = 0.1;
+
+/// A texture hides the model where at most so many photos are still hits.
+pub(in crate::score) const MOST_HIT: f64 = 0.25;
+
+/// Differences of one figure: for each detector, one for each cluster.
+type Differences = Vec<Vec<f64>>;
+
+/// Decides what a comparison shows: its textures share the error rate, and the detectors of a texture are tested together.
+pub fn decide(comparison: &mut Comparison) {
+    let textures = comparison.results.chunk_by_mut(|a, b| a.variant == b.variant);
+    decide_families(textures.map(|family| family.iter_mut().collect()).collect(), LEAST_SEEN);
+}
+
+/// Decides several families that share the error rate: each is a list of comparisons that are tested together, on the same views.
 ///
-/// The hit rate is tested for every detector and texture, and its p corrected over all of them (Holm 1979). The other figures, and the single
-/// directions, pass where that of the same detector and texture did (a gate, as by Dmitrienko, Offen and Westfall, "Gatekeeping strategies for
-/// clinical trials that do not require all primary effects to be significant", Statistics in Medicine 22 (2003)): where nothing differs nothing passes
-/// but by a wrong finding of the hit rate.
-pub(in crate::score) fn decide(results: &mut [&mut Compared]) {
-    let p: Vec<f64> = results.iter().map(|r| r.hit_rate.mcnemar_p).collect();
-    let tests = results.len();
-    for (r, holm_p) in results.iter_mut().zip(holm(&p)) {
-        (r.holm_p, r.tests) = (holm_p, tests);
-        if holm_p < LEVEL {
-            continue;
-        }
-        let figures = [&mut r.hit_rate.rate, &mut r.mean_confidence, &mut r.ap50];
-        let directions = r.azimuth_bins.iter_mut().map(|bin| &mut bin.hits.rate);
-        figures
-            .into_iter()
-            .chain(directions)
-            .for_each(|d| d.finding = d.finding.undone());
+/// For the confidence, the differences of the pairs of a view (place × bin) are summed, and the signs of the views flipped for all members together
+/// ([`sign_flip_p`]). A family of which everything is shown passes its share on ([`shares`]). The hit rate is decided in the same way with an error rate of
+/// its own. An effect that is shown for these places is asked for places like these by flipping whole places. Nothing is said of a member whose base has a
+/// smaller mean confidence than `least_seen`.
+pub(in crate::score) fn decide_families(mut families: Vec<Vec<&mut Compared>>, least_seen: f64) {
+    let asked: Vec<Asked> = families.iter().map(|family| Asked::of(family)).collect();
+    let levels = |p: fn(&Asked) -> &Vec<f64>| shares(&asked.iter().map(|a| p(a).clone()).collect::<Vec<_>>(), LEVEL);
+    let confidence_levels = levels(|a| &a.confidence_p);
+    let hit_rate_levels = levels(|a| &a.hit_rate_p);
+    for (f, family) in families.iter_mut().enumerate() {
+        let levels = Levels {
+            confidence: confidence_levels[f],
+            hit_rate: hit_rate_levels[f],
+            least_seen,
+        };
+        let own: Vec<Finding> = (0..family.len())
+            .map(|k| asked[f].finding(k, family[k], levels))
+            .collect();
+        family
+            .iter_mut()
+            .zip(own)
+            .for_each(|(compared, finding)| compared.finding = Some(finding));
     }
 }
 
-/// As [`decide`], for several comparisons that are read together.
-pub fn decide_together(comparisons: &mut [Comparison]) {
-    let results = comparisons.iter_mut().flat_map(|comparison| &mut comparison.results);
-    decide(&mut results.collect::<Vec<_>>());
+/// The largest p that count as shown, and the smallest mean confidence of a base that is seen.
+#[derive(Clone, Copy)]
+struct Levels {
+    confidence: f64,
+    hit_rate: f64,
+    least_seen: f64,
 }
 
-impl Finding {
-    pub fn is_shown(self) -> bool {
-        matches!(self, Finding::Drop | Finding::Rise)
-    }
+/// The p of one family.
+struct Asked {
+    confidence: Differences,
+    /// Pairs in each view.
+    pairs: Vec<f64>,
+    places: usize,
+    confidence_p: Vec<f64>,
+    hit_rate_p: Vec<f64>,
+    confidence_p_of_places: Vec<f64>,
+    hit_rate_p_of_places: Vec<f64>,
+}
 
-    /// What is left of a finding that does not pass.
-    pub(in crate::score) fn undone(self) -> Finding {
-        if self.is_shown() {
-            Finding::NotAfterCorrection
-        } else {
-            self
+impl Asked {
+    fn of(family: &[&mut Compared]) -> Asked {
+        let view = |v: &PairedView| (v.place.clone(), v.bin);
+        let place = |v: &PairedView| v.place.clone();
+        let confidence = by_cluster(family, view, |v| v.confidence_lost);
+        let by_place = by_cluster(family, place, |v| v.confidence_lost);
+        Asked {
+            pairs: by_cluster(family, view, |v| v.pairs as f64)
+                .into_iter()
+                .next()
+                .unwrap_or_default(),
+            places: by_place.first().map_or(0, Vec::len),
+            confidence_p: sign_flip_p(&confidence),
+            hit_rate_p: sign_flip_p(&by_cluster(family, view, |v| v.hits_lost)),
+            confidence_p_of_places: sign_flip_p(&by_place),
+            hit_rate_p_of_places: sign_flip_p(&by_cluster(family, place, |v| v.hits_lost)),
+            confidence,
         }
     }
+
+    fn finding(&self, member: usize, compared: &Compared, levels: Levels) -> Finding {
+        let p = [self.confidence_p[member], self.hit_rate_p[member]];
+        let effect = effect(compared, p, levels);
+        let views_missing = missing(self.pairs.len(), levels.confidence);
+        let asks_for_drop = effect == Effect::NothingShown && views_missing == 0;
+        Finding {
+            effect,
+            confidence_p: p[0],
+            confidence_level: levels.confidence,
+            hit_rate_p: p[1],
+            hit_rate_level: levels.hit_rate,
+            views_missing,
+            drop_shown_from: asks_for_drop
+                .then(|| drop_shown_from(&self.confidence, &self.pairs, member, levels.confidence))
+                .flatten()
+                .filter(|drop| *drop <= compared.mean_confidence.base),
+            in_places_like_these: effect
+                .is_shown()
+                .then(|| self.in_places_like_these(member, compared, levels)),
+        }
+    }
+
+    fn in_places_like_these(&self, member: usize, compared: &Compared, levels: Levels) -> InPlacesLikeThese {
+        let p = [self.confidence_p_of_places[member], self.hit_rate_p_of_places[member]];
+        // What is not shown of these places' hits is not shown of others'.
+        let hit_rate_p = p[1].max(self.hit_rate_p[member]);
+        InPlacesLikeThese {
+            effect: effect(compared, [p[0], hit_rate_p], levels),
+            confidence_p: p[0],
+            places_missing: missing(self.places, levels.confidence),
+        }
+    }
+}
+
+/// What is shown by the p of the confidence and of the hit rate.
+fn effect(compared: &Compared, [confidence_p, hit_rate_p]: [f64; 2], levels: Levels) -> Effect {
+    let (confidence, hits) = (&compared.mean_confidence, &compared.hit_rate.rate);
+    let is_hidden = hit_rate_p <= levels.hit_rate && hits.drop > 0.0 && hits.other <= MOST_HIT;
+    if confidence.base < levels.least_seen {
+        Effect::BaseUnseen
+    } else if confidence_p > levels.confidence {
+        Effect::NothingShown
+    } else if confidence.drop < 0.0 {
+        Effect::Strengthens
+    } else if is_hidden {
+        Effect::Hides
+    } else {
+        Effect::Weakens
+    }
+}
+
+/// A figure's differences summed over clusters of the views, which are the same for all members; where a member has no photos, nothing differs.
+fn by_cluster<K: Ord>(
+    family: &[&mut Compared],
+    cluster: impl Fn(&PairedView) -> K,
+    figure: impl Fn(&PairedView) -> f64,
+) -> Differences {
+    let views = family.iter().flat_map(|compared| &compared.views);
+    let clusters: BTreeMap<K, f64> = views.map(|view| (cluster(view), 0.0)).collect();
+    let sums = |compared: &&mut Compared| {
+        let mut sums: BTreeMap<K, f64> = BTreeMap::new();
+        for view in &compared.views {
+            *sums.entry(cluster(view)).or_default() += figure(view);
+        }
+        clusters
+            .keys()
+            .map(|key| sums.get(key).copied().unwrap_or_default())
+            .collect()
+    };
+    family.iter().map(sums).collect()
+}
+
+/// How many clusters more it takes until the smallest possible p is within the level.
+fn missing(clusters: usize, level: f64) -> usize {
+    (0..)
+        .take_while(|more| smallest_sign_flip_p(clusters + more) > level)
+        .count()
 }

@@ -2,6 +2,8 @@
 
 mod by_place;
 mod decide;
+mod detectable;
+mod finding;
 mod moved;
 mod pairs;
 mod plan;
@@ -10,12 +12,13 @@ mod sequential;
 mod sequential_plan;
 
 pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_among, smallest_drop_by_place};
-pub(super) use decide::decide;
-pub use decide::decide_together;
+pub use decide::decide;
+pub(super) use decide::{LEVEL, MOST_HIT, decide_families};
+pub use finding::{Effect, Finding, InPlacesLikeThese};
 pub use moved::moved_drops;
 pub use plan::{PlanError, pairs_needed, power};
 pub use result::{
-    BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
+    BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Hits, PlanCheck, Sequential,
     SequentialFinding,
 };
 pub use sequential::{most_telling, sequential};
@@ -26,15 +29,10 @@ use std::collections::BTreeSet;
 use super::side::{ClusteredAp, Side};
 use super::summary::variants;
 use super::{NotScored, ScoredPhoto, ScoredSet, Scores};
-use pairs::{Cell, Cluster, clustered_by, clusters, pair};
+use pairs::{Cell, Cluster, clusters, pair};
+use result::PairedView;
 use scaleproof_core::ap::ApDefinition;
-use scaleproof_core::statistics::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
-
-/// A difference of this size must be excluded before "no difference shown" may be said.
-pub(super) const TELLING_DIFFERENCE: f64 = 0.2;
-
-/// So many clusters without any difference exclude that a fifth of all clusters differ (0.8¹⁴ < 0.05).
-const CLUSTERS_ALL_ALIKE: usize = 14;
+use scaleproof_core::statistics::{DRAWS, SEED, intervals_95};
 
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
@@ -60,7 +58,9 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
         });
     }
     let others = others(&all, base)?;
-    compare_set(scores.set(), base, &others, definition, None)
+    let mut comparison = compare_set(scores.set(), base, &others, definition)?;
+    decide(&mut comparison);
+    Ok(comparison)
 }
 
 /// What a run says of its variants against its base, for as many as can be paired; computed once.
@@ -69,19 +69,23 @@ pub fn paired(scores: &Scores) -> &[Compared] {
         let (base, ap) = (&scores.base, scores.criteria.ap);
         let others = scores.variants().into_iter().filter(|v| v != base);
         let paired = others.filter(|other| pairs(scores.set(), base, other));
-        let comparison = compare_set(scores.set(), base, &paired.collect::<Vec<_>>(), ap, None);
-        comparison.map(|comparison| comparison.results).unwrap_or_default()
+        let comparison = compare_set(scores.set(), base, &paired.collect::<Vec<_>>(), ap);
+        let decided = comparison.map(|mut comparison| {
+            decide(&mut comparison);
+            comparison.results
+        });
+        decided.unwrap_or_default()
     })
 }
 
-/// Compares these variants with `base`; places and bins are what is drawn, so that the intervals hold for these places.
+/// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`].
 pub fn compare_with(
     scores: &Scores,
     base: &str,
     others: &[&str],
     definition: ApDefinition,
 ) -> Result<Comparison, CompareError> {
-    compare_set(scores.set(), base, others, definition, Some(ClusteredBy::PlaceAndBin))
+    compare_set(scores.set(), base, others, definition)
 }
 
 /// The variants but for the base, of which there must be one.
@@ -115,25 +119,22 @@ pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
     !pair(set, base, other).0.is_empty()
 }
 
-/// Compares these variants of a scored set with `base`, by the clusters that [`compare()`] takes where none are named.
+/// Compares these variants of a scored set with `base` by intervals alone.
 pub(super) fn compare_set(
     set: ScoredSet,
     base: &str,
     others: &[&str],
     definition: ApDefinition,
-    by: Option<ClusteredBy>,
 ) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
     for variant in others {
         let (cells, left_over) = some_pairs(set, base, variant)?;
         unpaired.extend(left_over);
-        let by = by.unwrap_or_else(|| clustered_by(&cells));
         for (side, detector) in Side::each(set.detectors) {
             let name = detector.manifest.name.clone();
-            results.push(compared(name, variant, (&cells, by), side, definition));
+            results.push(compared(name, variant, &cells, side, definition));
         }
     }
-    decide(&mut results.iter_mut().collect::<Vec<_>>());
     Ok(Comparison {
         base: base.to_owned(),
         ap_definition: definition.name(),
@@ -146,58 +147,54 @@ pub(super) fn compare_set(
     })
 }
 
-fn compared(
-    detector: String,
-    variant: &str,
-    (cells, by): (&[Cell], ClusteredBy),
-    side: Side,
-    definition: ApDefinition,
-) -> Compared {
-    let all = clusters(&cells.iter().collect::<Vec<_>>(), by);
-    let hit_rate = hits(&all, side);
+fn compared(detector: String, variant: &str, cells: &[Cell], side: Side, definition: ApDefinition) -> Compared {
+    let all = clusters(&cells.iter().collect::<Vec<_>>(), ClusteredBy::PlaceAndBin);
     Compared {
         detector,
         variant: variant.to_owned(),
         pairs: pairs_in(&all),
-        clustered_by: by,
-        clusters: all.len(),
         near_copies: copies_in(&all),
         places: cells.iter().map(|c| c.place).collect::<BTreeSet<_>>().len(),
         bins: cells.iter().map(|c| c.bin).collect::<BTreeSet<_>>().len(),
-        hit_rate: Hits {
-            rate: tested(hit_rate.rate, all.len(), hit_rate.mcnemar_p),
-            ..hit_rate
-        },
-        holm_p: hit_rate.mcnemar_p,
-        tests: 1,
+        clusters: all.len(),
+        finding: None,
         mean_confidence: of_means(&all, |photo| side.outcome(photo).confidence),
+        hit_rate: hits(&all, side),
         ap50: of_ap(&all, side, definition),
-        azimuth_bins: by_azimuth(cells, by, side),
+        azimuth_bins: by_azimuth(cells, side),
+        views: cells.iter().map(|cell| view(cell, side)).collect(),
     }
 }
 
-fn by_azimuth(cells: &[Cell], by: ClusteredBy, side: Side) -> Vec<BinHits> {
+fn view(cell: &Cell, side: Side) -> PairedView {
+    let lost = |figure: &dyn Fn(&ScoredPhoto) -> f64| {
+        cell.pairs
+            .iter()
+            .map(|(base, other)| figure(base) - figure(other))
+            .sum()
+    };
+    PairedView {
+        place: cell.place.to_owned(),
+        bin: cell.bin,
+        pairs: cell.pairs.len(),
+        confidence_lost: lost(&|photo| side.outcome(photo).confidence),
+        hits_lost: lost(&|photo| side.hit(photo)),
+    }
+}
+
+fn by_azimuth(cells: &[Cell], side: Side) -> Vec<BinHits> {
     // Cells come in the order of their bins, azimuth first.
     let groups = cells.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
-    let mut bins: Vec<BinHits> = groups
-        .map(|group| {
-            let own = clusters(&group.iter().collect::<Vec<_>>(), by);
-            BinHits {
-                azimuth_deg: group[0].bin.azimuth_deg,
-                pairs: pairs_in(&own),
-                clusters: own.len(),
-                hits: hits(&own, side),
-                holm_p: None,
-            }
-        })
-        .collect();
-    let testable = |bin: &BinHits| bin.clusters >= FEWEST_CLUSTERS;
-    let p: Vec<f64> = bins.iter().filter(|b| testable(b)).map(|b| b.hits.mcnemar_p).collect();
-    for (bin, p) in bins.iter_mut().filter(|b| testable(b)).zip(holm(&p)) {
-        bin.holm_p = Some(p);
-        bin.hits.rate = tested(bin.hits.rate, bin.clusters, p);
-    }
-    bins
+    let bin = |group: &[Cell]| {
+        let own = clusters(&group.iter().collect::<Vec<_>>(), ClusteredBy::PlaceAndBin);
+        BinHits {
+            azimuth_deg: group[0].bin.azimuth_deg,
+            pairs: pairs_in(&own),
+            clusters: own.len(),
+            hits: hits(&own, side),
+        }
+    };
+    groups.map(bin).collect()
 }
 
 /// Near-copies that count with the photos of some pairs.
@@ -216,12 +213,10 @@ fn hits(clusters: &[Cluster], side: Side) -> Hits {
         let is_hit = |photo| side.outcome(photo).is_hit();
         pairs.filter(|(base, other)| one(is_hit(base), is_hit(other))).count()
     };
-    let difference = |c: &Cluster| c.pairs.iter().map(|(b, o)| (side.hit(b) - side.hit(o)) as i64).sum();
     Hits {
         rate: of_means(clusters, |photo| side.hit(photo)),
         base_alone: alone(|base, other| base && !other),
         other_alone: alone(|base, other| !base && other),
-        mcnemar_p: mcnemar_p(&clusters.iter().map(difference).collect::<Vec<_>>()),
     }
 }
 
@@ -269,40 +264,12 @@ pub fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Di
         let (base, other) = figures(drawn);
         [base - other, 1.0 - other / base]
     });
-    let drop = base - other;
-    // Without an interval all resamples agree, or there are too few clusters for any finding.
-    let shown = interval_95.map_or(drop.abs() > ALIKE, |i| i.low > 0.0 || i.high < 0.0);
     Difference {
         base,
         other,
-        drop,
+        drop: base - other,
         interval_95,
-        finding: finding(clusters, drop, interval_95, shown),
         asr: (base > 0.0).then(|| 1.0 - other / base),
         asr_interval_95,
-    }
-}
-
-/// The finding that an exact test allows, which is stricter on hits than the interval.
-fn tested(d: Difference, clusters: usize, p: f64) -> Difference {
-    Difference {
-        finding: finding(clusters, d.drop, d.interval_95, p < decide::LEVEL),
-        ..d
-    }
-}
-
-/// The rule for "too few photos to tell": fewer than six clusters; or no difference shown while one of 0.2 is not excluded.
-fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) -> Finding {
-    let excluded = match interval {
-        Some(i) => i.low > -TELLING_DIFFERENCE && i.high < TELLING_DIFFERENCE,
-        None => drop.abs() < ALIKE && clusters >= CLUSTERS_ALL_ALIKE,
-    };
-    let enough = clusters >= FEWEST_CLUSTERS;
-    if enough && shown {
-        if drop > 0.0 { Finding::Drop } else { Finding::Rise }
-    } else if enough && excluded {
-        Finding::NoDifferenceShown
-    } else {
-        Finding::TooFewPhotosToTell
     }
 }

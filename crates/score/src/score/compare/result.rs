@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::finding::{Effect, Finding};
 use crate::score::NotScored;
 use scaleproof_core::statistics::Interval;
+use scaleproof_pose::scene::Bin;
 
 /// Photos that are taken as dependent on each other, and so counted together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -13,25 +15,6 @@ pub enum ClusteredBy {
     Place,
     /// Those of one place and bin: what is found holds for these places.
     PlaceAndBin,
-}
-
-/// What the photos can tell of a difference, after correction for the number of tests (explained in comparing.md).
-///
-/// The hit rate is the primary endpoint: McNemar's exact p, corrected by Holm for all detectors × textures of the comparison. Mean confidence, AP and single
-/// directions are secondary: nothing is shown of them where the hit rate of the same detector and texture is not shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Finding {
-    /// The base is better.
-    Drop,
-    /// The base is worse.
-    Rise,
-    /// The test or interval of this figure alone would show a difference at 5 %; after correction it is not shown.
-    NotAfterCorrection,
-    /// No difference is shown, and one of 0.2 or more is excluded.
-    NoDifferenceShown,
-    /// There are fewer than six clusters, or no difference is shown and one of 0.2 is not excluded.
-    TooFewPhotosToTell,
 }
 
 /// One figure on both sides of the pairs.
@@ -44,14 +27,13 @@ pub struct Difference {
     pub drop: f64,
     /// 95 % interval of the drop; `null` with too few clusters, and when all clusters differ alike.
     pub interval_95: Option<Interval>,
-    pub finding: Finding,
     /// Attack success rate, 1 − `other` ÷ `base`; `null` where the base is 0.
     pub asr: Option<f64>,
     /// 95 % interval of the attack success rate; `null` also where too many resamples of the base are 0.
     pub asr_interval_95: Option<Interval>,
 }
 
-/// Hits on both sides of the pairs, and the exact test of their difference.
+/// Hits on both sides of the pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Hits {
     #[serde(flatten)]
@@ -60,8 +42,6 @@ pub struct Hits {
     pub base_alone: usize,
     /// Pairs hit on the other side alone.
     pub other_alone: usize,
-    /// McNemar's exact p, two-sided.
-    pub mcnemar_p: f64,
 }
 
 /// The hits of one azimuth bin.
@@ -72,8 +52,6 @@ pub struct BinHits {
     pub pairs: usize,
     pub clusters: usize,
     pub hits: Hits,
-    /// McNemar's p corrected by Holm over the bins that have enough clusters; `null` in the others.
-    pub holm_p: Option<f64>,
 }
 
 /// One detector on one variant, against the base.
@@ -83,25 +61,42 @@ pub struct Compared {
     pub variant: String,
     /// Pairs of photos.
     pub pairs: usize,
-    /// What is resampled as a whole: `place` from six places on, else `place_and_bin`.
-    pub clustered_by: ClusteredBy,
-    /// How many clusters are resampled.
-    pub clusters: usize,
     /// Near-copies of the photos of these pairs, which count once with them.
     pub near_copies: usize,
     /// Places that have pairs.
     pub places: usize,
     /// Bins that have pairs.
     pub bins: usize,
+    /// Views that have pairs, each of a place and bin: what is resampled for the intervals, and what changes its sign in the tests.
+    pub clusters: usize,
+    /// What is shown; `null` where nothing was tested, and intervals are all there is.
+    pub finding: Option<Finding>,
     /// The primary endpoint.
-    pub hit_rate: Hits,
-    /// McNemar's p of the hit rate, corrected by Holm for the `tests` of the comparison.
-    pub holm_p: f64,
-    /// Detectors × textures that were tested together.
-    pub tests: usize,
     pub mean_confidence: Difference,
+    /// The second.
+    pub hit_rate: Hits,
     pub ap50: Difference,
     pub azimuth_bins: Vec<BinHits>,
+    /// The differences behind the findings.
+    #[serde(skip)]
+    pub(in crate::score) views: Vec<PairedView>,
+}
+
+impl Compared {
+    /// What is shown; nothing where nothing was tested.
+    pub fn effect(&self) -> Effect {
+        self.finding.map_or(Effect::NothingShown, |finding| finding.effect)
+    }
+}
+
+/// The pairs of one place and bin: sums of the base minus the other.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::score) struct PairedView {
+    pub place: String,
+    pub bin: Bin,
+    pub pairs: usize,
+    pub confidence_lost: f64,
+    pub hits_lost: f64,
 }
 
 /// What pairs had shown when they were enough.
@@ -129,7 +124,7 @@ pub struct Decision {
     pub decided_after: Option<usize>,
     /// p of "the texture changes nothing in any view"; holds however often one looks, for this test alone.
     pub p_always_valid: f64,
-    /// The p of the hit rate corrected by Holm over the detectors, times the number of textures; `null` for other figures.
+    /// The p of the mean confidence corrected by Holm over the detectors, times the number of textures; `null` for other figures.
     pub p_corrected: Option<f64>,
     /// Whole rounds, in which every bin has its pair; where looks are after each place, the number of places.
     pub rounds: usize,
@@ -148,8 +143,8 @@ pub struct Course {
     pub looks: usize,
     /// Pairs that repeat a place and bin, which are not looked at.
     pub repeats: usize,
-    pub hit_rate: Decision,
     pub mean_confidence: Decision,
+    pub hit_rate: Decision,
 }
 
 /// Every variant against the base, look by look.
@@ -167,6 +162,8 @@ pub struct Sequential {
 pub struct PlanCheck {
     /// SHA-256 of the plan; what was published of it must be the same.
     pub seal: String,
+    /// Whether the comparison is judged by McNemar's exact p of the hit rate, corrected by Holm, as the plan was sealed.
+    pub judged_by_hit_rate: bool,
     /// In what the comparison differs from the plan, as sentences.
     pub deviations: Vec<String>,
 }

@@ -34,21 +34,23 @@ pub fn sequential(
         let (cells, _) = some_pairs(scores.set(), base, variant)?;
         let looks = looks(&cells, by);
         let sides: Vec<(Side, _)> = Side::each(&scores.detectors).collect();
-        let hits = |side: Side| followed(&looks, (least, tests), |(base, other)| side.hit(base) - side.hit(other));
-        let hits: Vec<Followed> = sides.iter().map(|(side, _)| hits(*side)).collect();
-        for (i, (side, detector)) in sides.iter().enumerate() {
+        let confidences = |side: Side| {
             let confidence = |photo: &ScoredPhoto| side.outcome(photo).confidence;
-            let confidences = followed(&looks, (least, tests), |(base, other)| {
+            followed(&looks, (least, tests), |(base, other)| {
                 confidence(base) - confidence(other)
-            });
-            let (hit_rate, changed_after) = primary(&hits, i, others.len());
+            })
+        };
+        let confidences: Vec<Followed> = sides.iter().map(|(side, _)| confidences(*side)).collect();
+        for (i, (side, detector)) in sides.iter().enumerate() {
+            let hits = followed(&looks, (least, tests), |(base, other)| side.hit(base) - side.hit(other));
+            let (mean_confidence, changed_after) = primary(&confidences, i, others.len());
             results.push(Course {
                 detector: detector.manifest.name.clone(),
                 variant: (*variant).to_owned(),
                 looks: looks.len(),
                 repeats: cells.iter().map(|cell| cell.pairs.len() - 1).sum(),
-                hit_rate,
-                mean_confidence: secondary(&confidences, changed_after),
+                mean_confidence,
+                hit_rate: secondary(&hits, changed_after),
             });
         }
     }
@@ -165,7 +167,7 @@ fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: im
     }
 }
 
-/// The hit rate of one of some detectors, and the look after which its change was shown. The p of all detectors are corrected at each look (Holm 1979), and for
+/// The mean confidence of one of some detectors, and the look after which its change was shown. The p of all detectors are corrected at each look (Holm 1979), and for
 /// the number of textures (Bonferroni): each is a p whenever one stops, so that these are, too.
 fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<usize>) {
     let at = |look: usize| {
@@ -181,7 +183,7 @@ fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<u
     (decision(&all[own], changed_after, p_corrected), changed_after)
 }
 
-/// Another figure: its change is shown by its own p, and not before that of the hit rate.
+/// Another figure: its change is shown by its own p, and not before that of the mean confidence.
 fn secondary(own: &Followed, gate: Option<usize>) -> Decision {
     let alone = own.p.iter().position(|p| *p < LEVEL).map(|look| look + 1);
     decision(own, alone.zip(gate).map(|(alone, gate)| alone.max(gate)), None)

@@ -1,6 +1,7 @@
 //! Whether an effect survives when photos get worse or are defended: the comparisons of a run, again at every severity of some corruptions, or under some
 //! defences.
 
+mod changes;
 mod condition;
 mod defences;
 mod defended;
@@ -13,10 +14,11 @@ pub use defences::{DefenceCard, Defences, DefendedRow, UNDEFENDED};
 pub use defended::under_defences;
 pub use result::{BASE_LOST, CorruptedRow, Held, Robustness, Survival};
 
+use changes::changes;
 use condition::Condition;
 
 use super::caution::is_control;
-use super::compare::{compare_set, decide, pairs};
+use super::compare::{compare_set, pairs};
 use super::corrupt::{Corruption, SEVERITIES};
 use super::error::ScoreError;
 use super::evaluated::{DetectionSource, EvaluatedDetector, runtime};
@@ -44,7 +46,8 @@ pub fn under_corruption(
     let again = Again::of(scores, worse, options, on_photo)?;
     Ok(again.map(|again| {
         let cautions = again.left_out(scores, "made worse");
-        together(&kinds, again.held, cautions)
+        let changes = changes(scores, &again.photos, again.conditions.len());
+        together(&kinds, again.held, changes, cautions)
     }))
 }
 
@@ -56,7 +59,7 @@ struct Again {
 }
 
 impl Again {
-    /// `None` where no photos pair. What is not shown of the photos as they are is not asked of changed ones, which are many.
+    /// `None` where no photos pair.
     fn of(
         scores: &Scores,
         changed: impl Iterator<Item = Condition>,
@@ -69,9 +72,7 @@ impl Again {
         }
         let conditions: Vec<Condition> = std::iter::once(Condition::Reduced).chain(changed).collect();
         let photos = looked(scores, &conditions, options, on_photo)?;
-        let mut held = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
-        let (clean, changed) = held.split_at_mut(1);
-        changed.iter_mut().flatten().for_each(|held| held.gate(&clean[0]));
+        let held = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
         Ok(Some(Self {
             conditions,
             photos,
@@ -165,14 +166,11 @@ fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], at: usize) 
     let mut all = Vec::new();
     for (base, other) in compared {
         // Without pairs, because detectors said nothing of so many photos, the condition has no row.
-        if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap, None) {
-            all.extend(comparison.results.into_iter().map(|compared| (*base, compared)));
+        if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap) {
+            all.extend(comparison.results.into_iter().map(|compared| Held::new(base, compared)));
         }
     }
-    decide(&mut all.iter_mut().map(|(_, compared)| compared).collect::<Vec<_>>());
-    all.into_iter()
-        .map(|(base, compared)| Held::new(base, compared))
-        .collect()
+    all
 }
 
 /// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
@@ -186,19 +184,33 @@ fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
     all.filter(|(base, other)| pairs(scores.set(), base, other)).collect()
 }
 
-/// Each corruption with the reduced photo before its severities. `compared`: those of the reduced photo, then those of each corruption's severities.
-fn together(corruptions: &[Corruption], compared: Vec<Vec<Held>>, cautions: Vec<String>) -> Robustness {
+/// Each corruption with the reduced photo before its severities. `compared`, `changes`: those of the reduced photo, then those of each corruption's
+/// severities.
+fn together(
+    corruptions: &[Corruption],
+    compared: Vec<Vec<Held>>,
+    changes: Vec<Vec<Held>>,
+    cautions: Vec<String>,
+) -> Robustness {
     let mut compared = compared.into_iter();
     let clean = compared.next().unwrap_or_default();
     let (mut rows, mut survival) = (Vec::new(), Vec::new());
+    let row = |kind: Corruption, severity: u8, held: Held| CorruptedRow {
+        corruption: kind.name(),
+        severity,
+        amount: kind.amount(severity),
+        held,
+    };
+    let steps = corruptions
+        .iter()
+        .flat_map(|kind| (1..=SEVERITIES).map(|severity| (*kind, severity)));
+    let changes = steps.zip(changes.into_iter().skip(1));
+    let changes =
+        changes.flat_map(|((kind, severity), own)| own.into_iter().map(move |held| row(kind, severity, held)));
+    let changes = changes.collect();
     for kind in corruptions {
         let start = rows.len();
-        let row = |severity: u8, held: Held| CorruptedRow {
-            corruption: kind.name(),
-            severity,
-            amount: kind.amount(severity),
-            held,
-        };
+        let row = |severity, held| row(*kind, severity, held);
         rows.extend(clean.iter().cloned().map(|held| row(0, held)));
         for (severity, worse) in (1..=SEVERITIES).zip(compared.by_ref()) {
             rows.extend(worse.into_iter().map(|held| row(severity, held)));
@@ -209,6 +221,7 @@ fn together(corruptions: &[Corruption], compared: Vec<Vec<Held>>, cautions: Vec<
     }
     Robustness {
         rows,
+        changes,
         survival,
         cautions,
     }

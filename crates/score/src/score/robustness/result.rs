@@ -3,12 +3,15 @@
 use serde::Serialize;
 
 use crate::score::{Compared, Difference, Finding};
+use scaleproof_core::statistics::{ALIKE, FEWEST_CLUSTERS};
 
 /// Every comparison at every severity.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Robustness {
     /// By corruption, severity (from 0), then base, variant and detector.
     pub rows: Vec<CorruptedRow>,
+    /// The photos of each variant at each severity from 1 on (`other` in figures) against the same photos reduced alone (`base`).
+    pub changes: Vec<CorruptedRow>,
     /// How far the drop of AP goes, for each corruption, base, variant and detector.
     pub survival: Vec<Survival>,
     /// What a reader must know besides, as sentences.
@@ -45,9 +48,11 @@ pub struct Held {
     pub detector: String,
     /// Pairs of photos.
     pub pairs: usize,
-    pub ap50: Difference,
-    pub hit_rate: Difference,
+    /// What is shown of photos that were changed, against the same photos as they were; `null` where textures are compared, by intervals alone.
+    pub finding: Option<Finding>,
     pub mean_confidence: Difference,
+    pub hit_rate: Difference,
+    pub ap50: Difference,
 }
 
 impl Held {
@@ -57,9 +62,10 @@ impl Held {
             variant: compared.variant,
             detector: compared.detector,
             pairs: compared.pairs,
-            ap50: compared.ap50,
-            hit_rate: compared.hit_rate.rate,
+            finding: compared.finding,
             mean_confidence: compared.mean_confidence,
+            hit_rate: compared.hit_rate.rate,
+            ap50: compared.ap50,
         }
     }
 
@@ -68,14 +74,11 @@ impl Held {
         [&self.base, &self.variant, &self.detector] == [&other.base, &other.variant, &other.detector]
     }
 
-    /// Takes back what is shown where it is not among the comparisons of the photos as they are, of which fewer things are asked.
-    pub(super) fn gate(&mut self, clean: &[Held]) {
-        if !clean
-            .iter()
-            .any(|other| other.is_as(self) && other.ap50.finding.is_shown())
-        {
-            let figures = [&mut self.ap50, &mut self.hit_rate, &mut self.mean_confidence];
-            figures.into_iter().for_each(|d| d.finding = d.finding.undone());
+    /// Whether the drop of AP is above 0 in 95 % of resamples, or in all of them; `None` where there are too few pairs for either.
+    pub fn is_above_zero(&self) -> Option<bool> {
+        match self.ap50.interval_95 {
+            Some(interval) => Some(interval.low > 0.0),
+            None => (self.pairs >= FEWEST_CLUSTERS).then_some(self.ap50.drop > ALIKE),
         }
     }
 }
@@ -87,12 +90,12 @@ pub struct Survival {
     pub base: String,
     pub variant: String,
     pub detector: String,
-    /// The severities at which a drop of AP is shown.
-    pub shown_at: Vec<u8>,
+    /// The severities at which the 95 % interval of the drop of AP lies above 0.
+    pub above_zero_at: Vec<u8>,
     /// The severities at which the base itself has an AP below 0.2, which leaves hardly anything to drop.
     pub base_lost_at: Vec<u8>,
-    /// The severities at which the pairs are too few to tell.
-    pub too_few_at: Vec<u8>,
+    /// The severities at which the pairs are too few for an interval.
+    pub without_interval_at: Vec<u8>,
 }
 
 /// An AP of the base that leaves no room for a drop.
@@ -108,9 +111,9 @@ impl Survival {
             base: first.held.base.clone(),
             variant: first.held.variant.clone(),
             detector: first.held.detector.clone(),
-            shown_at: at(&|row| row.held.ap50.finding == Finding::Drop),
+            above_zero_at: at(&|row| row.held.is_above_zero() == Some(true)),
             base_lost_at: at(&|row| row.held.ap50.base < BASE_LOST),
-            too_few_at: at(&|row| row.held.ap50.finding == Finding::TooFewPhotosToTell),
+            without_interval_at: at(&|row| row.held.is_above_zero().is_none()),
         }
     }
 }

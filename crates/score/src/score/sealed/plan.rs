@@ -71,7 +71,7 @@ pub struct Aim {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Endpoint {
-    /// Share of the photos with a detection of the model at the plan's confidence and IoU.
+    /// Share of the photos with a detection of the model at the plan's confidence and IoU, by McNemar's exact test.
     HitRate,
 }
 
@@ -173,7 +173,12 @@ impl SealedPlan {
             let changed = "the plan was changed after it was sealed: the seal in its file is not that of its content";
             deviations.push(changed.to_owned());
         }
-        Ok((file.plan, PlanCheck { seal, deviations }))
+        let check = PlanCheck {
+            seal,
+            judged_by_hit_rate: file.plan.endpoint() == Endpoint::HitRate,
+            deviations,
+        };
+        Ok((file.plan, check))
     }
 }
 

@@ -1,0 +1,88 @@
+//! How large a drop of the mean confidence would have been shown by photos like some that are there.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p};
+
+/// Simulated experiments behind each drop that is tried.
+const EXPERIMENTS: usize = 200;
+/// The chance with which the drop shall be shown.
+const POWER: f64 = 0.8;
+
+/// The smallest drop of one detector's mean confidence, in steps of 0.01, that is shown with a chance of 0.8 by as many views, whose differences scatter as
+/// these do; none where not even one of 1 is.
+///
+/// `differences[k][c]` are those of detector `k`, summed over the `pairs[c]` pairs of a view. In an experiment each view's deviations from the means keep or
+/// change their sign, for all detectors together; the others keep their mean difference, and `own` gets the drop that is tried.
+pub(super) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usize, level: f64) -> Option<f64> {
+    let spread = Spread::of(differences, pairs, own);
+    // With many views the largest statistic that chance reaches hardly depends on the experiment.
+    let critical = (pairs.len() > EXACT_CLUSTERS).then(|| sign_flip_critical(differences, level));
+    let is_shown = |experiment: &Vec<Vec<f64>>| match critical {
+        Some(critical) => statistic(&experiment[own]) >= critical,
+        None => sign_flip_p(experiment)[own] <= level,
+    };
+    let shows = |percent: &u32| {
+        let drop = f64::from(*percent) / 100.0;
+        let mut rng = Pcg64Mcg::seed_from_u64(SEED);
+        let shown = (0..EXPERIMENTS).filter(|_| is_shown(&spread.experiment(drop, &mut rng)));
+        shown.count() as f64 >= POWER * EXPERIMENTS as f64
+    };
+    // The larger the drop, the surer it is shown.
+    let drops: Vec<u32> = (1..=100).collect();
+    let first = drops.partition_point(|percent| !shows(percent));
+    drops.get(first).map(|percent| f64::from(*percent) / 100.0)
+}
+
+/// |Σd| / √Σd².
+fn statistic(differences: &[f64]) -> f64 {
+    let norm = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
+    if norm > 0.0 {
+        differences.iter().sum::<f64>().abs() / norm
+    } else {
+        0.0
+    }
+}
+
+/// How differences scatter about their means.
+struct Spread<'a> {
+    /// Of each detector.
+    means: Vec<f64>,
+    /// Of each detector and view.
+    deviations: Vec<Vec<f64>>,
+    pairs: &'a [f64],
+    own: usize,
+}
+
+impl<'a> Spread<'a> {
+    fn of(differences: &[Vec<f64>], pairs: &'a [f64], own: usize) -> Spread<'a> {
+        let all: f64 = pairs.iter().sum();
+        let means: Vec<f64> = differences.iter().map(|d| d.iter().sum::<f64>() / all).collect();
+        let deviations = differences
+            .iter()
+            .zip(&means)
+            .map(|(d, mean)| d.iter().zip(pairs).map(|(d, pairs)| d - mean * pairs).collect());
+        Spread {
+            deviations: deviations.collect(),
+            means,
+            pairs,
+            own,
+        }
+    }
+
+    fn experiment(&self, drop: f64, rng: &mut Pcg64Mcg) -> Vec<Vec<f64>> {
+        let signs: Vec<f64> = self
+            .pairs
+            .iter()
+            .map(|_| if rng.random() { 1.0 } else { -1.0 })
+            .collect();
+        let of = |(k, deviations): (usize, &Vec<f64>)| {
+            let mean = if k == self.own { drop } else { self.means[k] };
+            let views = deviations.iter().zip(&signs).zip(self.pairs);
+            views
+                .map(|((deviation, sign), pairs)| mean * pairs + sign * deviation)
+                .collect()
+        };
+        self.deviations.iter().enumerate().map(of).collect()
+    }
+}
