@@ -350,33 +350,6 @@ fn a_comparison_speaks_of_the_base_that_was_named() {
     }
 }
 
-/// Sixteen pairs that all differ one way, of 20,000 patterns that are drawn: p = 1 / 20,001, or a few more.
-#[test]
-fn a_small_p_is_not_said_to_be_zero() {
-    let [a, b] = ["meadow", "garage"].map(|place| {
-        let session = copy_of_skyline();
-        let path = session.path().join("session.json");
-        let mut file = read_json(&path);
-        for photo in file["photos"].as_array_mut().unwrap() {
-            photo["place"] = place.into();
-        }
-        std::fs::write(&path, file.to_string()).unwrap();
-        session
-    });
-    let out = tempfile::tempdir().unwrap();
-    let output = compare(a.path(), out.path(), &[b.path().to_str().unwrap()]);
-    let text = stdout(&output);
-    assert!(
-        text.contains("16 pairs from 2 places × 8 bins: hides, p < 0.001"),
-        "{text}{}",
-        stderr(&output)
-    );
-    for (name, p) in [("comparison.html", "p &lt; 0.001"), ("comparison.tex", "$<$0.001")] {
-        let text = std::fs::read_to_string(out.path().join(name)).unwrap();
-        assert!(text.contains(p) && !text.contains("p = 0.000"), "{name}");
-    }
-}
-
 #[test]
 fn what_cannot_be_compared_or_planned_is_one_sentence() {
     let out = tempfile::tempdir().unwrap();

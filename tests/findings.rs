@@ -116,6 +116,30 @@ fn near_copies_count_once() {
     assert!(!stderr(&alone).contains("near-cop"), "{}", stderr(&alone));
 }
 
+/// Photos that were exported again as another texture are no evidence that it changes nothing; photos of another texture from the same view are.
+#[test]
+fn copies_under_the_name_of_another_texture_tell_nothing() {
+    let photos = Photos::new(&[("n", "normal"), ("copied", "normal")]);
+    write_detector(photos.home.path());
+    for name in stored("normal") {
+        let path = photos.at("copied").join(&name);
+        again(&path, 0);
+        std::fs::remove_file(path).unwrap();
+    }
+    let compared = photos.run(&format!(
+        "compare normal=n ours=copied --scene scene.toml --camera camera.yaml {MADE} -o out"
+    ));
+    assert!(compared.status.success(), "{}", stderr(&compared));
+    let finding = &read_json(&photos.at("out/comparison.json"))["results"][0]["finding"];
+    assert_eq!(finding["views_missing"], 6, "{finding}");
+    assert!(
+        stderr(&compared)
+            .contains("8 photos show what an earlier photo shows, named for another place, direction or texture"),
+        "{}",
+        stderr(&compared)
+    );
+}
+
 #[test]
 fn places_are_said_with_the_folders_and_a_session_takes_more_photos() {
     let photos = Photos::new(&[("n1", "normal"), ("r1", "random"), ("n2", "normal"), ("r2", "random")]);

@@ -527,14 +527,16 @@ fn a_near_copy_that_is_named_for_another_place_is_noted() {
     (0..2).for_each(|number| copied(number, number));
     let noted = said();
     assert!(
-        noted.contains("2 photos are near-copies of another of the same texture")
-            && noted.contains("for another place"),
+        noted.contains("2 photos show what an earlier photo shows, named for another place, direction or texture"),
         "{noted}"
     );
     // Photos of other directions are none.
     (0..2).for_each(|number| copied(number, number + 2));
     let noted = said();
-    assert!(!noted.contains("near-cop"), "{noted}");
+    assert!(
+        !noted.contains("near-cop") && !noted.contains("an earlier photo"),
+        "{noted}"
+    );
 }
 
 /// Shells complete the names that an option takes, and files only where a file is meant.

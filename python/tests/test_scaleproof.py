@@ -140,9 +140,13 @@ def test_tables_are_read_through_arrow(recorded):
 
 
 def test_a_comparison_and_a_plan():
-    found = scaleproof.compare(SKYLINE, "yolox_nano", recorded=True, progress=False)
+    scores = scaleproof.score(SKYLINE, "yolox_nano", recorded=True, progress=False)
+    found = scores.compare()
     (drop,) = found.drops
-    assert (drop.variant, drop.pairs, drop.base, drop.other) == ("random", 8, 0.75, 0.5)
+    assert (drop.variant, drop.pairs, drop.effect) == ("random", 8, "nothing_shown")
+    confidence = {name: [photo["confidence"] or 0 for photo in scores.photos.rows() if photo["variant"] == name] for name in ("normal", "random")}
+    assert (drop.base, drop.other) == pytest.approx((sum(confidence["normal"]) / 8, sum(confidence["random"]) / 8))
+    assert drop.p > drop.level == 0.05 and drop.json["hit_rate"]["base"] == 0.75
     assert "\\begin{tabular}" in found.to_latex() and len(found.table) == 3
     assert scaleproof.plan(0.3).pairs == 37
 

@@ -178,7 +178,7 @@ fn results_name(detector: &str) -> String {
 }
 
 /// A p value with its sign, as behind `p`.
-fn p_value(p: f64) -> String {
+pub fn p_value(p: f64) -> String {
     match digits(p, 3) {
         _ if p < 0.001 => "< 0.001".to_owned(),
         // Rounded it would look like a difference that is shown.

@@ -51,6 +51,9 @@ pub(super) fn named_base(base: &str) -> String {
 /// What photos that show nothing would have shown.
 fn open(r: &Compared) -> Option<String> {
     let finding = r.finding?;
+    if finding.withheld_for_copies {
+        return Some("withheld, as it rests on photos that show the same moment again".to_owned());
+    }
     let drop = finding.drop_shown_from.map(|drop| digits(drop, 2));
     match finding.views_missing {
         0 => drop.map(|drop| format!("a drop of {drop} would have been shown with a chance of 0.8")),

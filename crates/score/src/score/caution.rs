@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::near_copies;
 use super::summary::thousandths;
 use super::{DetectionSource, EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
 use scaleproof_core::geometry::BoxPx;
@@ -29,7 +28,7 @@ pub(super) fn cautions(
     cautions.extend(never_the_model(photos, detectors));
     cautions.extend(no_control(photos, base));
     cautions.extend(copies(photos));
-    cautions.extend(copies_elsewhere(photos));
+    cautions.extend(repeats(photos));
     cautions.extend(counted_once(photos, not_scored));
     cautions.extend(uneven_directions(photos, base));
     cautions.extend(loose_boxes(photos, sessions));
@@ -197,20 +196,22 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     ))
 }
 
-/// A re-encoded photo that is named for another place is no evidence of another place.
-fn copies_elsewhere(photos: &[ScoredPhoto]) -> Option<String> {
-    let copies = near_copies::of_other_places(photos);
-    let (first, copy) = copies.first()?;
-    let count = copies.len();
+/// A photo that is named for another place or texture is no evidence of either. Copies byte for byte have a sentence of their own.
+fn repeats(photos: &[ScoredPhoto]) -> Option<String> {
+    let identical: BTreeSet<u64> = identical_photos(photos).map(|(_, copy)| copy.id).collect();
+    let others = photos.iter().filter(|photo| !identical.contains(&photo.id));
+    let all: Vec<_> = others
+        .filter_map(|photo| Some((photo, photo.repeat_of.as_ref()?)))
+        .collect();
+    let (photo, first) = all.first()?;
     Some(format!(
-        "{} another of the same texture and from the same viewpoint, named for another place (the first: {} of {}): which of them is right?",
+        "{} an earlier photo shows, named for another place, direction or texture (the first: {} of {first}): what is found must stand without",
         spelling::choose(
-            count,
-            "1 photo is a near-copy of",
-            &format!("{count} photos are near-copies of")
+            all.len(),
+            "1 photo shows what",
+            &format!("{} photos show what", all.len())
         ),
-        copy.file,
-        first.file
+        photo.file
     ))
 }
 

@@ -1,14 +1,19 @@
 //! Photos that show the same moment again: re-encoded, made smaller, or the next frame of a video. They are no evidence of their own, and count once.
 
+use std::path::Path;
+
 use super::ScoredPhoto;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::geometry::angle::turn;
-use scaleproof_photo::photo::bits_apart;
+use scaleproof_photo::photo::{Budget, Photo, bits_apart};
 use scaleproof_pose::locate::Sigma;
 
 /// Perceptual hashes of near-copies differ by so many of their 256 bits at most. Measured: JPEG qualities 20 to 90, 40 % of the size, or noise of 6 grey levels
 /// change 33 bits at most in 200 photos (51 in one, nearly black); views that differ change 55 and more, unless little but the background is seen.
 const MOST_BITS: u32 = 48;
+
+/// The insides of the truth boxes of one photo differ by so many levels on average at most: JPEG quality 20 changes 3 of them, another texture 20 and more.
+const MOST_LEVELS: f64 = 8.0;
 
 /// The truth boxes of near-copies, as shares of their photos, have this IoU at least.
 const LEAST_IOU: f64 = 0.96;
@@ -34,25 +39,39 @@ pub(super) fn counted_once(photos: Vec<ScoredPhoto>) -> (Vec<ScoredPhoto>, Vec<(
     (kept, copies)
 }
 
-/// Photos that were placed by their tags and show what an earlier one of another place shows, with that one. Copies byte for byte are not among them.
-pub(super) fn of_other_places(photos: &[ScoredPhoto]) -> Vec<(&ScoredPhoto, &ScoredPhoto)> {
-    let placed: Vec<&ScoredPhoto> = photos.iter().filter(|photo| photo.rms_px.is_some()).collect();
-    let is_elsewhere = |a: &ScoredPhoto, b: &ScoredPhoto| {
-        a.variant == b.variant
-            && a.place != b.place
-            && a.sha256 != b.sha256
-            && is_same_view(a, b)
-            && is_same_image(a, b)
-    };
-    let earlier =
-        |(i, photo): (usize, &&'_ ScoredPhoto)| placed[..i].iter().position(|first| is_elsewhere(first, photo));
-    let found = placed
-        .iter()
-        .enumerate()
-        .map(|(i, photo)| (earlier((i, photo)), *photo));
-    found
-        .filter_map(|(first, photo)| Some((placed[first?], photo)))
-        .collect()
+/// Marks each photo that shows what an earlier one shows, wherever they are said to be and whatever the model is said to wear.
+pub(super) fn mark_repeats(photos: &mut [ScoredPhoto]) {
+    for i in 1..photos.len() {
+        let (earlier, later) = photos.split_at_mut(i);
+        let photo = &mut later[0];
+        let first = earlier.iter().find(|first| is_repeat(first, photo));
+        photo.repeat_of = first.map(|first| first.file.clone());
+    }
+}
+
+/// Whether two photos are one. Of two textures from one viewpoint the images are alike but for the model, so that the model itself is looked at; without previews
+/// only the same bytes are the same photo.
+fn is_repeat(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
+    a.sha256 == b.sha256 || is_same_image(a, b) && shows_same_model(a, b).unwrap_or(false)
+}
+
+/// Whether the insides of both truth boxes are alike; `None` without previews.
+fn shows_same_model(a: &ScoredPhoto, b: &ScoredPhoto) -> Option<bool> {
+    let (a, b) = (model_in_preview(a)?, model_in_preview(b)?);
+    let apart: u32 = a.iter().zip(b.iter()).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+    Some(f64::from(apart) / a.len() as f64 <= MOST_LEVELS)
+}
+
+/// What is inside the truth box, reduced to a few pixels.
+fn model_in_preview(photo: &ScoredPhoto) -> Option<Vec<u8>> {
+    const SIDE: u32 = 32;
+    let preview = Photo::from_bytes(Path::new(&photo.file), photo.preview_jpeg.clone(), Budget::UPLOAD).ok()?;
+    let preview = preview.rgb(1).ok()?;
+    let scale = f64::from(preview.width()) / f64::from(photo.width);
+    let BoxPx { x1, y1, x2, y2 } = photo.truth;
+    let [x1, y1, x2, y2] = [x1, y1, x2, y2].map(|v| (v * scale).max(0.0) as u32);
+    let model = image::imageops::crop_imm(&preview, x1, y1, (x2 - x1).max(1), (y2 - y1).max(1)).to_image();
+    Some(image::imageops::resize(&model, SIDE, SIDE, image::imageops::FilterType::Triangle).into_raw())
 }
 
 fn is_near_copy(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {

@@ -61,6 +61,8 @@ pub struct ScoredPhoto {
     pub hash: PerceptualHash,
     /// How many near-copies count with it, besides itself.
     pub near_copies: usize,
+    /// The earlier photo of the run that shows the same moment, of whichever place, direction and texture that one is said to be.
+    pub repeat_of: Option<String>,
 }
 
 /// Where a tag was seen in a photo.

@@ -206,6 +206,7 @@ fn scored(
         preview_jpeg: observation.preview_jpeg,
         hash: observation.hash,
         near_copies: 0,
+        repeat_of: None,
     }
 }
 

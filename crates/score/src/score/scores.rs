@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::error::{ScoreError, nothing_scored};
 use super::grouping::{GroupBy, GroupByError};
-use super::near_copies::counted_once;
+use super::near_copies::{counted_once, mark_repeats};
 use super::settings::AppliedSettings;
 use super::{
     BASE_VARIANT, Compared, Criteria, Defences, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness,
@@ -83,7 +83,8 @@ impl Scores {
         if photos.is_empty() {
             nothing_scored(not_scored.len(), not_scored.first())?;
         }
-        let (photos, copies) = counted_once(photos);
+        let (mut photos, copies) = counted_once(photos);
+        mark_repeats(&mut photos);
         not_scored.extend(copies.iter().map(|(copy, first)| NotScored {
             session: sessions[copy.session].name.clone(),
             file: copy.file.clone(),

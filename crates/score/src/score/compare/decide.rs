@@ -1,10 +1,10 @@
 //! What is shown of many detectors and textures at once.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::detectable::drop_shown_from;
 use super::finding::{Effect, Finding, InPlacesLikeThese};
-use super::result::{Compared, Comparison, PairedView};
+use super::result::{Compared, Comparison, PairedView, Sums};
 use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
 
 /// The rate of wrong findings that is promised, for the confidence and again for the hit rate.
@@ -32,24 +32,60 @@ pub fn decide(comparison: &mut Comparison) {
 /// its own. An effect that is shown for these places is asked for places like these by flipping whole places. Nothing is said of a member whose base has a
 /// smaller mean confidence than `least_seen`.
 pub(in crate::score) fn decide_families(mut families: Vec<Vec<&mut Compared>>, least_seen: f64) {
-    let asked: Vec<Asked> = families.iter().map(|family| Asked::of(family)).collect();
+    let all = findings(&families, least_seen, PairedView::sums);
+    let mut views = families.iter().flatten().flat_map(|compared| &compared.views);
+    let once = views
+        .any(PairedView::has_repeats)
+        .then(|| findings(&families, least_seen, PairedView::sums_once));
+    for (f, family) in families.iter_mut().enumerate() {
+        for (k, compared) in family.iter_mut().enumerate() {
+            let finding = match &once {
+                Some(once) => standing(all[f][k], once[f][k]),
+                None => all[f][k],
+            };
+            compared.finding = Some(finding);
+        }
+    }
+}
+
+/// What is left of a finding when photos that show the same moment again count once.
+fn standing(finding: Finding, once: Finding) -> Finding {
+    if finding.effect == once.effect && finding.effect.is_shown() {
+        return finding;
+    }
+    let effect = match once.effect {
+        Effect::BaseUnseen => Effect::BaseUnseen,
+        _ => Effect::NothingShown,
+    };
+    Finding {
+        effect,
+        withheld_for_copies: finding.effect.is_shown(),
+        in_places_like_these: None,
+        ..once
+    }
+}
+
+/// What is shown of each member of each family by these sums of its views.
+fn findings(
+    families: &[Vec<&mut Compared>],
+    least_seen: f64,
+    sums: impl Fn(&PairedView) -> Option<Sums> + Copy,
+) -> Vec<Vec<Finding>> {
+    let asked: Vec<Asked> = families.iter().map(|family| Asked::of(family, sums)).collect();
     let levels = |p: fn(&Asked) -> &Vec<f64>| shares(&asked.iter().map(|a| p(a).clone()).collect::<Vec<_>>(), LEVEL);
     let confidence_levels = levels(|a| &a.confidence_p);
     let hit_rate_levels = levels(|a| &a.hit_rate_p);
-    for (f, family) in families.iter_mut().enumerate() {
+    let of_family = |(f, family): (usize, &Vec<&mut Compared>)| {
         let levels = Levels {
             confidence: confidence_levels[f],
             hit_rate: hit_rate_levels[f],
             least_seen,
         };
-        let own: Vec<Finding> = (0..family.len())
+        (0..family.len())
             .map(|k| asked[f].finding(k, family[k], levels))
-            .collect();
-        family
-            .iter_mut()
-            .zip(own)
-            .for_each(|(compared, finding)| compared.finding = Some(finding));
-    }
+            .collect()
+    };
+    families.iter().enumerate().map(of_family).collect()
 }
 
 /// The largest p that count as shown, and the smallest mean confidence of a base that is seen.
@@ -73,21 +109,19 @@ struct Asked {
 }
 
 impl Asked {
-    fn of(family: &[&mut Compared]) -> Asked {
+    fn of(family: &[&mut Compared], sums: impl Fn(&PairedView) -> Option<Sums> + Copy) -> Asked {
         let view = |v: &PairedView| (v.place.clone(), v.bin);
         let place = |v: &PairedView| v.place.clone();
-        let confidence = by_cluster(family, view, |v| v.confidence_lost);
-        let by_place = by_cluster(family, place, |v| v.confidence_lost);
+        let confidence = by_cluster(family, sums, view, |s| s.confidence_lost);
+        let by_place = by_cluster(family, sums, place, |s| s.confidence_lost);
+        let pairs = by_cluster(family, sums, view, |s| s.pairs as f64);
         Asked {
-            pairs: by_cluster(family, view, |v| v.pairs as f64)
-                .into_iter()
-                .next()
-                .unwrap_or_default(),
+            pairs: pairs.into_iter().next().unwrap_or_default(),
             places: by_place.first().map_or(0, Vec::len),
             confidence_p: sign_flip_p(&confidence),
-            hit_rate_p: sign_flip_p(&by_cluster(family, view, |v| v.hits_lost)),
+            hit_rate_p: sign_flip_p(&by_cluster(family, sums, view, |s| s.hits_lost)),
             confidence_p_of_places: sign_flip_p(&by_place),
-            hit_rate_p_of_places: sign_flip_p(&by_cluster(family, place, |v| v.hits_lost)),
+            hit_rate_p_of_places: sign_flip_p(&by_cluster(family, sums, place, |s| s.hits_lost)),
             confidence,
         }
     }
@@ -99,6 +133,7 @@ impl Asked {
         let asks_for_drop = effect == Effect::NothingShown && views_missing == 0;
         Finding {
             effect,
+            withheld_for_copies: false,
             confidence_p: p[0],
             confidence_level: levels.confidence,
             hit_rate_p: p[1],
@@ -146,22 +181,29 @@ fn effect(compared: &Compared, [confidence_p, hit_rate_p]: [f64; 2], levels: Lev
 /// A figure's differences summed over clusters of the views, which are the same for all members; where a member has no photos, nothing differs.
 fn by_cluster<K: Ord>(
     family: &[&mut Compared],
+    sums: impl Fn(&PairedView) -> Option<Sums>,
     cluster: impl Fn(&PairedView) -> K,
-    figure: impl Fn(&PairedView) -> f64,
+    figure: impl Fn(&Sums) -> f64,
 ) -> Differences {
-    let views = family.iter().flat_map(|compared| &compared.views);
-    let clusters: BTreeMap<K, f64> = views.map(|view| (cluster(view), 0.0)).collect();
-    let sums = |compared: &&mut Compared| {
-        let mut sums: BTreeMap<K, f64> = BTreeMap::new();
-        for view in &compared.views {
-            *sums.entry(cluster(view)).or_default() += figure(view);
+    let views = |compared: &Compared| -> Vec<(K, f64)> {
+        let views = compared.views.iter();
+        views
+            .filter_map(|view| Some((cluster(view), figure(&sums(view)?))))
+            .collect()
+    };
+    let members: Vec<Vec<(K, f64)>> = family.iter().map(|compared| views(compared)).collect();
+    let clusters: BTreeSet<&K> = members.iter().flatten().map(|(cluster, _)| cluster).collect();
+    let of_member = |views: &Vec<(K, f64)>| {
+        let mut sums: BTreeMap<&K, f64> = BTreeMap::new();
+        for (cluster, figure) in views {
+            *sums.entry(cluster).or_default() += figure;
         }
         clusters
-            .keys()
+            .iter()
             .map(|key| sums.get(key).copied().unwrap_or_default())
             .collect()
     };
-    family.iter().map(sums).collect()
+    members.iter().map(of_member).collect()
 }
 
 /// How many clusters more it takes until the smallest possible p is within the level.

@@ -32,6 +32,8 @@ impl Effect {
 pub struct Finding {
     /// What these photos show of these places.
     pub effect: Effect,
+    /// Whether an effect was shown and is withheld, since it does not stand when photos that show the same moment again count once.
+    pub withheld_for_copies: bool,
     /// p of the mean confidence by flipped signs of the views (place × bin), two-sided, corrected for the detectors.
     pub confidence_p: f64,
     /// The confidence is shown to change where its p is no larger: the texture's share of 5 %.

@@ -29,8 +29,8 @@ use std::collections::BTreeSet;
 use super::side::{ClusteredAp, Side};
 use super::summary::variants;
 use super::{NotScored, ScoredPhoto, ScoredSet, Scores};
-use pairs::{Cell, Cluster, clusters, pair};
-use result::PairedView;
+use pairs::{Cell, Cluster, Pair, clusters, pair};
+use result::{PairedView, Sums};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{DRAWS, SEED, intervals_95};
 
@@ -167,18 +167,25 @@ fn compared(detector: String, variant: &str, cells: &[Cell], side: Side, definit
 }
 
 fn view(cell: &Cell, side: Side) -> PairedView {
-    let lost = |figure: &dyn Fn(&ScoredPhoto) -> f64| {
-        cell.pairs
-            .iter()
-            .map(|(base, other)| figure(base) - figure(other))
-            .sum()
+    let sums = |pairs: &[&Pair]| {
+        let lost =
+            |figure: &dyn Fn(&ScoredPhoto) -> f64| pairs.iter().map(|(base, other)| figure(base) - figure(other)).sum();
+        Sums {
+            pairs: pairs.len(),
+            confidence_lost: lost(&|photo| side.outcome(photo).confidence),
+            hits_lost: lost(&|photo| side.hit(photo)),
+        }
     };
+    let pairs = || cell.pairs.iter();
     PairedView {
         place: cell.place.to_owned(),
         bin: cell.bin,
-        pairs: cell.pairs.len(),
-        confidence_lost: lost(&|photo| side.outcome(photo).confidence),
-        hits_lost: lost(&|photo| side.hit(photo)),
+        all: sums(&pairs().collect::<Vec<_>>()),
+        once: sums(
+            &pairs()
+                .filter(|(a, b)| a.repeat_of.is_none() && b.repeat_of.is_none())
+                .collect::<Vec<_>>(),
+        ),
     }
 }
 

@@ -89,14 +89,37 @@ impl Compared {
     }
 }
 
-/// The pairs of one place and bin: sums of the base minus the other.
+/// The pairs of one place and bin.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::score) struct PairedView {
     pub place: String,
     pub bin: Bin,
+    pub all: Sums,
+    /// Without pairs of which a photo shows what an earlier one shows.
+    pub once: Sums,
+}
+
+/// Sums over pairs, base minus other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::score) struct Sums {
     pub pairs: usize,
     pub confidence_lost: f64,
     pub hits_lost: f64,
+}
+
+impl PairedView {
+    pub(super) fn sums(&self) -> Option<Sums> {
+        Some(self.all)
+    }
+
+    /// None where every pair shows again what others show.
+    pub(super) fn sums_once(&self) -> Option<Sums> {
+        (self.once.pairs > 0).then_some(self.once)
+    }
+
+    pub(super) fn has_repeats(&self) -> bool {
+        self.once.pairs < self.all.pairs
+    }
 }
 
 /// What pairs had shown when they were enough.

@@ -19,7 +19,7 @@ impl SealedPlan {
         let lost = comparison
             .results
             .iter()
-            .map(|r| r.views.iter().map(|view| view.hits_lost as i64).collect());
+            .map(|r| r.views.iter().map(|view| view.all.hits_lost as i64).collect());
         let p: Vec<f64> = lost.map(|lost: Vec<i64>| mcnemar_p(&lost)).collect();
         for (r, p) in comparison.results.iter_mut().zip(holm(&p)) {
             let hits = r.hit_rate.rate;
