@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, program, read_json, shared, skyline, stderr, stdout};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -288,5 +288,65 @@ fn what_was_found_stands_in_a_sentence_above_and_in_files_for_papers() {
     let lines: Vec<std::collections::BTreeMap<String, String>> = csv.deserialize().map(Result::unwrap).collect();
     for line in lines.iter().filter(|line| line["group"] == "cell") {
         assert_eq!((line["photos"].as_str(), line["ap50"].as_str()), ("1", ""));
+    }
+}
+
+/// Runs `compare` with the stored networks, and returns what is shown of each detector.
+fn effects(session: &Path, out: &Path, detectors: &str) -> Vec<(String, Value)> {
+    let mut compare = program();
+    compare
+        .arg("compare")
+        .arg(session)
+        .arg("--detectors")
+        .arg(shared("detectors"));
+    compare.args(["--detector", detectors, "-o"]).arg(out);
+    let output = compare.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = read_json(&out.join("comparison.json"));
+    let results = page["results"].as_array().unwrap();
+    let found = results
+        .iter()
+        .map(|r| (r["detector"].as_str().unwrap().to_owned(), r["finding"].clone()));
+    found.collect()
+}
+
+/// Two filmed rounds of eight views: the random pattern takes confidence from every detector, and four of five show it.
+#[test]
+#[ignore = "needs the shared material: ./run test --shared"]
+fn two_filmed_rounds_make_findings() {
+    let folder = tempfile::tempdir().unwrap();
+    let walk = common::home().join("captures/walk");
+    for variant in ["normal", "random"] {
+        let mut made = program();
+        made.args(["session", "from-video"])
+            .arg(walk.join(format!("{variant}.mp4")));
+        made.args(["--variant", variant, "--place", "table", "-o"])
+            .arg(folder.path().join("session"));
+        if variant == "normal" {
+            made.arg("--scene")
+                .arg(walk.join("scene.toml"))
+                .arg("--camera")
+                .arg(walk.join("camera.yaml"));
+        }
+        let output = made.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let detectors = "yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto";
+    let found = effects(&folder.path().join("session"), &folder.path().join("out"), detectors);
+    let shown = found
+        .iter()
+        .filter(|(_, finding)| ["weakens", "hides"].contains(&finding["effect"].as_str().unwrap()));
+    assert!(shown.count() >= 4, "{found:?}");
+}
+
+/// One pair of photos, saved again under the names of twelve places, with viewpoints that the list gives.
+#[test]
+#[ignore = "needs the shared material: ./run test --shared"]
+fn one_pair_under_the_names_of_twelve_places_makes_no_finding() {
+    let out = tempfile::tempdir().unwrap();
+    let session = shared("cases/hold2/near_copies_given");
+    for (detector, finding) in effects(&session, out.path(), "deimv2_femto,deimv2_atto") {
+        let said = (&finding["effect"], &finding["views_missing"]);
+        assert_eq!(said, (&"nothing_shown".into(), &5.into()), "{detector}: {finding}");
     }
 }

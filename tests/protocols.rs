@@ -135,7 +135,7 @@ fn attack_success_rates_by_hand() {
     near(&asr["hit_rate"], 1.0 / 3.0);
     near(&asr["ap50"], 1.0 - 0.7158965896589657 / 0.8712871287128713);
     assert!(result(&summary, "yolox_nano", "normal")["asr"].is_null());
-    assert!(stdout(&output).contains("hit rate  0.250"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("hit rate    0.250"), "{}", stdout(&output));
     // The same on pairs, with the interval of compare.
     let compared = tempfile::tempdir().unwrap();
     assert!(run("compare", &skyline(), compared.path(), &[]).status.success());

@@ -106,7 +106,9 @@ fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
     let sentence = |s: &Summary| {
         let (hits, photos) = (s.overall.hit_rate.count, spelling::count(s.overall.photos, "photo"));
         let detector = &s.detector;
-        format!("{detector} finds “{base}” itself in {hits} of {photos} only: a drop can hardly show (floor effect)")
+        format!(
+            "{detector} finds “{base}” itself in {hits} of {photos} only: its hit rate can hardly fall (floor effect)"
+        )
     };
     few.map(sentence).collect()
 }

@@ -87,8 +87,8 @@ fn compared(scores: &Scores) -> Comparison {
 }
 
 fn result<'a>(comparison: &'a Comparison, detector: usize, texture: &str) -> &'a Compared {
-    let own = comparison.results.iter().filter(|r| r.variant == texture);
-    own.into_iter().nth(detector).unwrap()
+    let mut own = comparison.results.iter().filter(|r| r.variant == texture);
+    own.nth(detector).unwrap()
 }
 
 /// Five detectors × two textures, 24 pairs each. All 5,000 experiments: `SCALEPROOF_EXPERIMENTS=5000`; the same by the thousand, without photos:
