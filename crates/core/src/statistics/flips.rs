@@ -50,6 +50,17 @@ pub fn sign_flip_critical(differences: &[Vec<f64>], level: f64) -> f64 {
     maxima.get(within).map_or(f64::INFINITY, |critical| critical + TIED)
 }
 
+/// T = |Σd| / √Σd² of one measure, 0 where all d are 0.
+pub fn sign_flip_statistic(differences: &[f64]) -> f64 {
+    differences.iter().sum::<f64>().abs() * scale(differences)
+}
+
+/// 1 / √Σd², 0 where that is 0.
+fn scale(differences: &[f64]) -> f64 {
+    let norm = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
+    if norm > 0.0 { 1.0 / norm } else { 0.0 }
+}
+
 /// The smallest p that [`sign_flip_p`] can give for so many clusters: 2 · 2⁻ⁿ, or that of the draws.
 pub fn smallest_sign_flip_p(clusters: usize) -> f64 {
     let exact = 2.0 * 0.5_f64.powi(i32::try_from(clusters).unwrap_or(i32::MAX));
@@ -84,18 +95,14 @@ struct Ordered {
     order: Vec<usize>,
     /// Differences in this order, by cluster.
     by_cluster: Vec<Vec<f64>>,
-    /// 1 / √Σd², 0 where that is 0.
+    /// That of each, by [`scale`].
     scales: Vec<f64>,
     seen: Vec<f64>,
 }
 
 impl Ordered {
     fn of(differences: &[Vec<f64>]) -> Ordered {
-        let scale = |d: &[f64]| {
-            let norm = d.iter().map(|d| d * d).sum::<f64>().sqrt();
-            if norm > 0.0 { 1.0 / norm } else { 0.0 }
-        };
-        let statistic = |k: usize| differences[k].iter().sum::<f64>().abs() * scale(&differences[k]);
+        let statistic = |k: usize| sign_flip_statistic(&differences[k]);
         let mut order: Vec<usize> = (0..differences.len()).collect();
         order.sort_by(|a, b| statistic(*b).total_cmp(&statistic(*a)));
         let clusters = differences.first().map_or(0, Vec::len);

@@ -8,7 +8,8 @@ pub use bootstrap::{
     ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95, interval_95_of_two, intervals_95, students_t_95,
 };
 pub use flips::{
-    DRAWN_FLIPS, EXACT_CLUSTERS, FLIP_SEED, shares, sign_flip_critical, sign_flip_p, smallest_sign_flip_p,
+    DRAWN_FLIPS, EXACT_CLUSTERS, FLIP_SEED, shares, sign_flip_critical, sign_flip_p, sign_flip_statistic,
+    smallest_sign_flip_p,
 };
 pub use sequential::{Sequence, Shown};
 

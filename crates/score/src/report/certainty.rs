@@ -6,7 +6,7 @@ use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};
 use scaleproof_plot::distinct;
 
-/// What is tested: `5 detectors × 2 textures`.
+/// The tests of a comparison in words: `5 detectors × 2 textures`.
 pub(super) fn family(results: &[Compared]) -> String {
     let [detectors, textures] = [
         distinct(results.iter().map(|r| &r.detector)).len(),

@@ -101,7 +101,7 @@ fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, r: &Compared) -
 }
 
 /// The difference of AP with its interval, and the effect where one was asked for.
-pub(super) fn drop_in_words(r: &Compared) -> String {
+fn drop_in_words(r: &Compared) -> String {
     let range = paired::interval(&r.ap50, |v| digits(v, 2)).map(|ends| format!(" {ends}"));
     let effect = r
         .finding

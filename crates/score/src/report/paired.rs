@@ -22,7 +22,7 @@ pub fn briefly(effect: Effect) -> &'static str {
     }
 }
 
-/// What was found and what it leaves open: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
+/// An effect with its p and what stays open: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
 pub(super) fn in_words(r: &Compared, base: &str) -> String {
     let Some(finding) = r.finding else {
         return "not tested".to_owned();
@@ -48,7 +48,7 @@ pub(super) fn named_base(base: &str) -> String {
     }
 }
 
-/// What photos that show nothing would have shown.
+/// The drop that photos which show nothing would have shown, or how many views are missing before anything can be.
 fn open(r: &Compared) -> Option<String> {
     let finding = r.finding?;
     if finding.withheld_for_copies {
@@ -64,7 +64,7 @@ fn open(r: &Compared) -> Option<String> {
     }
 }
 
-/// Whether what is shown of these places holds for places like these.
+/// The second answer, for places like these.
 fn elsewhere(r: &Compared) -> Option<String> {
     let second = r.finding?.in_places_like_these?;
     Some(match second.places_missing {
@@ -83,7 +83,7 @@ fn elsewhere(r: &Compared) -> Option<String> {
     })
 }
 
-/// Whether a change of the mean confidence is shown.
+/// True where a change of the mean confidence is shown.
 pub(super) fn is_confidence_shown(r: &Compared) -> bool {
     r.effect().is_shown()
 }

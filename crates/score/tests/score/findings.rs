@@ -91,6 +91,20 @@ fn result<'a>(comparison: &'a Comparison, detector: usize, texture: &str) -> &'a
     own.nth(detector).unwrap()
 }
 
+/// Plain and random photos of so many views of one place, with the confidence that is given by (detector, texture, view).
+fn of_one_place(views: usize, confidence: impl Fn(usize, &str, usize) -> f64) -> Comparison {
+    let scores = stored();
+    let views = scores.photos[..views].to_vec();
+    let textures = ["normal", "random"];
+    compared(&photographed(
+        scores,
+        &views,
+        &["lab"],
+        &textures,
+        |i, texture, _, view| confidence(i, texture, view),
+    ))
+}
+
 /// Five detectors × two textures, 24 pairs each. All 5,000 experiments: `SCALEPROOF_EXPERIMENTS=5000`; the same by the thousand, without photos:
 /// `cargo bench --bench findings_power`.
 #[test]
@@ -169,12 +183,7 @@ fn a_drop_on_one_detector_is_named_and_hardly_any_other() {
 /// Eight views of one place: the same drop of 0.3 in each is the rarest of 2⁸ patterns of signs, with its opposite: p = 2 / 256.
 #[test]
 fn eight_equal_drops_are_a_finding() {
-    let scores = stored();
-    let views = scores.photos[..8].to_vec();
-    let scores = photographed(scores, &views, &["lab"], &["normal", "random"], |i, texture, _, _| {
-        if i == 0 && texture == "random" { 0.5 } else { 0.8 }
-    });
-    let comparison = compared(&scores);
+    let comparison = of_one_place(8, |i, texture, _| if i == 0 && texture == "random" { 0.5 } else { 0.8 });
     let first = result(&comparison, 0, "random");
     let finding = first.finding.unwrap();
     assert_eq!((finding.effect, finding.confidence_p), (Effect::Weakens, 2.0 / 256.0));
@@ -191,19 +200,10 @@ fn eight_equal_drops_are_a_finding() {
 /// Six drops of 0.3, one of 0.1 and a rise of 0.1: the patterns that reach their sum are counted by hand.
 #[test]
 fn ties_count_as_reached() {
-    let scores = stored();
-    let views = scores.photos[..8].to_vec();
-    let scores = photographed(
-        scores,
-        &views,
-        &["lab"],
-        &["normal", "random"],
-        |i, texture, _, view| match (i, texture) {
-            (0, "random") => [0.7, 0.9, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5][view],
-            (_, _) => 0.8,
-        },
-    );
-    let comparison = compared(&scores);
+    let comparison = of_one_place(8, |i, texture, view| match (i, texture) {
+        (0, "random") => [0.7, 0.9, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5][view],
+        (_, _) => 0.8,
+    });
     // The sum is 0.1 − 0.1 + 6 × 0.3 = 1.8. Patterns of the two small ones beside six large ones of one sign give 1.8, 2.0, 1.6 and 1.8: three of them reach it,
     // and as many with all signs turned.
     let finding = result(&comparison, 0, "random").finding.unwrap();
@@ -212,30 +212,13 @@ fn ties_count_as_reached() {
 
 #[test]
 fn no_finding_without_evidence() {
-    let scores = stored();
-    let views = scores.photos[..8].to_vec();
     // A detector that does not see the plain model, and never counts, though its confidence falls everywhere.
-    let blind = photographed(scores, &views, &["lab"], &["normal", "random"], |_, texture, _, _| {
-        if texture == "normal" { 0.09 } else { 0.01 }
-    });
-    assert!(
-        compared(&blind)
-            .results
-            .iter()
-            .all(|r| r.effect() == Effect::BaseUnseen)
-    );
+    let blind = of_one_place(8, |_, texture, _| if texture == "normal" { 0.09 } else { 0.01 });
+    assert!(blind.results.iter().all(|r| r.effect() == Effect::BaseUnseen));
     // One pair, five pairs: too few, and it is said how many more.
     for (pairs, missing) in [(1, 5), (5, 1)] {
-        let few = photographed(
-            stored(),
-            &views[..pairs],
-            &["lab"],
-            &["normal", "random"],
-            |_, texture, _, _| {
-                if texture == "normal" { 0.9 } else { 0.1 }
-            },
-        );
-        for r in compared(&few).results {
+        let few = of_one_place(pairs, |_, texture, _| if texture == "normal" { 0.9 } else { 0.1 });
+        for r in few.results {
             let finding = r.finding.unwrap();
             assert_eq!(
                 (finding.effect, finding.views_missing),
@@ -249,36 +232,27 @@ fn no_finding_without_evidence() {
 /// A texture hides the model where hits fall, too, and at most one view in four is still hit.
 #[test]
 fn three_words_for_a_change() {
-    let scores = stored();
-    let views = scores.photos[..8].to_vec();
-    let scores = photographed(
-        scores,
-        &views,
-        &["lab"],
-        &["normal", "random"],
-        |i, texture, _, view| match (i, texture) {
-            (_, "normal") => 0.7,
-            // No hit; hits in two of eight; in three of eight; a rise.
-            (0, _) => 0.2,
-            (1, _) => {
-                if view < 2 {
-                    0.6
-                } else {
-                    0.2
-                }
+    let comparison = of_one_place(8, |i, texture, view| match (i, texture) {
+        (_, "normal") => 0.7,
+        // No hit; hits in two of eight; in three of eight; a rise.
+        (0, _) => 0.2,
+        (1, _) => {
+            if view < 2 {
+                0.6
+            } else {
+                0.2
             }
-            (2, _) => {
-                if view < 3 {
-                    0.6
-                } else {
-                    0.2
-                }
+        }
+        (2, _) => {
+            if view < 3 {
+                0.6
+            } else {
+                0.2
             }
-            (3, _) => 0.9,
-            (_, _) => 0.7,
-        },
-    );
-    let comparison = compared(&scores);
+        }
+        (3, _) => 0.9,
+        (_, _) => 0.7,
+    });
     let words = [
         Effect::Hides,
         Effect::Hides,

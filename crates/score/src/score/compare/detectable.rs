@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p};
+use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p, sign_flip_statistic};
 
 /// Simulated experiments behind each drop that is tried.
 const EXPERIMENTS: usize = 200;
@@ -19,7 +19,7 @@ pub(super) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usiz
     // With many views the largest statistic that chance reaches hardly depends on the experiment.
     let critical = (pairs.len() > EXACT_CLUSTERS).then(|| sign_flip_critical(differences, level));
     let is_shown = |experiment: &Vec<Vec<f64>>| match critical {
-        Some(critical) => statistic(&experiment[own]) >= critical,
+        Some(critical) => sign_flip_statistic(&experiment[own]) >= critical,
         None => sign_flip_p(experiment)[own] <= level,
     };
     let shows = |percent: &u32| {
@@ -32,16 +32,6 @@ pub(super) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usiz
     let drops: Vec<u32> = (1..=100).collect();
     let first = drops.partition_point(|percent| !shows(percent));
     drops.get(first).map(|percent| f64::from(*percent) / 100.0)
-}
-
-/// |Σd| / √Σd².
-fn statistic(differences: &[f64]) -> f64 {
-    let norm = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
-    if norm > 0.0 {
-        differences.iter().sum::<f64>().abs() / norm
-    } else {
-        0.0
-    }
 }
 
 /// How differences scatter about their means.

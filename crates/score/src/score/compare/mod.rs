@@ -58,7 +58,11 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
         });
     }
     let others = others(&all, base)?;
-    let mut comparison = compare_set(scores.set(), base, &others, definition)?;
+    decided(scores, base, &others, definition)
+}
+
+fn decided(scores: &Scores, base: &str, others: &[&str], definition: ApDefinition) -> Result<Comparison, CompareError> {
+    let mut comparison = compare_set(scores.set(), base, others, definition)?;
     decide(&mut comparison);
     Ok(comparison)
 }
@@ -69,12 +73,8 @@ pub fn paired(scores: &Scores) -> &[Compared] {
         let (base, ap) = (&scores.base, scores.criteria.ap);
         let others = scores.variants().into_iter().filter(|v| v != base);
         let paired = others.filter(|other| pairs(scores.set(), base, other));
-        let comparison = compare_set(scores.set(), base, &paired.collect::<Vec<_>>(), ap);
-        let decided = comparison.map(|mut comparison| {
-            decide(&mut comparison);
-            comparison.results
-        });
-        decided.unwrap_or_default()
+        let comparison = decided(scores, base, &paired.collect::<Vec<_>>(), ap);
+        comparison.map(|comparison| comparison.results).unwrap_or_default()
     })
 }
 

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::defences::UNDEFENDED;
-use super::{Held, Seen};
+use super::{Held, Seen, per_condition};
 use crate::score::compare::{Compared, compare_set, decide_families};
+use crate::score::error::ScoreError;
+use crate::score::observe::Options;
 use crate::score::{ScoredPhoto, ScoredSet, Scores};
 use scaleproof_plot::distinct;
 
@@ -13,8 +15,13 @@ const UNCHANGED: &str = "\u{1}";
 
 /// The photos of each variant under each of so many conditions against themselves under the first, of which nothing is said. The conditions of a detector
 /// and variant are tested together.
-pub(super) fn changes(scores: &Scores, photos: &[Seen], conditions: usize) -> Vec<Vec<Held>> {
-    let mut all: Vec<Vec<Compared>> = (0..conditions).map(|at| compared(scores, photos, at)).collect();
+pub(super) fn changes(
+    scores: &Scores,
+    photos: &[Seen],
+    conditions: usize,
+    options: &Options,
+) -> Result<Vec<Vec<Held>>, ScoreError> {
+    let mut all = per_condition(options, conditions, |at| compared(scores, photos, at))?;
     for own in families(&mut all) {
         // What was not seen before may be seen after a defence.
         decide_families(vec![own], 0.0);
@@ -24,7 +31,7 @@ pub(super) fn changes(scores: &Scores, photos: &[Seen], conditions: usize) -> Ve
             .map(|compared| Held::new(UNDEFENDED, compared))
             .collect()
     };
-    all.into_iter().map(held).collect()
+    Ok(all.into_iter().map(held).collect())
 }
 
 /// What is tested together: the same detector and variant under all conditions.

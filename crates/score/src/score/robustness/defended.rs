@@ -28,7 +28,7 @@ pub fn under_defences(
         let rows = of_each.flat_map(|(name, own)| own.into_iter().map(move |held| (name.clone(), held)));
         rows.map(|(defence, held)| DefendedRow { defence, held }).collect()
     };
-    let changed = changes(scores, &again.photos, again.conditions.len());
+    let changed = changes(scores, &again.photos, again.conditions.len(), options)?;
     let notes = defences.iter().filter_map(|defence| match defence {
         Defending::Program(program) => Some(program.card().notes.clone()),
         Defending::Published(_) => None,

@@ -44,11 +44,13 @@ pub fn under_corruption(
         .iter()
         .flat_map(|kind| (1..=SEVERITIES).map(|severity| Condition::Worse(*kind, severity)));
     let again = Again::of(scores, worse, options, on_photo)?;
-    Ok(again.map(|again| {
-        let cautions = again.left_out(scores, "made worse");
-        let changes = changes(scores, &again.photos, again.conditions.len());
-        together(&kinds, again.held, changes, cautions)
-    }))
+    again
+        .map(|again| {
+            let cautions = again.left_out(scores, "made worse");
+            let changes = changes(scores, &again.photos, again.conditions.len(), options)?;
+            Ok(together(&kinds, again.held, changes, cautions))
+        })
+        .transpose()
 }
 
 /// A run's photos under some conditions, and what its comparisons are there. The first condition is to be no more than reduced.
