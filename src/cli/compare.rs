@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::choice::one_of;
 use super::criteria::{self, Reading};
@@ -10,7 +10,7 @@ use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, score as score_command, sessions};
 use scaleproof_core::files;
 use scaleproof_score::report;
-use scaleproof_score::score::{self, ClusteredBy, CompareError, SealedPlan};
+use scaleproof_score::score::{self, ClusteredBy, CompareError, Comparison, SealedPlan};
 use scaleproof_session::session::Session;
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
@@ -41,9 +41,8 @@ pub(super) struct Args {
     /// Folder for comparison.html, comparison.tex, comparison.csv, comparison.json and the drops as SVG and PDF.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
-    /// Print comparison.json instead of the table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    telling: score_command::Telling,
 }
 
 /// Whether the photos are looked at while they are taken.
@@ -129,23 +128,25 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         comparison.plan = Some(kept);
     }
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
-    score_command::caution(&scores);
+    say_unpaired(&comparison, &page);
+    if args.telling.json {
+        score_command::caution(&scores);
+        write!(out, "{}", report::comparison_json(&scores, &comparison)?)?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(out, "{}", report::comparison_table(&scores, &comparison))?;
+    if args.telling.all {
+        writeln!(out, "\n{}", report::further_comparison(&scores, &comparison))?;
+    }
+    score_command::conclude(&scores, &page, &args.telling, out)
+}
+
+/// Says on standard error which photos have no partner.
+fn say_unpaired(comparison: &Comparison, page: &Path) {
     for photo in comparison.unpaired.iter().take(MOST_LISTED) {
         say!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);
     }
     if let Some(more) = comparison.unpaired.len().checked_sub(MOST_LISTED + 1) {
         say!("not compared: {} more, which {} lists", more + 1, page.display());
     }
-    if args.json {
-        write!(out, "{}", report::comparison_json(&scores, &comparison)?)?
-    } else {
-        writeln!(
-            out,
-            "{}\ncounts as the model: {}\npage: {}",
-            report::comparison_table(&scores, &comparison),
-            report::counted(&scores),
-            page.display()
-        )?
-    }
-    Ok(Outcome::Done)
 }

@@ -21,9 +21,8 @@ pub(super) struct Args {
     /// Folder for the report, as of `score`.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
-    /// Print summary.json instead of the table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    telling: score_command::Telling,
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
@@ -43,5 +42,5 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let mut scores = args.judging.tables.made(scores, criteria)?;
     scores.patterns = patterns;
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
-    score_command::show(&scores, speeds.as_ref(), &page, args.json, out)
+    score_command::show(&scores, speeds.as_ref(), &page, &args.telling, out)
 }

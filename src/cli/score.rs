@@ -12,7 +12,7 @@ use super::criteria::{Reading, Tables};
 use super::defence;
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, own_file, progress, sessions};
-use scaleproof_core::{files, workers};
+use scaleproof_core::{files, spelling, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_score::report;
@@ -60,9 +60,19 @@ pub(super) struct Args {
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "defence", "ranking", "settings", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
-    /// Print summary.json instead of the table; of a shard, its name and file.
+    #[command(flatten)]
+    telling: Telling,
+}
+
+/// How much of what is known is said, and in which form.
+#[derive(clap::Args)]
+pub(super) struct Telling {
+    /// Print every table and note, and what may be written in a paper.
+    #[arg(long, conflicts_with = "json")]
+    pub(super) all: bool,
+    /// Print JSON instead of text: summary.json, comparison.json, or the files of a shard.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// What is made of what was found: nothing of it needs the photos again.
@@ -176,7 +186,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
         let words = format!("shard {shard}: {}", path.display());
         let shard = shard.to_string();
-        return told(args.json, WrittenShard { shard, file: path }, words, out);
+        return told(args.telling.json, WrittenShard { shard, file: path }, words, out);
     }
     let scores = score_with_progress(opened.sessions, detectors, &options)?;
     let mut scores = args.judging.tables.made(scores, criteria)?;
@@ -195,7 +205,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if args.record {
         score::record(&scores)?;
     }
-    show(&scores, speeds.as_ref(), &page, args.json, out)
+    show(&scores, speeds.as_ref(), &page, &args.telling, out)
 }
 
 /// What a scoring run says when its report is written.
@@ -203,16 +213,29 @@ pub(super) fn show(
     scores: &Scores,
     speeds: Option<&Speeds>,
     page: &Path,
-    as_json: bool,
+    telling: &Telling,
     out: &mut dyn Write,
 ) -> CommandResult {
-    caution(scores);
-    if as_json {
+    if telling.json {
+        caution(scores);
         write!(out, "{}", report::summary_json(scores, speeds)?)?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "{}", report::summary_table(scores))?;
-    writeln!(out, "truth boxes: {}", report::truth_boxes(scores))?;
+    if telling.all {
+        writeln!(out, "\n{}", report::further_tables(scores))?;
+    }
+    conclude(scores, page, telling, out)
+}
+
+/// What follows a table: the notes on it, and the page that says the rest.
+pub(super) fn conclude(scores: &Scores, page: &Path, telling: &Telling, out: &mut dyn Write) -> CommandResult {
+    out.flush()?;
+    if telling.all {
+        caution(scores);
+    } else {
+        caution_briefly(scores);
+    }
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
 }
@@ -316,11 +339,28 @@ pub(super) fn say_not_scored(scores: &Scores) {
         .for_each(|line| say!("not scored: {line}"));
 }
 
-/// Says on standard error which photos were left out, and what to know before believing the figures.
+/// Says on standard error which photos were left out, and all that is to be known before believing the figures.
 pub(super) fn caution(scores: &Scores) {
     say_not_scored(scores);
     for caution in &scores.cautions {
         say!("note: {caution}");
+    }
+}
+
+/// Notes that a screen has room for.
+const MOST_NOTES: usize = 3;
+
+/// As [`caution`], but the weightiest notes alone.
+fn caution_briefly(scores: &Scores) {
+    say_not_scored(scores);
+    for caution in scores.cautions.iter().take(MOST_NOTES) {
+        say!("note: {caution}");
+    }
+    if let Some(more @ 1..) = scores.cautions.len().checked_sub(MOST_NOTES) {
+        say!(
+            "{} in the report and with --all",
+            spelling::choose(more, "1 more note is", &format!("{more} more notes are"))
+        );
     }
 }
 

@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, certainty, comparison_csv, counted, figures, latex, paired, sequential, verdict};
+use super::{
+    ReportError, certainty, comparison_csv, counted, figures, latex, paired, paper, screen, sequential, tables, verdict,
+};
 use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
@@ -24,6 +26,8 @@ pub struct ComparisonPage<'a> {
     box_labels: BTreeMap<&'a str, &'static str>,
     /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
+    /// What may be written of it in a paper, as sentences; empty where nothing was tested.
+    paper: Vec<String>,
     /// Photos that are in no figure, and why.
     not_scored: &'a [NotScored],
     /// The definition of every figure, by its name.
@@ -56,6 +60,7 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
         classes: counted::classes(scores).labels(),
         box_labels: counted::box_labels(scores),
         cautions: &scores.cautions,
+        paper: paper::sentences(scores, &comparison.results, &comparison.base, comparison.plan.as_ref()),
         not_scored: &scores.not_scored,
         definitions: comparison_definitions().collect(),
         provenance: provenance::from_scores(scores),
@@ -63,18 +68,30 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// In what it differs from its plan; what was found, in a sentence; the protocol that is followed; for each detector and variant what is shown, and the drop of each figure with its interval; how it was decided.
+/// A screen: in what it differs from its plan; what was found, in a sentence for each texture; what that rests on; a line for each detector and texture; look by look where that was
+/// asked for.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
+    let (results, base) = (&comparison.results, &comparison.base);
     let mut lines = Vec::new();
     if let Some(plan) = &comparison.plan {
         lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
     }
-    lines.extend(verdict::sentences(scores, &comparison.results, &comparison.base));
+    lines.extend(verdict::sentences(scores, results, base));
+    lines.extend(results.first().map(paired::basis));
     lines.push(String::new());
-    if let Some(protocol) = scores.criteria.protocol {
-        lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
+    lines.extend(screen::on_screen(&tables::effects(scores, results, base)));
+    if let Some(own) = &comparison.sequential {
+        lines.push(String::new());
+        lines.extend(sequential::lines(own, base));
     }
+    lines.join("\n")
+}
+
+/// What a screen leaves out: what may be written, the drop of each figure with its interval, how effects were decided, and what counts as the model.
+pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
+    let mut lines = paper::sentences(scores, &comparison.results, &comparison.base, comparison.plan.as_ref());
+    lines.push(String::new());
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
         lines.push(format!(
@@ -87,9 +104,10 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50));
     }
     lines.extend(certainty::tested(scores, &comparison.results));
-    if let Some(own) = &comparison.sequential {
-        lines.extend(sequential::lines(own, &comparison.base));
+    if let Some(protocol) = scores.criteria.protocol {
+        lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
     }
+    lines.push(format!("counts as the model: {}", counted::counted(scores)));
     lines.join("\n")
 }
 

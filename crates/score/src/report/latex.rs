@@ -1,36 +1,14 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals, a table for each endpoint.
 
 use super::evaluation::Evaluation;
-use super::{certainty, p_value, paired};
-use crate::score::{
-    Compared, Comparison, Difference, Drop, Effect, EvaluatedDetector, Figures, Scores, Summary, disagreements,
-    paired as all_paired,
-};
+use super::tex::{escaped, number, row, tabular};
+use super::{Cell, certainty, p_value, paired, tables};
+use crate::score::{Compared, Comparison, Difference, Effect, Scores, disagreements, paired as all_paired};
 use scaleproof_core::spelling::digits;
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
 pub fn table(scores: &Scores) -> String {
-    let head = [
-        "Detector",
-        "Texture",
-        "Photos",
-        "AP@0.5",
-        "Drop, 95\\,\\%",
-        "Hits",
-        "Hit rate, 95\\,\\%",
-        "Drop, 95\\,\\%",
-        "Confidence",
-        "Drop, 95\\,\\%",
-    ];
-    let by_detector = scores.summaries.chunk_by(|a, b| a.detector == b.detector);
-    let blocks = by_detector.map(|own| {
-        let title = |i: usize, s| if i == 0 { scores.title(s) } else { "" };
-        let rows = own.iter().enumerate();
-        rows.map(|(i, s)| row(cells(scores, title(i, &s.detector), s)))
-            .collect()
-    });
-    let blocks = std::iter::once(vec![row(head)]).chain(blocks);
-    format!("{}\n{}", comment(scores), tabular("llrrlrllrl", blocks))
+    format!("{}\n{}", comment(scores), tables::figures(scores).tex())
 }
 
 fn comment(scores: &Scores) -> String {
@@ -82,34 +60,6 @@ fn comments(sentences: impl Iterator<Item = String>) -> String {
 /// What counts as the model, as one line of a comment.
 fn commented(scores: &Scores) -> String {
     super::counted(scores).replace(char::is_control, " ")
-}
-
-fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
-    let (f, r) = (&s.overall, &s.overall.hit_rate);
-    let compared = paired::compared(scores, &s.detector, &s.variant);
-    let drop = |overall: fn(&Drop) -> f64, is_shown: fn(&Compared) -> bool, of: fn(&Compared) -> &Difference| match (
-        compared, s.drop,
-    ) {
-        (Some(r), _) => drop_cell(of(r), is_shown(r)),
-        (None, Some(drop)) => format!("{}$^\\ddagger$", number(overall(&drop), 2)),
-        (None, None) => String::new(),
-    };
-    [
-        escaped(title),
-        escaped(&s.variant),
-        f.photos.to_string(),
-        number(f.ap50, 3),
-        drop(|d| d.ap50, |_| false, |r| &r.ap50),
-        format!("{}/{}", r.count, f.photos),
-        format!("{} [{}, {}]", number(r.rate, 2), number(r.low, 2), number(r.high, 2)),
-        drop(|d| d.hit_rate, paired::is_hit_rate_shown, |r| &r.hit_rate.rate),
-        number(f.mean_confidence, 2),
-        drop(
-            |d| d.mean_confidence,
-            paired::is_confidence_shown,
-            |r| &r.mean_confidence,
-        ),
-    ]
 }
 
 /// The drops of a comparison: a comment that says what the numbers mean, and a `tabular` for each endpoint, which fits one column of a paper of two.
@@ -220,89 +170,22 @@ fn endpoint<'a>(
 }
 
 fn drop_cell(d: &Difference, is_shown: bool) -> String {
-    let drop = if is_shown {
-        format!("\\textbf{{{}}}", number(d.drop, 2))
-    } else {
-        number(d.drop, 2)
-    };
-    let interval = paired::interval(d, |v| number(v, 2)).map(|i| format!(" {i}"));
-    drop + &interval.unwrap_or_default()
+    Cell::number(d.drop, 2)
+        .with_interval(d.interval_95)
+        .strong(is_shown)
+        .tex()
 }
 
 /// The paper's two tables: pattern × detector.
 pub(super) fn evaluation(evaluation: &Evaluation) -> String {
-    let (targets, others) = (evaluation.targets(), evaluation.others());
     let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Confidence: mean, misses count 0.\n\
-         % Counts as the model: {}.\n\
-         % Table 1: the detectors that the patterns were made against.",
+         % Counts as the model: {}.",
         env!("CARGO_PKG_VERSION"),
         evaluation.scores.criteria.ap.name(),
         commented(evaluation.scores)
     );
-    let cell = |value: Option<f64>| value.map_or("--".to_owned(), |v| number(v, 2));
-    let line = |first: &str, detectors: &[&EvaluatedDetector], of: &dyn Fn(&EvaluatedDetector) -> String| {
-        row([first.to_owned()].into_iter().chain(detectors.iter().map(|c| of(c))))
-    };
-    let lines = |detectors: &[&EvaluatedDetector], of: &dyn Fn(Option<&Figures>) -> String| -> Vec<String> {
-        let patterns = evaluation.patterns.iter();
-        patterns
-            .map(|p| line(&escaped(p), detectors, &|c| of(evaluation.figures(p, c))))
-            .collect()
-    };
-    let head = vec![
-        line("", &targets, &|c| {
-            format!("\\multicolumn{{2}}{{c}}{{{}}}", escaped(&c.manifest.title))
-        }),
-        line("Pattern", &targets, &|_| "AP@0.5 & Confidence".to_owned()),
-    ];
-    let both = |f: Option<&Figures>| format!("{} & {}", cell(f.map(|f| f.ap50)), cell(f.map(|f| f.mean_confidence)));
-    let columns = format!("l{}", "r".repeat(2 * targets.len()));
-    let first = tabular(&columns, [head, lines(&targets, &both)]);
-    let second = (!others.is_empty()).then(|| {
-        let head = vec![line("Pattern", &others, &|c| escaped(&c.manifest.title))];
-        let columns = format!("l{}", "r".repeat(others.len()));
-        let table = tabular(&columns, [head, lines(&others, &|f| cell(f.map(|f| f.ap50)))]);
-        format!("% Table 2: transfer to other detectors, AP@0.5.\n{table}")
-    });
-    format!("{comment}\n{first}{}", second.unwrap_or_default())
-}
-
-/// A `tabular` of blocks of rows with a line between two of them; the first is the head.
-pub(super) fn tabular(columns: &str, blocks: impl IntoIterator<Item = Vec<String>>) -> String {
-    let blocks: Vec<String> = blocks.into_iter().map(|rows| rows.concat()).collect();
-    let rows = blocks.join("\\midrule\n");
-    format!("\\begin{{tabular}}{{{columns}}}\n\\toprule\n{rows}\\bottomrule\n\\end{{tabular}}\n")
-}
-
-/// A line of a `tabular`.
-pub(super) fn row<T: Into<String>>(cells: impl IntoIterator<Item = T>) -> String {
-    let cells: Vec<String> = cells.into_iter().map(Into::into).collect();
-    format!("{} \\\\\n", cells.join(" & "))
-}
-
-/// A number with a true minus sign.
-fn number(value: f64, behind: usize) -> String {
-    let text = digits(value, behind);
-    text.strip_prefix('-').map(|size| format!("$-{size}$")).unwrap_or(text)
-}
-
-/// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.
-pub fn escaped(text: &str) -> String {
-    let mut tex = String::new();
-    for c in text.chars() {
-        match c {
-            '\\' => tex += "\\textbackslash{}",
-            '{' | '}' | '$' | '&' | '#' | '_' | '%' => tex.extend(['\\', c]),
-            '^' => tex += "\\textasciicircum{}",
-            '~' => tex += "\\textasciitilde{}",
-            '<' => tex += "\\textless{}",
-            '>' => tex += "\\textgreater{}",
-            '|' => tex += "\\textbar{}",
-            '[' | '*' => tex.extend(['{', c, '}']),
-            c if c.is_control() => tex.push(' '),
-            c => tex.push(c),
-        }
-    }
-    tex
+    let tables = tables::by_pattern(evaluation).into_iter();
+    let tables = tables.map(|table| format!("% {}.\n{}", table.caption, table.tex()));
+    format!("{comment}\n{}", tables.collect::<String>())
 }

@@ -9,19 +9,24 @@ mod csv;
 mod defences;
 mod evaluation;
 mod evaluation_files;
+mod evaluation_screen;
 mod export;
 mod figures;
 mod figures_csv;
 pub mod html;
 pub mod latex;
 mod paired;
+mod paper;
 mod protocol;
 mod provenance;
-mod ranking;
 mod robustness;
+mod screen;
 mod sequential;
+pub mod shade;
 mod summary_json;
 mod table;
+mod tables;
+pub mod tex;
 mod truth;
 mod verdict;
 
@@ -36,19 +41,21 @@ use scaleproof_core::spelling::digits;
 use scaleproof_detect::{Manifest, Speeds, coco_results};
 use scaleproof_plot::pdf::PdfError;
 
-pub use comparison::{ComparisonPage, comparison_json, comparison_table, write_comparison};
+pub use comparison::{ComparisonPage, comparison_json, comparison_table, further_comparison, write_comparison};
 pub use comparison_csv::render as comparison_csv;
 pub use counted::{box_labels, counted};
 pub use csv::render as photos_csv;
-pub use evaluation::{Evaluation, evaluation_tables};
+pub use evaluation::Evaluation;
 pub use evaluation_files::write_evaluation;
+pub use evaluation_screen::evaluation_tables;
 pub use export::{ExportFormat, check_export, export};
 pub use figures_csv::render as figures_csv;
 pub use html::comparison::render as comparison_html;
 pub use paired::briefly;
+pub use screen::{further_tables, summary_table};
 pub use sequential::{plan_chart, standing};
 pub use summary_json::{SummaryPage, summary_json};
-pub use table::summary_table;
+pub use table::{Cell, Column, Side, Table, Value as CellValue};
 pub use truth::truth_boxes;
 
 const SUMMARY: &str = "summary.json";
@@ -71,12 +78,12 @@ pub enum ReportError {
 type Row<'a> = Vec<(&'a str, Value)>;
 
 /// A table with a header, for spreadsheets; a value that is null is left empty.
-fn csv_of<'a>(rows: impl IntoIterator<Item = Row<'a>>) -> Result<String, ReportError> {
+fn csv_of<N: AsRef<str>>(rows: impl IntoIterator<Item = Vec<(N, Value)>>) -> Result<String, ReportError> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     for (i, row) in rows.into_iter().enumerate() {
-        let (names, values): (Vec<&str>, Vec<Value>) = row.into_iter().unzip();
+        let (names, values): (Vec<N>, Vec<Value>) = row.into_iter().unzip();
         if i == 0 {
-            writer.write_record(names)?;
+            writer.write_record(names.iter().map(AsRef::as_ref))?;
         }
         writer.serialize(values)?;
     }
@@ -175,6 +182,11 @@ fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<
 
 fn results_name(detector: &str) -> String {
     format!("coco_results_{detector}.json")
+}
+
+/// A number with so many digits behind the point, and a true minus sign.
+pub fn number(value: f64, behind: usize) -> String {
+    digits(value, behind).replace('-', "−")
 }
 
 /// A p value with its sign, as behind `p`.

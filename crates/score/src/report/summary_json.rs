@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::counted;
 use super::provenance::{self, Provenance};
+use super::{counted, paper};
 use crate::score::{
     Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
     TransferRow, curves, disagreements, paired, protocol_table, reliability, transfer,
@@ -51,6 +51,8 @@ pub struct SummaryPage<'a> {
     speed: Option<&'a Speeds>,
     /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
+    /// What may be written of the comparison in a paper, as sentences; empty where nothing was tested.
+    paper: Vec<String>,
     /// Photos that are in no figure, and why.
     not_scored: &'a [NotScored],
     /// The definition of every figure, by its name.
@@ -83,6 +85,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         reliability: reliability(&scores.photos, &scores.detectors),
         speed: speeds,
         cautions: &scores.cautions,
+        paper: paper::sentences(scores, paired(scores), &scores.base, None),
         not_scored: &scores.not_scored,
         definitions: scores.criteria.definitions().into_iter().collect(),
         provenance: provenance::from_scores(scores),

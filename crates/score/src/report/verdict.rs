@@ -5,10 +5,10 @@ use crate::score::{Compared, Effect, Scores};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 
-/// So many detectors are named; more are counted.
+/// So many detectors are named in a sentence; more are counted.
 const MOST_NAMED: usize = 2;
 
-/// `“ours” hides the model from 2 of 5 detectors (A, B) and weakens 1 (C); nothing is shown of 2.` One for each texture.
+/// `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown of 3`. One for each texture, of 25 words at most.
 pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
     let textures = distinct(results.iter().map(|r| r.variant.as_str()));
     textures
@@ -17,61 +17,67 @@ pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Ve
         .collect()
 }
 
+/// `; the photos are renders`, where they are.
+pub(super) fn of_renders(_scores: &Scores) -> &'static str {
+    ""
+}
+
 fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -> String {
     let own: Vec<&Compared> = results.iter().filter(|r| r.variant == texture).collect();
-    let mut is_first = true;
-    let mut some = |effect: Effect| {
-        let names: Vec<&str> = own
-            .iter()
-            .filter(|r| r.effect() == effect)
-            .map(|r| scores.title(&r.detector))
-            .collect();
-        if names.is_empty() {
-            return None;
-        }
-        let is_first = std::mem::take(&mut is_first);
-        Some(match (names.len(), own.len()) {
-            (1, 1) => names[0].to_owned(),
-            (n, all) if n == all => format!("all {}", count(n, "detector")),
-            (n, all) => {
-                let of = if is_first {
-                    format!("{n} of {}", count(all, "detector"))
-                } else {
-                    n.to_string()
-                };
-                if n <= MOST_NAMED {
-                    format!("{of} ({})", names.join(", "))
-                } else {
-                    of
-                }
-            }
-        })
+    let of = |effect: Effect| -> Vec<&str> {
+        let own = own.iter().filter(|r| r.effect() == effect);
+        own.map(|r| scores.title(&r.detector)).collect()
     };
-    let shown = [
-        (Effect::Hides, "hides the model from"),
-        (Effect::Weakens, "weakens"),
-        (Effect::Strengthens, "strengthens"),
+    let verbs = [
+        (of(Effect::Hides), "hides the model from"),
+        (of(Effect::Weakens), "weakens"),
+        (of(Effect::Strengthens), "strengthens"),
     ];
+    let shown: Vec<&(Vec<&str>, &str)> = verbs.iter().filter(|(names, _)| !names.is_empty()).collect();
+    let is_few = shown.iter().map(|(names, _)| names.len()).sum::<usize>() <= MOST_NAMED;
     let shown: Vec<String> = shown
-        .into_iter()
-        .filter_map(|(effect, verb)| Some(format!("{verb} {}", some(effect)?)))
+        .iter()
+        .enumerate()
+        .map(|(i, (names, verb))| format!("{verb} {}", detectors(names, own.len(), i == 0, is_few)))
         .collect();
-    let nothing = some(Effect::NothingShown);
-    let unseen = some(Effect::BaseUnseen);
+    let (nothing, unseen) = (of(Effect::NothingShown), of(Effect::BaseUnseen));
     let mut parts = Vec::new();
-    if !shown.is_empty() {
-        parts.push(format!("“{texture}” {}", shown.join(" and ")));
+    if shown.is_empty() {
+        let on = |names: &[&str]| detectors(names, own.len(), true, names.len() <= MOST_NAMED);
+        if !nothing.is_empty() {
+            parts.push(format!("nothing is shown of “{texture}” on {}", on(&nothing)));
+        }
+    } else {
+        parts.push(format!("in the same light, “{texture}” {}", shown.join(" and ")));
+        if !nothing.is_empty() {
+            parts.push(format!("nothing is shown of {}", nothing.len()));
+        }
     }
-    parts.extend(nothing.map(|detectors| match parts.is_empty() {
-        true => format!("nothing is shown of “{texture}” on {detectors}"),
-        false => format!("nothing is shown of {detectors}"),
-    }));
-    parts.extend(unseen.map(|detectors| match parts.is_empty() {
-        true => format!(
-            "of “{texture}” nothing can be told by {detectors}, without {} seen",
-            paired::named_base(base)
-        ),
-        false => format!("{detectors} cannot tell, not seeing {}", paired::named_base(base)),
-    }));
-    parts.join("; ")
+    if !unseen.is_empty() {
+        let who = detectors(&unseen, own.len(), parts.is_empty(), unseen.len() == 1);
+        parts.push(format!("{who} cannot tell, not seeing {}", paired::named_base(base)));
+    }
+    capitalised(&parts.join("; "))
+}
+
+/// `2 of 5 detectors (A, B)`, `all 5 detectors`, or the one there is by its name.
+fn detectors(names: &[&str], all: usize, is_first: bool, are_named: bool) -> String {
+    let of = match (names.len(), all) {
+        (1, 1) => return names[0].to_owned(),
+        (n, all) if n == all => return format!("all {}", count(n, "detector")),
+        (n, all) if is_first => format!("{n} of {}", count(all, "detector")),
+        (n, _) => n.to_string(),
+    };
+    if are_named {
+        format!("{of} ({})", names.join(", "))
+    } else {
+        of
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

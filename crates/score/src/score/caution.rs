@@ -13,6 +13,7 @@ use scaleproof_session::envelope;
 use scaleproof_session::session::Session;
 use scaleproof_session::session::contents::are_copies;
 
+/// The sentences, the weightiest first: a screen shows no more than the first few.
 pub(super) fn cautions(
     photos: &[ScoredPhoto],
     not_scored: &[NotScored],
@@ -21,26 +22,28 @@ pub(super) fn cautions(
     (base, summaries): (&str, &[Summary]),
 ) -> Vec<String> {
     let mut cautions = Vec::new();
-    cautions.extend(no_base(photos, base));
-    cautions.extend(few_clusters(photos, base));
-    cautions.extend(few_places(photos));
-    cautions.extend(hardly_found(summaries, base));
+    // Figures that may be of something else.
     cautions.extend(never_the_model(photos, detectors));
-    cautions.extend(no_control(photos, base));
-    cautions.extend(copies(photos));
-    cautions.extend(repeats(photos));
-    cautions.extend(counted_once(photos, not_scored));
-    cautions.extend(uneven_directions(photos, base));
-    cautions.extend(loose_boxes(photos, sessions));
-    cautions.extend(left_out(not_scored));
-    cautions.extend(unknown_classes(sessions, detectors));
-    let cards = detectors.iter().filter_map(EvaluatedDetector::foreign);
-    cautions.extend(cards.flat_map(|card| card.notes.clone()));
-    cautions.extend(several_models(sessions));
-    cautions.extend(several_truths(photos, sessions));
     cautions.extend(turned_meshes(sessions));
     cautions.extend(guessed_cameras(photos, sessions));
     cautions.extend(other_sizes(photos, sessions));
+    cautions.extend(copies(photos));
+    cautions.extend(repeats(photos));
+    cautions.extend(left_out(not_scored));
+    cautions.extend(several_models(sessions));
+    cautions.extend(several_truths(photos, sessions));
+    // Drops that cannot be told, or that may have another cause.
+    cautions.extend(no_base(photos, base));
+    cautions.extend(few_clusters(photos, base));
+    cautions.extend(uneven_directions(photos, base));
+    cautions.extend(no_control(photos, base));
+    cautions.extend(few_places(photos));
+    cautions.extend(hardly_found(summaries, base));
+    cautions.extend(counted_once(photos, not_scored));
+    cautions.extend(unknown_classes(sessions, detectors));
+    let cards = detectors.iter().filter_map(EvaluatedDetector::foreign);
+    cautions.extend(cards.flat_map(|card| card.notes.clone()));
+    cautions.extend(loose_boxes(photos, sessions));
     cautions
 }
 

@@ -1,4 +1,4 @@
-use scaleproof_score::report::latex::escaped;
+use scaleproof_score::report::tex::escaped;
 
 #[test]
 fn what_tex_takes_for_commands_is_escaped() {

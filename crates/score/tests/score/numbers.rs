@@ -1,4 +1,4 @@
-use scaleproof_score::report::html::number;
+use scaleproof_score::report::number;
 use scaleproof_score::report::p_value;
 
 #[test]

@@ -1,4 +1,4 @@
-use scaleproof_score::report::html::shade::{ink, shade};
+use scaleproof_score::report::shade::{ink, shade};
 
 /// WCAG 2.1, relative luminance.
 fn luminance(colour: &str) -> f64 {

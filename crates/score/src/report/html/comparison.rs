@@ -1,9 +1,9 @@
 //! `comparison.html`: the drops of each texture with their intervals, and what the photos can tell.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
-use super::{heads, notes, number, pairs, round, sequential, shell, table};
-use crate::report::{certainty, counted, paired};
+use super::{Section, first, heads, interval_chart, notes, pairs, round, sequential, shell, table};
+use crate::report::{certainty, number, paired};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Drawing;
 
@@ -13,42 +13,47 @@ const ROW: f64 = 31.0;
 const WIDTH: f64 = 1060.0;
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
-    let protocol = scores.criteria.protocol;
-    let lead = format!(
-        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",
-        comparison.base,
-        comparison.ap_definition,
-        scores.criteria.hit(),
-        protocol.map_or(String::new(), |p| format!("; protocol {}", p.name())),
-        counted(scores)
-    );
-    let (plan, chance) = (comparison.plan.as_ref().map(plan), notes::bootstrap(comparison));
-    let (pairs, tail) = pairs::section(scores, comparison).unzip();
-    let verdict = html! { (notes::verdict(scores, &comparison.results, &comparison.base)) (notes::cautions(scores)) };
-    let sections = [
-        ("result", "Result", Some(verdict)),
-        ("plan", "Plan", plan),
-        ("drops", "Drops", Some(drops(scores, comparison))),
+    let (results, base) = (comparison.results.as_slice(), comparison.base.as_str());
+    let chance = notes::bootstrap(comparison);
+    let photos = pairs::photos(scores, comparison);
+    let script = html! { @if !photos.is_empty() { script { (PreEscaped(super::SCRIPT)) } } };
+    let tail = html! { (first::library(scores, results, base, photos)) (script) };
+    let first =
+        html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(scores, results, base)) };
+    let open = [
         (
             "looks",
             "However often one looks",
             sequential::section(scores, comparison),
         ),
+        ("pairs", "Photos side by side", pairs::section(scores, comparison)),
+    ];
+    let method = notes::method(scores, results, base, comparison.plan.as_ref());
+    let folded = [
+        ("method", "How this was decided, and what to write", method),
+        ("drops", "Drops of the hit rate and of AP", drops(scores, comparison)),
         (
             "azimuth",
             "Drop of the hit rate by azimuth",
-            Some(by_azimuth(scores, comparison)),
+            by_azimuth(scores, comparison),
         ),
-        ("pairs", "Photos side by side", pairs),
-        (
-            "left-out",
-            "Photos in no difference",
-            Some(left_out(scores, comparison)),
-        ),
-        ("definitions", "Definitions", Some(definitions())),
-        ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
+        ("left-out", "Photos in no difference", left_out(scores, comparison)),
+        ("definitions", "Definitions", definitions()),
+        ("provenance", "Provenance", notes::provenance(scores, &chance)),
     ];
-    shell(scores, &lead, &sections, tail.unwrap_or_default())
+    let open = open
+        .into_iter()
+        .filter_map(|(id, title, content)| Some(Section::open(id, title, content?)));
+    let folded = folded
+        .into_iter()
+        .map(|(id, title, content)| Section::folded(id, title, content));
+    shell(
+        scores,
+        &super::lead(scores),
+        &first,
+        &open.chain(folded).collect::<Vec<_>>(),
+        tail,
+    )
 }
 
 /// Every deviation from the plan that was fixed before the photos.
@@ -67,13 +72,7 @@ struct Figure {
     is_shown: fn(&Compared) -> bool,
 }
 
-const FIGURES: [Figure; 3] = [
-    Figure {
-        name: "mean confidence",
-        title: "Drop of the mean confidence",
-        of: |r| &r.mean_confidence,
-        is_shown: paired::is_confidence_shown,
-    },
+const FIGURES: [Figure; 2] = [
     Figure {
         name: "hit rate",
         title: "Drop of the hit rate",
@@ -103,14 +102,18 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
             "Dot: the drop; line: its 95 % interval, absent with too few views or when all differ alike. Filled: a change is shown. "
             "Numbers: base → texture, drop [interval], attack success rate [interval]."
         }
-        @if let Some(sentence) = certainty::tested(scores, &comparison.results) { p.note { (sentence) "." } }
     }
 }
 
 pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
-    let all = FIGURES.into_iter();
-    all.map(|figure| (figure.title, forest(scores, comparison, &figure)))
-        .collect()
+    let first = (
+        "Drop of the mean confidence",
+        interval_chart::chart(scores, &comparison.results, &comparison.base),
+    );
+    let others = FIGURES
+        .iter()
+        .map(|figure| (figure.title, forest(scores, comparison, figure)));
+    std::iter::once(first).chain(others).collect()
 }
 
 /// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
@@ -144,7 +147,6 @@ fn forest(scores: &Scores, comparison: &Comparison, figure: &Figure) -> Drawing 
                 (numbers(d))
             }
             text x=(LEFT + PLOT + 16.0) y=(y + 12.0) font-size="9.5" fill="#5b6573" {
-                @if *name == "mean confidence" { (paired::in_words(r, &comparison.base)) ". " }
                 @if d.asr.is_some() && d.asr_interval_95.is_none() { "ASR: " (certainty::without_interval(r, d)) }
             }
         }

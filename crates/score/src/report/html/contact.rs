@@ -4,8 +4,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::{filters, number, side};
-use crate::report::other_label;
+use super::{filters, side};
+use crate::report::{number, other_label};
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_detect::Detection;
 
@@ -140,7 +140,29 @@ fn direction(p: &ScoredPhoto) -> String {
     format!("{:.0}° {}", v.azimuth_deg, side(v.azimuth_deg))
 }
 
+/// The whole photo.
 pub(super) fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+    view(scores, p, index, [0.0, 0.0, f64::from(p.width), f64::from(p.height)])
+}
+
+/// The part of the photo around the model, 4 : 3.
+pub(super) fn model_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+    let (width, height) = (f64::from(p.width), f64::from(p.height));
+    let (b, most) = (&p.truth, width.min(height * RATIO));
+    let wide = (AROUND * b.width().max(b.height() * RATIO)).min(most);
+    let high = wide / RATIO;
+    let left = ((b.x1 + b.x2 - wide) / 2.0).clamp(0.0, width - wide);
+    let top = ((b.y1 + b.y2 - high) / 2.0).clamp(0.0, height - high);
+    view(scores, p, index, [left, top, wide, high])
+}
+
+/// Width of the part around a model to its height.
+const RATIO: f64 = 4.0 / 3.0;
+/// How much wider that part is than the model.
+const AROUND: f64 = 1.5;
+
+/// A part of a photo, as x, y, width and height in its pixels, with what a detector found in it.
+fn view(scores: &Scores, p: &ScoredPhoto, index: usize, part: [f64; 4]) -> Markup {
     let detector = &scores.detectors[index];
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
@@ -150,7 +172,7 @@ pub(super) fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Mark
     };
     let alt = format!("{}, {}, {}", p.file, p.variant, detector.manifest.title);
     html! {
-        svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {
+        svg viewBox=(part.map(|v| format!("{v:.0}")).join(" ")) role="img" aria-label=(alt) {
             (PreEscaped(format!("<use href=\"#photo{0}\"/><use class=\"fine\" href=\"#tags{0}\"/>", p.id)))
             (rectangle(&p.truth.to_xywh(), "#fff", Some("6 4")))
             @for d in &strong { (detection(d, detector, None)) }

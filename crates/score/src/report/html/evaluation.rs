@@ -2,50 +2,55 @@
 
 use maud::{Markup, html};
 
-use super::{ACROSS, notes, number, patterns, shell, table};
+use super::{ACROSS, Section, first, lead, notes, patterns, shell, table};
 use crate::report::evaluation::{Evaluation, SCOPE};
-use crate::report::{counted, paired};
+use crate::report::{number, paired};
 use crate::score::{BASE_VARIANT, Compared, Effect, EvaluatedDetector, Figures};
 use scaleproof_core::spelling;
 
 pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
-    let model = &scores.sessions[0].scene.model;
-    let lead = format!(
-        "{} and “{BASE_VARIANT}” on the 1:{} model of a {}, {}; AP@0.5: {}; counts as the model: {}.",
-        spelling::count(evaluation.patterns.len().saturating_sub(1), "pattern"),
-        model.scale,
-        model.class,
-        spelling::count(scores.photos.len(), "rendered photo"),
-        scores.criteria.ap.name(),
-        counted(scores)
-    );
+    let against_base = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT);
+    let results = against_base.map_or(&[][..], |comparison| &comparison.results);
     let others = evaluation.others();
-    let looks = patterns::strips(scores, &evaluation.patterns);
     let chance = evaluation.comparisons.first().map_or(String::new(), notes::bootstrap);
-    let transfer = (!others.is_empty()).then(|| table_2(evaluation, &others));
-    let sections = [
-        ("patterns", "Patterns", Some(looks)),
-        (
-            "table-1",
-            "Table 1: AP@0.5 and mean confidence",
-            Some(table_1(evaluation)),
-        ),
-        ("table-2", "Table 2: transfer to other detectors", transfer),
-        (
-            "differences",
-            "Differences between patterns",
-            Some(differences(evaluation)),
-        ),
-        ("definitions", "Definitions", Some(notes::definitions(scores))),
-        ("provenance", "Provenance", Some(notes::provenance(scores, &chance))),
-    ];
-    shell(scores, &lead, &sections, html! {})
+    let method = notes::method(scores, results, BASE_VARIANT, None);
+    let mut sections = vec![Section::open(
+        "table-1",
+        "Table 1: AP@0.5 and mean confidence",
+        table_1(evaluation),
+    )];
+    if !others.is_empty() {
+        sections.push(Section::open(
+            "table-2",
+            "Table 2: transfer to other detectors",
+            table_2(evaluation, &others),
+        ));
+    }
+    sections.extend([
+        Section::open("patterns", "Patterns", patterns::strips(scores, &evaluation.patterns)),
+        Section::folded("differences", "Differences between patterns", differences(evaluation)),
+        Section::folded("method", "How this was decided, and what to write", method),
+        Section::folded("definitions", "Definitions", notes::definitions(scores)),
+        Section::folded("provenance", "Provenance", notes::provenance(scores, &chance)),
+    ]);
+    let lead = format!(
+        "{}, rendered · {}",
+        lead(scores),
+        spelling::count(evaluation.patterns.len().saturating_sub(1), "pattern")
+    );
+    let library = first::library(scores, results, BASE_VARIANT, Vec::new());
+    shell(
+        scores,
+        &lead,
+        &first::screen(scores, results, BASE_VARIANT),
+        &sections,
+        library,
+    )
 }
 
 fn table_1(evaluation: &Evaluation) -> Markup {
     html! {
-        (notes::cautions(evaluation.scores))
         (by_detector(evaluation, &evaluation.targets(), |f| format!("{} / {}", number(f.ap50, 2), number(f.mean_confidence, 2))))
         p.note {
             "AP@0.5 / mean confidence (misses count 0); below, the drop of AP@0.5 from " (BASE_VARIANT) ", red when it is shown after correction. " (SCOPE) "."

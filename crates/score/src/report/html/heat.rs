@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::shade::{ink, shade};
-use super::{number, side};
+use super::side;
+use crate::report::number;
+use crate::report::shade::{ink, shade};
 use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
 use scaleproof_plot::Drawing;
 use scaleproof_pose::scene::Bin;

@@ -1,14 +1,14 @@
 //! `report.html` and `comparison.html`: self-contained pages without a link to anywhere. The one script filters and enlarges photos.
 
-mod comparable;
 pub mod comparison;
 mod contact;
 pub(super) mod curves;
 mod defences;
 pub(super) mod evaluation;
-mod figures;
 mod filters;
+mod first;
 pub(super) mod heat;
+pub(super) mod interval_chart;
 mod misses;
 mod notes;
 mod pairs;
@@ -18,14 +18,14 @@ mod ranking;
 pub(super) mod reliability;
 pub(super) mod robustness;
 mod sequential;
-pub mod shade;
 pub(super) mod speed;
+mod strip;
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::report::counted;
+use crate::report::{Table, number, tables};
 use crate::score::{EvaluatedDetector, Scores, Summary, paired as all_paired};
-use scaleproof_core::spelling::{self, digits};
+use scaleproof_core::spelling;
 use scaleproof_detect::{ForeignKind, Speeds};
 use scaleproof_plot::{Drawing, html_page};
 
@@ -37,60 +37,108 @@ const ACROSS: usize = 8;
 
 /// The page of a scoring run; without `speeds` there is no chart of AP against time.
 pub fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
-    let tail = html! { (contact::photo_library(&contact::shown(scores))) script { (PreEscaped(SCRIPT)) } };
-    shell(scores, &lead(scores), &sections(scores, speeds), tail)
+    let (results, base) = (all_paired(scores), scores.base.as_str());
+    let library = first::library(scores, results, base, contact::shown(scores));
+    let tail = html! { (library) script { (PreEscaped(SCRIPT)) } };
+    let first = first::screen(scores, results, base);
+    shell(scores, &lead(scores), &first, &sections(scores, speeds), tail)
 }
 
-/// A part of a page: its id, its title, what is in it; `None` where it was not asked for.
-type Section = (&'static str, &'static str, Option<Markup>);
+/// A part of a page below its first screen.
+struct Section {
+    id: &'static str,
+    title: &'static str,
+    content: Markup,
+    /// True where it is opened by a click.
+    is_folded: bool,
+}
 
-fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> String {
-    let title = title(scores);
-    let sections = || {
-        sections
-            .iter()
-            .filter_map(|(id, title, content)| Some((id, title, content.as_ref()?)))
-    };
-    let body = html! {
-        header {
-            h1 { (title) }
-            p.lead { (lead) }
-            (recorded_banner(scores))
-            nav { @for (id, title, _) in sections() { a href=(format!("#{id}")) { (title) } } }
+impl Section {
+    fn open(id: &'static str, title: &'static str, content: Markup) -> Section {
+        Section {
+            id,
+            title,
+            content,
+            is_folded: false,
         }
-        main { @for (id, title, content) in sections() { section id=(id) { h2 { (title) } (content) } } }
+    }
+
+    fn folded(id: &'static str, title: &'static str, content: Markup) -> Section {
+        let section = Section::open(id, title, content);
+        Section {
+            is_folded: true,
+            ..section
+        }
+    }
+}
+
+fn shell(scores: &Scores, lead: &str, first: &Markup, sections: &[Section], tail: Markup) -> String {
+    let title = title(scores);
+    let body = html! {
+        header { h1 { (title) } p.lead { (lead) } }
+        main {
+            section #result { (first) }
+            (recorded_banner(scores))
+            nav { @for section in sections { a href=(format!("#{}", section.id)) { (section.title) } } }
+            @for section in sections {
+                @if section.is_folded {
+                    // A link to what lies inside opens it.
+                    details { summary { (section.title) } section id=(section.id) { (section.content) } }
+                } @else {
+                    section id=(section.id) { h2 { (section.title) } (section.content) }
+                }
+            }
+        }
         (tail)
     };
     html_page(&title, STYLE, &body)
 }
 
-fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 16] {
-    let result = html! { (notes::verdict(scores, all_paired(scores), &scores.base)) (figures::headline(scores)) (notes::cautions(scores)) };
-    let outcomes = html! { (misses::outcomes(scores)) (misses::confusion(scores)) (misses::transfer_matrix(scores)) };
+fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
+    let table = |table: Table| html! { h3 { (table.caption) } (table.markup()) };
+    let figures = html! { (table(tables::figures(scores))) (table(tables::papers(scores))) @for transfer in tables::transferred(scores, ACROSS) { (table(transfer)) } };
+    let outcomes = html! { (misses::outcomes(scores)) (table(tables::taken(scores))) };
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
+    let conditions: Vec<Table> = tables::conditions(scores);
+    let conditions = (!conditions.is_empty()).then(|| html! { @for condition in conditions { (table(condition)) } });
+    let method = notes::method(scores, all_paired(scores), &scores.base, None);
     let chance = "the bootstrap behind the intervals of drops has its own seed";
-    let comparable = comparable::figures(scores);
-    let reliability = reliability::diagrams(scores);
-    let ranking = ranking::section(scores);
-    [
-        ("result", "Result", Some(result)),
-        ("comparable", "For comparison with papers", Some(comparable)),
-        ("patterns", "Patterns", patterns::cards(scores)),
-        ("protocol", "Protocol", comparable::protocol(scores)),
-        ("conditions", "By condition", comparable::groups(scores)),
+    let open = [
+        ("conditions", "By condition", conditions),
         ("robustness", "On photos made worse", robustness::section(scores)),
         ("defences", "On defended photos", defences::section(scores)),
-        ("ranking", "Order of the textures in other sessions", ranking),
-        ("outcomes", "Hits and misses", Some(outcomes)),
+        (
+            "ranking",
+            "Order of the textures in other sessions",
+            ranking::section(scores),
+        ),
         ("directions", "By viewing direction", Some(directions)),
-        ("curves", "Curves", Some(curves::section(scores))),
         ("photos", "Photos", Some(photos)),
-        ("reliability", "Reliability of the confidences", Some(reliability)),
+    ];
+    let folded = [
+        ("protocol", "Protocol", tables::protocol(scores).map(table)),
+        ("method", "How this was decided, and what to write", Some(method)),
+        ("comparable", "All figures, for comparison with papers", Some(figures)),
+        ("outcomes", "Hits and misses", Some(outcomes)),
+        ("patterns", "Patterns", patterns::cards(scores)),
+        ("curves", "Curves", Some(curves::section(scores))),
+        (
+            "reliability",
+            "Reliability of the confidences",
+            Some(reliability::diagrams(scores)),
+        ),
         ("speed", "AP against time", Some(speed::chart(scores, speeds))),
         ("definitions", "Definitions", Some(notes::definitions(scores))),
         ("provenance", "Provenance", Some(notes::provenance(scores, chance))),
-    ]
+    ];
+    let open = open
+        .into_iter()
+        .filter_map(|(id, title, content)| Some(Section::open(id, title, content?)));
+    let folded = folded
+        .into_iter()
+        .filter_map(|(id, title, content)| Some(Section::folded(id, title, content?)));
+    open.chain(folded).collect()
 }
 
 fn title(scores: &Scores) -> String {
@@ -99,20 +147,29 @@ fn title(scores: &Scores) -> String {
     models.join(", ")
 }
 
+/// `1:10 model of a car · 16 photos · 5 detectors, recorded detections`
 fn lead(scores: &Scores) -> String {
     let model = &scores.sessions[0].scene.model;
-    let variants = scores.variants().join(", ");
     let left_out = match scores.not_scored.len() {
         0 => String::new(),
         n => format!(", {n} not scored"),
     };
+    let recorded = scores
+        .detectors
+        .iter()
+        .filter(|detector| detector.is_recorded())
+        .count();
+    let recorded = match recorded {
+        0 => String::new(),
+        all if all == scores.detectors.len() => ", their detections recorded".to_owned(),
+        some => format!(", {some} of them recorded"),
+    };
     format!(
-        "1:{} model of a {}, {} scored{left_out}; textures: {variants}; {}; counts as the model: {}.",
+        "1:{} model of a {} · {}{left_out} · {}{recorded}",
         model.scale,
         model.class,
         spelling::count(scores.photos.len(), "photo"),
         spelling::count(scores.detectors.len(), "detector"),
-        counted(scores)
     )
 }
 
@@ -248,11 +305,6 @@ pub(super) fn legend(scores: &Scores) -> Vec<(String, String)> {
 /// Colours of the variants, in their order: the base variant grey. None is a colour that outcomes have.
 fn colour(index: usize) -> &'static str {
     ["#5b6573", "#0f7f8c", "#1f4fb4", "#a0522d", "#b03a9b", "#4a4a9c"][index % 6]
-}
-
-/// A number with so many digits behind the point, and a true minus sign.
-pub fn number(value: f64, behind: usize) -> String {
-    digits(value, behind).replace('-', "−")
 }
 
 /// A tenth of a pixel is all a screen shows.

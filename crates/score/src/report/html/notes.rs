@@ -3,17 +3,22 @@
 use maud::{Markup, html};
 
 use super::{heads, table};
-use crate::report::{counted, provenance, truth_boxes, verdict};
-use crate::score::{Compared, Comparison, NotScored, Scores};
+use crate::report::{certainty, counted, paper, provenance, truth_boxes};
+use crate::score::{Compared, Comparison, NotScored, PlanCheck, Scores, disagreements};
 use scaleproof_core::spelling;
 
-pub(super) fn verdict(scores: &Scores, results: &[Compared], base: &str) -> Markup {
-    html! { @for sentence in verdict::sentences(scores, results, base) { p.verdict { (sentence) "." } } }
-}
-
-pub(super) fn cautions(scores: &Scores) -> Markup {
+/// How effects were decided and how far they hold, where AP and hits disagree, and what may be written of it all.
+pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, plan: Option<&PlanCheck>) -> Markup {
+    let paper = paper::sentences(scores, results, base, plan);
     html! {
-        @for caution in &scores.cautions { p.banner { "Note: " (caution) "." } }
+        @if !paper.is_empty() { h3 { "To write in a paper" } p { (paper.join(" ")) } }
+        @if let Some(sentence) = certainty::tested(scores, results) { h3 { "How effects were decided" } p { (sentence) "." } }
+        @for sentence in disagreements(scores) { p { (sentence) "." } }
+        p {
+            @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }
+            "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
+            ". Confidence: misses count 0. Drop: the base minus the texture. Counts as the model: " (counted(scores)) "."
+        }
     }
 }
 

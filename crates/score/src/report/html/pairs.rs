@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
-use super::{contact, filters, number, side};
+use super::{contact, filters, side};
+use crate::report::number;
 use crate::score::{Comparison, PhotoOutcome, ScoredPhoto, Scores, paired_photos};
 
 /// More pairs are not shown: the page would be too large to open.
@@ -29,9 +30,14 @@ fn outcome(base: &PhotoOutcome, other: &PhotoOutcome) -> usize {
     }
 }
 
-/// The cards, and the photos that they refer to with the script, which belong at the end of the page; `None` where the run kept no previews.
-pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<(Markup, Markup)> {
-    let all = pairs(scores, comparison);
+/// The photos of the pairs that are shown, each once.
+pub(super) fn photos<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<&'a ScoredPhoto> {
+    let pairs = shown(&pairs(scores, comparison));
+    without_repeats(pairs.into_iter().flat_map(|(base, other)| [base, other]).collect())
+}
+
+/// Pairs whose photos were kept, those that lost most first, no more than a page can hold.
+fn shown<'a>(all: &[Pair<'a>]) -> Vec<Pair<'a>> {
     let previewed = |(base, other): &&Pair| !base.preview_jpeg.is_empty() && !other.preview_jpeg.is_empty();
     let mut shown: Vec<Pair> = all.iter().filter(previewed).copied().collect();
     let lost = |(base, other): &Pair| {
@@ -40,6 +46,13 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<(Marku
     };
     shown.sort_by(|a, b| lost(b).total_cmp(&lost(a)).then(a.1.id.cmp(&b.1.id)));
     shown.truncate(MOST_PAIRS);
+    shown
+}
+
+/// A card for each detector and pair; `None` where the run kept no previews.
+pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
+    let all = pairs(scores, comparison);
+    let shown = shown(&all);
     if shown.is_empty() {
         return None;
     }
@@ -55,7 +68,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<(Marku
             .then((i, a.1.id).cmp(&(j, b.1.id)))
     });
     let photos: Vec<&ScoredPhoto> = shown.iter().flat_map(|(base, other)| [*base, *other]).collect();
-    let section = html! {
+    Some(html! {
         p.note {
             "Left “" (comparison.base) "”, right the texture, from one place and bin. Dashed white: truth box; solid: detections at confidence ≥ "
             (scores.criteria.hit_confidence) " (blue: the class, orange: another label). Click to enlarge."
@@ -65,10 +78,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<(Marku
         }
         (filters::bar(scores, &photos, &OUTCOMES, "largest losses first"))
         div #sheet .pairs { @for (detector, pair) in cards { (card(scores, pair, detector)) } }
-    };
-    let tail =
-        html! { (contact::photo_library(&without_repeats(photos.clone()))) script { (PreEscaped(super::SCRIPT)) } };
-    Some((section, tail))
+    })
 }
 
 fn pairs<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<Pair<'a>> {

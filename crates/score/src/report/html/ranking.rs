@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, heads, number, small_charts, table};
-use crate::report::ranking::{found, note, tau};
+use super::{Plane, colour, colour_names, small_charts};
+use crate::report::tables;
 use crate::score::{RankingRow, Scores};
 use scaleproof_plot::Drawing;
 
@@ -14,30 +14,10 @@ const WIDTH: f64 = 120.0;
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
     let ranking = scores.ranking.as_ref()?;
     let of_all = ranking.rows.iter().filter(|row| row.photos == "all");
-    let head = heads(
-        "detector",
-        &["photos", "order here, AP@0.5 (there)", "τ, 95 %", "finding"],
-    );
-    let rows = html! {
-        @for row in &ranking.rows {
-            tr {
-                td { (scores.title(&row.detector)) } td.text { (row.photos) }
-                td.wrap {
-                    @for (i, own) in row.variants.iter().enumerate() {
-                        @if i > 0 { ", " }
-                        (own.variant) " " (number(own.ap50, 2)) " (" (number(own.other_ap50, 2)) ")"
-                    }
-                }
-                td.text { (tau(row)) } td.text { (found(row)) }
-            }
-        }
-    };
     Some(html! {
         ul.legend { (colour_names(&scores.variants())) }
         (small_charts(of_all.map(|row| (html! { (scores.title(&row.detector)) }, chart(scores, row)))))
-        @if !ranking.rows.is_empty() { (table(None, &head, &rows)) }
-        p.note { (note(ranking)) }
-        @for caution in &ranking.cautions { p.note { "Note: " (caution) "." } }
+        (tables::order(scores, ranking).markup())
     })
 }
 

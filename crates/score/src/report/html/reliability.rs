@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{SIDE, SQUARE, number, small_charts};
+use super::{SIDE, SQUARE, small_charts};
+use crate::report::number;
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use scaleproof_core::spelling;
 use scaleproof_plot::Drawing;

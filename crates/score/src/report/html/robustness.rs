@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, points, small_charts, table};
-use crate::report::robustness::{heading, survival_table};
+use super::{Plane, colour, colour_names, points, small_charts};
+use crate::report::tables;
 use crate::score::{CorruptedRow, Robustness, Scores};
 use scaleproof_plot::{Drawing, distinct};
 
@@ -19,17 +19,16 @@ pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
     let robustness = scores.robustness.as_ref()?;
-    let survival = survival_table(robustness);
-    let head = html! { @for head in &survival[0] { th { (head) } } };
-    let rows = html! { @for row in &survival[1..] { tr { @for cell in row { td { (cell) } } } } };
+    let survival = tables::survival(robustness);
     Some(html! {
         ul.legend { (colour_names(&scores.variants())) }
         (small_charts(charts(scores, robustness).into_iter().map(|(title, chart)| (html! { (title) }, chart))))
         p.note { (MARKS) }
         h3 { "How far each drop goes" }
-        (table(Some("matrix"), &head, &rows))
+        p.note { (survival.caption) "." }
+        (survival.markup())
         p.note {
-            "In the table: " (heading()) ". Photos are reduced to 640 px, then made worse by the amounts of ImageNet-C (Hendrycks and Dietterich 2019); " code { "crop" }
+            "Photos are reduced to 640 px, then made worse by the amounts of ImageNet-C (Hendrycks and Dietterich 2019); " code { "crop" }
             " cuts 10 to 50 % of the model's box off."
         }
         @for caution in &robustness.cautions { p.note { (caution) } }

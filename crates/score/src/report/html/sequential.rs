@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{colour, colour_names, heads, number, points, round, small_charts, table};
+use super::{colour, colour_names, heads, points, round, small_charts, table};
+use crate::report::number;
 use crate::report::paired::ends;
 use crate::report::sequential::{SHOWN_FROM, figures, found, note, p_of, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};

@@ -1,0 +1,24 @@
+//! An evaluation of patterns for the terminal.
+
+use super::evaluation::Evaluation;
+use super::{counted, tables, verdict};
+use crate::score::BASE_VARIANT;
+
+/// The paper's tables, and the differences of AP@0.5 with their intervals.
+pub fn evaluation_tables(evaluation: &Evaluation) -> String {
+    let scores = evaluation.scores;
+    let mut lines = Vec::new();
+    if let Some(comparison) = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT) {
+        lines.extend(verdict::sentences(scores, &comparison.results, BASE_VARIANT));
+    }
+    for table in tables::by_pattern(evaluation)
+        .into_iter()
+        .chain([tables::differences(evaluation)])
+    {
+        lines.extend([String::new(), table.caption.clone()]);
+        lines.extend(table.lines());
+        lines.extend(table.notes.iter().map(|note| format!("({note})")));
+    }
+    lines.push(format!("counts as the model: {}", counted(scores)));
+    lines.join("\n")
+}

@@ -1,0 +1,49 @@
+//! What a page begins with: the verdict, photos side by side, each drop with its interval, and the table of effects. Notes follow.
+
+use maud::{Markup, html};
+
+use super::{contact, interval_chart, strip};
+use crate::report::{paired, tables, verdict};
+use crate::score::{Compared, Scores};
+
+/// The first screen of a report or comparison, as far as there is something to compare.
+pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+    html! {
+        @for sentence in verdict::sentences(scores, results, base) { p.verdict { (sentence) "." } }
+        @if results.is_empty() {
+            (tables::figures_of_screen(scores).markup())
+        } @else {
+            (strip::rows(scores, results, base))
+            (interval_chart::figure(scores, results, base))
+            (tables::effects(scores, results, base).markup())
+            p.note { (basis(results)) }
+        }
+        @if !scores.cautions.is_empty() {
+            h3 { "To know before believing it" }
+            ul.cautions { @for caution in &scores.cautions { li { (caution) "." } } }
+        }
+    }
+}
+
+/// What each texture's rows rest on.
+fn basis(results: &[Compared]) -> String {
+    let textures = results.chunk_by(|a, b| a.variant == b.variant);
+    let each = textures.map(|own| format!("{}: {}", own[0].variant, paired::basis(&own[0])));
+    each.collect::<Vec<_>>().join("; ") + "."
+}
+
+/// The photos that a page shows, each once: those of the strip and these.
+pub(super) fn library(
+    scores: &Scores,
+    results: &[Compared],
+    base: &str,
+    others: Vec<&crate::score::ScoredPhoto>,
+) -> Markup {
+    let mut photos = others;
+    for photo in strip::photos(scores, results, base) {
+        if photos.iter().all(|known| known.id != photo.id) {
+            photos.push(photo);
+        }
+    }
+    contact::photo_library(&photos)
+}

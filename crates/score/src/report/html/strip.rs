@@ -1,0 +1,100 @@
+//! Photos of the base and of each texture side by side: the view that lost most, the median, and the one that lost least.
+
+use maud::{Markup, html};
+
+use super::{contact, side};
+use crate::report::number;
+use crate::score::{Compared, ScoredPhoto, Scores, paired_photos};
+use scaleproof_plot::distinct;
+
+/// More textures would push the chart off the first screen.
+const MOST_TEXTURES: usize = 2;
+
+/// Photos of one view: of the base, of the texture.
+type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
+
+/// The views of a texture that are shown, as one detector sees them.
+struct Strip<'a> {
+    texture: &'a str,
+    /// The detector's place among those of the run.
+    detector: usize,
+    views: Vec<(&'static str, Pair<'a>)>,
+}
+
+/// A row for each texture, of those that weaken a detector most.
+pub(super) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+    html! {
+        @for strip in strips(scores, results, base) {
+            @let title = &scores.detectors[strip.detector].manifest.title;
+            div.views {
+                @for (name, pair) in &strip.views { (view(scores, &strip, name, *pair)) }
+            }
+            p.note.under { "Left " (base) ", right " (strip.texture) ", as " (title) " sees them (its confidence; dashed: the model, blue: found, orange: taken for something else)." }
+        }
+    }
+}
+
+fn view(scores: &Scores, strip: &Strip, name: &str, (base, other): Pair) -> Markup {
+    let [a, b] = [base, other].map(|photo| number(photo.outcomes[strip.detector].confidence, 2));
+    html! {
+        figure {
+            div.two { (contact::model_view(scores, base, strip.detector)) (contact::model_view(scores, other, strip.detector)) }
+            figcaption {
+                b { (a) " → " (b) } " " (name)
+                @if let Some(bin) = other.bin { ", " (side(bin.azimuth_deg)) }
+            }
+        }
+    }
+}
+
+/// The photos that the strips show.
+pub(super) fn photos<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<&'a ScoredPhoto> {
+    let strips = strips(scores, results, base);
+    let views = strips.iter().flat_map(|strip| &strip.views);
+    views.flat_map(|(_, (base, other))| [*base, *other]).collect()
+}
+
+fn strips<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<Strip<'a>> {
+    let textures = distinct(results.iter().map(|r| r.variant.as_str()));
+    let mut strips: Vec<(f64, Strip)> = textures
+        .into_iter()
+        .filter_map(|texture| strip(scores, results, base, texture))
+        .collect();
+    // The largest drops; then in the order of the textures again.
+    let mut drops: Vec<f64> = strips.iter().map(|(drop, _)| *drop).collect();
+    drops.sort_by(|a, b| b.total_cmp(a));
+    let least = drops.get(MOST_TEXTURES - 1).copied().unwrap_or(f64::NEG_INFINITY);
+    strips.retain(|(drop, _)| *drop >= least);
+    strips.into_iter().map(|(_, strip)| strip).take(MOST_TEXTURES).collect()
+}
+
+/// The views of a texture through the detector whose confidence falls most, shown effects first; none where the run kept no previews.
+fn strip<'a>(scores: &'a Scores, results: &'a [Compared], base: &str, texture: &'a str) -> Option<(f64, Strip<'a>)> {
+    let own = results.iter().filter(|r| r.variant == texture);
+    let most = own.max_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal))?;
+    let detector = scores.detectors.iter().position(|d| d.manifest.name == most.detector)?;
+    let lost = |(base, other): &Pair| base.outcomes[detector].confidence - other.outcomes[detector].confidence;
+    let mut pairs = paired_photos(scores, base, texture);
+    pairs.retain(|(base, other)| !base.preview_jpeg.is_empty() && !other.preview_jpeg.is_empty());
+    pairs.sort_by(|a, b| lost(b).total_cmp(&lost(a)).then(a.1.id.cmp(&b.1.id)));
+    let views = match pairs.as_slice() {
+        [] => return None,
+        [only] => vec![("the only view", *only)],
+        [most, least] => vec![("lost most", *most), ("lost least", *least)],
+        all => vec![
+            ("lost most", all[0]),
+            ("median", all[all.len() / 2]),
+            ("lost least", all[all.len() - 1]),
+        ],
+    };
+    let strip = Strip {
+        texture,
+        detector,
+        views,
+    };
+    Some((most.mean_confidence.drop, strip))
+}
+
+fn rank(r: &Compared) -> (bool, f64) {
+    (r.effect().is_shown(), r.mean_confidence.drop)
+}

@@ -1,0 +1,146 @@
+//! What may be written in a paper about a comparison, with its caveats, ready to paste.
+
+use super::paired::named_base;
+use super::{p_value, verdict};
+use crate::score::{Compared, Effect, PlanCheck, Scores};
+use scaleproof_core::spelling::{self, digits};
+use scaleproof_plot::distinct;
+
+/// A sentence or two for each texture, then one on how it was decided and how far it holds. Nothing where nothing was tested.
+pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str, plan: Option<&PlanCheck>) -> Vec<String> {
+    let tested: Vec<&Compared> = results.iter().filter(|r| r.finding.is_some()).collect();
+    let textures = distinct(tested.iter().map(|r| r.variant.as_str()));
+    let own = |texture: &str| -> Vec<&Compared> { tested.iter().filter(|r| r.variant == texture).copied().collect() };
+    let mut all: Vec<String> = textures
+        .iter()
+        .flat_map(|texture| of_texture(scores, &own(texture), base))
+        .collect();
+    if !all.is_empty() {
+        all.push(method(plan));
+        all.push(reach(scores, &tested));
+    }
+    all
+}
+
+/// What was shown of one texture, and what was not.
+fn of_texture(scores: &Scores, own: &[&Compared], base: &str) -> Vec<String> {
+    let Some(first) = own.first() else {
+        return Vec::new();
+    };
+    let views = format!(
+        "On {} ({} × {})",
+        spelling::count(first.clusters, "paired view"),
+        spelling::count(first.places, "place"),
+        spelling::count(first.bins, "direction")
+    );
+    let with = |effects: &[Effect]| -> Vec<&Compared> {
+        own.iter().filter(|r| effects.contains(&r.effect())).copied().collect()
+    };
+    let groups = [
+        ("lowered", with(&[Effect::Hides, Effect::Weakens])),
+        ("raised", with(&[Effect::Strengthens])),
+    ];
+    let shown = groups.iter().filter(|(_, some)| !some.is_empty()).map(|(verb, some)| {
+        let each: Vec<String> = some.iter().map(|r| change(scores, r)).collect();
+        format!(
+            "{views} the texture “{}” {verb} the mean confidence of {} of {} against {}: {}.",
+            first.variant,
+            some.len(),
+            spelling::count(own.len(), "detector"),
+            named_base(base),
+            each.join("; ")
+        )
+    });
+    let mut sentences: Vec<String> = shown.collect();
+    let nothing = with(&[Effect::NothingShown]);
+    if !nothing.is_empty() {
+        let names: Vec<&str> = nothing.iter().map(|r| scores.title(&r.detector)).collect();
+        let on = if sentences.is_empty() {
+            format!("{views} no change by “{}”", first.variant)
+        } else {
+            "No change".to_owned()
+        };
+        sentences.push(format!("{on} was shown for {}{}.", names.join(", "), power(&nothing)));
+    }
+    let unseen = with(&[Effect::BaseUnseen]);
+    if !unseen.is_empty() {
+        let names: Vec<&str> = unseen.iter().map(|r| scores.title(&r.detector)).collect();
+        sentences.push(format!(
+            "{} did not see {} and can tell nothing.",
+            names.join(", "),
+            named_base(base)
+        ));
+    }
+    sentences
+}
+
+/// `A from 0.72 to 0.23 (drop 0.49, 95 % CI 0.30 to 0.66, p = 0.008; 6 of 8 photos hit, then 0)`
+fn change(scores: &Scores, r: &Compared) -> String {
+    let d = &r.mean_confidence;
+    let two = |v: f64| digits(v, 2);
+    let interval = d
+        .interval_95
+        .map(|i| format!(", 95 % CI {} to {}", two(i.low), two(i.high)));
+    let p = r
+        .finding
+        .map(|finding| format!(", p {}", p_value(finding.confidence_p)));
+    let hits = [r.hit_rate.rate.base, r.hit_rate.rate.other].map(|rate| (rate * r.pairs as f64).round() as usize);
+    format!(
+        "{} from {} to {} (difference {}{}{}; {} of {} photos hit, then {})",
+        scores.title(&r.detector),
+        two(d.base),
+        two(d.other),
+        two(d.drop),
+        interval.unwrap_or_default(),
+        p.unwrap_or_default(),
+        hits[0],
+        r.pairs,
+        hits[1]
+    )
+}
+
+/// How large a drop would have been shown.
+fn power(nothing: &[&Compared]) -> String {
+    let drops = nothing.iter().filter_map(|r| r.finding?.drop_shown_from);
+    let (least, most) = drops.fold((f64::INFINITY, 0.0), |(least, most), drop| {
+        (drop.min(least), drop.max(most))
+    });
+    if most == 0.0 {
+        return String::new();
+    }
+    let [least, most] = [least, most].map(|drop| digits(drop, 2));
+    let range = if least == most {
+        least
+    } else {
+        format!("{least} to {most}")
+    };
+    format!(", where a drop of {range} would have been shown with a power of 0.8")
+}
+
+fn method(plan: Option<&PlanCheck>) -> String {
+    if plan.is_some_and(|plan| plan.judged_by_hit_rate) {
+        return "As sealed before the photos, findings rest on McNemar's exact test of the hit rate, corrected by Holm; confidence intervals are bootstrapped by view and uncorrected.".to_owned();
+    }
+    "Significance is by sign flips of the views, joint over the detectors of a texture (step-down, Westfall and Young 1993), at 5 % shared by the textures; confidence intervals are bootstrapped by view and uncorrected.".to_owned()
+}
+
+/// What the result holds for.
+fn reach(scores: &Scores, tested: &[&Compared]) -> String {
+    let places = tested.iter().map(|r| r.places).max().unwrap_or_default();
+    let is_wider = tested.iter().any(|r| {
+        let like = r.finding.and_then(|finding| finding.in_places_like_these);
+        like.is_some_and(|like| like.effect.is_shown())
+    });
+    let model = &scores.sessions[0].scene.model;
+    let places = match (places, is_wider) {
+        (_, true) => "places like these".to_owned(),
+        (1, _) => "this place".to_owned(),
+        (places, _) => format!("these {places} places"),
+    };
+    format!(
+        "The result holds for {places}, this light, this print and this 1:{} model of a {}{}.",
+        model.scale,
+        model.class,
+        verdict::of_renders(scores)
+    )
+}

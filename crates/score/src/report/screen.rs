@@ -1,0 +1,60 @@
+//! What the terminal says of a scoring run: the verdict, one table, and on request the rest.
+
+use super::{Table, certainty, counted, paired, paper, tables, truth_boxes, verdict};
+use crate::score::{Scores, disagreements, paired as all_paired};
+
+/// Letters that a line of a screen has room for.
+const LETTERS: usize = 100;
+
+/// A screen: what was found, in a sentence for each texture; what it rests on; a line for each detector and texture. Below it the tables that were asked for by an
+/// option: a protocol's, by condition, of photos made worse or defended, the order of the textures.
+pub fn summary_table(scores: &Scores) -> String {
+    let results = all_paired(scores);
+    let mut lines = verdict::sentences(scores, results, &scores.base);
+    lines.extend(results.first().map(paired::basis));
+    lines.extend(Some(String::new()).filter(|_| !lines.is_empty()));
+    let main = match results {
+        [] => tables::figures_of_screen(scores),
+        results => tables::effects(scores, results, &scores.base),
+    };
+    lines.extend(on_screen(&main));
+    for table in tables::asked_for(scores) {
+        lines.extend([String::new(), table.caption.clone()]);
+        lines.extend(on_screen(&table));
+    }
+    lines.join("\n")
+}
+
+/// What a screen leaves out: the other tables, where AP and hits disagree and why, how effects were decided, what may be written, and what counts as the model.
+pub fn further_tables(scores: &Scores) -> String {
+    let results = all_paired(scores);
+    let mut lines = Vec::new();
+    for table in [
+        tables::figures(scores),
+        tables::outcomes(scores),
+        tables::papers(scores),
+    ] {
+        lines.extend([table.caption.clone()]);
+        lines.extend(table.lines());
+        lines.extend(table.notes.iter().map(|note| format!("{note}.")));
+        lines.push(String::new());
+    }
+    lines.extend(disagreements(scores).into_iter().map(|sentence| sentence + "."));
+    lines.extend(certainty::tested(scores, results).map(|sentence| sentence + "."));
+    lines.extend(paper::sentences(scores, results, &scores.base, None));
+    lines.push(format!("counts as the model: {}", counted(scores)));
+    lines.push(format!(
+        "AP@0.5: {}; a hit: {}",
+        scores.criteria.ap.meaning(),
+        scores.criteria.hit()
+    ));
+    lines.push(format!("truth boxes: {}", truth_boxes(scores)));
+    lines.join("\n")
+}
+
+/// A table with its notes, as wide as a screen.
+pub(super) fn on_screen(table: &Table) -> Vec<String> {
+    let mut lines = table.lines_within(LETTERS);
+    lines.extend(table.notes.iter().cloned());
+    lines
+}

@@ -1,0 +1,44 @@
+//! A table on a page.
+
+use maud::{Markup, html};
+
+use super::{Cell, Side, Table, Value};
+use crate::report::number;
+use crate::report::shade::{ink, shade};
+
+impl Table {
+    /// The table, which scrolls sideways where it is wider than the page, and its notes.
+    pub(in crate::report) fn markup(&self) -> Markup {
+        html! {
+            div.scroll {
+                table aria-label=(self.caption) {
+                    thead { tr { @for column in &self.columns {
+                        th.text[column.side == Side::Left] { (column.title) @if let Some(unit) = column.unit { br; small { (unit) } } }
+                    } } }
+                    tbody { @for block in &self.blocks { @for (i, row) in block.iter().enumerate() {
+                        tr.first[i == 0] { @for (cell, column) in row.iter().zip(&self.columns) { (cell.markup(column.side)) } }
+                    } } }
+                }
+            }
+            @for note in &self.notes { p.note { (note) "." } }
+        }
+    }
+}
+
+impl Cell {
+    fn markup(&self, side: Side) -> Markup {
+        let style = self
+            .shade
+            .map(|share| format!("background:{};color:{}", shade(share), ink(share)));
+        let words = html! { @if self.is_strong { b { (self.words(number)) } } @else { (self.words(number)) } };
+        html! {
+            td.text[side == Side::Left] style=[style] {
+                @if !self.is_repeated && self.value != Value::Text(String::new()) {
+                    (words)
+                    @if let Some(interval) = self.interval_words(number) { " " small { (interval) } }
+                    @if let Some(remark) = &self.remark { br; small.why { (remark) } }
+                }
+            }
+        }
+    }
+}

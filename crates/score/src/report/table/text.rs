@@ -1,0 +1,53 @@
+//! A table in lines of plain text.
+
+use super::{Cell, Side, Table};
+
+impl Table {
+    /// The headings, then a line for each row, its columns two spaces apart.
+    pub fn lines(&self) -> Vec<String> {
+        let head = self.columns.iter().map(|column| column.heading()).collect();
+        let rows = self.rows().map(|row| row.iter().map(Cell::line).collect());
+        let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
+        let is_right: Vec<bool> = (0..self.columns.len())
+            .map(|column| self.is_at_the_right(column))
+            .collect();
+        let widths: Vec<usize> = (0..self.columns.len()).map(|column| width(&rows, column)).collect();
+        let line = |row: &Vec<String>| {
+            let cells = row.iter().zip(&widths).zip(&is_right);
+            let cells = cells.map(|((cell, &width), is_right)| match is_right {
+                true => format!("{cell:>width$}"),
+                false => format!("{cell:<width$}"),
+            });
+            cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        };
+        rows.iter().map(line).collect()
+    }
+
+    /// The lines of a screen so many letters wide: the last columns are left out where they have no room, but never the first two.
+    pub fn lines_within(&self, letters: usize) -> Vec<String> {
+        let mut narrow = self.clone();
+        loop {
+            let lines = narrow.lines();
+            let is_wider = lines.iter().any(|line| line.chars().count() > letters);
+            if !is_wider || narrow.columns.len() <= 2 {
+                return lines;
+            }
+            narrow.columns.pop();
+            narrow.blocks.iter_mut().flatten().for_each(|row| {
+                row.pop();
+            });
+        }
+    }
+
+    /// Numbers alone end at the right; beside intervals they begin at the left.
+    fn is_at_the_right(&self, column: usize) -> bool {
+        let has_more = |cell: &Cell| cell.interval.is_some() || cell.remark.is_some();
+        let cells = self.rows().filter_map(|row| row.get(column));
+        self.columns[column].side == Side::Right && !cells.into_iter().any(has_more)
+    }
+}
+
+fn width(rows: &[Vec<String>], column: usize) -> usize {
+    let cells = rows.iter().filter_map(|row| row.get(column));
+    cells.map(|cell| cell.chars().count()).max().unwrap_or_default()
+}

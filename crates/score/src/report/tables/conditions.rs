@@ -1,0 +1,45 @@
+//! Figures by a condition that photos were grouped by.
+
+use crate::report::{Cell, Column, Table};
+use crate::score::{ConditionFigures, Scores};
+use scaleproof_plot::distinct;
+
+/// A table for each condition; none where none was asked for. Values and textures down, detectors across.
+pub(in crate::report) fn conditions(scores: &Scores) -> Vec<Table> {
+    let all = scores.summaries.iter().flat_map(|s| &s.conditions);
+    let names = distinct(all.map(|c| c.condition.as_str()));
+    names.into_iter().map(|name| condition(scores, name)).collect()
+}
+
+fn condition(scores: &Scores, name: &str) -> Table {
+    let titles = scores
+        .detectors
+        .iter()
+        .map(|d| Column::numbers(&d.manifest.title).called(&d.manifest.name));
+    let names = [Column::words(name), Column::words("texture")];
+    let mut table = Table::new(
+        &format!("By {name}: hits, AP@0.5"),
+        names.into_iter().chain(titles).collect(),
+    );
+    let all = scores.summaries.iter().flat_map(|s| &s.conditions);
+    let values = distinct(all.filter(|c| c.condition == name).map(|c| c.value.as_str()));
+    for value in values {
+        let row = |variant: &str| {
+            let own = scores.summaries.iter().filter(|s| s.variant == variant);
+            let is_own = |c: &&ConditionFigures| c.condition == name && c.value == value;
+            let cells = own.map(|s| s.conditions.iter().find(is_own).map_or_else(Cell::default, cell));
+            let names = [Cell::text(value), Cell::text(variant)];
+            names.into_iter().chain(cells).collect::<Vec<_>>()
+        };
+        table.add_block(scores.variants().into_iter().map(row));
+    }
+    table.notes.push("–: no photo; AP@0.5 of two photos or more".to_owned());
+    table
+}
+
+fn cell(c: &ConditionFigures) -> Cell {
+    let f = &c.figures;
+    // One photo has no ranking.
+    let ap50 = (f.photos > 1).then(|| format!("AP {}", scaleproof_core::spelling::digits(f.ap50, 2)));
+    Cell::share(f.hit_rate.count, f.photos).with_remark(ap50)
+}

@@ -1,0 +1,95 @@
+//! What each texture does to each detector: the table that a comparison is about.
+
+use crate::report::{Cell, CellValue, Column, Table, paired};
+use crate::score::{Compared, Effect, Scores, Summary};
+use scaleproof_core::spelling::{self, digits};
+
+/// A row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
+pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &str) -> Table {
+    let mut table = Table::new(
+        &format!("Textures against {}", paired::named_base(base)),
+        vec![
+            Column::words("detector"),
+            Column::words("texture"),
+            Column::words("effect"),
+            Column::numbers("drop").called("drop_mean_confidence").in_unit("95 %"),
+            Column::numbers("confidence").called("mean_confidence"),
+            Column::numbers("hits"),
+            Column::numbers("AP@0.5").called("ap50"),
+        ],
+    );
+    for detector in &scores.detectors {
+        let name = &detector.manifest.name;
+        let own = results.iter().filter(|r| r.detector == *name).map(|r| row(scores, r));
+        let unpaired = unpaired(scores, name, results).map(|(base, s)| unpaired_row(scores, base, s));
+        table.add_block(own.chain(unpaired));
+    }
+    table.notes.extend(open(results));
+    table
+}
+
+fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
+    let d = &r.mean_confidence;
+    let [from, to] = [r.hit_rate.rate.base, r.hit_rate.rate.other].map(|rate| (rate * r.pairs as f64).round() as usize);
+    let of = r.pairs;
+    vec![
+        Cell::text(scores.title(&r.detector)),
+        Cell::text(&r.variant),
+        Cell::text(paired::briefly(r.effect()))
+            .strong(r.effect().is_shown())
+            .with_remark(remark(r)),
+        Cell::number(d.drop, 2).with_interval(d.interval_95),
+        Cell::change(d.base, d.other, 2),
+        Cell::of(CellValue::ShareChange { from, to, of }),
+        Cell::change(r.ap50.base, r.ap50.other, 2),
+    ]
+}
+
+/// What stands in brackets behind an effect that is not shown: the drop that would have been, or why none can be.
+fn remark(r: &Compared) -> Option<String> {
+    let finding = r.finding.filter(|finding| finding.effect == Effect::NothingShown)?;
+    match finding.views_missing {
+        _ if finding.withheld_for_copies => Some("withheld".to_owned()),
+        0 => finding.drop_shown_from.map(|drop| digits(drop, 2)),
+        more => Some(format!("{} missing", spelling::count(more, "view"))),
+    }
+}
+
+/// What the brackets mean, where there are some.
+fn open(results: &[Compared]) -> Option<String> {
+    let has_drop = |r: &Compared| r.finding.is_some_and(|finding| finding.drop_shown_from.is_some());
+    results
+        .iter()
+        .any(has_drop)
+        .then(|| "(0.00): so large a drop of the confidence would have been shown, with a chance of 0.8".to_owned())
+}
+
+/// Textures of a detector that share no place and bin with the base, behind the base itself.
+fn unpaired<'a>(
+    scores: &'a Scores,
+    detector: &'a str,
+    results: &'a [Compared],
+) -> impl Iterator<Item = (&'a Summary, &'a Summary)> {
+    let base = scores.summary(detector, &scores.base);
+    let others = scores
+        .summaries
+        .iter()
+        .filter(move |s| s.detector == detector && s.variant != scores.base);
+    others
+        .filter(|s| results.iter().all(|r| r.variant != s.variant))
+        .filter_map(move |s| Some((base?, s)))
+}
+
+/// Figures over all photos, as no photos pair.
+fn unpaired_row(scores: &Scores, base: &Summary, s: &Summary) -> Vec<Cell> {
+    let (a, b) = (&base.overall, &s.overall);
+    vec![
+        Cell::text(scores.title(&s.detector)),
+        Cell::text(&s.variant),
+        Cell::text("not paired"),
+        Cell::number(a.mean_confidence - b.mean_confidence, 2),
+        Cell::change(a.mean_confidence, b.mean_confidence, 2),
+        Cell::share(b.hit_rate.count, b.photos),
+        Cell::change(a.ap50, b.ap50, 2),
+    ]
+}

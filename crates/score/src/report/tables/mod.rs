@@ -1,0 +1,52 @@
+//! What the reports tabulate: one file for each table.
+
+mod conditions;
+mod defended;
+mod effects;
+mod figures;
+mod order;
+mod outcomes;
+mod papers;
+mod patterns;
+mod protocol;
+mod survival;
+mod taken;
+mod transfer;
+
+pub(super) use conditions::conditions;
+pub(super) use defended::defended;
+pub(super) use effects::effects;
+pub(super) use figures::{figures, figures_of_screen};
+pub(super) use order::order;
+pub(super) use outcomes::outcomes;
+pub(super) use papers::papers;
+pub(super) use patterns::{by_pattern, differences};
+pub(super) use protocol::protocol;
+pub(super) use survival::survival;
+pub(super) use taken::taken;
+pub(super) use transfer::transferred;
+
+use super::{Cell, Table};
+use crate::score::{Scores, Summary};
+
+/// The tables that a run has only when they were asked for.
+pub(super) fn asked_for(scores: &Scores) -> Vec<Table> {
+    let mut tables = conditions(scores);
+    tables.extend(protocol(scores));
+    tables.extend(scores.robustness.as_ref().map(survival));
+    tables.extend(scores.defences.iter().flat_map(defended));
+    tables.extend(scores.ranking.as_ref().map(|ranking| order(scores, ranking)));
+    tables
+}
+
+/// A block of rows for each detector, a row for each of its variants, with these cells behind the two names.
+fn by_detector<'a>(
+    scores: &'a Scores,
+    cells: impl Fn(&'a Summary) -> Vec<Cell> + 'a,
+) -> impl Iterator<Item = Vec<Vec<Cell>>> + 'a {
+    let detectors = scores.summaries.chunk_by(|a, b| a.detector == b.detector);
+    detectors.map(move |own| {
+        let names = |s: &Summary| vec![Cell::text(scores.title(&s.detector)), Cell::text(&s.variant)];
+        own.iter().map(|s| [names(s), cells(s)].concat()).collect()
+    })
+}

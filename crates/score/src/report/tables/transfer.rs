@@ -1,0 +1,40 @@
+//! How far the effect of each texture carries over to other detectors.
+
+use crate::report::{Cell, Column, Table, paired};
+use crate::score::{Scores, TransferDrop, transfer};
+use scaleproof_core::spelling::digits;
+
+/// Pattern × detector: the drop of AP@0.5, darker the larger it is, and that of the hit rate; a table for each so many detectors. None without a base to drop from.
+pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Table> {
+    let rows = transfer(&scores.summaries);
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    let caption = format!("Transfer: drop from {}, pattern × detector", scores.base);
+    let of_some = |(i, some): (usize, &[crate::score::EvaluatedDetector])| {
+        let titles = some.iter().map(|d| Column::numbers(&d.manifest.title));
+        let mut table = Table::new(
+            &caption,
+            std::iter::once(Column::words("pattern")).chain(titles).collect(),
+        );
+        table.blocks.push(
+            rows.iter()
+                .map(|row| {
+                    let own = row.detectors.iter().skip(i * across).take(across);
+                    let cells = own.map(|drop| cell(scores, &row.variant, drop));
+                    std::iter::once(Cell::text(&row.variant)).chain(cells).collect()
+                })
+                .collect(),
+        );
+        table
+    };
+    scores.detectors.chunks(across).enumerate().map(of_some).collect()
+}
+
+fn cell(scores: &Scores, variant: &str, drop: &TransferDrop) -> Cell {
+    let compared = paired::compared(scores, &drop.detector, variant);
+    Cell::number(drop.drop.ap50, 3)
+        .shaded(drop.drop.ap50)
+        .strong(compared.is_some_and(paired::is_confidence_shown))
+        .with_remark(Some(format!("hits {}", digits(drop.drop.hit_rate, 2))))
+}
