@@ -10,7 +10,8 @@ const MOST_NAMED: usize = 2;
 
 /// `“ours” hides the model from 2 of 5 detectors (A, B) and weakens 1 (C); nothing is shown of 2.` One for each texture.
 pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
-    let textures = distinct(results.iter().map(|r| r.variant.as_str()));
+    let tested = || results.iter().filter(|r| r.finding.is_some());
+    let textures = distinct(tested().map(|r| r.variant.as_str()));
     textures
         .into_iter()
         .map(|texture| sentence(scores, results, [texture, base]))
@@ -18,7 +19,8 @@ pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Ve
 }
 
 fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -> String {
-    let own: Vec<&Compared> = results.iter().filter(|r| r.variant == texture).collect();
+    let own = results.iter().filter(|r| r.variant == texture && r.finding.is_some());
+    let own: Vec<&Compared> = own.collect();
     let mut is_first = true;
     let mut some = |effect: Effect| {
         let names: Vec<&str> = own

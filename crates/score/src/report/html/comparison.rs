@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{heads, notes, number, pairs, round, sequential, shell, table};
+use super::{a_photo, heads, notes, number, pairs, round, sequential, shell, table};
 use crate::report::{certainty, counted, paired};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Drawing;
@@ -15,8 +15,9 @@ const WIDTH: f64 = 1060.0;
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol;
     let lead = format!(
-        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",
+        "Textures against “{}” on {}s paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",
         comparison.base,
+        a_photo(scores),
         comparison.ap_definition,
         scores.criteria.hit(),
         protocol.map_or(String::new(), |p| format!("; protocol {}", p.name())),

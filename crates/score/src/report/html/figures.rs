@@ -27,7 +27,7 @@ pub(super) fn headline(scores: &Scores) -> Markup {
             td { (number(s.overall.mean_confidence, 2)) }
             td.of {
                 (drop(scores, s, |d| d.mean_confidence, (|r| &r.mean_confidence, paired::is_confidence_shown)))
-                @if let Some(r) = paired::compared(scores, &s.detector, &s.variant) { small { (paired::briefly(r.effect())) } }
+                @if let Some(r) = paired::compared(scores, &s.detector, &s.variant) { small { (paired::word(r)) } }
             }
             td { (number(s.overall.median_confidence, 2)) }
         }

@@ -110,10 +110,18 @@ fn lead(scores: &Scores) -> String {
         "1:{} model of a {}, {} scored{left_out}; textures: {variants}; {}; counts as the model: {}.",
         model.scale,
         model.class,
-        spelling::count(scores.photos.len(), "photo"),
+        spelling::count(scores.photos.len(), a_photo(scores)),
         spelling::count(scores.detectors.len(), "detector"),
         counted(scores)
     )
+}
+
+/// What a photo of the run is called.
+fn a_photo(scores: &Scores) -> &'static str {
+    match scores.sessions.iter().all(|session| session.rendered) {
+        true => "rendered photo",
+        false => "photo",
+    }
 }
 
 fn recorded_banner(scores: &Scores) -> Markup {
