@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Is a detector in Python scored as the built-in one? Scores the stored session with yolox_nano by ONNX Runtime in Python
+# Is a detector in Python scored as the built-in one? Scores the plain and random photos of the stored session with yolox_nano by ONNX Runtime in Python
 # (python/examples/onnxruntime_yolox.py) and in this program, and compares every detection.
 #
 #   python3 -m venv venv && venv/bin/pip install onnxruntime==1.31.1 'opencv-python-headless<5' numpy
@@ -14,7 +14,8 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
 export PYTHONPATH="$home/python"
-score() { "$program" --quiet score "$home/captures/skyline" "$@" --cache "$out/cache" >/dev/null; }
+"$python" "$home/benches/two_textures.py" "$home/captures/skyline" "$out/skyline"
+score() { "$program" --quiet score "$out/skyline" "$@" --cache "$out/cache" >/dev/null; }
 score --detector yolox_nano --detectors "$(dirname "$weights")" -o "$out/own"
 score --detector "exec:$python $home/python/examples/onnxruntime_yolox.py $weights" -o "$out/python"
 "$python" - "$out" <<'PYTHON'

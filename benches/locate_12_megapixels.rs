@@ -103,13 +103,16 @@ fn session(file: &str) -> PathBuf {
         .join(file)
 }
 
+/// The plain and random ones.
 fn views() -> Vec<View> {
     let text = std::fs::read_to_string(session("truth.json")).expect("the stored truth");
     let truth: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let photos = truth["photos"].as_array().expect("a list of photos").iter();
-    photos
-        .map(|photo| {
-            let grey = Photo::open(&session(photo["file"].as_str().expect("a name")))
+    let named = photos.map(|photo| (photo, photo["file"].as_str().expect("a name")));
+    named
+        .filter(|(_, file)| file.starts_with("normal_") || file.starts_with("random_"))
+        .map(|(photo, file)| {
+            let grey = Photo::open(&session(file))
                 .expect("a photo")
                 .luma()
                 .expect("a whole photo");

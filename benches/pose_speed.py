@@ -19,10 +19,15 @@ import numpy as np
 COPIES = 3
 
 
+def stored(session):
+    """The sixteen photos that the figures are of: the plain model and the random pattern."""
+    return sorted([*session.glob("normal_*.jpg"), *session.glob("random_*.jpg")])
+
+
 def make(session, folder):
     for name in ["clean", "large", "spoiled"]:
         (folder / name).mkdir(parents=True, exist_ok=True)
-    for photo in sorted(session.glob("*.jpg")):
+    for photo in stored(session):
         picture = cv2.imread(str(photo))
         large = cv2.resize(picture, (4000, 3000), interpolation=cv2.INTER_CUBIC)
         for copy in range(COPIES):
@@ -35,7 +40,7 @@ def make(session, folder):
 def spoil(session, folder, seed):
     """Four copies of each photo, each spoiled in one way by a random amount."""
     rng = np.random.default_rng(seed)
-    for photo in sorted(session.glob("*.jpg")):
+    for photo in stored(session):
         whole = cv2.imread(str(photo)).astype(np.float32)
         for copy in range(4):
             kind = WAYS[rng.integers(len(WAYS))]

@@ -4,7 +4,7 @@
 #   python3 -m venv venv && venv/bin/pip install opencv-python-headless pupil-apriltags numpy
 #   benches/pose_speed.sh FOLDER venv/bin/python [ROUNDS] [scaleproof]
 #
-# FOLDER is made and filled: the photos of captures/skyline three times, enlarged to 4000×3000 px, and spoiled copies of them (blur, motion,
+# FOLDER is made and filled: the sixteen plain and random photos of captures/skyline three times, enlarged to 4000×3000 px, and spoiled copies of them (blur, motion,
 # darkness, noise, small, windows, covered; seeds 1 to 3). In each of ROUNDS (5) rounds every program runs once on each set; the figures are
 # medians of processor time a photo, start-up included, and their ratios to ours. Then what each answers of the spoiled photos.
 set -euo pipefail

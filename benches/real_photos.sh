@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Real photos with independent truth, set by set: `scaleproof locate` beside C AprilTag and OpenCV's ArUco, each with SQPnP, as Markdown; then how many of
-# the errors are within the stated σ, by one, two, three and more tags (`chart sigma`): of these sets, of the renders in captures/skyline, and of VIEWS
+# the errors are within the stated σ, by one, two, three and more tags (`chart sigma`): of these sets, of the plain and random renders in captures/skyline, and of VIEWS
 # (1000) simulated views for each number of tags.
 #
 #   python3 -m venv venv && venv/bin/pip install opencv-python-headless pupil-apriltags numpy
@@ -18,7 +18,8 @@ home=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=${4:-${SCALEPROOF:-$home/target/release/scaleproof}}
 "$python" "$home/benches/real_photos.py" table "$photos" "$program"
 "$python" "$home/benches/real_photos.py" sessions "$photos" "$folder/sessions"
-sets=(--session "$home/captures/skyline" --truth "$home/captures/skyline/truth.json")
+"$python" "$home/benches/two_textures.py" "$home/captures/skyline" "$folder/skyline"
+sets=(--session "$folder/skyline" --truth "$folder/skyline/truth.json")
 for session in "$folder"/sessions/*/*/; do
     sets+=(--session "$session" --truth "$session/truth.json")
 done

@@ -4,7 +4,7 @@
 #   benches/score_12_megapixels.sh FOLDER PYTHON WEIGHTS [THREADS] [COPIES]
 #
 # FOLDER is made and filled (about 20 MB a copy); PYTHON has opencv-python-headless, onnxruntime, pycocotools and numpy; WEIGHTS is a folder with
-# yolox_nano.onnx. The photos are those of captures/skyline enlarged to 4000×3000 px, each COPIES (8) times with other bytes at its end, so that
+# yolox_nano.onnx. The photos are the sixteen plain and random ones of captures/skyline enlarged to 4000×3000 px, each COPIES (8) times with other bytes at its end, so that
 # nothing is known from before. Build first, by any ./run command. Start-up of both programs counts.
 set -euo pipefail
 folder=$1 python=$2 weights=$3 threads=${4:-2} copies=${5:-8}
@@ -19,7 +19,7 @@ source, folder, copies = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3])
 (folder / "tags").mkdir(parents=True, exist_ok=True)
 session = json.loads((source / "session.json").read_text())
 photos = []
-for photo in session["photos"]:
+for photo in [photo for photo in session["photos"] if photo["variant"] in ("normal", "random")]:
     picture = cv2.resize(cv2.imread(str(source / photo["file"])), (4000, 3000), interpolation=cv2.INTER_CUBIC)
     jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 92])[1].tobytes()
     for copy in range(copies):

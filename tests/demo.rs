@@ -5,7 +5,8 @@ use crate::common;
 use std::path::Path;
 use std::process::Command;
 
-use common::{program, read_json, shared, stderr, stdout};
+use common::{home, program, read_json, shared, stderr, stdout, stored};
+use scaleproof_core::files::sha256_hex;
 
 const DETECTORS: [&str; 5] = ["yolox_nano", "nanodet_m", "fastestdet", "deimv2_femto", "deimv2_atto"];
 
@@ -22,10 +23,17 @@ fn assert_complete(text: &str, out: &Path) {
         .position(|l| *l == "AP@0.5 (coco-101) / hits / mean confidence")
         .unwrap();
     let summary = &lines[headline + 1..headline + 7];
-    assert!(summary[0].contains("normal") && summary[0].contains("random"), "{text}");
-    for (line, detector) in summary[1..].iter().zip(DETECTORS) {
-        assert!(line.starts_with(detector) && line.matches('%').count() == 2, "{line}");
+    for texture in ["normal", "random", "two_targets"] {
+        assert!(summary[0].contains(texture), "{text}");
     }
+    for (line, detector) in summary[1..].iter().zip(DETECTORS) {
+        assert!(line.starts_with(detector) && line.matches('%').count() == 3, "{line}");
+    }
+    assert_eq!(lines[1], "These photos are renders: no camera took them.");
+    let found = "“two_targets” hides the model from 1 of 5 detectors (DEIMv2-Atto 320) and weakens 4";
+    assert!(lines.contains(&found), "{text}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("24 rendered photos scored"));
     for (file, start) in [
         ("report.html", "<!DOCTYPE html>"),
         ("template.pdf", "%PDF-"),
@@ -38,7 +46,7 @@ fn assert_complete(text: &str, out: &Path) {
     assert!(text.contains(&out.join("template.pdf").display().to_string()));
     assert_eq!(
         text.matches("°/15°/850 mm").count(),
-        16,
+        24,
         "every photo is located: {text}"
     );
 }
@@ -65,6 +73,11 @@ fn without_weights_and_network_it_plays_back_and_runs_the_project_s_own_detector
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     assert!(page.contains("Recorded detections: these did not run for this report"));
     assert!(text.contains("running: scaleproof_car"), "{text}");
+    let effects = text.lines().filter(|line| {
+        line.split_whitespace()
+            .eq(["scaleproof_car", "effect", "not", "tested"])
+    });
+    assert_eq!(effects.count(), 2, "{text}");
     let row = text.lines().find(|line| line.starts_with("scaleproof_car")).unwrap();
     assert!(
         row.contains("8/8 (100 %)"),
@@ -112,6 +125,24 @@ fn variables_that_are_set_to_nothing_count_as_unset() {
     let text = demo(&mut command, out.path());
     assert_complete(&text, out.path());
     assert!(!text.contains("ONNX Runtime was not found (:"), "{text}");
+}
+
+/// The pattern that the stored photos show stays in the repository as long as they are of it.
+#[test]
+fn the_pattern_that_the_demo_wears_is_there() {
+    let session = read_json(&stored().join("session.json"));
+    let photos = session["photos"].as_array().unwrap();
+    assert_eq!(
+        photos.iter().filter(|photo| photo["variant"] == "two_targets").count(),
+        8
+    );
+    let pattern = std::fs::read(home().join("print_templates/patterns/two_targets_1.png")).unwrap();
+    let readme = std::fs::read_to_string(stored().join("README.md")).unwrap();
+    let rendered = format!(
+        "`print_templates/patterns/two_targets_1.png` (SHA-256 `{}`)",
+        sha256_hex(&pattern)
+    );
+    assert!(readme.contains(&rendered), "{rendered}");
 }
 
 #[test]

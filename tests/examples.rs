@@ -44,7 +44,7 @@ fn a_photo_is_located_where_the_session_s_truth_says() {
 #[test]
 fn a_session_is_scored_and_compared() {
     let folder = tempfile::tempdir().unwrap();
-    let said = run("score_a_session", &[&home().join("captures/skyline"), folder.path()]);
+    let said = run("score_a_session", &[&scaleproof_testing::skyline(), folder.path()]);
     for detector in ["yolox_nano", "nanodet_m", "fastestdet", "deimv2_femto", "deimv2_atto"] {
         assert!(
             said.contains(&format!("{detector} random: hit rate lower by ")),

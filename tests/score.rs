@@ -793,10 +793,10 @@ fn what_weakens_the_figures_is_said() {
         "could not be scored",
     );
     let (_, summary, _) = score_changed(|_| {});
-    // One place and boxes around the model's size: no more is said of a faultless session.
+    // Renders, one place and boxes around the model's size: no more is said of a faultless session.
     assert_eq!(
         summary["cautions"].as_array().unwrap().len(),
-        2,
+        3,
         "{}",
         summary["cautions"]
     );

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A first experiment from Python
 #
-# Does a random pattern make detectors miss a 1:10 car? Stored photos stand in for a camera, and stored detections for detectors' weights.
+# Does a pattern make detectors miss a 1:10 car? Stored photos, which are renders, stand in for a camera, and stored detections for detectors' weights.
 
 # %%
 import tempfile
@@ -32,13 +32,14 @@ for found in scaleproof.locate_many(photos, scene, camera):
     print(name, f"{found.azimuth_deg:.0f}° ± {found.sigma_azimuth_deg:.3f}°" if found else found.reason)
 
 # %% [markdown]
-# The session names each photo's texture. Figures and files are those of the program, to the digits; `print(scores)` has its whole table.
+# The session names each photo's texture: the plain model, a random pattern, and one that was made against two other detectors. Figures and files are
+# those of the program, to the digits; `print(scores)` has its whole table.
 
 # %%
 session = scaleproof.Session(clone / "captures/skyline")
 scores = scaleproof.score(session, recorded=True)
 for one in scores.summaries:
-    print(f"{one.detector:13} {one.variant:7} AP@0.5 {one.overall.ap50:.3f}, hits {one.overall.hit_rate.count} of {one.overall.photos}")
+    print(f"{one.detector:13} {one.variant:11} AP@0.5 {one.overall.ap50:.3f}, hits {one.overall.hit_rate.count} of {one.overall.photos}")
 
 # %%
 page = scores.write(out / "report")  # report.html, with tables for LaTeX, CSV and COCO beside it
@@ -51,7 +52,7 @@ for row in scores.photos.rows():
 
 # %%
 for drop in scores.compare().drops:
-    print(f"{drop.detector}: {drop.base:.2f} → {drop.other:.2f}, {drop.effect}")
+    print(f"{drop.variant:11} {drop.detector:13} {drop.base:.2f} → {drop.other:.2f}, {drop.effect}")
 
 # %% [markdown]
 # Eight pairs show only a very large drop. How many photos does a drop of 20 points take?

@@ -1,16 +1,25 @@
 # %% [markdown]
 # # A detector of your own
 #
-# Any function is a detector: a PyTorch model, a service, an ensemble. This one needs no weights: it takes the red of a photo for a car.
+# Any function is a detector: a PyTorch model, a service, an ensemble. This one needs no weights: it takes the red of a photo for a car. Photos need no
+# session: a folder for each texture does.
 
 # %%
+import shutil
+import tempfile
 from pathlib import Path
 
 import numpy
 
 import scaleproof
 
-session = scaleproof.Session(Path("../..") / "captures/skyline")  # notebooks run in their own folder
+skyline, photos = Path("../..") / "captures/skyline", Path(tempfile.mkdtemp())  # notebooks run in their own folder
+for texture in ("normal", "random"):
+    (photos / texture).mkdir()
+    for photo in skyline.glob(f"{texture}_*.jpg"):
+        shutil.copy(photo, photos / texture)
+folders = {texture: photos / texture for texture in ("normal", "random")}
+session = scaleproof.Session.of_folders(folders, scene=skyline / "scene.toml", camera=skyline / "camera.yaml", place="yard")
 
 # %% [markdown]
 # The function gets a list of images, height × width × 3 bytes, red first, and returns for each a list of (label, confidence, box). A box is left, top,

@@ -2,9 +2,11 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -16,11 +18,24 @@ import scaleproof
 from scaleproof import _process
 
 HOME = Path(__file__).parents[2]
-SKYLINE = HOME / "captures/skyline"
+STORED = HOME / "captures/skyline"
 FRAMES = HOME / "captures/skyline_frames"
 
 # A shell's background processes are started deaf to Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def two_textures(folder):
+    """The stored session without its third texture: the sixteen photos that the figures of these tests are of."""
+    shutil.copytree(STORED, folder, ignore=shutil.ignore_patterns("two_targets_*"))
+    session = json.loads((STORED / "session.json").read_text())
+    session["photos"] = [photo for photo in session["photos"] if photo["variant"] != "two_targets"]
+    (folder / "session.json").write_text(json.dumps(session))
+    return folder
+
+
+KEPT = tempfile.TemporaryDirectory()
+SKYLINE = two_textures(Path(KEPT.name) / "skyline")
 
 
 def program(*words):

@@ -1,4 +1,4 @@
-//! `scaleproof demo`: the whole way on the stored session, from pattern to report.
+//! `scaleproof demo`: the whole way on the stored session, from pattern to report: the plain model, a random pattern, and one that was made to fool.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -59,6 +59,12 @@ pub(super) struct Answer {
 /// The three steps, reported to `out`.
 fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let session = Session::open(&home().join("captures/skyline"))?;
+    writeln!(
+        out,
+        "{} stored photos of a 1:10 car: plain (normal), in random colours (random), in a pattern made to fool detectors (two_targets).",
+        session.photos.len()
+    )?;
+    writeln!(out, "These photos are renders: no camera took them.\n")?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
     let png = args.output.join("random16.png");
@@ -162,10 +168,11 @@ fn detectors(session: &Session, folders: &WeightFolders, out: &mut dyn Write) ->
             "scored from RECORDED detections, not by running them: {names}\nbecause {why}"
         )?;
         if Runtime::load().is_ok() {
-            let own = EvaluatedDetector::live(Manifest::open(&own_detector())?, folders, class)?;
+            let mut own = EvaluatedDetector::live(Manifest::open(&own_detector())?, folders, class)?;
+            own.is_tested = false;
             writeln!(
                 out,
-                "running: {}, the project's own, for trying things",
+                "running: {}, the project's own, for trying things: its figures are shown, and nothing is decided by them",
                 own.manifest.name
             )?;
             detectors.push(own);

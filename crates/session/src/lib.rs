@@ -5,7 +5,7 @@
 //! use scaleproof_session::session::Session;
 //!
 //! let session = Session::open(Path::new("../../captures/skyline"))?;
-//! assert_eq!(session.photos.len(), 16);
+//! assert_eq!(session.photos.len(), 24);
 //! # Ok::<(), scaleproof_session::session::SessionError>(())
 //! ```
 

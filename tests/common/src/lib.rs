@@ -5,6 +5,7 @@ pub mod kills;
 pub mod onnx;
 pub mod rendered;
 pub mod served;
+mod stored;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,6 +13,7 @@ use std::process::{Command, Output};
 use std::time::Duration;
 
 pub use scaleproof_core::files::environment::variable;
+pub use stored::{skyline, stored};
 
 /// What takes longer hangs. It ends a test, and judges no speed: a machine may be busy.
 pub const HANG: Duration = Duration::from_secs(600);
@@ -25,11 +27,6 @@ pub fn home() -> &'static Path {
 pub fn write_program(path: &Path, script: &str) {
     std::fs::write(path, format!("#!/bin/sh\n{script}\n")).unwrap();
     std::fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
-}
-
-/// The stored session.
-pub fn skyline() -> PathBuf {
-    home().join("captures/skyline")
 }
 
 /// The files below a folder with their bytes; links to folders are not followed.
@@ -137,7 +134,7 @@ pub fn assert_refused(output: &Output, words: &[&str]) {
     }
 }
 
-/// A copy of the stored session that a test may break.
+/// A copy of [`skyline`] that a test may break.
 pub fn copy_of_skyline() -> tempfile::TempDir {
     let copy = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(skyline()).unwrap() {

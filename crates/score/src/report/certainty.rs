@@ -8,9 +8,10 @@ use scaleproof_plot::distinct;
 
 /// The tests of a comparison in words: `5 detectors × 2 textures`.
 pub(super) fn family(results: &[Compared]) -> String {
+    let tested = || results.iter().filter(|r| r.finding.is_some());
     let [detectors, textures] = [
-        distinct(results.iter().map(|r| &r.detector)).len(),
-        distinct(results.iter().map(|r| &r.variant)).len(),
+        distinct(tested().map(|r| &r.detector)).len(),
+        distinct(tested().map(|r| &r.variant)).len(),
     ];
     let of = [
         spelling::count(detectors, "detector"),

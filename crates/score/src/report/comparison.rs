@@ -78,7 +78,7 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
     }
     lines.extend(verdict::sentences(scores, results, base));
-    lines.extend(results.first().map(paired::basis));
+    lines.extend(verdict::basis(scores, results));
     lines.push(String::new());
     lines.extend(screen::on_screen(&tables::effects(scores, results, base)));
     if let Some(own) = &comparison.sequential {

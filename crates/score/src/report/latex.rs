@@ -4,7 +4,6 @@ use super::evaluation::Evaluation;
 use super::tex::{escaped, number, row, tabular};
 use super::{Cell, certainty, p_value, paired, tables};
 use crate::score::{Compared, Comparison, Difference, Effect, Scores, disagreements, paired as all_paired};
-use scaleproof_core::spelling::digits;
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
 pub fn table(scores: &Scores) -> String {

@@ -22,10 +22,17 @@ pub fn briefly(effect: Effect) -> &'static str {
     }
 }
 
+/// What is shown of a detector in a word or two.
+pub(super) fn word(r: &Compared) -> &'static str {
+    r.finding.map_or(NOT_TESTED, |finding| briefly(finding.effect))
+}
+
+const NOT_TESTED: &str = "not tested";
+
 /// An effect with its p and what stays open: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
 pub(super) fn in_words(r: &Compared, base: &str) -> String {
     let Some(finding) = r.finding else {
-        return "not tested".to_owned();
+        return NOT_TESTED.to_owned();
     };
     let effect = briefly(finding.effect);
     let p = format!("p {}", p_value(finding.confidence_p));

@@ -137,10 +137,13 @@ fn reach(scores: &Scores, tested: &[&Compared]) -> String {
         (1, _) => "this place".to_owned(),
         (places, _) => format!("these {places} places"),
     };
+    let renders = if verdict::are_renders(scores) {
+        "; the photos are renders"
+    } else {
+        ""
+    };
     format!(
-        "The result holds for {places}, this light, this print and this 1:{} model of a {}{}.",
-        model.scale,
-        model.class,
-        verdict::of_renders(scores)
+        "The result holds for {places}, this light, this print and this 1:{} model of a {}{renders}.",
+        model.scale, model.class
     )
 }

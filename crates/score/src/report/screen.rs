@@ -1,6 +1,6 @@
 //! What the terminal says of a scoring run: the verdict, one table, and on request the rest.
 
-use super::{Table, certainty, counted, paired, paper, tables, truth_boxes, verdict};
+use super::{Table, certainty, counted, paper, tables, truth_boxes, verdict};
 use crate::score::{Scores, disagreements, paired as all_paired};
 
 /// Letters that a line of a screen has room for.
@@ -11,7 +11,7 @@ const LETTERS: usize = 100;
 pub fn summary_table(scores: &Scores) -> String {
     let results = all_paired(scores);
     let mut lines = verdict::sentences(scores, results, &scores.base);
-    lines.extend(results.first().map(paired::basis));
+    lines.extend(verdict::basis(scores, results));
     lines.extend(Some(String::new()).filter(|_| !lines.is_empty()));
     let main = match results {
         [] => tables::figures_of_screen(scores),

@@ -10,20 +10,31 @@ const MOST_NAMED: usize = 2;
 
 /// `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown of 3`. One for each texture, of 25 words at most.
 pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
-    let textures = distinct(results.iter().map(|r| r.variant.as_str()));
+    let tested = results.iter().filter(|r| r.finding.is_some());
+    let textures = distinct(tested.map(|r| r.variant.as_str()));
     textures
         .into_iter()
         .map(|texture| sentence(scores, results, [texture, base]))
         .collect()
 }
 
-/// `; the photos are renders`, where they are.
-pub(super) fn of_renders(_scores: &Scores) -> &'static str {
-    ""
+/// `These photos are renders`, where all are; what a comparison rests on follows.
+pub(super) fn basis(scores: &Scores, results: &[Compared]) -> Option<String> {
+    let basis = paired::basis(results.first()?);
+    Some(match are_renders(scores) {
+        true => format!("These photos are renders: {basis}"),
+        false => basis,
+    })
+}
+
+/// True where no camera took the photos.
+pub(super) fn are_renders(scores: &Scores) -> bool {
+    scores.sessions.iter().all(|session| session.rendered)
 }
 
 fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -> String {
-    let own: Vec<&Compared> = results.iter().filter(|r| r.variant == texture).collect();
+    let own = results.iter().filter(|r| r.variant == texture && r.finding.is_some());
+    let own: Vec<&Compared> = own.collect();
     let of = |effect: Effect| -> Vec<&str> {
         let own = own.iter().filter(|r| r.effect() == effect);
         own.map(|r| scores.title(&r.detector)).collect()

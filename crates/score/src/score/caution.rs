@@ -37,6 +37,7 @@ pub(super) fn cautions(
     cautions.extend(few_clusters(photos, base));
     cautions.extend(uneven_directions(photos, base));
     cautions.extend(no_control(photos, base));
+    cautions.extend(renders(sessions));
     cautions.extend(few_places(photos));
     cautions.extend(hardly_found(summaries, base));
     cautions.extend(counted_once(photos, not_scored));
@@ -50,6 +51,23 @@ pub(super) fn cautions(
 fn no_base(photos: &[ScoredPhoto], base: &str) -> Option<String> {
     let has_base = photos.iter().any(|p| p.variant == base);
     (!has_base).then(|| format!("no photo has the variant “{base}”, so no drop can be given"))
+}
+
+/// What a renderer leaves out of light, paint and lens is in no figure.
+fn renders(sessions: &[Session]) -> Option<String> {
+    let rendered: Vec<&str> = sessions
+        .iter()
+        .filter(|s| s.rendered)
+        .map(|s| s.name.as_str())
+        .collect();
+    let whose = if rendered.len() == sessions.len() {
+        "the photos".to_owned()
+    } else {
+        format!("the photos of {}", rendered.join(", "))
+    };
+    (!rendered.is_empty()).then(|| {
+        format!("{whose} are renders, which no camera took: what is found need not hold for a printed pattern on a real model")
+    })
 }
 
 /// Directions and places that a variant shares with the base, by which photos pair: too few of them leave every drop open.

@@ -20,6 +20,8 @@ pub struct EvaluatedDetector {
     pub source: DetectionSource,
     /// The detector's labels that count as the model, by their numbers, at least one.
     pub counted: Vec<usize>,
+    /// Whether it is tested with the others. Of one that is not, figures and intervals are all there is.
+    pub is_tested: bool,
 }
 
 impl EvaluatedDetector {
@@ -155,6 +157,7 @@ impl EvaluatedDetector {
             counted: manifest.counted(class.labels())?,
             manifest,
             source,
+            is_tested: true,
         })
     }
 

@@ -210,6 +210,39 @@ fn ties_count_as_reached() {
     assert_eq!(finding.confidence_p, 6.0 / 256.0);
 }
 
+/// The first detector's differences are those of [`ties_count_as_reached`]; a second one's reach their T under flips that the first one's do not.
+#[test]
+fn a_detector_that_is_not_tested_is_in_no_family() {
+    let last_is_tested = |is_tested: bool| {
+        let mut scores = stored();
+        scores.detectors[4].is_tested = is_tested;
+        let views = scores.photos[..8].to_vec();
+        let confidence = |i, texture: &str, _, view: usize| match (i, texture) {
+            (0, "random") => [0.7, 0.9, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5][view],
+            (4, "random") => [0.5, 0.5, 0.5, 0.5, 0.7, 0.95, 0.5, 0.5][view],
+            (_, _) => 0.8,
+        };
+        compared(&photographed(
+            scores,
+            &views,
+            &["lab"],
+            &["normal", "random"],
+            confidence,
+        ))
+    };
+    let [with, without] = [true, false].map(last_is_tested);
+    let p = |comparison: &Comparison| result(comparison, 0, "random").finding.unwrap().confidence_p;
+    assert_eq!(p(&without), 6.0 / 256.0);
+    assert!(p(&with) > p(&without), "{}", p(&with));
+    let last = result(&without, 4, "random");
+    assert!(last.finding.is_none());
+    assert_eq!(
+        last.mean_confidence,
+        result(&with, 4, "random").mean_confidence,
+        "its figures stay"
+    );
+}
+
 #[test]
 fn no_finding_without_evidence() {
     // A detector that does not see the plain model, and never counts, though its confidence falls everywhere.

@@ -52,6 +52,8 @@ pub struct Session {
     pub outline: EnvelopeShape,
     /// Absent only when every photo carries its truth box and viewpoint.
     pub camera: Option<Camera>,
+    /// Whether a program drew the photos, and no camera took them.
+    pub rendered: bool,
     /// In the order of the file.
     pub photos: Vec<PhotoEntry>,
     /// File name and SHA-256 of `session.json`, the scene, its mesh and the camera file, for provenance.
@@ -110,6 +112,8 @@ struct SessionFile {
     scene: PathBuf,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     camera: Option<PathBuf>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    rendered: bool,
     photos: Vec<PhotoEntry>,
 }
 
@@ -133,7 +137,9 @@ impl Session {
         let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
         let (scene, camera) = (folder.join(&file.scene), file.camera.map(|camera| folder.join(camera)));
         let hash = (files::name_of(path), files::sha256_hex(text.as_bytes()));
-        Session::assembled(path, &folder, (&scene, camera.as_deref()), file.photos, vec![hash])
+        let session = Session::assembled(path, &folder, (&scene, camera.as_deref()), file.photos, vec![hash])?;
+        let rendered = file.rendered;
+        Ok(Session { rendered, ..session })
     }
 
     /// A session of these parts; `path` is what messages about the photos' list name, and `hashes` are of what else it was made of.
@@ -167,6 +173,7 @@ impl Session {
             scene,
             outline,
             camera,
+            rendered: false,
             photos,
             hashes,
         })
@@ -193,6 +200,7 @@ pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEnt
     let file = SessionFile {
         scene: scene.into(),
         camera: camera.map(Into::into),
+        rendered: false,
         photos,
     };
     let text = file.to_json(path)?;

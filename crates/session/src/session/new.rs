@@ -67,7 +67,12 @@ impl NewSession<'_> {
         let (scene, camera) = (self.scene(&home, &mut files)?, self.camera(&home, &mut files)?);
         let photos = self.photos(&home, &mut files)?;
         let camera = Some(camera);
-        let list = SessionFile { scene, camera, photos };
+        let list = SessionFile {
+            scene,
+            camera,
+            rendered: false,
+            photos,
+        };
         files.push(("session.json".into(), Content::Bytes(list.to_json(&path)?.into_bytes())));
         if is_new {
             let write = |(name, content): &(PathBuf, Content), folder: &Path| write(&folder.join(name), content);

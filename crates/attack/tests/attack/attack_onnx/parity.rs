@@ -8,7 +8,7 @@ use ort::session::builder::GraphOptimizationLevel;
 use scaleproof_detect::{Manifest, Runtime};
 use scaleproof_gradients::network::onnx::OnnxNetwork;
 
-use crate::common::{home, shared};
+use crate::common::{shared, skyline};
 
 /// Name, shape and numbers of an output.
 pub type Answered = (String, Vec<usize>, Vec<f32>);
@@ -32,7 +32,7 @@ pub fn photos() -> Vec<PathBuf> {
         files.sort();
         files
     };
-    let mut photos = images(&home().join("captures/skyline"));
+    let mut photos = images(&skyline());
     for folder in ["photos/cars", "photos/toys"] {
         photos.extend(images(&shared(folder)).into_iter().take(2));
     }

@@ -35,7 +35,7 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
         Section::folded("provenance", "Provenance", notes::provenance(scores, &chance)),
     ]);
     let lead = format!(
-        "{}, rendered · {}",
+        "{} · {}",
         lead(scores),
         spelling::count(evaluation.patterns.len().saturating_sub(1), "pattern")
     );

@@ -89,7 +89,7 @@ fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f6
             }
             circle cx=(x(d.drop)) cy=(y) r="4.6" stroke=(colour) stroke-width="1.8" fill=(if is_shown { colour } else { "#fff" }) {}
         }
-        text x=(LEFT + PLOT + 12.0) y=(y + 4.0) font-size="11.5" fill=(if is_shown { colour } else { "#5b6573" }) { (paired::briefly(r.effect())) }
+        text x=(LEFT + PLOT + 12.0) y=(y + 4.0) font-size="11.5" fill=(if is_shown { colour } else { "#5b6573" }) { (paired::word(r)) }
     }
 }
 

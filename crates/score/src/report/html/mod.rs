@@ -23,7 +23,7 @@ mod strip;
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::report::{Table, number, tables};
+use crate::report::{Table, tables, verdict};
 use crate::score::{EvaluatedDetector, Scores, Summary, paired as all_paired};
 use scaleproof_core::spelling;
 use scaleproof_detect::{ForeignKind, Speeds};
@@ -168,9 +168,18 @@ fn lead(scores: &Scores) -> String {
         "1:{} model of a {} · {}{left_out} · {}{recorded}",
         model.scale,
         model.class,
-        spelling::count(scores.photos.len(), "photo"),
+        spelling::count(scores.photos.len(), a_photo(scores)),
         spelling::count(scores.detectors.len(), "detector"),
     )
+}
+
+/// What a photo of the run is called.
+fn a_photo(scores: &Scores) -> &'static str {
+    if verdict::are_renders(scores) {
+        "render"
+    } else {
+        "photo"
+    }
 }
 
 fn recorded_banner(scores: &Scores) -> Markup {

@@ -35,7 +35,7 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
     vec![
         Cell::text(scores.title(&r.detector)),
         Cell::text(&r.variant),
-        Cell::text(paired::briefly(r.effect()))
+        Cell::text(paired::word(r))
             .strong(r.effect().is_shown())
             .with_remark(remark(r)),
         Cell::number(d.drop, 2).with_interval(d.interval_95),

@@ -21,8 +21,15 @@ type Differences = Vec<Vec<f64>>;
 
 /// Decides what a comparison shows: its textures share the error rate, and the detectors of a texture are tested together.
 pub fn decide(comparison: &mut Comparison) {
+    decide_among(comparison, |_| true);
+}
+
+/// As [`decide`], of the detectors that are tested: the others are in no family, and nothing is said of them.
+pub(super) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str) -> bool) {
     let textures = comparison.results.chunk_by_mut(|a, b| a.variant == b.variant);
-    decide_families(textures.map(|family| family.iter_mut().collect()).collect(), LEAST_SEEN);
+    let families = textures.map(|family| family.iter_mut().filter(|r| is_tested(&r.detector)).collect());
+    let families = families.filter(|family: &Vec<_>| !family.is_empty()).collect();
+    decide_families(families, LEAST_SEEN);
 }
 
 /// Decides several families that share the error rate: each is a list of comparisons that are tested together, on the same views.

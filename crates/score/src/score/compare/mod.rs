@@ -13,6 +13,7 @@ mod sequential_plan;
 
 pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_among, smallest_drop_by_place};
 pub use decide::decide;
+use decide::decide_among;
 pub(super) use decide::{LEVEL, MOST_HIT, decide_families};
 pub use finding::{Effect, Finding, InPlacesLikeThese};
 pub use moved::moved_drops;
@@ -28,7 +29,7 @@ use std::collections::BTreeSet;
 
 use super::side::{ClusteredAp, Side};
 use super::summary::variants;
-use super::{NotScored, ScoredPhoto, ScoredSet, Scores};
+use super::{EvaluatedDetector, NotScored, ScoredPhoto, ScoredSet, Scores};
 use pairs::{Cell, Cluster, Pair, clusters, pair};
 use result::{PairedView, Sums};
 use scaleproof_core::ap::ApDefinition;
@@ -63,7 +64,11 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
 
 fn decided(scores: &Scores, base: &str, others: &[&str], definition: ApDefinition) -> Result<Comparison, CompareError> {
     let mut comparison = compare_set(scores.set(), base, others, definition)?;
-    decide(&mut comparison);
+    let is_tested = |name: &str| {
+        let named = |d: &&EvaluatedDetector| d.manifest.name == name;
+        scores.detectors.iter().find(named).is_none_or(|d| d.is_tested)
+    };
+    decide_among(&mut comparison, is_tested);
     Ok(comparison)
 }
 

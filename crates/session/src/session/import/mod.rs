@@ -127,7 +127,12 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
         .camera
         .map(|camera| seen_from(request.folder, camera))
         .transpose()?;
-    let file = SessionFile { scene, camera, photos };
+    let file = SessionFile {
+        scene,
+        camera,
+        rendered: false,
+        photos,
+    };
     let text = file.to_json(&path)?;
     // The reader's checks are the checks.
     let session = Session::parse(&text, &path)?;
