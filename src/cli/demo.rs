@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::answer::told;
-use super::{CommandResult, Result, advice, detectors, locate, print, score};
+use super::answer::answer;
+use super::{CommandResult, Outcome, Result, advice, detectors, locate, print, score};
 use scaleproof_core::files;
 use scaleproof_detect::{Manifest, Runtime, WeightFolders};
 use scaleproof_print::print::media::Media;
@@ -29,18 +29,24 @@ pub(super) struct Args {
     output: PathBuf,
     #[command(flatten)]
     folder: detectors::Folder,
-    /// Print JSON instead of text
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    telling: score::Telling,
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let steps: &mut dyn Write = if args.json { &mut std::io::sink() } else { out };
+    let steps: &mut dyn Write = if args.telling.json { &mut std::io::sink() } else { out };
     let (made, scores) = make(&args, steps)?;
-    let (report, template) = (made.report.display(), made.template.display());
-    let table = report::summary_table(&scores);
-    let words = format!("\nreport:   {report}\ntemplate: {template}\n\n{table}");
-    told(args.json, &made, words, out)
+    if args.telling.json {
+        score::caution(&scores);
+        answer(&made, out)?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(out, "\n{}", report::summary_table(&scores))?;
+    if args.telling.all {
+        writeln!(out, "\n{}", report::further_tables(&scores))?;
+    }
+    writeln!(out, "template: {}", made.template.display())?;
+    score::conclude(&scores, &made.report, &args.telling, out)
 }
 
 /// `demo --json`: the paths of what the demo made.
@@ -56,30 +62,31 @@ pub(super) struct Answer {
     summary: PathBuf,
 }
 
-/// The three steps, reported to `out`.
+/// The three steps; what each found is written in one line, and in full where all is asked for.
 fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let session = Session::open(&home().join("captures/skyline"))?;
-    writeln!(
-        out,
-        "{} stored photos of a 1:10 car: plain (normal), in random colours (random), in a pattern made to fool detectors (two_targets).",
-        session.photos.len()
-    )?;
-    writeln!(out, "These photos are renders: no camera took them.\n")?;
-    writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
     let png = args.output.join("random16.png");
     files::replace_atomically(&png, &pattern.to_png()?)?;
     let pdf = args.output.join("template.pdf");
     // The published tile size, 16 cells over 118 mm at 1:10.
-    print_template(&pattern, "random16.png", 118.0, &pdf, out)?;
-    writeln!(out, "\n2. Photos become camera poses and viewpoint bins")?;
-    locate::table(&session, out)?;
-    writeln!(out, "\n3. Detectors are scored on them")?;
+    let printed = print_template(&pattern, "random16.png", 118.0, &pdf)?;
+    writeln!(
+        out,
+        "{} renders of a 1:10 car: plain (normal), in random colours (random), in a pattern made to fool detectors (two_targets)",
+        session.photos.len()
+    )?;
+    let located = if args.telling.all {
+        writeln!(out, "\n{printed}\n")?;
+        locate::count_located(&session, Some(out))?
+    } else {
+        locate::count_located(&session, None)?
+    };
+    writeln!(out, "{located} of them located by their tags")?;
     let detectors = detectors(&session, &args.folder.folders()?, out)?;
     let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &detectors)?;
     let scores = score::score_with_progress(vec![session], detectors, &Options::default())?;
     let report = report::write(&args.output, &scores, Some(&speeds))?;
-    score::caution(&scores);
     let summary = args.output.join("summary.json");
     let (pattern, template) = (png, pdf);
     Ok((
@@ -94,13 +101,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
 }
 
 /// For a panel as large as the model's side.
-pub(super) fn print_template(
-    pattern: &Pattern,
-    name: &str,
-    tile_mm: f64,
-    pdf: &Path,
-    out: &mut dyn Write,
-) -> Result<()> {
+pub(super) fn print_template(pattern: &Pattern, name: &str, tile_mm: f64, pdf: &Path) -> Result<String> {
     let layout = LayoutRequest {
         size_mm: (600.0, 300.0),
         media: Media::new(Paper::A4),
@@ -116,8 +117,7 @@ pub(super) fn print_template(
         layout,
     };
     let made = print::write_template(pattern, &request, pdf)?;
-    writeln!(out, "{}", print::summary(pdf, &made))?;
-    Ok(())
+    Ok(print::summary(pdf, &made))
 }
 
 /// The folder with the stored photos: named by `./run`, else where a packaged program lies, else where it was compiled.
@@ -163,16 +163,13 @@ fn detectors(session: &Session, folders: &WeightFolders, out: &mut dyn Write) ->
             played_back.join(", "),
             why_not.unwrap_or_else(|| "their weights are not here".into()),
         );
-        writeln!(
-            out,
-            "scored from RECORDED detections, not by running them: {names}\nbecause {why}"
-        )?;
+        writeln!(out, "detections RECORDED, not found by running: {names}\nbecause {why}")?;
         if Runtime::load().is_ok() {
             let mut own = EvaluatedDetector::live(Manifest::open(&own_detector())?, folders, class)?;
             own.is_tested = false;
             writeln!(
                 out,
-                "running: {}, the project's own, for trying things: its figures are shown, and nothing is decided by them",
+                "running: {}, the project's own, a toy: nothing is decided by it",
                 own.manifest.name
             )?;
             detectors.push(own);

@@ -140,7 +140,8 @@ pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     })
 }
 
-pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<()> {
+/// How many photos of a session are located; the answers go into `table`, where there is one, and what there is to know of them to standard error.
+pub(super) fn count_located(session: &Session, table: Option<&mut dyn Write>) -> Result<usize> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
     let answers = locate_all(
         &photos,
@@ -148,9 +149,11 @@ pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<()> {
         session.known_camera()?,
         TagDetectorChoice::default(),
     )?;
-    write_table(&answers, false, out)?;
-    explain(&answers, false);
-    Ok(())
+    if let Some(table) = table {
+        write_table(&answers, false, table)?;
+        explain(&answers, false);
+    }
+    Ok(answers.iter().filter(|(_, answer)| located(answer).is_some()).count())
 }
 
 /// One answer per photo, in their order.

@@ -70,7 +70,7 @@ pub(super) struct Telling {
     /// Print every table and note, and what may be written in a paper.
     #[arg(long, conflicts_with = "json")]
     pub(super) all: bool,
-    /// Print JSON instead of text: summary.json, comparison.json, or the files of a shard.
+    /// Print JSON instead of text.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -8,7 +8,7 @@ use scaleproof_plot::distinct;
 /// So many detectors are named in a sentence; more are counted.
 const MOST_NAMED: usize = 2;
 
-/// `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown of 3`. One for each texture, of 25 words at most.
+/// `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown for 3`. One for each texture, of 25 words at most.
 pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
     let tested = results.iter().filter(|r| r.finding.is_some());
     let textures = distinct(tested.map(|r| r.variant.as_str()));
@@ -61,7 +61,7 @@ fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -
     } else {
         parts.push(format!("in the same light, “{texture}” {}", shown.join(" and ")));
         if !nothing.is_empty() {
-            parts.push(format!("nothing is shown of {}", nothing.len()));
+            parts.push(format!("nothing is shown for {}", nothing.len()));
         }
     }
     if !unseen.is_empty() {

@@ -73,12 +73,11 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
     writeln!(out, "\n2. The pattern becomes a printable sheet")?;
     let png = args.output.join(PATTERN);
-    print_template(
-        &Pattern::load(&png)?,
-        PATTERN,
-        TILE_MM,
-        &args.output.join("template.pdf"),
+    let pdf = args.output.join("template.pdf");
+    writeln!(
         out,
+        "{}",
+        print_template(&Pattern::load(&png)?, PATTERN, TILE_MM, &pdf)?
     )?;
     writeln!(out, "\n3. {detector} looks at the held-out views")?;
     table(&setup, &cells, out)?;

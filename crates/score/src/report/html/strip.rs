@@ -23,13 +23,17 @@ struct Strip<'a> {
 
 /// A row for each texture, of those that weaken a detector most.
 pub(super) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+    let strips = strips(scores, results, base);
     html! {
-        @for strip in strips(scores, results, base) {
+        @for (i, strip) in strips.iter().enumerate() {
             @let title = &scores.detectors[strip.detector].manifest.title;
             div.views {
-                @for (name, pair) in &strip.views { (view(scores, &strip, name, *pair)) }
+                @for (name, pair) in &strip.views { (view(scores, strip, name, *pair)) }
             }
-            p.note.under { "Left " (base) ", right " (strip.texture) ", as " (title) " sees them (its confidence; dashed: the model, blue: found, orange: taken for something else)." }
+            p.note.under {
+                (base) " | " (strip.texture) ", as " (title) " sees them, with its confidence"
+                @if i + 1 == strips.len() { " (dashed: the model; blue: found; orange: taken for something else)" } "."
+            }
         }
     }
 }

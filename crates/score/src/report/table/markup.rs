@@ -36,7 +36,7 @@ impl Cell {
                 @if !self.is_repeated && self.value != Value::Text(String::new()) {
                     (words)
                     @if let Some(interval) = self.interval_words(number) { " " small { (interval) } }
-                    @if let Some(remark) = &self.remark { br; small.why { (remark) } }
+                    @if let Some(remark) = &self.remark { " " small.why { "(" (remark) ")" } }
                 }
             }
         }
