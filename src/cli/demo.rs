@@ -1,4 +1,4 @@
-//! `scaleproof demo`: the whole way on the stored session, from pattern to report: the plain model, a random pattern, and one that was made to fool.
+//! `scaleproof demo`: the whole way on the stored session, from pattern to report: the plain model, a random pattern, and one made against other detectors.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(
         out,
-        "{} stored photos of a 1:10 car: plain (normal), in random colours (random), in a pattern made to fool detectors (two_targets).",
+        "{} stored photos of a 1:10 car: plain (normal), in random colours (random), in a pattern made against two other detectors (two_targets).",
         session.photos.len()
     )?;
     writeln!(out, "These photos are renders: no camera took them.\n")?;
