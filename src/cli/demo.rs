@@ -1,4 +1,4 @@
-//! `scaleproof demo`: the whole way on the stored session, from pattern to report: the plain model, a random pattern, and one that was made to fool.
+//! `scaleproof demo`: the whole way on the stored session, from pattern to report: the plain model, a random pattern, and one made against other detectors.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -73,7 +73,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let printed = print_template(&pattern, "random16.png", 118.0, &pdf)?;
     writeln!(
         out,
-        "{} renders of a 1:10 car: plain (normal), in random colours (random), in a pattern made to fool detectors (two_targets)",
+        "{} renders of a 1:10 car: plain (normal), in random colours (random), in a pattern made against two other detectors (two_targets)",
         session.photos.len()
     )?;
     let located = if args.telling.all {
