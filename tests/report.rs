@@ -5,7 +5,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::{assert_refused, chromium, copy_of_skyline, program, read_json, skyline, stderr, stdout, text};
+use common::{assert_refused, chromium, copy_of_skyline, program, read_json, skyline, stderr, stdout, stored, text};
 use image::RgbImage;
 use scaleproof_detect::{Manifest, Speed, Speeds};
 use serde_json::Value;
@@ -95,6 +95,64 @@ fn the_page_shows_tables_charts_and_bordered_photos() {
     assert!(changed > 250_000, "only {changed} pixels come from the embedded photos");
     // The polar charts: the dots of `random` in its colour, and the curves.
     assert!(count(&picture, [0x0f, 0x7f, 0x8c]) > 300);
+}
+
+/// Where the elements of a page end, in px from its top, on a screen 1280 px wide; and how many there are.
+fn ends(page: &str, folder: &Path, selectors: &[&str]) -> Vec<(f64, usize)> {
+    let tell = format!(
+        "<script>addEventListener('load', () => document.title = {selectors:?}.map(s => [...document.querySelectorAll(s)])\
+         .map(all => Math.max(0, ...all.map(e => e.getBoundingClientRect().bottom + scrollY)) + ' ' + all.length).join(','))</script></body>"
+    );
+    let path = folder.join("telling.html");
+    std::fs::write(&path, page.replace("</body>", &tell)).unwrap();
+    let arguments = ["--window-size=1280,1100", "--virtual-time-budget=8000", "--dump-dom"].map(String::from);
+    let output = chromium(&[arguments.as_slice(), &[format!("file://{}", path.display())]].concat());
+    let dom = String::from_utf8(output.stdout).unwrap();
+    let title = dom.split("<title>").nth(1).unwrap().split("</title>").next().unwrap();
+    let of = |pair: &str| {
+        let (end, count) = pair.split_once(' ').unwrap();
+        (end.parse().unwrap(), count.parse().unwrap())
+    };
+    title.split(',').map(of).collect()
+}
+
+/// Verdict, photos side by side and the chart of intervals are there before anyone scrolls, with two textures and six detectors; what is folded is in the page all the same.
+#[test]
+fn the_first_screen_holds_verdict_photos_and_chart() {
+    let out = tempfile::tempdir().unwrap();
+    let demo = program().arg("demo").arg("--out").arg(out.path()).output().unwrap();
+    assert!(demo.status.success(), "{}", stderr(&demo));
+    let mut compare = program();
+    compare
+        .arg("compare")
+        .arg(stored())
+        .args(["--recorded", "-o"])
+        .arg(out.path());
+    assert!(compare.output().unwrap().status.success());
+    for (name, pairs) in [("report.html", 6), ("comparison.html", 6)] {
+        let page = std::fs::read_to_string(out.path().join(name)).unwrap();
+        let found = ends(
+            &page,
+            out.path(),
+            &[".verdict", ".views figure", "svg.intervals", "#result table"],
+        );
+        let [verdict, views, chart, table] = found[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!((verdict.1, views.1, chart.1, table.1), (2, pairs, 1, 1), "{name}");
+        assert!(
+            0.0 < verdict.0 && verdict.0 < views.0 && views.0 < chart.0 && chart.0 <= 1100.0 && chart.0 < table.0,
+            "{name}: {found:?}"
+        );
+        // Each photo of the first screen is drawn from the page itself.
+        let first = page.split("<nav>").next().unwrap();
+        for part in first.split("href=\"#photo").skip(1) {
+            let id = part.split('"').next().unwrap();
+            assert!(page.contains(&format!("<image id=\"photo{id}\"")), "{name}: photo {id}");
+        }
+        assert!(page.contains("<details><summary>How this was decided, and what to write</summary>"));
+        assert!(page.contains("Westfall and Young 1993") && page.contains("95 % CI"));
+    }
 }
 
 /// How wide the page is laid out, and how wide it wants to be, in a frame of a phone's width; what is wider scrolls in itself.

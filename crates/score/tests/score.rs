@@ -34,3 +34,5 @@ mod reliability;
 mod shade;
 #[path = "score/shard.rs"]
 mod shard;
+#[path = "score/table.rs"]
+mod table;

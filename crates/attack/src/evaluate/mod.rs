@@ -141,7 +141,7 @@ impl RenderedSet {
         };
         files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
         let path = folder.join("session.json");
-        let text = session::text(&path, "scene.toml", None, self.photos())?;
+        let text = session::text(&path, "scene.toml", None, self.photos(), true)?;
         Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 

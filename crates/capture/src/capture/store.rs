@@ -194,7 +194,7 @@ impl Store {
         if photos.is_empty() {
             return Ok(files::remove(&path)?);
         }
-        let text = session::text(&path, SCENE, Some(&self.camera), photos)?;
+        let text = session::text(&path, SCENE, Some(&self.camera), photos, false)?;
         Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 }

@@ -26,6 +26,8 @@ pub struct ComparisonPage<'a> {
     box_labels: BTreeMap<&'a str, &'static str>,
     /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
+    /// The table that the page begins with: an object for each detector and texture.
+    effects: serde_json::Value,
     /// What may be written of it in a paper, as sentences; empty where nothing was tested.
     paper: Vec<String>,
     /// Photos that are in no figure, and why.
@@ -60,6 +62,7 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
         classes: counted::classes(scores).labels(),
         box_labels: counted::box_labels(scores),
         cautions: &scores.cautions,
+        effects: tables::effects(scores, &comparison.results, &comparison.base).json(),
         paper: paper::sentences(scores, &comparison.results, &comparison.base, comparison.plan.as_ref()),
         not_scored: &scores.not_scored,
         definitions: comparison_definitions().collect(),

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use serde_json::Value;
 
 use super::provenance::{self, Provenance};
-use super::{counted, paper};
+use super::{counted, paper, tables};
 use crate::score::{
     Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
     TransferRow, curves, disagreements, paired, protocol_table, reliability, transfer,
@@ -51,6 +52,8 @@ pub struct SummaryPage<'a> {
     speed: Option<&'a Speeds>,
     /// What weakens the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
+    /// The table that the report begins with: an object for each detector and texture but the base.
+    effects: Value,
     /// What may be written of the comparison in a paper, as sentences; empty where nothing was tested.
     paper: Vec<String>,
     /// Photos that are in no figure, and why.
@@ -85,6 +88,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         reliability: reliability(&scores.photos, &scores.detectors),
         speed: speeds,
         cautions: &scores.cautions,
+        effects: tables::effects(scores, paired(scores), &scores.base).json(),
         paper: paper::sentences(scores, paired(scores), &scores.base, None),
         not_scored: &scores.not_scored,
         definitions: scores.criteria.definitions().into_iter().collect(),

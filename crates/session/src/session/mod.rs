@@ -196,11 +196,17 @@ impl Session {
 }
 
 /// The text of a `session.json` at a place, of a scene and a camera file named from its folder. It is read back before it is returned.
-pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEntry>) -> Result<String, SessionError> {
+pub fn text(
+    path: &Path,
+    scene: &str,
+    camera: Option<&str>,
+    photos: Vec<PhotoEntry>,
+    rendered: bool,
+) -> Result<String, SessionError> {
     let file = SessionFile {
         scene: scene.into(),
         camera: camera.map(Into::into),
-        rendered: false,
+        rendered,
         photos,
     };
     let text = file.to_json(path)?;
