@@ -46,7 +46,7 @@ pub use export::{ExportFormat, check_export, export};
 pub use figures_csv::render as figures_csv;
 pub use html::comparison::render as comparison_html;
 pub use paired::briefly;
-pub use sequential::{plan_chart, standing};
+pub use sequential::standing;
 pub use summary_json::{SummaryPage, summary_json};
 pub use table::summary_table;
 pub use truth::truth_boxes;
