@@ -81,6 +81,8 @@ pub(super) struct Planned {
     chance: f64,
     /// Its error by the number of experiments, 95 %.
     chance_error: f64,
+    /// That share with one place less than so many views take; `null` where they take one place.
+    chance_with_a_place_less: Option<f64>,
     experiments: usize,
     seed: u64,
     /// Views of one place.
@@ -111,6 +113,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let sequential = sequential.transpose()?;
     let most = sequential.as_ref().map_or(views, |plan| plan.most_views);
     let places = most.div_ceil(directions);
+    let less = views.div_ceil(directions) - 1;
     let planned = Planned {
         drop: question.drop,
         power: question.power,
@@ -120,6 +123,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         views,
         chance,
         chance_error,
+        chance_with_a_place_less: (less > 0).then(|| question.chance(less * directions)),
         experiments: PLAN_EXPERIMENTS,
         seed: PLAN_SEED,
         directions,
@@ -170,7 +174,16 @@ fn in_words(planned: &Planned, views_seen: usize) -> String {
             planned.power,
             count(planned.views, "view")
         ),
-        None => format!("{} ({experiments})", digits(planned.chance, 2)),
+        None => {
+            let less = planned.chance_with_a_place_less.map_or_else(String::new, |chance| {
+                format!(
+                    "; {} with one of {}",
+                    count(planned.places - 1, "place"),
+                    digits(chance, 2)
+                )
+            });
+            format!("{} ({experiments}){less}", digits(planned.chance, 2))
+        }
     };
     let _ = writeln!(
         words,

@@ -15,7 +15,7 @@ use super::spread::Spread;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
     #[error(
-        "the drop must lie above 0 and not above {most}, the largest mean confidence of the plain model: it is {drop}"
+        "the drop must lie above 0 and not above {most:.2}, the largest mean confidence of the plain model: it is {drop}"
     )]
     Drop { drop: f64, most: f64 },
     #[error("the least drop that matters, {least}, must not be above the drop that is planned for, {drop}")]
@@ -33,7 +33,7 @@ pub const PLAN_EXPERIMENTS: usize = 2000;
 /// Their seed.
 pub const PLAN_SEED: u64 = SEED;
 /// Experiments whose critical statistics are averaged.
-const CRITICALS: usize = 4;
+const CRITICALS: usize = 8;
 
 /// Which drop shall be shown, how surely, among how many detectors and textures.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,8 @@ impl Question {
 
     /// The fewest views, of some numbers that are the same for every question, that show the drop as often as asked.
     ///
-    /// All numbers of views and all drops meet the same random differences, and a bisection over fixed numbers never asks fewer views of a harder question.
+    /// All questions meet the same random differences, and the bisection goes over the same numbers of views: a question to which fewer experiments say yes never
+    /// gets fewer views.
     pub fn views_needed(&self) -> Result<ViewsNeeded, PlanError> {
         self.check()?;
         let numbers = numbers();
@@ -119,7 +120,7 @@ impl Question {
 
     fn critical(&self, views: usize) -> f64 {
         let of = |experiment| {
-            let own = self.differences(experiment, 0, 0.0, views);
+            let own = self.differences(experiment, 0, self.drop, views);
             sign_flip_critical(&self.beside_others(own, experiment), self.level())
         };
         (0..CRITICALS).map(of).sum::<f64>() / CRITICALS as f64
