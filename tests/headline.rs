@@ -1,4 +1,4 @@
-//! A headline that cannot mislead: intervals beside drops, red only for what is shown, cautions, another base, and plans by place.
+//! A headline that cannot mislead: intervals beside drops, red only for what is shown, cautions and another base.
 
 use crate::common;
 
