@@ -1,4 +1,4 @@
-//! `compare` and `plan`: intervals that cover what they claim, exact tests against hand-computed cases, and pairing.
+//! `compare`: intervals that cover what they claim, exact tests against hand-computed cases, and pairing.
 
 use crate::common;
 
@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::{holm, interval_95, mcnemar_p};
-use scaleproof_score::score::{ImageBoxes, average_precision, pairs_needed, places_needed, power, power_by_place};
+use scaleproof_score::score::{ImageBoxes, average_precision};
 use serde_json::Value;
 
 /// Photos of each side in a simulated cluster.
@@ -170,63 +170,6 @@ fn holm_by_hand() {
     assert_eq!(holm(&[0.9, 0.8]), [1.0, 1.0]);
 }
 
-#[test]
-fn the_planned_pairs_show_the_drop_as_often_as_planned() {
-    let (base_rate, drop) = (0.9, 0.2);
-    let pairs = pairs_needed(base_rate, drop, 0.8, 0.05).unwrap();
-    let mut rng = Pcg64Mcg::seed_from_u64(3);
-    let runs = 4000;
-    let shown = (0..runs).filter(|_| {
-        let mut hit = |rate: f64| i64::from(rng.random_range(0.0..1.0) < rate);
-        let differences: Vec<i64> = (0..pairs).map(|_| hit(base_rate) - hit(base_rate - drop)).collect();
-        differences.iter().sum::<i64>() > 0 && mcnemar_p(&differences) <= 0.05
-    });
-    let (simulated, stated) = (
-        shown.count() as f64 / f64::from(runs),
-        power(pairs, base_rate, drop, 0.05),
-    );
-    println!("drop 0.2 from 0.9: {pairs} pairs, power {stated:.3}, simulated {simulated:.3}");
-    assert!((simulated - stated).abs() < 0.025 && stated >= 0.8);
-    assert!(power(pairs - 1, base_rate, drop, 0.05) < 0.8);
-}
-
-/// `compare` flips the sign of a place as a whole from six places on: simulated photo by photo, with a test that tries every pattern of signs.
-#[test]
-fn the_plan_of_places_is_what_compare_delivers() {
-    let (bins, base_rate) = (8, 0.9);
-    let shows = |sums: &[i64]| {
-        let seen: i64 = sums.iter().sum();
-        let far = (0..1_u32 << sums.len()).filter(|signs| {
-            let flipped = sums.iter().enumerate();
-            let sum: i64 = flipped.map(|(i, d)| if signs >> i & 1 == 1 { -d } else { *d }).sum();
-            sum.abs() >= seen
-        });
-        seen > 0 && (far.count() as f64) < 0.05 * f64::from(1_u32 << sums.len())
-    };
-    let mut rng = Pcg64Mcg::seed_from_u64(21);
-    for (places, drop) in [(6, 0.25), (6, 0.4), (8, 0.25)] {
-        let runs = 4000;
-        let shown = (0..runs).filter(|_| {
-            let mut hit = |rate: f64| i64::from(rng.random_range(0.0..1.0) < rate);
-            let mut place = |_| (0..bins).map(|_| hit(base_rate) - hit(base_rate - drop)).sum();
-            shows(&(0..places).map(&mut place).collect::<Vec<i64>>())
-        });
-        let (counted, stated) = (
-            shown.count() as f64 / f64::from(runs),
-            power_by_place(places, bins, base_rate, drop),
-        );
-        println!("{places} places of {bins} bins, drop {drop}: power {stated:.3}, counted {counted:.3}");
-        assert!((counted - stated).abs() < 0.04, "{places} {drop}: {counted} {stated}");
-    }
-    // Below six places the pairs count by themselves; six clusters show less than five times eight pairs.
-    let five = power(40, base_rate, 0.25, 0.05);
-    assert!((power_by_place(5, bins, base_rate, 0.25) - five).abs() < 1e-12);
-    assert!(power_by_place(6, bins, base_rate, 0.25) < five - 0.2);
-    // What five places show and six do not is not promised for five.
-    let needed = places_needed(bins, base_rate, 0.25, 0.65).unwrap();
-    assert!(five >= 0.65 && needed > 6, "{five} {needed}");
-}
-
 fn compare(session: &std::path::Path, out: &std::path::Path, more: &[&str]) -> std::process::Output {
     program()
         .arg("compare")
@@ -362,13 +305,4 @@ fn what_cannot_be_compared_or_planned_is_one_sentence() {
         &["`map`", "coco-101"],
     );
     assert!(!out.path().join("comparison.json").exists());
-    let plan = |arguments: &[&str]| program().arg("plan").args(arguments).output().unwrap();
-    assert_refused(&plan(&["--drop", "0.95"]), &["drop", "0.95", "0.9"]);
-    assert_refused(&plan(&["--drop", "0.001"]), &["too small"]);
-    assert_refused(&plan(&["--drop", "0.2", "--bins", "0"]), &["bins"]);
-    let text = stdout(&plan(&["--drop", "0.2", "--bins", "8"]));
-    assert!(text.contains("in each of 8 bins"), "{text}");
-    assert!(text.contains("from 0.9 to 0.7 is"), "{text}");
-    let text = stdout(&plan(&["--drop", "0.25"]));
-    assert!(text.contains("from 0.90 to 0.65 is"), "{text}");
 }

@@ -1,12 +1,11 @@
-//! A headline that cannot mislead: intervals beside drops, red only for what is shown, cautions, another base, and plans by place.
+//! A headline that cannot mislead: intervals beside drops, red only for what is shown, cautions and another base.
 
 use crate::common;
 
 use std::path::Path;
 use std::process::Output;
 
-use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
-use scaleproof_score::score::{power_by_place, smallest_drop_by_place};
+use common::{copy_of_skyline, program, read_json, skyline, stderr, stdout};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {
@@ -212,63 +211,6 @@ fn the_comparison_says_how_many_more_photos_would_tell() {
     );
     assert!(page.contains(&wanted), "{wanted}");
     assert!(page.contains("How many more photos would tell"));
-}
-
-#[test]
-fn a_plan_by_places_is_a_table() {
-    let scene = skyline().join("scene.toml");
-    let plan = |more: &[&str]| {
-        program()
-            .args(["plan", "--scene"])
-            .arg(&scene)
-            .args(more)
-            .output()
-            .unwrap()
-    };
-    let output = plan(&["--places", "3", "--drop", "0.2", "--json"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let plan_json: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(
-        (&plan_json["bins"], &plan_json["planned_places"]),
-        (&8.into(), &3.into())
-    );
-    let needed = plan_json["places_needed"].as_u64().unwrap() as usize;
-    assert!(power_by_place(needed, 8, 0.9, 0.2) >= 0.8 && power_by_place(needed - 1, 8, 0.9, 0.2) < 0.8);
-    for row in plan_json["table"].as_array().unwrap() {
-        let number = |key: &str| row[key].as_u64().unwrap() as usize;
-        assert_eq!(
-            (number("pairs"), number("photos")),
-            (8 * number("places"), 16 * number("places"))
-        );
-        // The smallest drop is shown as often as asked, and one of 0.01 less is not.
-        if let Some(drop) = row["smallest_drop"].as_f64() {
-            let power = |drop| power_by_place(number("places"), 8, 0.9, drop);
-            assert!(power(drop) >= 0.8 && power(drop - 0.01) < 0.8, "{row}");
-        }
-    }
-    // Fewer than six places show it too, in a way that the table alone would leave open.
-    let text = stdout(&plan(&["--places", "3", "--drop", "0.3"]));
-    assert!(
-        text.contains("A drop of 0.3 needs 8 places: 64 pairs.\n5 places show it too, but for themselves alone"),
-        "{text}"
-    );
-    let text = stdout(&plan(&["--places", "3"]));
-    let planned = text.lines().find(|line| line.contains("← planned")).unwrap();
-    assert!(
-        planned.starts_with("3 ") && planned.contains("24") && planned.contains("48"),
-        "{text}"
-    );
-    // Six certain pairs are the fewest that show anything.
-    assert_eq!(
-        [1, 5, 6].map(|pairs| smallest_drop_by_place(1, pairs, 1.0, 0.8)),
-        [None, None, Some(0.97)]
-    );
-    assert_refused(&plan(&["--bins", "3"]), &["--bins"]);
-    assert_refused(
-        &program().args(["plan", "--places", "3"]).output().unwrap(),
-        &["--drop"],
-    );
-    assert_refused(&plan(&["--base-rate", "1.5"]), &["base", "1.5"]);
 }
 
 /// Single photos of a direction are dots: a line would claim a course between them.

@@ -51,6 +51,7 @@ mod mesh_step;
 mod package;
 mod parsers;
 mod pattern_import;
+mod plan;
 mod print_board;
 mod print_paint;
 mod print_painted_pieces;

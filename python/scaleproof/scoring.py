@@ -7,7 +7,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -414,21 +414,36 @@ def compare(
 
 @dataclass(frozen=True)
 class Plan:
-    """How many photos show a drop of the hit rate."""
+    """How many photos show a drop of the mean confidence."""
 
     drop: float
-    base_rate: float
     power: float
-    bins: int
-    pairs: int
-    #: Of both textures together.
+    #: Decided together, with the textures.
+    detectors: int
+    #: Besides the base.
+    textures: int
+    #: Directions, each seen from one place, that show the drop.
+    views: int
+    #: Places, photographed all round, that have so many views.
+    places: int
+    #: Of all textures and the base, from every view of these places.
     photos: int
+    #: All that ``scaleproof plan --json`` says.
+    json: dict[str, Any] = field(repr=False)
 
 
-def plan(drop: float, *, base_rate: float = 0.9, power: float = 0.8, bins: int = 1) -> Plan:
-    """How many photos show such a drop (0 to 1) from a base rate with a power, in each of so many bins by itself; exact for McNemar's test at 5 %."""
-    found = answer("plan", *options(drop=drop, base_rate=base_rate, power=power, bins=bins))
-    return Plan(found["drop"], found["base_rate"], found["power"], found["bins"], found["pairs"], found["photos"])
+def plan(
+    drop: float = 0.2, session: Session | PathLike | None = None, *, power: float = 0.8, comparisons: tuple[int, int] | None = None
+) -> Plan:
+    """How many photos show such a drop of the mean confidence (0 to 1) of one detector with a power.
+
+    ``comparisons`` are the numbers of detectors and of textures besides the base that are decided together: those of the session, else (5, 1). A session
+    whose detections are stored tells how confidences vary from view to view. By simulated experiments, decided as :func:`compare` does.
+    """
+    among = None if comparisons is None else "x".join(str(number) for number in comparisons)
+    where = [] if session is None else (session if isinstance(session, Session) else Session(session))._words
+    found = answer("plan", *where, *options(drop=drop, power=power, comparisons=among))
+    return Plan(*(found[name] for name in ("drop", "power", "detectors", "textures", "views", "places", "photos")), json=found)
 
 
 def ap(

@@ -163,7 +163,15 @@ def test_a_comparison_and_a_plan():
     assert (drop.base, drop.other) == pytest.approx((sum(confidence["normal"]) / 8, sum(confidence["random"]) / 8))
     assert drop.p > drop.level == 0.05 and drop.json["hit_rate"]["base"] == 0.75
     assert "\\begin{tabular}" in found.to_latex() and len(found.table) == 3
-    assert scaleproof.plan(0.3).pairs == 37
+
+
+def test_a_plan_is_that_of_the_program():
+    plan = scaleproof.plan(0.2)
+    assert (plan.detectors, plan.textures, plan.photos) == (5, 1, 16 * plan.places)
+    assert plan.json == _process.answer("plan", "--drop", "0.2") and plan.views <= 8 * plan.places
+    more = scaleproof.plan(0.2, SKYLINE, comparisons=(5, 2))
+    assert more.json == _process.answer("plan", str(SKYLINE), "--drop", "0.2", "--comparisons", "5x2")
+    assert more.json["spread"]["from"] == "paired_photos" and more.photos == 24 * more.places
 
 
 def test_average_precision_of_boxes():
@@ -284,7 +292,7 @@ def test_an_interruption_ends_a_command_that_then_writes_nothing(tmp_path):
         time.sleep(0.01)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["asked", "mute.sh"]
     # And the process goes on.
-    assert scaleproof.plan(0.3).pairs == 37
+    assert scaleproof.plan(0.3).views > 0
 
 
 def test_threads_of_python_work_side_by_side(scene, camera):

@@ -10,7 +10,7 @@ use super::{
 use scaleproof_core::files;
 use scaleproof_detect::Speeds;
 use scaleproof_score::report::{ComparisonPage, SummaryPage};
-use scaleproof_score::score::{SealedFile, SequentialPlan};
+use scaleproof_score::score::SealedFile;
 
 /// Write the JSON Schemas of all outputs
 #[derive(clap::Args)]
@@ -30,11 +30,9 @@ fn all() -> Vec<Named> {
         named::<pattern::Answer>("pattern-check"),
         named::<Written<pattern::Imported>>("pattern-import"),
         named::<Written<pattern::Random>>("pattern-random"),
-        named::<plan::PairsNeeded>("plan"),
-        named::<plan::PlacesNeeded>("plan-scene"),
+        named::<plan::Planned>("plan"),
         named::<plan::sealed::Sealed>("plan-seal"),
         named::<SealedFile>("plan-sealed-file"),
-        named::<SequentialPlan>("plan-sequential"),
         named::<Written<scene::Answer>>("scene-new"),
         named::<scene::Shown>("scene-show"),
         named::<score::WrittenShard>("score-shard"),

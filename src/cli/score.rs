@@ -96,7 +96,7 @@ impl Judging {
 }
 
 /// How hard a run works and what it keeps; no result depends on it.
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 pub(super) struct Effort {
     /// Threads to use; one a core when left out.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]

@@ -48,7 +48,6 @@ const COMMANDS: &[&str] = &[
     "pattern check p.png --printer printer.toml -o OUT",
     "pattern import p.png --cells 2 -o OUT",
     "pattern random --cells 4 --seed 1 -o OUT",
-    "plan --drop 0.2 --sequential --least 0.2 -o OUT",
     "plan --seal OUT --scene scene.toml --texture normal random=p.png --detector yolox_nano --drop 0.3",
     "print board --type chessboard --squares 7x5 --square-mm 20 --printer printer.toml --format pdf -o OUT",
     "print chart --printer printer.toml --format pdf -o OUT",

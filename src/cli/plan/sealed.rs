@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::super::criteria::Reading;
 use super::super::patterns::named;
-use super::super::{CommandResult, Result, detectors, progress};
+use super::super::{CommandResult, Result, detectors};
 use super::Args;
 use crate::cli::answer::told;
 use scaleproof_core::{files, spelling};
@@ -35,7 +35,10 @@ pub(super) struct Sealing {
     base: String,
     /// With --seal: a detector that will look; once for each, or a list with commas.
     #[arg(long = "detector", value_name = "NAME", value_delimiter = ',', requires = "seal")]
-    detectors: Vec<String>,
+    pub(super) detectors: Vec<String>,
+    /// With --seal: places that are photographed.
+    #[arg(long, default_value_t = 1, requires = "seal", value_parser = clap::value_parser!(u16).range(1..=200))]
+    places: u16,
     /// With --seal: the camera's file, which is then fixed, too.
     #[arg(long, value_name = "FILE", requires = "seal")]
     camera: Option<PathBuf>,
@@ -93,7 +96,7 @@ pub(super) fn seal(path: &Path, scene_file: &Path, args: &Args, out: &mut dyn Wr
             .iter()
             .map(|v| [v.azimuth_deg, v.pitch_deg, v.distance_mm])
             .collect(),
-        places: args.places,
+        places: sealing.places,
         stopping,
         aim: None,
     };
@@ -104,7 +107,7 @@ pub(super) fn seal(path: &Path, scene_file: &Path, args: &Args, out: &mut dyn Wr
     let file = path.display();
     let words = format!(
         "plan: {file} ({photos} photos)\n{}\nseal: {seal}\nPublish the seal before the first photo; `compare --plan {file}` states it and lists whatever differs.",
-        aim_in_words(&aim, args.places, stopping)
+        aim_in_words(&aim, sealing.places, stopping)
     );
     let plan = path.to_owned();
     told(
@@ -146,43 +149,33 @@ fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<Stri
 
 /// What the experiment is to show, and the places that this takes.
 fn aim(args: &Args, plan: &SealedPlan) -> Result<Aim> {
-    let (base_rate, power) = (args.base_rate, args.power);
-    // Required with --seal.
-    let drop = args.drop.unwrap_or_default();
-    let (views, comparisons) = (plan.views.len(), plan.detectors.len() * (plan.textures.len() - 1));
+    let (views, textures) = (plan.views.len(), plan.textures.len() - 1);
+    let question = args.asked_of(plan.detectors.len(), textures)?;
     let needed = match plan.stopping {
-        Stopping::EveryView => score::places_needed_among(comparisons, views, [base_rate, drop], power),
-        Stopping::Decided { least, .. } => progress::steps("simulating", score::SEQUENTIAL_ROWS)
-            .during(|bar| score::sequential_plan((base_rate, drop), power, least, || bar.inc(1)))
-            .map(|plan| plan.budget_pairs.div_ceil(views)),
+        Stopping::EveryView => question.views_needed().map(|needed| needed.views),
+        Stopping::Decided { .. } => args.simulated(&question, views).map(|plan| plan.most_views),
     };
     let places_needed = match needed {
         Err(PlanError::TooMany) => None,
-        needed => Some(needed?),
+        needed => Some(needed?.div_ceil(views)),
     };
-    let primary_endpoint = Endpoint::HitRate;
     Ok(Aim {
-        primary_endpoint,
-        drop,
-        base_rate,
-        power,
-        comparisons,
+        primary_endpoint: Endpoint::MeanConfidence,
+        drop: question.drop,
+        base_rate: None,
+        power: question.power,
+        comparisons: plan.detectors.len() * textures,
         places_needed,
+        spread: Some(question.spread),
     })
 }
 
 /// The aim and the stop in two sentences.
 fn aim_in_words(aim: &Aim, places: u16, stopping: Stopping) -> String {
-    let Aim {
-        drop,
-        base_rate,
-        power,
-        comparisons,
-        ..
-    } = aim;
-    let corrected = match comparisons {
+    let Aim { drop, power, .. } = aim;
+    let among = match aim.comparisons {
         1 => String::new(),
-        n => format!(", for each of {n} comparisons (detectors × textures, Holm)"),
+        n => format!(", for one of {n} comparisons (detectors × textures)"),
     };
     let looks = match stopping {
         Stopping::EveryView => "looked at once, when every view is there",
@@ -200,6 +193,6 @@ fn aim_in_words(aim: &Aim, places: u16, stopping: Stopping) -> String {
         None => format!("{planned} planned: too few, as any number of photos: plan for a larger --drop"),
     };
     format!(
-        "primary endpoint: hit rate, {looks}\nto be shown: a drop of {drop} from {base_rate} with a chance of {power}{corrected}: {enough}"
+        "primary endpoint: mean confidence, {looks}\nto be shown: a drop of {drop} with a chance of {power}{among}: {enough}"
     )
 }

@@ -53,7 +53,7 @@ pub use figures_csv::render as figures_csv;
 pub use html::comparison::render as comparison_html;
 pub use paired::briefly;
 pub use screen::{further_tables, summary_table};
-pub use sequential::{plan_chart, standing};
+pub use sequential::standing;
 pub use summary_json::{SummaryPage, summary_json};
 pub use table::{Cell, Column, Side, Table, Value as CellValue};
 pub use truth::truth_boxes;

@@ -2,9 +2,8 @@
 
 use super::p_value;
 use super::paired::ends;
-use crate::score::{ClusteredBy, Course, Decision, Expected, Scores, Sequential, SequentialFinding, SequentialPlan};
+use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
 use scaleproof_core::spelling::{self, digits};
-use scaleproof_plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 
 /// From this evidence on (a factor of 40) a drop is shown.
 pub(super) const SHOWN_FROM: f64 = 1.602;
@@ -111,45 +110,4 @@ pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
          precision is no mean of photos, and so has no such test.",
         unit(sequential)
     )
-}
-
-/// The chart of a plan as SVG: pairs, and how often a drop is shown, against the real drop.
-pub fn plan_chart(plan: &SequentialPlan) -> String {
-    let steps: Vec<String> = plan.table.iter().map(|row| digits(row.real_drop, 3)).collect();
-    let panel = |title: &str, of: &dyn Fn(&Expected) -> [f64; 2]| {
-        let both: Vec<[f64; 2]> = plan.table.iter().map(of).collect();
-        let line = |series: usize| PlotLine {
-            series,
-            values: both.iter().map(|values| Some(values[series])).collect(),
-            is_dashed: series == 1,
-        };
-        PlotPanel {
-            title: title.to_owned(),
-            steps: steps.clone(),
-            y: PlotAxis::around(
-                "real drop of the hit rate",
-                Scale::Linear,
-                both.iter().flatten().copied(),
-            ),
-            lines: vec![line(0), line(1)],
-        }
-    };
-    let fixed = plan.fixed_pairs as f64;
-    let all = [
-        panel("mean pairs until it stops", &|row| [row.mean_pairs, fixed]),
-        panel("share that shows a drop", &|row| [row.drop_shown, row.fixed_drop_shown]),
-        panel("share of the pairs that is saved", &|row| [row.saved, 0.0]),
-    ];
-    let notes = [
-        format!(
-            "Planned: a drop of {} from {}, shown with a chance of {}.",
-            plan.drop, plan.base_rate, plan.power
-        ),
-        format!(
-            "At most {} pairs, looked at after each; {} experiments a point.",
-            plan.budget_pairs, plan.experiments
-        ),
-    ];
-    let series = ["stops when it knows".to_owned(), "fixed plan".to_owned()];
-    panels("Photos until the question is decided", &notes, &series, 3, &all)
 }

@@ -36,11 +36,10 @@ mod worn;
 
 pub use cache::Cache;
 pub use compare::{
-    ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Effect, Expected, Finding,
-    InPlacesLikeThese, PlanCheck, PlanError, SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare,
-    compare_with, decide, most_telling, moved_drops, paired, paired_photos, pairs_needed, places_needed,
-    places_needed_among, power, power_by_place, sequential, sequential_plan, smallest_drop_among,
-    smallest_drop_by_place,
+    ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Effect, Expected, FewViews, Finding,
+    InPlacesLikeThese, Observed, PLAN_EXPERIMENTS, PLAN_SEED, PlanCheck, PlanError, Question, SEQUENTIAL_ROWS,
+    Sequential, SequentialFinding, SequentialPlan, Spread, SpreadFrom, ViewsNeeded, compare, compare_with, decide,
+    most_telling, moved_drops, paired, paired_photos, sequential, sequential_plan,
 };
 pub use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;

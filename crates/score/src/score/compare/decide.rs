@@ -11,7 +11,7 @@ use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
 pub(in crate::score) const LEVEL: f64 = 0.05;
 
 /// A base of which a detector has a smaller mean confidence is not seen by it.
-const LEAST_SEEN: f64 = 0.1;
+pub(super) const LEAST_SEEN: f64 = 0.1;
 
 /// A texture hides the model where at most so many photos are still hits.
 pub(in crate::score) const MOST_HIT: f64 = 0.25;
@@ -214,7 +214,7 @@ fn by_cluster<K: Ord>(
 }
 
 /// How many clusters more it takes until the smallest possible p is within the level.
-fn missing(clusters: usize, level: f64) -> usize {
+pub(super) fn missing(clusters: usize, level: f64) -> usize {
     (0..)
         .take_while(|more| smallest_sign_flip_p(clusters + more) > level)
         .count()

@@ -1,6 +1,5 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
-mod by_place;
 mod decide;
 mod detectable;
 mod finding;
@@ -10,20 +9,21 @@ mod plan;
 mod result;
 mod sequential;
 mod sequential_plan;
+mod spread;
 
-pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_among, smallest_drop_by_place};
 pub use decide::decide;
 use decide::decide_among;
 pub(super) use decide::{LEVEL, MOST_HIT, decide_families};
 pub use finding::{Effect, Finding, InPlacesLikeThese};
 pub use moved::moved_drops;
-pub use plan::{PlanError, pairs_needed, power};
+pub use plan::{PLAN_EXPERIMENTS, PLAN_SEED, PlanError, Question, ViewsNeeded};
 pub use result::{
     BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Hits, PlanCheck, Sequential,
     SequentialFinding,
 };
 pub use sequential::{most_telling, sequential};
 pub use sequential_plan::{Expected, SEQUENTIAL_ROWS, SequentialPlan, sequential_plan};
+pub use spread::{FewViews, Observed, Spread, SpreadFrom};
 
 use std::collections::BTreeSet;
 

@@ -1,131 +1,163 @@
-//! How many pairs of photos show a drop of the hit rate.
+//! How many views show a drop of the mean confidence: simulated experiments, decided as a comparison is.
 
-use std::ops::RangeInclusive;
+use std::iter;
 
-use statrs::distribution::{Binomial, Discrete};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use scaleproof_core::statistics::normal::TWO_SIDED_95;
+use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p, sign_flip_statistic};
+use scaleproof_pose::simulate::normal;
+
+use super::decide::{LEVEL, missing};
+use super::spread::Spread;
 
 /// Why no number can be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    #[error("the drop must lie above 0 and not above the hit rate of the base, {base_rate}: it is {drop}")]
-    Drop { drop: f64, base_rate: f64 },
-    #[error("the hit rate of the base must lie above 0 and not above 1: it is {0}")]
-    BaseRate(f64),
+    #[error(
+        "the drop must lie above 0 and not above {most:.2}, the largest mean confidence of the plain model: it is {drop}"
+    )]
+    Drop { drop: f64, most: f64 },
     #[error("the least drop that matters, {least}, must not be above the drop that is planned for, {drop}")]
     Least { least: f64, drop: f64 },
     #[error("the power must lie from 0.5 to 0.99: it is {0}")]
     Power(f64),
-    #[error("more than {MOST_PAIRS} pairs would be needed: such a drop is too small for photos")]
+    #[error("more than {MOST_VIEWS} views would be needed: such a drop is too small for photos")]
     TooMany,
 }
 
-/// More pairs than anyone photographs.
-pub(super) const MOST_PAIRS: usize = 2000;
+/// More views than anyone photographs.
+pub(super) const MOST_VIEWS: usize = 2000;
+/// Simulated experiments behind each chance.
+pub const PLAN_EXPERIMENTS: usize = 2000;
+/// Their seed.
+pub const PLAN_SEED: u64 = SEED;
+/// Experiments whose critical statistics are averaged.
+const CRITICALS: usize = 8;
 
-/// The chance that McNemar's exact test shows the drop at level `alpha` with `pairs` pairs, one a place and bin.
-///
-/// Exact: the hits of a pair are taken as independent of each other (photos alike in difficulty need fewer pairs), so that the
-/// discordant pairs are binomial, and those of them that speak for the drop are binomial again.
-pub fn power(pairs: usize, base_rate: f64, drop: f64, alpha: f64) -> f64 {
-    Tails::new(pairs, base_rate, drop, alpha).power(pairs)
+/// Which drop shall be shown, how surely, among how many detectors and textures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Question {
+    /// The drop of one detector's mean confidence; the others, and other textures, show nothing, which asks for the most views.
+    pub drop: f64,
+    /// How often it shall be shown.
+    pub power: f64,
+    pub detectors: usize,
+    /// Besides the base.
+    pub textures: usize,
+    pub spread: Spread,
 }
 
-/// The smallest drop, in steps of 0.01, that is shown; `None` when not even the largest is.
-pub(super) fn smallest_drop(base_rate: f64, shows: impl Fn(f64) -> bool) -> Option<f64> {
-    let steps = (base_rate * 100.0 + 1e-9).floor() as u32;
-    let drops: Vec<f64> = (1..=steps).map(|step| f64::from(step) / 100.0).collect();
-    // The larger the drop, the surer it is shown.
-    let first = drops.partition_point(|drop| !shows(*drop));
-    drops.get(first).copied()
+/// So many views show the drop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewsNeeded {
+    pub views: usize,
+    /// Share of the simulated experiments that show it.
+    pub chance: f64,
+    /// The share of all experiments is within so much of `chance` with a probability of 95 %.
+    pub chance_error: f64,
 }
 
-/// The fewest pairs from which on the power is reached (it falls back a little at single numbers, which are passed over).
-pub fn pairs_needed(base_rate: f64, drop: f64, target: f64, alpha: f64) -> Result<usize, PlanError> {
-    if !(base_rate > 0.0 && base_rate <= 1.0) {
-        return Err(PlanError::BaseRate(base_rate));
+impl Question {
+    /// The share of the error rate that a texture starts with.
+    fn level(&self) -> f64 {
+        LEVEL / self.textures.max(1) as f64
     }
-    if !(drop > 0.0 && drop <= base_rate) {
-        return Err(PlanError::Drop { drop, base_rate });
-    }
-    if !(0.5..=0.99).contains(&target) {
-        return Err(PlanError::Power(target));
-    }
-    // A saw tooth spans far fewer pairs than this.
-    const AHEAD: usize = 20;
-    let tails = Tails::new(MOST_PAIRS + AHEAD, base_rate, drop, alpha);
-    first_of_run(1..=MOST_PAIRS + AHEAD, AHEAD, |pairs| tails.power(pairs) >= target)
-}
 
-/// The first number from which on this holds: for it, and for so many `ahead` of it.
-pub(super) fn first_of_run(
-    numbers: RangeInclusive<usize>,
-    ahead: usize,
-    holds: impl Fn(usize) -> bool,
-) -> Result<usize, PlanError> {
-    let mut run = 0;
-    for number in numbers {
-        run = if holds(number) { run + 1 } else { 0 };
-        if run > ahead {
-            return Ok(number - ahead);
+    /// The fewest views that can show anything, and the fewest places that can for places like these: 2 · 2⁻ⁿ is within the texture's share.
+    pub fn fewest(&self) -> usize {
+        missing(0, self.level())
+    }
+
+    /// The fewest views, of some numbers that are the same for every question, that show the drop as often as asked.
+    ///
+    /// All questions meet the same random differences, and the bisection goes over the same numbers of views: a question to which fewer experiments say yes never
+    /// gets fewer views.
+    pub fn views_needed(&self) -> Result<ViewsNeeded, PlanError> {
+        self.check()?;
+        let numbers = numbers();
+        let at = numbers.partition_point(|views| self.chance(*views) < self.power);
+        let views = *numbers.get(at).ok_or(PlanError::TooMany)?;
+        let chance = self.chance(views);
+        let deviation = (chance * (1.0 - chance) / PLAN_EXPERIMENTS as f64).sqrt();
+        Ok(ViewsNeeded {
+            views,
+            chance,
+            chance_error: TWO_SIDED_95 * deviation,
+        })
+    }
+
+    pub(super) fn check(&self) -> Result<(), PlanError> {
+        if !(self.drop > 0.0 && self.drop <= 1.0) {
+            return Err(PlanError::Drop {
+                drop: self.drop,
+                most: 1.0,
+            });
         }
+        if !(0.5..=0.99).contains(&self.power) {
+            return Err(PlanError::Power(self.power));
+        }
+        Ok(())
     }
-    Err(PlanError::TooMany)
-}
 
-/// The chance of a significant drop for each number of discordant pairs.
-struct Tails {
-    discordant: f64,
-    significant: Vec<f64>,
-}
-
-impl Tails {
-    fn new(most: usize, base_rate: f64, drop: f64, alpha: f64) -> Tails {
-        let other = base_rate - drop;
-        let (base_alone, other_alone) = (base_rate * (1.0 - other), (1.0 - base_rate) * other);
-        // A sum of probabilities that rounding may take above 1.
-        let discordant = (base_alone + other_alone).min(1.0);
-        let share = base_alone / discordant;
-        let significant = (0..=most).map(|n| {
-            let fair = binomial(n, 0.5);
-            let speaking = binomial(n, share);
-            let mut tail = 0.0;
-            let mut chance = 0.0;
-            // From the clearest outcome down, while two tails of a fair coin stay within the level.
-            for k in (0..=n).rev() {
-                tail += fair[k];
-                if 2 * k <= n || 2.0 * tail > alpha {
-                    break;
+    /// The share of simulated experiments with so many views in which the flipped signs show the drop.
+    pub fn chance(&self, views: usize) -> f64 {
+        if views < self.fewest() {
+            return 0.0;
+        }
+        // With many views the largest statistic that chance reaches hardly depends on the experiment.
+        let critical = (views > EXACT_CLUSTERS).then(|| self.critical(views));
+        let shows = |experiment: &usize| {
+            let own = self.differences(*experiment, 0, self.drop, views);
+            own.iter().sum::<f64>() > 0.0
+                && match critical {
+                    Some(critical) => sign_flip_statistic(&own) >= critical,
+                    None => sign_flip_p(&self.beside_others(own, *experiment))[0] <= self.level(),
                 }
-                chance += speaking[k];
-            }
-            chance
-        });
-        let significant = significant.collect();
-        Tails {
-            discordant,
-            significant,
-        }
+        };
+        (0..PLAN_EXPERIMENTS).filter(shows).count() as f64 / PLAN_EXPERIMENTS as f64
     }
 
-    fn power(&self, pairs: usize) -> f64 {
-        let chances = binomial(pairs, self.discordant);
-        chances.iter().zip(&self.significant).map(|(p, s)| p * s).sum()
+    fn critical(&self, views: usize) -> f64 {
+        let of = |experiment| {
+            let own = self.differences(experiment, 0, self.drop, views);
+            sign_flip_critical(&self.beside_others(own, experiment), self.level())
+        };
+        (0..CRITICALS).map(of).sum::<f64>() / CRITICALS as f64
+    }
+
+    fn beside_others(&self, own: Vec<f64>, experiment: usize) -> Vec<Vec<f64>> {
+        let others = (1..self.detectors).map(|other| self.differences(experiment, other, 0.0, own.len()));
+        let others: Vec<Vec<f64>> = others.collect();
+        iter::once(own).chain(others).collect()
+    }
+
+    fn differences(&self, experiment: usize, detector: usize, drop: f64, views: usize) -> Vec<f64> {
+        self.view_by_view(experiment, detector, drop).take(views).collect()
+    }
+
+    /// A detector's differences, base minus texture, without end: normal about the drop, sharing with the other detectors what is peculiar to a view.
+    pub(super) fn view_by_view(&self, experiment: usize, detector: usize, drop: f64) -> impl Iterator<Item = f64> {
+        let Spread {
+            deviation, correlation, ..
+        } = self.spread;
+        let (common, own) = (correlation.sqrt(), (1.0 - correlation).sqrt());
+        let [mut of_view, mut of_detector] = [0, detector + 1].map(|series| stream(experiment, series));
+        iter::repeat_with(move || {
+            let peculiar = common * normal(&mut of_view) + own * normal(&mut of_detector);
+            (drop + deviation * peculiar).clamp(-1.0, 1.0)
+        })
     }
 }
 
-/// The probabilities of 0 to `n` successes; not finite when `p` is no probability.
-///
-/// From the likeliest number outwards, each by the ratio to its neighbour, P(k) = P(k − 1) · (n − k + 1) / k · p / (1 − p): each factor is below 1, so that rounding does not grow.
-pub(super) fn binomial(n: usize, p: f64) -> Vec<f64> {
-    let (mode, odds) = ((((n + 1) as f64 * p) as usize).min(n), p / (1.0 - p));
-    let likeliest = Binomial::new(p, n as u64).map_or(f64::NAN, |b| b.pmf(mode as u64));
-    let mut chances = vec![likeliest; n + 1];
-    let ratio = |k: usize| (n - k + 1) as f64 / k as f64 * odds;
-    for k in mode + 1..=n {
-        chances[k] = chances[k - 1] * ratio(k);
-    }
-    for k in (0..mode).rev() {
-        chances[k] = chances[k + 1] / ratio(k + 1);
-    }
-    chances
+fn stream(experiment: usize, series: usize) -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(PLAN_SEED + ((experiment as u64) << 32) + series as u64)
+}
+
+/// Each number of views up to 32, then in steps of a sixteenth.
+fn numbers() -> Vec<usize> {
+    let next = |views: &usize| Some(views + (views / 16).max(1));
+    iter::successors(Some(1), next)
+        .take_while(|views| *views <= MOST_VIEWS)
+        .collect()
 }

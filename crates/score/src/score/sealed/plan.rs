@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::score::{ClusteredBy, PlanCheck};
+use crate::score::{ClusteredBy, PlanCheck, Spread};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Manifest, ManifestError};
 use scaleproof_pose::scene::Classes;
@@ -56,21 +56,26 @@ pub struct Aim {
     pub primary_endpoint: Endpoint,
     /// The drop of the primary endpoint that shall be shown.
     pub drop: f64,
-    /// The hit rate that is expected of the base.
-    pub base_rate: f64,
+    /// The hit rate that is expected of the base; in plans for the hit rate alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_rate: Option<f64>,
     /// How often such a drop shall be shown.
     pub power: f64,
-    /// Detectors × textures that are held against the base: the primary endpoint's p is corrected for so many (Holm).
+    /// Detectors × textures that are held against the base.
     pub comparisons: usize,
-    /// How many places show the drop so often in one comparison. With a single look: at the strictest level of the correction; with a sequential
-    /// stop: uncorrected, by simulation. `null` where no number of photos that anyone takes does.
+    /// How many places show the drop of one of them so often. `null` where no number of photos that anyone takes does.
     pub places_needed: Option<usize>,
+    /// How the differences are assumed to scatter; in plans for the mean confidence alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<Spread>,
 }
 
 /// What a comparison is decided by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Endpoint {
+    /// Mean confidence of the strongest detection that counts as the model, by flipped signs of the views; looked at sequentially, by bets.
+    MeanConfidence,
     /// Share of the photos with a detection of the model at the plan's confidence and IoU, by McNemar's exact test.
     HitRate,
 }

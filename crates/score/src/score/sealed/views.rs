@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::plan::SealedPlan;
+use super::plan::{Endpoint, SealedPlan};
 use crate::score::caution::identical_photos;
 use crate::score::{Comparison, Course, Scores};
 use scaleproof_core::spelling::count;
@@ -30,7 +30,7 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
     let mut all = Vec::new();
     all.extend(of_places(plan, scores, comparison));
     for texture in plan.textures.keys() {
-        all.extend(missing(texture, &planned, &photos, scores, comparison));
+        all.extend(missing(texture, plan, (&planned, &photos), scores, comparison));
     }
     let repeated = photos.values().filter(|photos| **photos > 1).count();
     let left_out = scores.not_scored.iter();
@@ -52,7 +52,10 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
 /// Another number of places; fewer where it was decided earlier are as planned.
 fn of_places(plan: &SealedPlan, scores: &Scores, comparison: &Comparison) -> Option<String> {
     let (planned, here) = (usize::from(plan.places), places(scores).len());
-    let is_ended = plan.textures.keys().any(|texture| ends_decided(comparison, texture));
+    let is_ended = plan
+        .textures
+        .keys()
+        .any(|texture| ends_decided(plan, comparison, texture));
     (here > planned || here < planned && !is_ended).then(|| {
         let [planned, here] = [planned, here].map(|n| count(n, "place"));
         format!("{planned} in the plan, {here} here")
@@ -62,13 +65,13 @@ fn of_places(plan: &SealedPlan, scores: &Scores, comparison: &Comparison) -> Opt
 /// Planned views without a photo of a texture; those of the last place may be missing where it was decided there.
 fn missing(
     texture: &str,
-    planned: &[Bin],
-    photos: &Photos,
+    plan: &SealedPlan,
+    (planned, photos): (&[Bin], &Photos),
     scores: &Scores,
     comparison: &Comparison,
 ) -> Option<String> {
     let begun = places_in_order(scores, texture);
-    let is_excused = ends_decided(comparison, texture);
+    let is_excused = ends_decided(plan, comparison, texture);
     let may_be_missing = |place: &str| is_excused && (begun.last() == Some(&place) || !begun.contains(&place));
     let missing: Vec<String> = places(scores)
         .into_iter()
@@ -92,13 +95,17 @@ fn places(scores: &Scores) -> BTreeSet<&str> {
 }
 
 /// Whether the photos of a texture end with the pair that decided: then views of the last place may be missing.
-fn ends_decided(comparison: &Comparison, texture: &str) -> bool {
+fn ends_decided(plan: &SealedPlan, comparison: &Comparison, texture: &str) -> bool {
     let Some(sequential) = &comparison.sequential else {
         return false;
     };
     let own = sequential.results.iter().filter(|course| course.variant == texture);
     let own: Vec<&Course> = own.collect();
-    let decided = own.iter().map(|course| course.hit_rate.decided_after);
+    let decision = |course: &&Course| match plan.endpoint() {
+        Endpoint::MeanConfidence => course.mean_confidence.decided_after,
+        Endpoint::HitRate => course.hit_rate.decided_after,
+    };
+    let decided = own.iter().map(decision);
     let last = decided.collect::<Option<Vec<_>>>();
     last.is_some_and(|last| last.into_iter().max() == own.first().map(|course| course.looks))
 }
