@@ -709,8 +709,9 @@ fn another_mesh_camera_or_truth_is_found() {
         own()
     );
     std::fs::write(&camera, stored).unwrap();
+    let exact = read_json(&skyline().join("truth.json"));
     edit(session.path(), |file| {
-        file["photos"][9]["box_xyxy_px"] = serde_json::json!([1, 1, 5, 5])
+        file["photos"][9]["box_xyxy_px"] = exact["photos"][9]["box_xyxy_px"].clone()
     });
     assert!(
         own().len() == 1 && own()[0].contains("truth box that the session gives"),

@@ -8,6 +8,8 @@ mod average_precision;
 mod cache;
 #[path = "score/compare.rs"]
 mod compare;
+#[path = "score/contradicted.rs"]
+mod contradicted;
 #[path = "score/corrupt.rs"]
 mod corrupt;
 #[path = "score/findings.rs"]

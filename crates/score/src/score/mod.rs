@@ -3,6 +3,7 @@
 pub mod cache;
 mod caution;
 pub mod compare;
+mod contradicted;
 pub mod corrupt;
 mod criteria;
 mod curves;

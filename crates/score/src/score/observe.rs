@@ -58,7 +58,7 @@ pub struct Observation {
     /// When and how it was taken, as EXIF says.
     pub taken: Option<String>,
     pub exposure: Option<String>,
-    /// Empty when the session says where the model is. Of the scene's tags, those that were needed for its pose.
+    /// Of the scene's tags, those that were needed for its pose. Empty when the session says where the model is, unless they are held against that.
     pub tags: Vec<SeenTag>,
     /// One list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
@@ -68,13 +68,32 @@ pub struct Observation {
     pub hash: PerceptualHash,
 }
 
+impl Observation {
+    /// What a photo's file says before anything is looked for.
+    fn unseen(photo: &Photo) -> Observation {
+        let shot = photo.shot();
+        Observation {
+            sha256: photo.sha256.clone(),
+            width: photo.width,
+            height: photo.height,
+            turned_deg: photo.turned_deg,
+            taken: shot.taken,
+            exposure: shot.exposure,
+            tags: Vec::new(),
+            detections: Vec::new(),
+            preview_jpeg: Vec::new(),
+            hash: PerceptualHash::default(),
+        }
+    }
+}
+
 /// Why a photo is left out, as a sentence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{0}")]
 pub struct NotScoredReason(pub(super) String);
 
 impl NotScoredReason {
-    fn new(reason: impl ToString) -> NotScoredReason {
+    pub(super) fn new(reason: impl ToString) -> NotScoredReason {
         NotScoredReason(reason.to_string())
     }
 }
@@ -85,6 +104,8 @@ pub(super) struct ScoringJob<'a> {
     pub session_index: usize,
     pub session: &'a Session,
     pub entry: &'a PhotoEntry,
+    /// Whether the photo's tags are searched to hold them against the list, though the list says all that they would.
+    pub is_checked: bool,
 }
 
 impl ScoringJob<'_> {
@@ -96,6 +117,7 @@ impl ScoringJob<'_> {
             session_index,
             session,
             entry,
+            is_checked: false,
         };
         (1..).zip(entries).map(job).collect()
     }
@@ -115,7 +137,7 @@ impl ScoringJob<'_> {
         usize::try_from(self.id.saturating_sub(1)).unwrap_or(usize::MAX)
     }
 
-    fn needs_tags(&self) -> bool {
+    pub(super) fn needs_tags(&self) -> bool {
         self.entry.box_xyxy_px.is_none() || self.entry.viewpoint.is_none()
     }
 }
@@ -284,23 +306,24 @@ impl<'a> Observer<'a> {
         Ok(unless_run_ends(self.observe(job))?.map_err(|reason| job.left_out(reason)))
     }
 
+    /// A photo's tags, without a look of any detector; or why they cannot be searched.
+    pub(super) fn tags_alone(&mut self, job: &ScoringJob) -> Result<Result<Observation, NotScoredReason>, ScoreError> {
+        let mut looked = || -> Result<Observation, Stop> {
+            let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
+            let tags = self.tags(job.session, &photo)?;
+            Ok(Observation {
+                tags,
+                ..Observation::unseen(&photo)
+            })
+        };
+        unless_run_ends(looked())
+    }
+
     /// Tags first: no detector looks at a photo that cannot be placed.
     fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
         let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
-        let shot = photo.shot();
-        let mut seen = Observation {
-            sha256: photo.sha256.clone(),
-            width: photo.width,
-            height: photo.height,
-            turned_deg: photo.turned_deg,
-            taken: shot.taken,
-            exposure: shot.exposure,
-            tags: Vec::new(),
-            detections: Vec::new(),
-            preview_jpeg: Vec::new(),
-            hash: PerceptualHash::default(),
-        };
-        if job.needs_tags() {
+        let mut seen = Observation::unseen(&photo);
+        if job.needs_tags() || job.is_checked {
             seen.tags = self.tags(job.session, &photo)?;
         }
         let place = timed(Stage::Pose, || place(job, &seen))?;

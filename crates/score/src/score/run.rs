@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::Ordering;
 
+use super::contradicted::{self, Judged};
 use super::error::{ScoreError, nothing_scored};
 use super::evaluated::{EvaluatedDetector, runtime};
 use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
@@ -23,16 +24,38 @@ pub fn score(
     options: &Options,
     on_photo: impl Fn() + Sync,
 ) -> Result<Scores, ScoreError> {
-    let results = over_photos(&sessions, &detectors, options, None, on_photo, |job, seen| {
-        Ok(seen.map(|(observation, place)| scored(job, &detectors, observation, place)))
+    let mut jobs = ScoringJob::all(&sessions);
+    contradicted::draw(&mut jobs);
+    let mut judged = over_photos(&sessions, &jobs, &detectors, options, on_photo, |observer, job| {
+        Ok(judge(job, &detectors, observer.photo(job)?))
     })?;
+    let open = contradicted::left_open(&jobs, &judged);
+    let looked = over_photos(
+        &sessions,
+        &open,
+        &detectors,
+        options,
+        || {},
+        |observer, at| {
+            let seen = observer.tags_alone(&jobs[*at])?;
+            Ok(seen
+                .ok()
+                .and_then(|seen| contradicted::contradiction(&jobs[*at], &seen)))
+        },
+    )?;
+    for (at, contradiction) in open.into_iter().zip(looked) {
+        judged[at].contradiction = contradiction;
+    }
+    let results = contradicted::refused(&jobs, judged);
+    drop(jobs);
     let runtime = runtime(&detectors)?.map(Runtime::provenance);
     let mut scores = Scores::new(sessions, detectors, results, runtime)?;
     scores.tags = options.tags;
     Ok(scores)
 }
 
-/// Looks at the photos of one shard only; [`merge`] judges them with the others.
+/// Looks at the photos of one shard only; [`merge`] judges them with the others. What the others show of a list is not known here: the tags of all
+/// photos are searched.
 pub fn observe(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
@@ -40,8 +63,13 @@ pub fn observe(
     shard: ShardId,
     on_photo: impl Fn() + Sync,
 ) -> Result<ShardObservations, ScoreError> {
-    over_photos(sessions, detectors, options, Some(shard), on_photo, |job, seen| {
-        let observation = seen
+    let mut jobs = ScoringJob::all(sessions);
+    jobs.retain(|job| shard.holds(job.id));
+    jobs.iter_mut()
+        .for_each(|job| job.is_checked = contradicted::is_checkable(job));
+    over_photos(sessions, &jobs, detectors, options, on_photo, |observer, job| {
+        let observation = observer
+            .photo(job)?
             .map(|(observation, _)| observation)
             .map_err(|left_out| NotScoredReason(left_out.reason));
         Ok((job.id, observation))
@@ -106,48 +134,50 @@ pub fn merge(
     runtime: Option<String>,
 ) -> Result<Scores, ScoreError> {
     check_alike(&sessions)?;
-    let mut judge = |job: &ScoringJob| {
+    let mut observed_in_shard = |job: &ScoringJob| {
         let not_observed = || ScoreError::NotObserved {
             session: job.session.name.clone(),
             file: job.entry.file.clone(),
         };
         let observation = observed.remove(&job.id).ok_or_else(not_observed)?;
-        Ok(observation
-            .and_then(|o| place(job, &o).map(|place| scored(job, &detectors, o, place)))
-            .map_err(|reason| job.left_out(reason)))
+        let seen = observation.and_then(|o| place(job, &o).map(|place| (o, place)));
+        Ok(judge(job, &detectors, seen.map_err(|reason| job.left_out(reason))))
     };
-    let jobs = ScoringJob::all(&sessions);
-    let results = jobs.iter().map(&mut judge).collect::<Result<_, ScoreError>>()?;
+    let mut jobs = ScoringJob::all(&sessions);
+    contradicted::draw(&mut jobs);
+    let judged = jobs
+        .iter()
+        .map(&mut observed_in_shard)
+        .collect::<Result<_, ScoreError>>()?;
+    let results = contradicted::refused(&jobs, judged);
     drop(jobs);
     Scores::new(sessions, detectors, results, runtime)
 }
 
-/// Looks at every photo, or those of a shard, and keeps what `judge` makes of each.
-fn over_photos<R: Send>(
+/// Does `work` on every item, a photo of the sessions, with what looks at photos.
+fn over_photos<T: Sync, R: Send>(
     sessions: &[Session],
+    items: &[T],
     detectors: &[EvaluatedDetector],
     options: &Options,
-    shard: Option<ShardId>,
     on_photo: impl Fn() + Sync,
-    judge: impl Fn(&ScoringJob, Result<(Observation, PlacedModel), NotScored>) -> Result<R, ScoreError> + Sync,
+    work: impl Fn(&mut Observer, &T) -> Result<R, ScoreError> + Sync,
 ) -> Result<Vec<R>, ScoreError> {
     check_alike(sessions)?;
     let runtime = runtime(detectors)?;
     let families = sessions.iter().flat_map(|s| s.scene.families());
     let families: Vec<_> = families.collect::<BTreeSet<_>>().into_iter().collect();
-    let mut jobs = ScoringJob::all(sessions);
-    let photos = jobs.len();
-    jobs.retain(|job| shard.is_none_or(|shard| shard.holds(job.id)));
+    let photos = sessions.iter().map(|s| s.photos.len()).sum();
     let (tags, cache) = ((families.as_slice(), options.tags), options.cache.as_ref());
     workers::map_over(
         options.threads,
-        &jobs,
+        items,
         || Observer::new(tags, detectors, runtime, cache, photos),
-        |observer, job| {
+        |observer, item| {
             if options.stop.load(Ordering::Relaxed) {
                 return Err(ScoreError::Stopped);
             }
-            judge(job, observer.photo(job)?)
+            work(observer, item)
         },
         on_photo,
     )
@@ -168,6 +198,19 @@ fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
     };
     let (a, b) = (name(first), name(other));
     Err(ScoreError::DifferentScenes { a, b })
+}
+
+/// What a look at a photo comes to.
+fn judge(
+    job: &ScoringJob,
+    detectors: &[EvaluatedDetector],
+    seen: Result<(Observation, PlacedModel), NotScored>,
+) -> Judged {
+    let looked = seen.as_ref().ok();
+    Judged {
+        contradiction: looked.and_then(|(observation, _)| contradicted::contradiction(job, observation)),
+        photo: seen.map(|(observation, place)| scored(job, detectors, observation, place)),
+    }
 }
 
 /// The per-photo values of a photo whose model was placed.
@@ -194,7 +237,11 @@ fn scored(
         viewpoint,
         bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
         tags: located.map(|l| l.tags.clone()).unwrap_or_default(),
-        tag_marks: marks(&observation.tags, located),
+        tag_marks: if job.needs_tags() {
+            marks(&observation.tags, located)
+        } else {
+            Vec::new()
+        },
         rms_px: located.map(|l| l.rms_px),
         sigma: located.map(|l| l.sigma),
         taken: entry.taken.clone().or(observation.taken),
