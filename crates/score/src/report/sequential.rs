@@ -151,5 +151,5 @@ pub fn plan_chart(plan: &SequentialPlan) -> String {
         ),
     ];
     let series = ["stops when it knows".to_owned(), "fixed plan".to_owned()];
-    panels("Photos until the question is decided", &notes, &series, 3, &all)
+    panels("Photos until the question is decided", &notes, &series, 3, &all).svg()
 }
