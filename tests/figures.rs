@@ -118,7 +118,7 @@ fn the_charts_are_files_that_look_like_the_page() {
             "polyline",
             &["points", "stroke"],
         ),
-        ("reliability", &report, "Share correct", "path", &["d"]),
+        ("reliability", &report, "Share correct", "polyline", &["points"]),
         ("heat_maps", &report, "Mean confidence by azimuth, pitch", "title", &[]),
         ("ap_against_time", &report, "AP at IoU 0.5", "circle", &["cx", "cy"]),
         ("drops", &comparison, "Drop of ", "circle", &["cx", "cy", "fill"]),

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use maud::{Markup, html};
-
 use crate::choose::{Refusal, Wish};
 use crate::keep::Kept;
 use crate::look::Look;
-use scaleproof_plot::{Drawing, Explained, colour, figure};
+use scaleproof_plot::Anchor::Middle;
+use scaleproof_plot::{BLACK, Colour, Drawing, Explained, FAINT, Mark, NOTE, WHITE, colour, figure};
 use scaleproof_pose::scene::Viewpoint;
 
 const RADIUS: f64 = 150.0;
@@ -15,8 +14,7 @@ const RADIUS: f64 = 150.0;
 const FAR: f64 = 0.97;
 /// More dots than this tell no more.
 const MOST_DOTS: usize = 1500;
-const FIT: &str = "#9fb4c7";
-const CHOSEN: &str = "#000000";
+const FIT: Colour = Colour(0x9fb4c7);
 
 /// The plot as SVG.
 pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
@@ -31,14 +29,11 @@ pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
         }
     }
     let fit = looks.len() - counts.values().sum::<usize>();
-    let mut legend = vec![
-        (CHOSEN.to_owned(), format!("chosen {}", kept.len())),
-        (FIT.to_owned(), format!("fit {fit}")),
-    ];
+    let mut legend = vec![(BLACK, format!("chosen {}", kept.len())), (FIT, format!("fit {fit}"))];
     let drawn = counts
         .iter()
         .filter(|(refusal, _)| !matches!(refusal, Refusal::NoTags | Refusal::Unsure | Refusal::Repeated));
-    legend.extend(drawn.map(|(refusal, count)| (hue(*refusal).to_owned(), format!("{} {count}", refusal.name()))));
+    legend.extend(drawn.map(|(refusal, count)| (hue(*refusal), format!("{} {count}", refusal.name()))));
     let unplaced = [Refusal::NoTags, Refusal::Unsure].map(|refusal| counts.get(&refusal).copied().unwrap_or(0));
     let notes = vec![
         "Where the camera stood, from above, the model's front up; spokes: edges of the bins.".to_owned(),
@@ -54,10 +49,10 @@ pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
         label: title.to_owned(),
         marks: marks(wish, &views, kept),
     };
-    figure(title, &Explained { legend, notes }, 1, &[("", drawing)])
+    figure(title, &Explained { legend, notes }, 1, vec![("", drawing)]).svg()
 }
 
-fn hue(refusal: Refusal) -> &'static str {
+fn hue(refusal: Refusal) -> Colour {
     let place = Refusal::ALL.iter().position(|other| *other == refusal).unwrap_or(0);
     // After the blues, which are near to that of fit frames.
     match place {
@@ -69,7 +64,7 @@ fn hue(refusal: Refusal) -> &'static str {
     }
 }
 
-fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) -> Markup {
+fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) -> Vec<Mark> {
     let far_mm = views
         .iter()
         .map(|(v, _)| ground_mm(v))
@@ -77,34 +72,22 @@ fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) ->
         .fold(1.0, f64::max);
     let at = |v: &Viewpoint| place(v.azimuth_deg, FAR * ground_mm(v) / far_mm);
     let step = wish.bins.azimuth_deg;
-    let edges: Vec<f64> = wish
-        .bins
-        .azimuth_centres()
-        .iter()
-        .map(|centre| centre + step / 2.0)
-        .collect();
+    let centres = wish.bins.azimuth_centres();
     let every = views.len().div_ceil(MOST_DOTS).max(1);
     let names = [("front", 0.0), ("left", 90.0), ("rear", 180.0), ("right", 270.0)];
-    html! {
-        circle r=(RADIUS) fill="none" stroke="#d7dce2" {}
-        @for edge in edges {
-            @let [x, y] = place(edge, 1.0);
-            line x2=(round(x)) y2=(round(y)) stroke="#d7dce2" {}
-        }
-        @for (name, azimuth) in names {
-            @let [x, y] = place(azimuth, 1.08);
-            text x=(round(x)) y=(round(y + 4.0)) font-size="11" text-anchor="middle" fill="#5b6573" { (name) }
-        }
-        polygon points="0,-12 7,8 -7,8" fill="#5b6573" {}
-        @for (v, refusal) in views.iter().step_by(every) {
-            @let [x, y] = at(v);
-            circle cx=(round(x)) cy=(round(y)) r="2" fill=(refusal.map_or(FIT, hue)) {}
-        }
-        @for one in kept {
-            @let [x, y] = at(&one.viewpoint);
-            circle cx=(round(x)) cy=(round(y)) r="4.5" fill=(CHOSEN) stroke="#fff" {}
-        }
+    let mut marks = vec![Mark::circle([0.0; 2], RADIUS).outlined(FAINT, 1.0)];
+    let edges = centres.iter().map(|centre| place(centre + step / 2.0, 1.0));
+    marks.extend(edges.map(|edge| Mark::line([0.0; 2], edge, FAINT)));
+    for (name, azimuth) in names {
+        let [x, y] = place(azimuth, 1.08);
+        marks.push(Mark::text([x, y + 4.0], 11.0, Middle, NOTE, name));
     }
+    marks.push(Mark::polygon([[0.0, -12.0], [7.0, 8.0], [-7.0, 8.0]]).filled(NOTE));
+    let seen = views.iter().step_by(every);
+    marks.extend(seen.map(|(v, refusal)| Mark::circle(at(v), 2.0).filled(refusal.map_or(FIT, hue))));
+    let chosen = kept.iter().map(|one| Mark::circle(at(&one.viewpoint), 4.5));
+    marks.extend(chosen.map(|dot| dot.filled(BLACK).outlined(WHITE, 1.0)));
+    marks
 }
 
 /// How far the camera stood from the middle of the model, on the ground, mm.
@@ -116,8 +99,4 @@ fn ground_mm(v: &Viewpoint) -> f64 {
 fn place(azimuth_deg: f64, share: f64) -> [f64; 2] {
     let a = azimuth_deg.to_radians();
     [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]
-}
-
-fn round(v: f64) -> f64 {
-    (v * 10.0).round() / 10.0
 }

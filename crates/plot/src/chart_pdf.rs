@@ -1,33 +1,32 @@
-//! Charts for papers: the SVG that this program draws, as a PDF of one page with its font inside.
-//!
-//! Only what our charts are made of is known: groups that are moved or turned, lines, rectangles, polygons, circles, upright and level paths, text.
+//! Charts for papers: a drawing as a PDF of one page with its font inside.
 
 use std::collections::BTreeSet;
-use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
 use lopdf::{Dictionary, Document, Object, Stream, dictionary};
-use roxmltree::Node;
 
-use crate::lettering;
+use crate::mark::{Colour, Mark, Shape, Text};
 use crate::pdf::{self, PdfError};
+use crate::{Drawing, lettering};
 
 /// CSS pixels to points.
 const POINTS: f64 = 0.75;
 
-/// The PDF of a chart; `title` is what viewers call it.
-pub fn pdf_of_svg(title: &str, svg: &str) -> Result<Vec<u8>, PdfError> {
-    let failed = |reason: String| PdfError { reason };
-    let parsed = roxmltree::Document::parse(svg).map_err(|e| failed(e.to_string()))?;
-    let root = parsed.root_element();
-    let [width, height] = ["width", "height"].map(|side| number(root, side, 0.0));
-    let mut page = Page {
-        size: [width, height],
-        content: format!("{POINTS} 0 0 -{POINTS} 0 {} cm\n", points(height)),
-        opacities: BTreeSet::new(),
-    };
-    page.draw(root).map_err(failed)?;
-    pdf::bytes_of(page.document(title))
+impl Drawing {
+    /// A file; viewers call it by its label.
+    ///
+    /// # Errors
+    /// Only if the PDF library fails; no mark is refused.
+    pub fn pdf(&self) -> Result<Vec<u8>, PdfError> {
+        let [left, top, width, height] = self.area;
+        let mut page = Page {
+            size: [width, height],
+            content: format!("{POINTS} 0 0 -{POINTS} {} {} cm\n", points(-left), points(top + height)),
+            opacities: BTreeSet::new(),
+        };
+        self.marks.iter().for_each(|mark| page.draw(mark));
+        pdf::bytes_of(page.document(&self.label))
+    }
 }
 
 /// What is drawn so far, in PDF's operators (ISO 32000-1, annex A).
@@ -40,30 +39,20 @@ struct Page {
 }
 
 impl Page {
-    fn draw(&mut self, node: Node) -> Result<(), String> {
-        let placed = node.attribute("transform").map(matrix).transpose()?;
-        if let Some(m) = placed {
-            self.put(format_args!(
-                "q {} {} {} {} {} {} cm",
-                m[0], m[1], m[2], m[3], m[4], m[5]
-            ));
-        }
-        match node.tag_name().name() {
-            "svg" | "g" => node
-                .children()
-                .filter(Node::is_element)
-                .try_for_each(|child| self.draw(child))?,
-            "title" => {}
-            "text" => self.text(node)?,
-            _ => {
-                let path = self.path(node)?;
-                self.paint(node, &path)?;
+    fn draw(&mut self, mark: &Mark) {
+        match &mark.shape {
+            Shape::Group([x, y], marks) => {
+                self.put(format_args!("q 1 0 0 1 {x} {y} cm"));
+                marks.iter().for_each(|mark| self.draw(mark));
+                self.put(format_args!("Q"));
             }
+            Shape::Text(text) => self.text(mark, text),
+            Shape::Line([[x1, y1], [x2, y2]]) => self.paint(mark, &format!("{x1} {y1} m {x2} {y2} l")),
+            Shape::Polyline(points) => self.paint(mark, &through(points)),
+            Shape::Polygon(points) => self.paint(mark, &(through(points) + " h")),
+            Shape::Rect([x, y], [w, h]) => self.paint(mark, &format!("{x} {y} {w} {h} re")),
+            Shape::Circle([x, y], radius) => self.paint(mark, &circle(*x, *y, *radius)),
         }
-        if placed.is_some() {
-            self.put(format_args!("Q"));
-        }
-        Ok(())
     }
 
     fn put(&mut self, operators: std::fmt::Arguments) {
@@ -71,37 +60,17 @@ impl Page {
         let _ = writeln!(self.content, "{operators}");
     }
 
-    fn path(&self, node: Node) -> Result<String, String> {
-        let of = |attribute: &str| number(node, attribute, 0.0);
-        let side = |attribute: &str, whole: f64| number(node, attribute, whole);
-        Ok(match node.tag_name().name() {
-            "line" => format!("{} {} m {} {} l", of("x1"), of("y1"), of("x2"), of("y2")),
-            "rect" => {
-                let [width, height] = [side("width", self.size[0]), side("height", self.size[1])];
-                format!("{} {} {width} {height} re", of("x"), of("y"))
-            }
-            "circle" => circle(of("cx"), of("cy"), of("r")),
-            "polyline" => through(node),
-            "polygon" => through(node) + " h",
-            "path" => straight(node.attribute("d").unwrap_or_default())?,
-            other => return Err(format!("the chart has a `{other}`, which is not drawn")),
-        })
-    }
-
-    fn paint(&mut self, node: Node, path: &str) -> Result<(), String> {
-        let fill = inherited(node, "fill").unwrap_or("#000");
-        let fill = colour(fill)?.filter(|_| node.tag_name().name() != "line");
-        let stroke = colour(inherited(node, "stroke").unwrap_or("none"))?;
-        if let Some(rgb) = fill {
-            let opacity = self.opacity(number(node, "fill-opacity", 1.0));
+    fn paint(&mut self, mark: &Mark, path: &str) {
+        if let Some(fill) = mark.fill {
+            let (opacity, rgb) = (self.opacity(mark.opacity), shares(fill));
             self.put(format_args!("q {opacity}{rgb} rg {path} f Q"));
         }
-        if let Some(rgb) = stroke {
-            let dashes = node.attribute("stroke-dasharray").unwrap_or_default();
-            let width = number(node, "stroke-width", 1.0);
-            self.put(format_args!("q {rgb} RG {width} w [{dashes}] 0 d {path} S Q"));
+        if let Some((colour, width)) = mark.stroke {
+            let rgb = shares(colour);
+            let dashes = if mark.is_dashed { "4 3" } else { "" };
+            let join = u8::from(matches!(mark.shape, Shape::Polyline(_)));
+            self.put(format_args!("q {rgb} RG {width} w {join} j [{dashes}] 0 d {path} S Q"));
         }
-        Ok(())
     }
 
     /// The operator that sets it; nothing for what is not seen through.
@@ -114,37 +83,28 @@ impl Page {
         format!("/O{hundredths} gs ")
     }
 
-    fn text(&mut self, node: Node) -> Result<(), String> {
-        let content: String = node
-            .descendants()
-            .filter_map(|n| n.text().filter(|_| n.is_text()))
-            .collect();
-        let content = latin_1(&content);
-        let size = number(node, "font-size", 16.0);
-        let width = lettering::width_mm(&content, size);
-        let before = match inherited(node, "text-anchor") {
-            Some("middle") => 0.5 * width,
-            Some("end") => width,
-            _ => 0.0,
+    fn text(&mut self, mark: &Mark, text: &Text) {
+        let (words, size) = (latin_1(&text.words), text.size);
+        let before = [0.0, 0.5, 1.0][text.anchor as usize] * lettering::width_mm(&words, size);
+        // The page is upside down, as charts have y down; letters are turned back.
+        let place = match text.at {
+            [x, y] if text.is_upright => format!("0 -1 -1 0 {x} {}", y + before),
+            [x, y] => format!("1 0 0 -1 {} {y}", x - before),
         };
-        let (x, y) = (number(node, "x", 0.0) - before, number(node, "y", 0.0));
-        let fill = colour(inherited(node, "fill").unwrap_or("#000"))?.unwrap_or_default();
-        let letters: String = content.chars().map(|c| format!("{:02x}", win_ansi(c))).collect();
-        // The page is upside down for SVG's sake; letters are turned back.
-        let shown = format!("BT /F {size} Tf 1 0 0 -1 {x} {y} Tm");
-        if let Some(halo) = colour(inherited(node, "stroke").unwrap_or("none"))? {
-            let width = number(node, "stroke-width", 1.0);
+        let letters: String = words.chars().map(|c| format!("{:02x}", win_ansi(c))).collect();
+        let shown = format!("BT /F {size} Tf {place} Tm");
+        if let Some((colour, width)) = mark.stroke {
+            let rgb = shares(colour);
             self.put(format_args!(
-                "q {halo} RG {width} w 1 j {shown} 1 Tr <{letters}> Tj ET Q"
+                "q {rgb} RG {width} w 1 j {shown} 1 Tr <{letters}> Tj ET Q"
             ));
         }
-        // There is one font: what is bold has a line of its own colour around it.
-        let bold = match inherited(node, "font-weight") {
-            Some("600" | "bold") => format!("{fill} RG {} w 2 Tr ", 0.035 * size),
-            _ => String::new(),
-        };
-        self.put(format_args!("q {fill} rg {shown} {bold}<{letters}> Tj ET Q"));
-        Ok(())
+        if let Some(fill) = mark.fill.map(shares) {
+            // There is one font: what is bold has a line of its own colour around it.
+            let bold = text.is_bold.then(|| format!("{fill} RG {} w 2 Tr ", 0.035 * size));
+            let bold = bold.unwrap_or_default();
+            self.put(format_args!("q {fill} rg {shown} {bold}<{letters}> Tj ET Q"));
+        }
     }
 
     fn document(self, title: &str) -> Document {
@@ -189,61 +149,15 @@ fn points(pixels: f64) -> f64 {
     (pixels * POINTS * 1000.0).round() / 1000.0
 }
 
-/// What stands at an element or at what it is in.
-fn inherited<'a>(node: Node<'a, '_>, attribute: &str) -> Option<&'a str> {
-    node.ancestors().find_map(|n| n.attribute(attribute))
-}
-
-/// A length; `otherwise` stands for what is not there and for all of it (`100%`).
-fn number(node: Node, attribute: &str, otherwise: f64) -> f64 {
-    let text = node.attribute(attribute).unwrap_or_default();
-    text.parse().ok().filter(|v: &f64| v.is_finite()).unwrap_or(otherwise)
-}
-
-/// `none`, or three shares of full as PDF's operators take them.
-fn colour(text: &str) -> Result<Option<String>, String> {
-    let digits = match text.strip_prefix('#') {
-        None if text == "none" => return Ok(None),
-        Some(short) if short.len() == 3 => short.chars().flat_map(|c| [c, c]).collect(),
-        digits => digits.unwrap_or_default().to_owned(),
-    };
-    let unknown = || format!("the colour `{text}` is not known");
-    let rgb = u32::from_str_radix(&digits, 16).map_err(|_| unknown())?;
-    if digits.len() != 6 {
-        return Err(unknown());
-    }
+/// Three shares of full, as PDF's operators take them.
+fn shares(Colour(rgb): Colour) -> String {
     let share = |shift: u32| f64::from(rgb >> shift & 0xff) / 255.0;
-    Ok(Some(format!("{:.4} {:.4} {:.4}", share(16), share(8), share(0))))
+    format!("{:.4} {:.4} {:.4}", share(16), share(8), share(0))
 }
 
-/// The matrix of an SVG transform, moves and turns in their order, as PDF's six numbers.
-///
-/// # Errors
-/// A transform that none of our charts has.
-pub fn matrix(text: &str) -> Result<[f64; 6], String> {
-    let unknown = || format!("the transform `{text}` is not known");
-    let mut all = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-    for step in text.split_inclusive(')') {
-        let (what, numbers) = step.trim().trim_end_matches(')').split_once('(').ok_or_else(unknown)?;
-        let numbers: Vec<f64> = numbers.split([' ', ',']).filter_map(|n| n.parse().ok()).collect();
-        let [a, b, c, d, e, f] = all;
-        all = match (what, numbers.as_slice()) {
-            ("translate", [x, y]) => [a, b, c, d, a * x + c * y + e, b * x + d * y + f],
-            // Lettering along an axis that goes up.
-            ("rotate", [angle]) if (angle.to_radians() + FRAC_PI_2).abs() < 1e-9 => [-c, -d, a, b, e, f],
-            _ => return Err(unknown()),
-        };
-    }
-    Ok(all)
-}
-
-fn through(node: Node) -> String {
-    let text = node.attribute("points").unwrap_or_default();
-    let corners = text.split_whitespace().filter_map(|corner| corner.split_once(','));
-    let parts = corners
-        .enumerate()
-        .map(|(i, (x, y))| format!("{x} {y} {}", if i == 0 { "m" } else { "l" }));
-    parts.collect::<Vec<_>>().join(" ")
+fn through(points: &[[f64; 2]]) -> String {
+    let step = |(i, [x, y]): (usize, &[f64; 2])| format!("{x} {y} {}", if i == 0 { "m" } else { "l" });
+    points.iter().enumerate().map(step).collect::<Vec<_>>().join(" ")
 }
 
 /// Four Bézier curves, off by at most 0.03 % of the radius.
@@ -262,26 +176,6 @@ fn circle(x: f64, y: f64, r: f64) -> String {
         x + k,
         y - k
     )
-}
-
-/// Paths of the commands M, H, V and h.
-fn straight(text: &str) -> Result<String, String> {
-    let unknown = || format!("the path `{text}` is not known");
-    let (mut at, mut path) = ([0.0, 0.0], String::new());
-    for (start, command) in text.match_indices(|c: char| c.is_ascii_alphabetic()) {
-        let rest = &text[start + 1..];
-        let end = rest.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(rest.len());
-        let numbers: Vec<f64> = rest[..end].split([' ', ',']).filter_map(|n| n.parse().ok()).collect();
-        at = match (command, numbers.as_slice()) {
-            ("M", [x, y]) => [*x, *y],
-            ("H", [x]) => [*x, at[1]],
-            ("h", [by]) => [at[0] + by, at[1]],
-            ("V", [y]) => [at[0], *y],
-            _ => return Err(unknown()),
-        };
-        let _ = write!(path, "{} {} {} ", at[0], at[1], if command == "M" { "m" } else { "l" });
-    }
-    Ok(path)
 }
 
 /// In the letters that the font has.

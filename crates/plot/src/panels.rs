@@ -1,9 +1,8 @@
 //! Many small charts on one page: each a sweep of one condition, with several lines over it.
 
-use maud::{Markup, html};
-
+use super::Anchor::{End, Middle, Start};
 use super::axis::tick_label;
-use super::{FAINT, INK, NOTE, PlotAxis, colour, document, round};
+use super::{Drawing, FAINT, INK, Mark, NOTE, PlotAxis, colour};
 
 /// One line of a panel: values along the panel's x, gaps where nothing was measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,59 +26,57 @@ const CELL: (f64, f64) = (252.0, 168.0);
 const TOP: f64 = 64.0;
 
 /// A page of panels, row by row, `across` a row, with a legend of colours and of solid and dashed lines.
-pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[PlotPanel]) -> String {
+pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[PlotPanel]) -> Drawing {
     let across = across.max(1);
     let notes_height = 14.0 * notes.len() as f64;
     let top = TOP + notes_height;
-    let width = CELL.0 * across as f64 + 20.0;
+    let mut marks = vec![Mark::text([16.0, 26.0], 16.0, Start, INK, title).bold()];
+    for (i, note) in notes.iter().enumerate() {
+        marks.push(Mark::text([16.0, 44.0 + 14.0 * i as f64], 11.0, Start, NOTE, note));
+    }
+    for (i, name) in series.iter().enumerate() {
+        let (x, y) = (16.0 + 150.0 * i as f64, 44.0 + notes_height);
+        marks.push(Mark::line([x, y - 4.0], [x + 20.0, y - 4.0], colour(i)).outlined(colour(i), 2.5));
+        marks.push(Mark::text([x + 26.0, y], 11.0, Start, INK, name));
+    }
+    for (i, panel) in all.iter().enumerate() {
+        let (x, y) = (CELL.0 * (i % across) as f64, CELL.1 * (i / across) as f64);
+        marks.push(Mark::group([50.0 + x, top + 26.0 + y], draw(panel)));
+    }
     let height = top + CELL.1 * all.len().div_ceil(across) as f64 + 10.0;
-    let content = html! {
-        text x="16" y="26" font-size="16" font-weight="bold" fill=(INK) { (title) }
-        @for (i, note) in notes.iter().enumerate() {
-            text x="16" y=(44.0 + 14.0 * i as f64) font-size="11" fill=(NOTE) { (note) }
-        }
-        @for (i, name) in series.iter().enumerate() {
-            @let x = 16.0 + 150.0 * i as f64;
-            @let y = 44.0 + notes_height;
-            line x1=(x) x2=(x + 20.0) y1=(y - 4.0) y2=(y - 4.0) stroke=(colour(i)) stroke-width="2.5" {}
-            text x=(x + 26.0) y=(y) font-size="11" fill=(INK) { (name) }
-        }
-        @for (i, panel) in all.iter().enumerate() {
-            @let at = (50.0 + CELL.0 * (i % across) as f64, top + 26.0 + CELL.1 * (i / across) as f64);
-            g transform=(format!("translate({} {})", at.0, at.1)) { (draw(panel)) }
-        }
-    };
-    document(width, height, title, &content)
+    Drawing {
+        area: [0.0, 0.0, CELL.0 * across as f64 + 20.0, height],
+        label: title.to_owned(),
+        marks,
+    }
 }
 
-fn draw(panel: &PlotPanel) -> Markup {
+fn draw(panel: &PlotPanel) -> Vec<Mark> {
     let last = panel.steps.len().saturating_sub(1).max(1) as f64;
-    let x = |step: usize| round(step as f64 / last * PANEL.0);
-    let y = |value: f64| round((1.0 - panel.y.share(value)) * PANEL.1);
+    let x = |step: usize| step as f64 / last * PANEL.0;
+    let y = |value: f64| (1.0 - panel.y.share(value)) * PANEL.1;
     // Labels of about 26 px each.
     let every = panel.steps.len().div_ceil(7).max(1);
-    html! {
-        text y="-7" font-size="11" font-weight="bold" fill=(INK) { (panel.title) }
-        @for tick in panel.y.ticks() {
-            line x2=(PANEL.0) y1=(y(tick)) y2=(y(tick)) stroke=(FAINT) {}
-            text x="-4" y=(y(tick) + 3.0) font-size="8.5" text-anchor="end" fill=(NOTE) { (tick_label(tick)) }
-        }
-        rect width=(PANEL.0) height=(PANEL.1) fill="none" stroke=(NOTE) {}
-        @for (i, step) in panel.steps.iter().enumerate().filter(|(i, _)| i % every == 0) {
-            text x=(x(i)) y=(PANEL.1 + 11.0) font-size="8.5" text-anchor="middle" fill=(NOTE) { (step) }
-        }
-        text x=(PANEL.0 / 2.0) y=(PANEL.1 + 23.0) font-size="9" text-anchor="middle" fill=(NOTE) { (panel.y.title) }
-        @for line in &panel.lines {
-            @for run in runs(&line.values) {
-                polyline points=(run.iter().map(|(i, v)| format!("{},{}", x(*i), y(*v))).collect::<Vec<_>>().join(" "))
-                    fill="none" stroke=(colour(line.series)) stroke-width="1.8" stroke-linejoin="round"
-                    stroke-dasharray=[line.is_dashed.then_some("4 3")] {}
-                @for (i, v) in &run {
-                    circle cx=(x(*i)) cy=(y(*v)) r="1.9" fill=(colour(line.series)) {}
-                }
-            }
+    let mut marks = vec![Mark::text([0.0, -7.0], 11.0, Start, INK, &panel.title).bold()];
+    for tick in panel.y.ticks() {
+        marks.push(Mark::line([0.0, y(tick)], [PANEL.0, y(tick)], FAINT));
+        marks.push(Mark::text([-4.0, y(tick) + 3.0], 8.5, End, NOTE, tick_label(tick)));
+    }
+    marks.push(Mark::rect([0.0; 2], [PANEL.0, PANEL.1]).outlined(NOTE, 1.0));
+    for (i, step) in panel.steps.iter().enumerate().step_by(every) {
+        marks.push(Mark::text([x(i), PANEL.1 + 11.0], 8.5, Middle, NOTE, step));
+    }
+    let below = [PANEL.0 / 2.0, PANEL.1 + 23.0];
+    marks.push(Mark::text(below, 9.0, Middle, NOTE, &panel.y.title));
+    for line in &panel.lines {
+        let colour = colour(line.series);
+        for run in runs(&line.values) {
+            let points = || run.iter().map(|(i, v)| [x(*i), y(*v)]);
+            marks.push(Mark::polyline(points(), colour, 1.8).dashed(line.is_dashed));
+            marks.extend(points().map(|at| Mark::circle(at, 1.9).filled(colour)));
         }
     }
+    marks
 }
 
 fn runs(values: &[Option<f64>]) -> Vec<Vec<(usize, f64)>> {

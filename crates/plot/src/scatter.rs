@@ -2,18 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use maud::{Markup, html};
-
+use super::Anchor::{End, Middle, Start};
 use super::axis::tick_label;
-use super::{FAINT, INK, NOTE, PlotAxis, colour, document, round};
+use super::{Drawing, FAINT, INK, Mark, NOTE, PlotAxis, WHITE, colour};
 
 /// Outlines of the marks, the n-th for the n-th shape; the first is a circle, and a sixth shape starts over.
-const OUTLINES: [Option<&str>; 5] = [
-    None,
-    Some("-5.5,-5.5 5.5,-5.5 5.5,5.5 -5.5,5.5"),
-    Some("0,-7.5 7.5,0 0,7.5 -7.5,0"),
-    Some("0,-7.5 7,5.5 -7,5.5"),
-    Some("0,7.5 7,-5.5 -7,-5.5"),
+const OUTLINES: [&[[f64; 2]]; 5] = [
+    &[],
+    &[[-5.5, -5.5], [5.5, -5.5], [5.5, 5.5], [-5.5, 5.5]],
+    &[[0.0, -7.5], [7.5, 0.0], [0.0, 7.5], [-7.5, 0.0]],
+    &[[0.0, -7.5], [7.0, 5.5], [-7.0, 5.5]],
+    &[[0.0, 7.5], [7.0, -5.5], [-7.0, -5.5]],
 ];
 
 /// One measured method.
@@ -65,129 +64,123 @@ impl Cloud {
     }
 }
 
-pub fn scatter(cloud: &Cloud) -> String {
-    let groups = cloud.groups.len().max(1) as f64;
+pub fn scatter(cloud: &Cloud) -> Drawing {
+    let step = cloud.plot_width() + GAP;
     let of_note = 32.0 + LETTER * cloud.note.chars().count() as f64;
-    let width = (LEFT + groups * (cloud.plot_width() + GAP)).max(of_note);
+    let width = (LEFT + cloud.groups.len().max(1) as f64 * step).max(of_note);
     let rows = cloud.colours.len().max(cloud.shapes.len() + 1) as f64;
-    let height = TOP + HEIGHT + FOOT + rows * LEGEND_ROW + 10.0;
-    let content = html! {
-        text x="16" y="26" font-size="16" font-weight="bold" fill=(INK) { (cloud.title) }
-        text x="16" y="45" font-size="11" fill=(NOTE) { (cloud.note) }
-        @for (i, (name, dots)) in cloud.groups.iter().enumerate() {
-            g transform=(format!("translate({} {TOP})", LEFT + i as f64 * (cloud.plot_width() + GAP))) {
-                text x=(cloud.plot_width() / 2.0) y="-10" font-size="12" text-anchor="middle" fill=(INK) { (name) }
-                (grid(cloud, i == 0))
-                @for dot in dots { (mark(cloud, dot)) }
-                (names(cloud, dots))
-            }
-        }
-        g transform=(format!("translate({LEFT} {})", TOP + HEIGHT + FOOT + 12.0)) { (legend(cloud)) }
-    };
-    document(width, height, &cloud.title, &content)
+    let mut marks = vec![
+        Mark::text([16.0, 26.0], 16.0, Start, INK, &cloud.title).bold(),
+        Mark::text([16.0, 45.0], 11.0, Start, NOTE, &cloud.note),
+    ];
+    let groups = cloud.groups.iter().enumerate();
+    marks.extend(groups.map(|(i, group)| Mark::group([LEFT + i as f64 * step, TOP], plot(cloud, group, i == 0))));
+    marks.push(Mark::group([LEFT, TOP + HEIGHT + FOOT + 12.0], legend(cloud)));
+    Drawing {
+        area: [0.0, 0.0, width, TOP + HEIGHT + FOOT + rows * LEGEND_ROW + 10.0],
+        label: cloud.title.clone(),
+        marks,
+    }
 }
 
-fn grid(cloud: &Cloud, with_y_labels: bool) -> Markup {
+fn plot(cloud: &Cloud, (name, dots): &(String, Vec<Dot>), with_y_labels: bool) -> Vec<Mark> {
+    let middle = cloud.plot_width() / 2.0;
+    let mut marks = vec![Mark::text([middle, -10.0], 12.0, Middle, INK, name)];
+    marks.extend(grid(cloud, with_y_labels));
+    marks.extend(dots.iter().map(|dot| mark(cloud, dot)));
+    marks.extend(names(cloud, dots));
+    marks
+}
+
+fn grid(cloud: &Cloud, with_y_labels: bool) -> Vec<Mark> {
     let width = cloud.plot_width();
-    html! {
-        @for tick in cloud.x.ticks() {
-            @let x = round(cloud.x.share(tick) * width);
-            line x1=(x) x2=(x) y2=(HEIGHT) stroke=(FAINT) {}
-            text x=(x) y=(HEIGHT + 14.0) font-size="10" text-anchor="middle" fill=(NOTE) { (tick_label(tick)) }
-        }
-        @for tick in cloud.y.ticks() {
-            @let y = round((1.0 - cloud.y.share(tick)) * HEIGHT);
-            line x2=(width) y1=(y) y2=(y) stroke=(FAINT) {}
-            @if with_y_labels { text x="-6" y=(y + 3.5) font-size="10" text-anchor="end" fill=(NOTE) { (tick_label(tick)) } }
-        }
-        rect width=(width) height=(HEIGHT) fill="none" stroke=(NOTE) {}
-        text x=(width / 2.0) y=(HEIGHT + 32.0) font-size="11" text-anchor="middle" fill=(INK) { (cloud.x.title) }
-        @if with_y_labels {
-            text transform=(format!("translate(-44 {}) rotate(-90)", HEIGHT / 2.0)) font-size="11" text-anchor="middle"
-                fill=(INK) { (cloud.y.title) }
-        }
+    let mut marks = Vec::new();
+    for tick in cloud.x.ticks() {
+        let x = cloud.x.share(tick) * width;
+        marks.push(Mark::line([x, 0.0], [x, HEIGHT], FAINT));
+        marks.push(Mark::text([x, HEIGHT + 14.0], 10.0, Middle, NOTE, tick_label(tick)));
     }
+    for tick in cloud.y.ticks() {
+        let y = (1.0 - cloud.y.share(tick)) * HEIGHT;
+        marks.push(Mark::line([0.0, y], [width, y], FAINT));
+        marks.extend(with_y_labels.then(|| Mark::text([-6.0, y + 3.5], 10.0, End, NOTE, tick_label(tick))));
+    }
+    marks.push(Mark::rect([0.0; 2], [width, HEIGHT]).outlined(NOTE, 1.0));
+    let title = |at: [f64; 2], title: &str| Mark::text(at, 11.0, Middle, INK, title);
+    marks.push(title([width / 2.0, HEIGHT + 32.0], &cloud.x.title));
+    marks.extend(with_y_labels.then(|| title([-44.0, HEIGHT / 2.0], &cloud.y.title).upright()));
+    marks
 }
 
 fn place(cloud: &Cloud, dot: &Dot) -> [f64; 2] {
     [
-        round(cloud.x.share(dot.x) * cloud.plot_width()),
-        round((1.0 - cloud.y.share(dot.y)) * HEIGHT),
+        cloud.x.share(dot.x) * cloud.plot_width(),
+        (1.0 - cloud.y.share(dot.y)) * HEIGHT,
     ]
 }
 
-fn mark(cloud: &Cloud, dot: &Dot) -> Markup {
-    let [x, y] = place(cloud, dot);
-    html! {
-        g transform=(format!("translate({x} {y})")) {
-            @if dot.is_ringed { circle r=(RADIUS + 4.5) fill="none" stroke=(INK) stroke-width="1.5" {} }
-            (symbol(dot.series, dot.shape, dot.share))
-        }
-    }
+fn mark(cloud: &Cloud, dot: &Dot) -> Mark {
+    let ring = dot.is_ringed.then(|| ring(RADIUS + 4.5));
+    let symbol = symbol(dot.series, dot.shape, dot.share);
+    Mark::group(place(cloud, dot), ring.into_iter().chain(symbol).collect())
+}
+
+fn ring(radius: f64) -> Mark {
+    Mark::circle([0.0, 0.0], radius).outlined(INK, 1.5)
 }
 
 /// An outline with a clockwise sector of it filled.
-fn symbol(series: usize, shape: usize, share: f64) -> Markup {
+fn symbol(series: usize, shape: usize, share: f64) -> Vec<Mark> {
     let paint = colour(series);
     let share = share.clamp(0.0, 1.0);
-    let points = OUTLINES[shape % OUTLINES.len()];
-    let outline = |fill: &str, opacity: &str| match points {
-        None => html! { circle r=(RADIUS) fill=(fill) fill-opacity=(opacity) stroke=(paint) stroke-width="1.5" {} },
-        Some(points) => {
-            html! { polygon points=(points) fill=(fill) fill-opacity=(opacity) stroke=(paint) stroke-width="1.5" {} }
-        }
+    let outline = match OUTLINES[shape % OUTLINES.len()] {
+        [] => Mark::circle([0.0, 0.0], RADIUS),
+        points => Mark::polygon(points.iter().copied()),
     };
-    html! {
-        @if share > 0.9995 { (outline(paint, "0.85")) } @else {
-            (outline("#fff", "1"))
-            @if share > 0.0 { path d=(sector(share)) fill=(paint) fill-opacity="0.85" {} }
-        }
+    let outline = outline.outlined(paint, 1.5);
+    if share > 0.9995 {
+        return vec![outline.filled(paint).sheer(0.85)];
     }
+    let filled = (share > 0.0).then(|| Mark::polygon(sector(share)).filled(paint).sheer(0.85));
+    [outline.filled(WHITE)].into_iter().chain(filled).collect()
 }
 
-/// A clockwise sector from the top that is this share of a mark, as an SVG path.
-pub fn sector(share: f64) -> String {
-    let (sin, cos) = (share * TAU).sin_cos();
-    let r = RADIUS - 1.0;
-    let (x, y) = (round(r * sin), round(-r * cos));
-    let large = u8::from(share > 0.5);
-    format!("M0 0V{}A{r} {r} 0 {large} 1 {x} {y}Z", -r)
+/// A clockwise sector from the top that is this share of a mark: the middle, and points of the arc so near that none is seen as a corner.
+pub fn sector(share: f64) -> Vec<[f64; 2]> {
+    let steps = (share * 40.0).ceil().max(1.0);
+    let on_arc = |step: u32| {
+        let (sin, cos) = (share * TAU * f64::from(step) / steps).sin_cos();
+        [(RADIUS - 1.0) * sin, -(RADIUS - 1.0) * cos]
+    };
+    let arc = (0..=steps as u32).map(on_arc);
+    [[0.0; 2]].into_iter().chain(arc).collect()
 }
 
 /// The written names, moved down where two would cover each other.
-fn names(cloud: &Cloud, dots: &[Dot]) -> Markup {
+fn names(cloud: &Cloud, dots: &[Dot]) -> Vec<Mark> {
     let mut named: Vec<([f64; 2], &str)> = dots
         .iter()
         .filter_map(|dot| Some((place(cloud, dot), dot.name.as_deref()?)))
         .collect();
     named.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]));
     let mut lowest = f64::NEG_INFINITY;
-    for (at, _) in &mut named {
-        at[1] = at[1].max(lowest + 11.0);
-        lowest = at[1];
-    }
-    html! {
-        @for ([x, y], name) in named {
-            @let (anchor, dx) = if x > 0.6 * cloud.plot_width() { ("end", -13.0) } else { ("start", 13.0) };
-            text x=(round(x + dx)) y=(round(y + 3.5)) font-size="10" text-anchor=(anchor) fill=(INK) stroke="#fff"
-                stroke-width="3" paint-order="stroke" { (name) }
-        }
-    }
+    let written = named.into_iter().map(|([x, y], name)| {
+        lowest = y.max(lowest + 11.0);
+        let is_right = x > 0.6 * cloud.plot_width();
+        let (anchor, dx) = if is_right { (End, -13.0) } else { (Start, 13.0) };
+        Mark::text([x + dx, lowest + 3.5], 10.0, anchor, INK, name).outlined(WHITE, 3.0)
+    });
+    written.collect()
 }
 
-fn legend(cloud: &Cloud) -> Markup {
-    let entry = |x: f64, row: usize, mark: Markup, name: &str| {
-        html! {
-            g transform=(format!("translate({x} {})", row as f64 * LEGEND_ROW)) {
-                (mark)
-                text x="14" y="4" font-size="11" fill=(INK) { (name) }
-            }
-        }
+fn legend(cloud: &Cloud) -> Vec<Mark> {
+    let entry = |x: f64, row: usize, mut marks: Vec<Mark>, name: &str| {
+        marks.push(Mark::text([14.0, 4.0], 11.0, Start, INK, name));
+        Mark::group([x, row as f64 * LEGEND_ROW], marks)
     };
-    let ring = html! { circle r=(RADIUS + 3.0) fill="none" stroke=(INK) stroke-width="1.5" {} };
-    html! {
-        @for (i, name) in cloud.colours.iter().enumerate() { (entry(6.0, i, symbol(i, 0, 1.0), name)) }
-        @for (i, name) in cloud.shapes.iter().enumerate() { (entry(230.0, i, symbol(6, i, 0.0), name)) }
-        (entry(230.0, cloud.shapes.len(), ring, &cloud.ringed))
-    }
+    let (colours, shapes) = (cloud.colours.iter().enumerate(), cloud.shapes.iter().enumerate());
+    let colours = colours.map(|(i, name)| entry(6.0, i, symbol(i, 0, 1.0), name));
+    let shapes = shapes.map(|(i, name)| entry(230.0, i, symbol(6, i, 0.0), name));
+    let ringed = entry(230.0, cloud.shapes.len(), vec![ring(RADIUS + 3.0)], &cloud.ringed);
+    colours.chain(shapes).chain([ringed]).collect()
 }

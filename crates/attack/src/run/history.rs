@@ -161,6 +161,7 @@ pub(crate) fn ap_chart(words: [&str; 3], of: &str, methods: Vec<String>, groups:
         ringed,
         groups,
     })
+    .svg()
 }
 
 /// A mark of [`ap_chart`]; a pattern that took no time stands at the left end.

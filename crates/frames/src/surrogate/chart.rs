@@ -387,4 +387,5 @@ fn cloud(
         ringed: "the default".to_owned(),
         groups: vec![(String::new(), dots)],
     })
+    .svg()
 }

@@ -1,10 +1,32 @@
-use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, scatter, sector};
+use std::f64::consts::PI;
+
+use scaleproof_plot::{Cloud, Dot, Mark, PlotAxis, Scale, Shape, scatter, sector};
+
+/// By the shoelace formula.
+fn area(points: &[[f64; 2]]) -> f64 {
+    let sides = points.iter().zip(points.iter().cycle().skip(1));
+    sides.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs() / 2.0
+}
 
 #[test]
 fn a_mark_is_filled_by_its_share() {
-    // A quarter ends at the right, three quarters at the left, over the large arc.
-    assert_eq!(sector(0.25), "M0 0V-5A5 5 0 0 1 5 -0Z");
-    assert_eq!(sector(0.75), "M0 0V-5A5 5 0 1 1 -5 0Z");
+    for share in [0.05, 0.25, 0.5, 0.75, 0.99] {
+        let filled = area(&sector(share)) / (PI * 25.0);
+        assert!((filled - share).abs() < 0.005, "{filled} of {share}");
+    }
+    // Clockwise from the top: a quarter ends at the right, three quarters at the left.
+    let ends = |share: f64| *sector(share).last().unwrap();
+    assert_eq!(sector(0.25)[..2], [[0.0, 0.0], [0.0, -5.0]]);
+    assert!((ends(0.25)[0] - 5.0).abs() < 1e-9 && (ends(0.75)[0] + 5.0).abs() < 1e-9);
+}
+
+/// The height of the text, wherever it stands.
+fn y_of(marks: &[Mark], wanted: &str) -> Option<f64> {
+    marks.iter().find_map(|mark| match &mark.shape {
+        Shape::Text(text) => Some(text.at[1]).filter(|_| text.words == wanted),
+        Shape::Group(_, marks) => y_of(marks, wanted),
+        _ => None,
+    })
 }
 
 #[test]
@@ -30,11 +52,8 @@ fn names_do_not_cover_each_other_and_are_escaped() {
         shapes: vec!["two".into()],
         groups: vec![("g".into(), dots)],
     };
-    let svg = scatter(&cloud);
-    let document = roxmltree::Document::parse(&svg).unwrap();
-    let y_of = |wanted: &str| -> f64 {
-        let text = document.descendants().find(|n| n.text() == Some(wanted)).unwrap();
-        text.attribute("y").unwrap().parse().unwrap()
-    };
-    assert!((y_of("a<b") - y_of("c")).abs() >= 11.0);
+    let drawn = scatter(&cloud);
+    let y = |name: &str| y_of(&drawn.marks, name).unwrap();
+    assert!((y("a<b") - y("c")).abs() >= 11.0);
+    assert!(drawn.svg().contains("a&lt;b"));
 }

@@ -3,7 +3,6 @@
 use super::{ReportError, certainty, html};
 use crate::score::{Comparison, Scores};
 use scaleproof_detect::Speeds;
-use scaleproof_plot::chart_pdf::pdf_of_svg;
 use scaleproof_plot::{Drawing, Explained, figure};
 
 /// The chart that a report has only when times are given.
@@ -24,7 +23,7 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
     let mut add = |[name, title]: [&str; 2], legend, note: Option<&str>, across, drawings: Vec<(&str, Drawing)>| {
         let notes = note.into_iter().map(str::to_owned).collect();
         if !drawings.is_empty() {
-            all.extend(files_of(name, title, &Explained { legend, notes }, across, &drawings)?);
+            all.extend(files_of(name, title, &Explained { legend, notes }, across, drawings)?);
         }
         Ok::<(), ReportError>(())
     };
@@ -85,7 +84,7 @@ pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
         ],
         ..Explained::default()
     };
-    files_of("drops", "Drops with 95 % intervals", &explained, 1, &drawings)
+    files_of("drops", "Drops with 95 % intervals", &explained, 1, drawings)
 }
 
 /// What an earlier report may have left that this one does not write.
@@ -107,12 +106,11 @@ fn files_of(
     title: &str,
     explained: &Explained,
     across: usize,
-    drawings: &[(&str, Drawing)],
+    drawings: Vec<(&str, Drawing)>,
 ) -> Result<Vec<File>, ReportError> {
-    let svg = figure(title, explained, across, drawings);
-    let pdf = pdf_of_svg(title, &svg)?;
+    let drawn = figure(title, explained, across, drawings);
     Ok(vec![
-        (file_name(name, "svg"), svg.into_bytes()),
-        (file_name(name, "pdf"), pdf),
+        (file_name(name, "svg"), drawn.svg().into_bytes()),
+        (file_name(name, "pdf"), drawn.pdf()?),
     ])
 }

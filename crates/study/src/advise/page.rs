@@ -134,4 +134,5 @@ fn chart(question: Question, own: &[&Choice]) -> String {
         ringed: "advised".to_owned(),
         groups: vec![(String::new(), dots.collect())],
     })
+    .svg()
 }

@@ -139,6 +139,7 @@ pub fn draw(rows: &[CaptureRow]) -> String {
         ringed: "the default".to_owned(),
         groups: vec![(String::new(), rows.iter().map(dot).collect())],
     })
+    .svg()
 }
 
 /// The rows as lines of text: milliseconds a frame, median and 95 %, and the share that was located.

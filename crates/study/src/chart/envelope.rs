@@ -171,6 +171,7 @@ pub fn draw(rows: &[EnvelopeRow]) -> String {
         ringed: "the default".to_owned(),
         groups: vec![(String::new(), dots)],
     })
+    .svg()
 }
 
 /// The rows as lines of text: each envelope's IoU with the exact box, and milliseconds a photo.

@@ -268,6 +268,7 @@ pub fn draw(rows: &[LocateRow]) -> String {
         ringed: "the default".to_owned(),
         groups: LensTerms::ALL.into_iter().map(group).collect(),
     })
+    .svg()
 }
 
 /// The rows as lines of text, one camera model after the other, the fastest first.

@@ -1,11 +1,11 @@
 //! Scoring a photo: where its milliseconds go, with poses from tags and with truth given.
 
-use maud::html;
 use serde::Serialize;
 
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::stopwatch::{Stage, StageMs};
-use scaleproof_plot::{Drawing, Explained, colour, figure};
+use scaleproof_plot::Anchor::{End, Start};
+use scaleproof_plot::{BLACK, Drawing, Explained, Mark, colour, figure};
 use scaleproof_score::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
 use scaleproof_session::session::{PhotoEntry, Session};
 
@@ -105,28 +105,27 @@ const ROW: f64 = 24.0;
 pub fn draw(rows: &[ScoreRow]) -> String {
     let all = |row: &ScoreRow| row.stages.iter().map(|stage| stage.ms).sum::<f64>();
     let longest = rows.iter().map(all).fold(1e-3, f64::max);
-    let long = |ms: f64| (ms / longest * WIDTH * 100.0).round() / 100.0;
-    let marks = html! {
-        @for (i, row) in rows.iter().enumerate() {
-            @let y = ROW * i as f64;
-            text x=(LEFT - 8.0) y=(y + 15.0) font-size="11" text-anchor="end" { (row.detector) ", " (row.poses) }
-            @for (n, stage) in row.stages.iter().enumerate() {
-                @let before: f64 = row.stages[..n].iter().map(|stage| stage.ms).sum();
-                rect x=(LEFT + long(before)) y=(y + 4.0) width=(long(stage.ms)) height="15" fill=(colour(n)) {
-                    title { (name(stage.stage)) ": " (format!("{:.1}", stage.ms)) " ms" }
-                }
-            }
-            text x=(LEFT + long(all(row)) + 6.0) y=(y + 15.0) font-size="11" {
-                (format!("{:.0} ms, {:.1} photos/s", all(row), row.photos_per_second))
-            }
+    let long = |ms: f64| ms / longest * WIDTH;
+    let mut marks = Vec::new();
+    for (i, row) in rows.iter().enumerate() {
+        let y = ROW * i as f64;
+        let label = format!("{}, {}", row.detector, row.poses);
+        marks.push(Mark::text([LEFT - 8.0, y + 15.0], 11.0, End, BLACK, label));
+        let mut x = LEFT;
+        for (n, stage) in row.stages.iter().enumerate() {
+            let bar = Mark::rect([x, y + 4.0], [long(stage.ms), 15.0]).filled(colour(n));
+            marks.push(bar.titled(format!("{}: {:.1} ms", name(stage.stage), stage.ms)));
+            x += long(stage.ms);
         }
-    };
+        let figures = format!("{:.0} ms, {:.1} photos/s", all(row), row.photos_per_second);
+        marks.push(Mark::text([x + 6.0, y + 15.0], 11.0, Start, BLACK, figures));
+    }
     let drawing = Drawing {
         area: [0.0, 0.0, LEFT + WIDTH + 150.0, ROW * rows.len() as f64 + 4.0],
         label: "Milliseconds a photo by stage".to_owned(),
         marks,
     };
-    let entry = |(n, stage): (usize, Stage)| (colour(n).to_owned(), name(stage).to_owned());
+    let entry = |(n, stage): (usize, Stage)| (colour(n), name(stage).to_owned());
     let photos = rows.first().map_or(0, |row| row.photos);
     let explained = Explained {
         legend: Stage::ALL.into_iter().enumerate().map(entry).collect(),
@@ -135,7 +134,7 @@ pub fn draw(rows: &[ScoreRow]) -> String {
         )],
     };
     let title = "Scoring: where the time goes";
-    figure(title, &explained, 1, &[("milliseconds a photo", drawing)])
+    figure(title, &explained, 1, vec![("milliseconds a photo", drawing)]).svg()
 }
 
 /// The rows as lines of text: milliseconds a photo by stage, and photos per second.

@@ -345,6 +345,7 @@ pub fn draw(rows: &[SigmaRow]) -> String {
         TAGS.len(),
         &all,
     )
+    .svg()
 }
 
 fn panel(row: Option<&SigmaRow>, material: &str, tags: usize) -> PlotPanel {

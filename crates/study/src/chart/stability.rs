@@ -348,7 +348,7 @@ pub fn draw(title: &str, steps: &[SweepStep]) -> String {
     };
     let all: Vec<PlotPanel> = sweeps.iter().flat_map(panel).collect();
     let names: Vec<String> = methods.iter().map(|m| (*m).to_owned()).collect();
-    panels(title, &notes, &names, 4, &all)
+    panels(title, &notes, &names, 4, &all).svg()
 }
 
 fn shares(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {

@@ -2,10 +2,11 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::{Section, first, heads, interval_chart, notes, pairs, round, sequential, shell, table};
+use super::{Section, first, heads, interval_chart, notes, pairs, sequential, shell, table};
 use crate::report::{certainty, number, paired};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::{End, Middle, Start};
+use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE, WHITE};
 
 const PLOT: f64 = 300.0;
 const LEFT: f64 = 200.0;
@@ -125,32 +126,31 @@ fn forest(scores: &Scores, comparison: &Comparison, figure: &Figure) -> Drawing 
         is_shown,
     } = figure;
     let height = ROW * comparison.results.len() as f64;
-    let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
-    let marks = html! {
-        @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-            line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
-            text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+    let x = |drop: f64| LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT;
+    let mut marks = Vec::new();
+    for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+        let colour = if tick == 0.0 { INK } else { FAINT };
+        let (x, name) = (x(tick), number(tick, 1));
+        marks.push(Mark::line([x, 0.0], [x, height], colour));
+        marks.push(Mark::text([x, height + 15.0], 11.0, Middle, NOTE, name));
+    }
+    for (i, r) in comparison.results.iter().enumerate() {
+        let (d, y) = (of(r), ROW * (i as f64 + 0.5));
+        let name_of_row = format!("{}, {}", scores.title(&r.detector), r.variant);
+        let title = format!("{name_of_row}: drop, {name}, {}", number(d.drop, 3));
+        let ends = d.interval_95.map(|i| [x(i.low), x(i.high)]);
+        let line = ends.map(|[low, high]| Mark::line([low, y], [high, y], INK).outlined(INK, 1.6));
+        let dot = Mark::circle([x(d.drop), y], 4.2).filled(if is_shown(r) { INK } else { WHITE });
+        let both = line.into_iter().chain([dot.outlined(INK, 1.4)]).collect();
+        marks.push(Mark::text([LEFT - 10.0, y + 4.0], 12.0, End, BLACK, name_of_row));
+        marks.push(Mark::group([0.0; 2], both).titled(title));
+        let right = LEFT + PLOT + 16.0;
+        marks.push(Mark::text([right, y], 11.5, Start, BLACK, numbers(d)));
+        if d.asr.is_some() && d.asr_interval_95.is_none() {
+            let why = format!("ASR: {}", certainty::without_interval(r, d));
+            marks.push(Mark::text([right, y + 12.0], 9.5, Start, NOTE, why));
         }
-        @for (i, r) in comparison.results.iter().enumerate() {
-            @let d = of(r);
-            @let y = ROW * (i as f64 + 0.5);
-            @let is_shown = is_shown(r);
-            text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
-            g.drop {
-                title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (number(d.drop, 3)) }
-                @if let Some(interval) = d.interval_95 {
-                    line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
-                }
-                circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
-            }
-            text x=(LEFT + PLOT + 16.0) y=(y) font-size="11.5" {
-                (numbers(d))
-            }
-            text x=(LEFT + PLOT + 16.0) y=(y + 12.0) font-size="9.5" fill="#5b6573" {
-                @if d.asr.is_some() && d.asr_interval_95.is_none() { "ASR: " (certainty::without_interval(r, d)) }
-            }
-        }
-    };
+    }
     Drawing {
         area: [0.0, -4.0, WIDTH, height + 26.0],
         label: (*title).to_owned(),

@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{SIDE, SQUARE, colour, colour_names, points, small_charts};
+use super::{SIDE, SQUARE, colour, colour_names, small_charts};
 use crate::score::{Curves, HitRateFrom, Scores, curves};
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::Middle;
+use scaleproof_plot::{BLACK, Colour, Drawing, INK, Mark};
 
 pub(super) fn section(scores: &Scores) -> Markup {
     let both = charts(scores).into_iter().flat_map(|(title, charts)| {
@@ -37,54 +38,42 @@ pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, [Drawing; 2])> {
     of.collect()
 }
 
-type Own<'a> = [(&'static str, &'a Curves)];
+type Own<'a> = [(Colour, &'a Curves)];
 
 fn found(title: &str, own: &Own, hit_confidence: f64) -> Drawing {
-    let marks = html! {
-        @for (colour, curve) in own {
-            polygon points=(band(&curve.hit_rate)) fill=(colour) fill-opacity="0.15" {}
-            polyline points=(line(curve.hit_rate.iter().map(|p| (p.confidence, p.rate.rate)))) fill="none" stroke=(colour) stroke-width="2" {}
-        }
-        line x1=(SQUARE.x(hit_confidence)) x2=(SQUARE.x(hit_confidence)) y1=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
-    };
-    chart(
-        format!("Share of photos found by confidence, {title}"),
-        ["confidence", "share found"],
-        marks,
-    )
+    let mut content = Vec::new();
+    for (colour, curve) in own {
+        let rates = curve.hit_rate.iter().map(|p| SQUARE.at(p.confidence, p.rate.rate));
+        content.push(Mark::polygon(band(&curve.hit_rate)).filled(*colour).sheer(0.15));
+        content.push(Mark::polyline(rates, *colour, 2.0));
+    }
+    let [bottom, top] = [0.0, 1.0].map(|share| SQUARE.at(hit_confidence, share));
+    content.push(Mark::line(bottom, top, INK).dashed(true));
+    let label = format!("Share of photos found by confidence, {title}");
+    chart(label, ["confidence", "share found"], content)
 }
 
 fn precision_recall(title: &str, own: &Own) -> Drawing {
-    let marks = html! {
-        @for (colour, curve) in own {
-            polyline points=(line(curve.precision_recall.iter().map(|p| (p.recall, p.precision)))) fill="none" stroke=(colour) stroke-width="2" {}
-        }
+    let line = |(colour, curve): &(Colour, &Curves)| {
+        let points = curve.precision_recall.iter().map(|p| SQUARE.at(p.recall, p.precision));
+        Mark::polyline(points, *colour, 2.0)
     };
-    chart(
-        format!("Precision over recall, {title}"),
-        ["recall", "precision"],
-        marks,
-    )
+    let label = format!("Precision over recall, {title}");
+    chart(label, ["recall", "precision"], own.iter().map(line).collect())
 }
 
-fn chart(label: String, axes: [&str; 2], content: Markup) -> Drawing {
-    let marks = html! {
-        (SQUARE.grid(-5.0, Some(13.0)))
-        (content)
-        text x=(SIDE / 2.0) y=(SIDE + 28.0) font-size="10" text-anchor="middle" { (axes[0]) }
-        (SQUARE.upright_title(-21.0, axes[1]))
-    };
+fn chart(label: String, [below, beside]: [&str; 2], content: Vec<Mark>) -> Drawing {
+    let mut marks = SQUARE.grid(-5.0, Some(13.0));
+    marks.extend(content);
+    marks.push(Mark::text([SIDE / 2.0, SIDE + 28.0], 10.0, Middle, BLACK, below));
+    marks.push(SQUARE.upright_title(-21.0, beside));
     let area = [-30.0, -8.0, 222.0, 226.0];
     Drawing { area, label, marks }
 }
 
-fn line(shares: impl Iterator<Item = (f64, f64)>) -> String {
-    points(shares.map(|(h, v)| (SQUARE.x(h), SQUARE.y(v))))
-}
-
 /// Along the upper ends of the intervals, and back along the lower ones.
-fn band(points: &[HitRateFrom]) -> String {
-    let upper = points.iter().map(|p| (p.confidence, p.rate.high));
-    let lower = points.iter().rev().map(|p| (p.confidence, p.rate.low));
-    line(upper.chain(lower))
+fn band(points: &[HitRateFrom]) -> impl Iterator<Item = [f64; 2]> {
+    let upper = points.iter().map(|p| SQUARE.at(p.confidence, p.rate.high));
+    let lower = points.iter().rev().map(|p| SQUARE.at(p.confidence, p.rate.low));
+    upper.chain(lower)
 }

@@ -8,7 +8,8 @@ use super::side;
 use crate::report::number;
 use crate::report::shade::{ink, shade};
 use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::{End, Middle, Start};
+use scaleproof_plot::{BLACK, Colour, Drawing, Mark, NOTE, WHITE};
 use scaleproof_pose::scene::Bin;
 
 const LEFT: f64 = 66.0;
@@ -57,7 +58,7 @@ pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
 }
 
 /// Some steps of the colour scale, with what they mean.
-pub(in crate::report) fn legend() -> Vec<(String, String)> {
+pub(in crate::report) fn legend() -> Vec<(Colour, String)> {
     let steps = [
         ("mean confidence 0", 0.0),
         ("0.25", 0.25),
@@ -90,27 +91,28 @@ fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[
     let width = LEFT + CELL.0 * azimuths.len() as f64 + 2.0;
     let height = TOP + block * own.len() as f64;
     let x = |column: usize| LEFT + CELL.0 * (column as f64 + 0.5);
-    let marks = html! {
-        @for (column, azimuth) in azimuths.iter().enumerate() {
-            text x=(x(column)) y="11" font-size="9.5" text-anchor="middle" { (azimuth) "°" }
-            @if azimuth % 90.0 == 0.0 {
-                text x=(x(column)) y="21" font-size="8.5" text-anchor="middle" fill="#5b6573" { (side(*azimuth)) }
+    let mut marks = Vec::new();
+    for (column, azimuth) in azimuths.iter().enumerate() {
+        let degrees = format!("{azimuth}°");
+        marks.push(Mark::text([x(column), 11.0], 9.5, Middle, BLACK, degrees));
+        if azimuth % 90.0 == 0.0 {
+            marks.push(Mark::text([x(column), 21.0], 8.5, Middle, NOTE, side(*azimuth)));
+        }
+    }
+    for (i, s) in own.iter().enumerate() {
+        let top = TOP + block * i as f64;
+        marks.push(Mark::text([0.0, top + 11.0], 11.0, Start, BLACK, &s.variant).bold());
+        for (j, row) in rows.iter().enumerate() {
+            let y = top + NAME + CELL.1 * j as f64;
+            let [pitch, distance] = [format!("{}°", row.pitch_deg), format!("{} mm", row.distance_mm)];
+            marks.push(Mark::text([LEFT - 5.0, y + 12.0], 9.5, End, BLACK, pitch));
+            marks.push(Mark::text([LEFT - 5.0, y + 22.0], 8.5, End, NOTE, distance));
+            for (column, &azimuth_deg) in azimuths.iter().enumerate() {
+                let bin = Bin { azimuth_deg, ..*row };
+                marks.push(Mark::group([x(column), y], cell(s, &bin)).titled(title(s, &bin)));
             }
         }
-        @for (i, s) in own.iter().enumerate() {
-            @let top = TOP + block * i as f64;
-            text x="0" y=(top + 11.0) font-size="11" font-weight="600" { (s.variant) }
-            @for (j, row) in rows.iter().enumerate() {
-                @let y = top + NAME + CELL.1 * j as f64;
-                text x=(LEFT - 5.0) y=(y + 12.0) font-size="9.5" text-anchor="end" { (row.pitch_deg) "°" }
-                text x=(LEFT - 5.0) y=(y + 22.0) font-size="8.5" text-anchor="end" fill="#5b6573" { (row.distance_mm) " mm" }
-                @for (column, azimuth) in azimuths.iter().enumerate() {
-                    @let bin = Bin { azimuth_deg: *azimuth, ..*row };
-                    (cell(s, &bin, x(column), y))
-                }
-            }
-        }
-    };
+    }
     Drawing {
         area: [0.0, 0.0, width, height],
         label: format!(
@@ -121,36 +123,32 @@ fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[
     }
 }
 
-fn cell(s: &Summary, bin: &Bin, x: f64, y: f64) -> Markup {
-    let found = s.cells.iter().find(|c| c.bin == *bin);
-    let (fill, text) = found.map_or(("#fff".to_owned(), "#5b6573"), |c| {
-        let confidence = c.figures.mean_confidence;
-        (shade(confidence), ink(confidence))
-    });
-    html! {
-        g.cell {
-            title { (title(s, bin, found)) }
-            rect x=(x - CELL.0 / 2.0) y=(y) width=(CELL.0) height=(CELL.1) fill=(fill) stroke="#c3cad2" stroke-width="0.7" {}
-            @match found {
-                Some(c) => {
-                    text x=(x) y=(y + 12.5) font-size="10.5" text-anchor="middle" fill=(text) { (number(c.figures.mean_confidence, 2)) }
-                    text x=(x) y=(y + 23.0) font-size="8.5" text-anchor="middle" fill=(text) {
-                        (c.figures.hit_rate.count) "/" (c.figures.photos)
-                    }
-                }
-                None => { text x=(x) y=(y + 17.0) font-size="10.5" text-anchor="middle" fill=(text) { "–" } }
-            }
-        }
-    }
+fn found<'a>(s: &'a Summary, bin: &Bin) -> Option<&'a CellFigures> {
+    s.cells.iter().find(|c| c.bin == *bin)
+}
+
+/// A cell below its middle.
+fn cell(s: &Summary, bin: &Bin) -> Vec<Mark> {
+    let area = Mark::rect([-CELL.0 / 2.0, 0.0], [CELL.0, CELL.1]).outlined(Colour(0xc3cad2), 0.7);
+    let text = |y: f64, size: f64, colour: Colour, words: String| Mark::text([0.0, y], size, Middle, colour, words);
+    let Some(CellFigures { figures: f, .. }) = found(s, bin) else {
+        return vec![area.filled(WHITE), text(17.0, 10.5, NOTE, "–".to_owned())];
+    };
+    let ink = ink(f.mean_confidence);
+    vec![
+        area.filled(shade(f.mean_confidence)),
+        text(12.5, 10.5, ink, number(f.mean_confidence, 2)),
+        text(23.0, 8.5, ink, format!("{}/{}", f.hit_rate.count, f.photos)),
+    ]
 }
 
 /// Everything about a cell, for the pointer and for screen readers.
-fn title(s: &Summary, bin: &Bin, found: Option<&CellFigures>) -> String {
+fn title(s: &Summary, bin: &Bin) -> String {
     let place = format!(
         "{}, {}, {}° × {}° × {} mm",
         s.detector, s.variant, bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
     );
-    let Some(CellFigures { figures: f, .. }) = found else {
+    let Some(CellFigures { figures: f, .. }) = found(s, bin) else {
         return format!("{place}: no photo");
     };
     let r = &f.hit_rate;

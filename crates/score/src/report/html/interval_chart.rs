@@ -2,10 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::{colour, round};
+use super::colour;
 use crate::report::{number, paired};
 use crate::score::{Compared, Scores};
-use scaleproof_plot::{Drawing, distinct};
+use scaleproof_plot::Anchor::{End, Middle, Start};
+use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, INK, Mark, NOTE, WHITE, distinct};
 
 const LEFT: f64 = 170.0;
 const PLOT: f64 = 560.0;
@@ -36,7 +37,7 @@ fn textures(results: &[Compared]) -> Vec<&str> {
     distinct(results.iter().map(|r| r.variant.as_str()))
 }
 
-fn colour_of(scores: &Scores, texture: &str) -> &'static str {
+fn colour_of(scores: &Scores, texture: &str) -> Colour {
     colour(
         scores
             .variants()
@@ -52,25 +53,39 @@ pub(in crate::report) fn chart(scores: &Scores, results: &[Compared], base: &str
     let row = LINE * textures.len() as f64 + GAP;
     let height = row * scores.detectors.len() as f64;
     let [low, high] = ends(results);
-    let x = |drop: f64| round(LEFT + (drop - low) / (high - low) * PLOT);
+    let x = |drop: f64| LEFT + (drop - low) / (high - low) * PLOT;
     let steps = ((high - low) / STEP).round() as usize;
-    let marks = html! {
-        @for tick in (0..=steps).map(|step| low + STEP * step as f64) {
-            line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
-            text x=(x(tick)) y=(height + 14.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 2)) }
-        }
-        text x=(LEFT + PLOT / 2.0) y=(height + 29.0) font-size="11.5" text-anchor="middle" { "drop of the mean confidence from " (paired::named_base(base)) }
-        @for (i, detector) in scores.detectors.iter().enumerate() {
-            @let top = row * i as f64;
-            text x=(LEFT - 10.0) y=(top + row / 2.0 + 4.0) font-size="12.5" text-anchor="end" { (detector.manifest.title) }
-            @for (j, texture) in textures.iter().enumerate() {
-                @let y = top + GAP / 2.0 + LINE * (j as f64 + 0.5);
-                @if let Some(r) = results.iter().find(|r| r.detector == detector.manifest.name && r.variant == *texture) {
-                    (line(scores, r, base, y, &x))
-                }
+    let mut marks = Vec::new();
+    for tick in (0..=steps).map(|step| low + STEP * step as f64) {
+        let colour = if tick == 0.0 { INK } else { FAINT };
+        marks.push(Mark::line([x(tick), 0.0], [x(tick), height], colour));
+        marks.push(Mark::text(
+            [x(tick), height + 14.0],
+            11.0,
+            Middle,
+            NOTE,
+            number(tick, 2),
+        ));
+    }
+    let title = format!("drop of the mean confidence from {}", paired::named_base(base));
+    marks.push(Mark::text(
+        [LEFT + PLOT / 2.0, height + 29.0],
+        11.5,
+        Middle,
+        BLACK,
+        title,
+    ));
+    for (i, detector) in scores.detectors.iter().enumerate() {
+        let top = row * i as f64;
+        let name = [LEFT - 10.0, top + row / 2.0 + 4.0];
+        marks.push(Mark::text(name, 12.5, End, BLACK, &detector.manifest.title));
+        for (j, texture) in textures.iter().enumerate() {
+            let own = |r: &&Compared| r.detector == detector.manifest.name && r.variant == *texture;
+            if let Some(r) = results.iter().find(own) {
+                marks.extend(line(scores, r, base, top + GAP / 2.0 + LINE * (j as f64 + 0.5), &x));
             }
         }
-    };
+    }
     Drawing {
         area: [0.0, -4.0, LEFT + PLOT + RIGHT, height + AXIS],
         label: "Drop of the mean confidence of each detector, with 95 % intervals".to_owned(),
@@ -78,19 +93,29 @@ pub(in crate::report) fn chart(scores: &Scores, results: &[Compared], base: &str
     }
 }
 
-fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f64) -> Markup {
+/// The whisker, the dot and the word of one detector and texture, at a height.
+fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f64) -> [Mark; 2] {
     let (d, colour) = (&r.mean_confidence, colour_of(scores, &r.variant));
-    let is_shown = r.effect().is_shown();
-    html! {
-        g.drop {
-            title { (scores.title(&r.detector)) ", " (r.variant) ": drop " (number(d.drop, 3)) "; " (paired::in_words(r, base)) }
-            @if let Some(interval) = d.interval_95 {
-                line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke=(colour) stroke-width="2" {}
-            }
-            circle cx=(x(d.drop)) cy=(y) r="4.6" stroke=(colour) stroke-width="1.8" fill=(if is_shown { colour } else { "#fff" }) {}
-        }
-        text x=(LEFT + PLOT + 12.0) y=(y + 4.0) font-size="11.5" fill=(if is_shown { colour } else { "#5b6573" }) { (paired::word(r)) }
-    }
+    let (dot_fill, word_colour) = if r.effect().is_shown() {
+        (colour, colour)
+    } else {
+        (WHITE, NOTE)
+    };
+    let whisker = d
+        .interval_95
+        .map(|i| Mark::line([x(i.low), y], [x(i.high), y], colour).outlined(colour, 2.0));
+    let dot = Mark::circle([x(d.drop), y], 4.6).filled(dot_fill).outlined(colour, 1.8);
+    let words = paired::in_words(r, base);
+    let title = format!(
+        "{}, {}: drop {}; {words}",
+        scores.title(&r.detector),
+        r.variant,
+        number(d.drop, 3)
+    );
+    [
+        Mark::group([0.0; 2], whisker.into_iter().chain([dot]).collect()).titled(title),
+        Mark::text([LEFT + PLOT + 12.0, y + 4.0], 11.5, Start, word_colour, paired::word(r)),
+    ]
 }
 
 /// Between two lines of the grid.

@@ -27,7 +27,8 @@ use crate::report::{Table, tables, verdict};
 use crate::score::{EvaluatedDetector, Scores, Summary, paired as all_paired};
 use scaleproof_core::spelling;
 use scaleproof_detect::{ForeignKind, Speeds};
-use scaleproof_plot::{Drawing, html_page};
+use scaleproof_plot::Anchor::{End, Middle};
+use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, Mark, NOTE, html_page};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -267,58 +268,38 @@ const SQUARE: Plane = Plane {
 const SIDE: f64 = 180.0;
 
 impl Plane {
-    fn x(&self, share: f64) -> f64 {
-        round(share * self.width)
-    }
-
-    fn y(&self, share: f64) -> f64 {
-        round((1.0 - share) * self.height)
+    fn at(&self, across: f64, up: f64) -> [f64; 2] {
+        [across * self.width, (1.0 - up) * self.height]
     }
 
     /// Lines at 0, 0.5 and 1 with their numbers, `left` of the plane; upright ones too where their numbers stand `below` it.
-    fn grid(&self, left: f64, below: Option<f64>) -> Markup {
-        html! {
-            @for tick in [0.0, 0.5, 1.0] {
-                @let (x, y) = (self.x(tick), self.y(tick));
-                @if below.is_some() { line x1=(x) x2=(x) y1="0" y2=(self.height) stroke="#d7dce2" {} }
-                line x1="0" x2=(self.width) y1=(y) y2=(y) stroke="#d7dce2" {}
-                @if let Some(below) = below {
-                    text x=(x) y=(self.height + below) font-size="9" text-anchor="middle" fill="#5b6573" { (tick) }
-                }
-                text x=(left) y=(y + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
-            }
+    fn grid(&self, left: f64, below: Option<f64>) -> Vec<Mark> {
+        let mut marks = Vec::new();
+        for tick in [0.0, 0.5, 1.0] {
+            let [x, y] = self.at(tick, tick);
+            marks.extend(below.map(|_| Mark::line([x, 0.0], [x, self.height], FAINT)));
+            marks.push(Mark::line([0.0, y], [self.width, y], FAINT));
+            marks.extend(below.map(|below| Mark::text([x, self.height + below], 9.0, Middle, NOTE, tick)));
+            marks.push(Mark::text([left, y + 3.0], 9.0, End, NOTE, tick));
         }
+        marks
     }
 
     /// What is drawn upwards, along the axis.
-    fn upright_title(&self, left: f64, title: &str) -> Markup {
-        html! {
-            text transform=(format!("translate({left} {}) rotate(-90)", self.height / 2.0)) font-size="10" text-anchor="middle" { (title) }
-        }
+    fn upright_title(&self, left: f64, title: &str) -> Mark {
+        Mark::text([left, self.height / 2.0], 10.0, Middle, BLACK, title).upright()
     }
 }
 
-/// Places as SVG lists them: `0,1 2,3`.
-fn points(places: impl IntoIterator<Item = (f64, f64)>) -> String {
-    let places = places.into_iter().map(|(x, y)| format!("{x},{y}"));
-    places.collect::<Vec<_>>().join(" ")
-}
-
 /// What the colours of the variants mean.
-pub(super) fn legend(scores: &Scores) -> Vec<(String, String)> {
+pub(super) fn legend(scores: &Scores) -> Vec<(Colour, String)> {
     let all = scores.variants().into_iter().enumerate();
-    all.map(|(i, variant)| (colour(i).to_owned(), variant.to_owned()))
-        .collect()
+    all.map(|(i, variant)| (colour(i), variant.to_owned())).collect()
 }
 
 /// Colours of the variants, in their order: the base variant grey. None is a colour that outcomes have.
-fn colour(index: usize) -> &'static str {
-    ["#5b6573", "#0f7f8c", "#1f4fb4", "#a0522d", "#b03a9b", "#4a4a9c"][index % 6]
-}
-
-/// A tenth of a pixel is all a screen shows.
-fn round(v: f64) -> f64 {
-    (v * 10.0).round() / 10.0
+fn colour(index: usize) -> Colour {
+    Colour([0x5b6573, 0x0f7f8c, 0x1f4fb4, 0xa0522d, 0xb03a9b, 0x4a4a9c][index % 6])
 }
 
 /// What a viewer standing in a bin sees.

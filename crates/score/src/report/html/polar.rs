@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{colour, colour_names, round};
+use super::{colour, colour_names};
 use crate::score::{BinFigures, Scores};
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::{End, Middle, Start};
+use scaleproof_plot::{Colour, Drawing, FAINT, Mark, NOTE, WHITE};
 
 const RADIUS: f64 = 88.0;
 
@@ -41,19 +42,17 @@ pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
     all.collect()
 }
 
-fn chart(title: &str, series: &[(&str, &[BinFigures])]) -> Drawing {
-    let marks = html! {
-        @for ring in [0.5, 1.0] {
-            circle r=(RADIUS * ring) fill="none" stroke="#d7dce2" {}
-        }
-        text x="2" y=(-RADIUS / 2.0 - 2.0) font-size="8" fill="#5b6573" { "0.5" }
-        @for bin in series.first().map_or(&[][..], |s| s.1) {
-            @let [x, y] = at(bin.azimuth_deg, 1.0);
-            line x2=(round(x)) y2=(round(y)) stroke="#d7dce2" {}
-        }
-        (side_names())
-        @for (colour, bins) in series { (line(colour, bins)) }
-    };
+fn chart(title: &str, series: &[(Colour, &[BinFigures])]) -> Drawing {
+    let ring = |share: f64| Mark::circle([0.0; 2], RADIUS * share).outlined(FAINT, 1.0);
+    let mut marks = vec![ring(0.5), ring(1.0)];
+    marks.push(Mark::text([2.0, -RADIUS / 2.0 - 2.0], 8.0, Start, NOTE, "0.5"));
+    let bins = series.first().map_or(&[][..], |s| s.1);
+    marks.extend(
+        bins.iter()
+            .map(|bin| Mark::line([0.0; 2], at(bin.azimuth_deg, 1.0), FAINT)),
+    );
+    marks.extend(side_names());
+    marks.extend(series.iter().flat_map(|(colour, bins)| line(*colour, bins)));
     Drawing {
         area: [-125.0, -116.0, 250.0, 232.0],
         label: format!("Mean confidence by azimuth, {title}"),
@@ -61,46 +60,40 @@ fn chart(title: &str, series: &[(&str, &[BinFigures])]) -> Drawing {
     }
 }
 
-fn side_names() -> Markup {
+fn side_names() -> [Mark; 4] {
     let names = [
-        ("front", 0.0, -RADIUS - 8.0, "middle"),
-        ("rear", 0.0, RADIUS + 16.0, "middle"),
-        ("left", -RADIUS - 6.0, 3.0, "end"),
-        ("right", RADIUS + 6.0, 3.0, "start"),
+        ("front", [0.0, -RADIUS - 8.0], Middle),
+        ("rear", [0.0, RADIUS + 16.0], Middle),
+        ("left", [-RADIUS - 6.0, 3.0], End),
+        ("right", [RADIUS + 6.0, 3.0], Start),
     ];
-    html! {
-        @for (name, x, y, anchor) in names {
-            text x=(x) y=(y) text-anchor=(anchor) font-size="11" fill="#5b6573" { (name) }
-        }
-    }
+    names.map(|(name, place, anchor)| Mark::text(place, 11.0, anchor, NOTE, name))
 }
 
 /// The points of one variant, joined to a line only where each bin rests on several photos: a line between single photos would show a course that
 /// nothing tells. A bin without photos breaks it.
-fn line(colour: &str, bins: &[BinFigures]) -> Markup {
+fn line(colour: Colour, bins: &[BinFigures]) -> Vec<Mark> {
     let point = |b: &BinFigures| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence));
     let points: Vec<Option<[f64; 2]>> = bins.iter().map(point).collect();
-    let counts = || bins.iter().filter_map(|b| Some(b.figures.as_ref()?.photos));
-    let is_joined = counts().all(|photos| photos >= SEVERAL);
-    let whole = points.iter().all(Option::is_some);
-    let list = |points: &[Option<[f64; 2]>]| {
-        let points = points.iter().flatten().map(|[x, y]| format!("{x:.1},{y:.1}"));
-        points.collect::<Vec<_>>().join(" ")
-    };
-    let runs = points.split(Option::is_none);
-    html! {
-        @if !is_joined {} @else if whole {
-            polygon points=(list(&points)) fill=(colour) fill-opacity="0.12" stroke=(colour) stroke-width="2" {}
-        } @else {
-            @for run in runs { polyline points=(list(run)) fill="none" stroke=(colour) stroke-width="2" {} }
-        }
-        @for (bin, point) in bins.iter().zip(&points) {
-            @if let (Some(f), Some([x, y])) = (&bin.figures, point) {
-                circle cx=(round(*x)) cy=(round(*y)) r="3" stroke=(colour) stroke-width="1.5"
-                    fill=(if f.hit_rate.count == f.photos { colour } else { "#fff" }) {}
-            }
+    let mut figures = bins.iter().filter_map(|b| b.figures.as_ref());
+    let is_joined = figures.all(|f| f.photos >= SEVERAL);
+    let known = |points: &[Option<[f64; 2]>]| points.iter().flatten().copied().collect::<Vec<_>>();
+    let mut marks = Vec::new();
+    if is_joined && points.iter().all(Option::is_some) {
+        let area = Mark::polygon(known(&points)).filled(colour).sheer(0.12);
+        marks.push(area.outlined(colour, 2.0));
+    } else if is_joined {
+        let runs = points.split(Option::is_none);
+        marks.extend(runs.map(|run| Mark::polyline(known(run), colour, 2.0)));
+    }
+    for (bin, point) in bins.iter().zip(&points) {
+        if let (Some(f), Some(place)) = (&bin.figures, point) {
+            let is_all = f.hit_rate.count == f.photos;
+            let dot = Mark::circle(*place, 3.0).outlined(colour, 1.5);
+            marks.push(dot.filled(if is_all { colour } else { WHITE }));
         }
     }
+    marks
 }
 
 /// Where a share of the radius at an azimuth is drawn: front up, counter-clockwise seen from above, so that the model's left side is on the left.

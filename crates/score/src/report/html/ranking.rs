@@ -5,7 +5,8 @@ use maud::{Markup, html};
 use super::{Plane, colour, colour_names, small_charts};
 use crate::report::tables;
 use crate::score::{RankingRow, Scores};
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::Middle;
+use scaleproof_plot::{BLACK, Drawing, Mark};
 
 const HEIGHT: f64 = 130.0;
 const WIDTH: f64 = 120.0;
@@ -27,19 +28,21 @@ fn chart(scores: &Scores, row: &RankingRow) -> Drawing {
         width: WIDTH,
         height: HEIGHT,
     };
-    let (all, y) = (scores.variants(), |ap: f64| plane.y(ap));
-    let marks = html! {
-        (plane.grid(-7.0, None))
-        @for own in &row.variants {
-            @let colour = all.iter().position(|variant| *variant == own.variant).map_or("#000", colour);
-            line x1="0" x2=(WIDTH) y1=(y(own.ap50)) y2=(y(own.other_ap50)) stroke=(colour) stroke-width="2" {}
-            circle cx="0" cy=(y(own.ap50)) r="3" fill=(colour) {}
-            circle cx=(WIDTH) cy=(y(own.other_ap50)) r="3" fill=(colour) {}
-        }
-        text x="0" y=(HEIGHT + 14.0) font-size="10" text-anchor="middle" { "here" }
-        text x=(WIDTH) y=(HEIGHT + 14.0) font-size="10" text-anchor="middle" { "there" }
-        (plane.upright_title(-29.0, "AP@0.5"))
-    };
+    let all = scores.variants();
+    let mut marks = plane.grid(-7.0, None);
+    for own in &row.variants {
+        let colour = all
+            .iter()
+            .position(|variant| *variant == own.variant)
+            .map_or(BLACK, colour);
+        let (here, there) = (plane.at(0.0, own.ap50), plane.at(1.0, own.other_ap50));
+        marks.push(Mark::line(here, there, colour).outlined(colour, 2.0));
+        marks.extend([here, there].map(|at| Mark::circle(at, 3.0).filled(colour)));
+    }
+    for (x, name) in [(0.0, "here"), (WIDTH, "there")] {
+        marks.push(Mark::text([x, HEIGHT + 14.0], 10.0, Middle, BLACK, name));
+    }
+    marks.push(plane.upright_title(-29.0, "AP@0.5"));
     Drawing {
         area: [-42.0, -8.0, 186.0, 158.0],
         label: format!("AP@0.5 of each texture here and there, {}", scores.title(&row.detector)),

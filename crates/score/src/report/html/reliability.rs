@@ -6,7 +6,8 @@ use super::{SIDE, SQUARE, small_charts};
 use crate::report::number;
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use scaleproof_core::spelling;
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::Middle;
+use scaleproof_plot::{BLACK, Colour, Drawing, INK, Mark, NOTE};
 
 /// With fewer detections the error says little.
 const FEW: usize = 100;
@@ -48,14 +49,15 @@ fn verdict(r: &Reliability) -> String {
     }
 }
 
+const BAR: Colour = Colour(0x9ec5e8);
+const BAR_EDGE: Colour = Colour(0x30628f);
+
 fn diagram(title: &str, r: &Reliability) -> Drawing {
-    let marks = html! {
-        (SQUARE.grid(-5.0, Some(24.0)))
-        @for bin in &r.bins { (bar(bin)) }
-        line x1="0" y1=(SIDE) x2=(SIDE) y2="0" stroke="#1b1f24" stroke-dasharray="4 3" {}
-        text x=(SIDE / 2.0) y=(SIDE + 38.0) font-size="10" text-anchor="middle" { "confidence" }
-        (SQUARE.upright_title(-21.0, "share correct"))
-    };
+    let mut marks = SQUARE.grid(-5.0, Some(24.0));
+    marks.extend(r.bins.iter().flat_map(bar));
+    marks.push(Mark::line(SQUARE.at(0.0, 0.0), SQUARE.at(1.0, 1.0), INK).dashed(true));
+    marks.push(Mark::text([SIDE / 2.0, SIDE + 38.0], 10.0, Middle, BLACK, "confidence"));
+    marks.push(SQUARE.upright_title(-21.0, "share correct"));
     Drawing {
         area: [-30.0, -8.0, 222.0, 232.0],
         label: format!("Share correct by confidence, {title}"),
@@ -63,27 +65,30 @@ fn diagram(title: &str, r: &Reliability) -> Drawing {
     }
 }
 
-fn bar(bin: &ConfidenceBin) -> Markup {
-    let (x, y) = (|v: f64| SQUARE.x(v), |v: f64| SQUARE.y(v));
-    let middle = x((bin.low + bin.high) / 2.0);
-    html! {
-        @if let (Some(confidence), Some(rate)) = (bin.mean_confidence, bin.correct) {
-            g.reliability {
-                title {
-                    (format!("confidence {:.1} to {:.1}: {} of {} correct ({:.3}), mean confidence {confidence:.3}",
-                        bin.low, bin.high, rate.count, bin.detections, rate.rate))
-                }
-                rect x=(x(bin.low) + 1.0) width=(x(bin.high) - x(bin.low) - 2.0) y=(y(rate.rate)) height=(y(0.0) - y(rate.rate))
-                    fill="#9ec5e8" stroke="#30628f" stroke-width="0.8" {}
-                path d=(whisker(middle, y(rate.low), y(rate.high))) stroke="#1b1f24" stroke-width="0.9" fill="none" {}
-                circle cx=(x(confidence)) cy=(y(rate.rate)) r="2.6" fill="#1b1f24" {}
-            }
-        }
-        text x=(middle) y=(y(0.0) + 11.0) font-size="7.5" text-anchor="middle" fill="#5b6573" { (bin.detections) }
-    }
+/// A bin's bar with its interval, where it has detections, and their number below it.
+fn bar(bin: &ConfidenceBin) -> Vec<Mark> {
+    let [middle, bottom] = SQUARE.at((bin.low + bin.high) / 2.0, 0.0);
+    let count = Mark::text([middle, bottom + 11.0], 7.5, Middle, NOTE, bin.detections);
+    let drawn = bin.mean_confidence.zip(bin.correct).map(|(confidence, rate)| {
+        let ([left, top], [right, _]) = (SQUARE.at(bin.low, rate.rate), SQUARE.at(bin.high, rate.rate));
+        let [low, high] = [rate.low, rate.high].map(|share| SQUARE.at(0.0, share)[1]);
+        let bar = Mark::rect([left + 1.0, top], [right - left - 2.0, bottom - top]);
+        let marks = vec![
+            bar.filled(BAR).outlined(BAR_EDGE, 0.8),
+            Mark::polyline(whisker(middle, low, high), INK, 0.9),
+            Mark::circle(SQUARE.at(confidence, rate.rate), 2.6).filled(INK),
+        ];
+        Mark::group([0.0; 2], marks).titled(format!(
+            "confidence {:.1} to {:.1}: {} of {} correct ({:.3}), mean confidence {confidence:.3}",
+            bin.low, bin.high, rate.count, bin.detections, rate.rate
+        ))
+    });
+    drawn.into_iter().chain([count]).collect()
 }
 
 /// An upright line with a bar at each end.
-fn whisker(x: f64, from: f64, to: f64) -> String {
-    format!("M{x} {from}V{to}M{} {from}h6M{} {to}h6", x - 3.0, x - 3.0)
+fn whisker(x: f64, from: f64, to: f64) -> [[f64; 2]; 6] {
+    let end = |y: f64| [[x - 3.0, y], [x + 3.0, y]];
+    let ([a, b], [c, d]) = (end(from), end(to));
+    [a, b, [x, from], [x, to], c, d]
 }

@@ -2,10 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, points, small_charts};
+use super::{Plane, colour, colour_names, small_charts};
 use crate::report::tables;
 use crate::score::{CorruptedRow, Robustness, Scores};
-use scaleproof_plot::{Drawing, distinct};
+use scaleproof_plot::Anchor::Middle;
+use scaleproof_plot::{Colour, Drawing, Mark, NOTE, WHITE, distinct};
 
 const PLANE: Plane = Plane {
     width: 180.0,
@@ -71,14 +72,13 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
         };
         line(colour(i), &points, variant == scores.base)
     });
-    let marks = html! {
-        (PLANE.grid(-5.0, None))
-        @for (severity, amount) in &amounts {
-            text x=(x(f64::from(*severity))) y=(PLANE.height + 13.0) font-size="8" text-anchor="middle" fill="#5b6573" { (short(amount)) }
-        }
-        @for line in lines { (line) }
-        (PLANE.upright_title(-27.0, "AP@0.5"))
-    };
+    let mut marks = PLANE.grid(-5.0, None);
+    for (severity, amount) in &amounts {
+        let [x, bottom] = at(f64::from(*severity), 0.0);
+        marks.push(Mark::text([x, bottom + 13.0], 8.0, Middle, NOTE, short(amount)));
+    }
+    marks.extend(lines.flatten());
+    marks.push(PLANE.upright_title(-27.0, "AP@0.5"));
     Drawing {
         area: [-38.0, -8.0, 232.0, 146.0],
         label: format!("AP@0.5 against severity, {title}"),
@@ -102,16 +102,15 @@ fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
 }
 
 /// (severity, AP, whether it is filled); the base has no marks.
-fn line(colour: &str, marks: &[(f64, f64, bool)], is_base: bool) -> Markup {
-    let path = points(marks.iter().map(|(severity, ap, _)| (x(*severity), PLANE.y(*ap))));
-    html! {
-        polyline points=(path) fill="none" stroke=(colour) stroke-width="2" {}
-        @for (severity, ap, is_filled) in marks.iter().filter(|_| !is_base) {
-            circle cx=(x(*severity)) cy=(PLANE.y(*ap)) r="3" stroke=(colour) stroke-width="1.5" fill=(if *is_filled { colour } else { "#fff" }) {}
-        }
-    }
+fn line(colour: Colour, points: &[(f64, f64, bool)], is_base: bool) -> Vec<Mark> {
+    let places = points.iter().map(|(severity, ap, _)| at(*severity, *ap));
+    let dots = points.iter().filter(|_| !is_base).map(|(severity, ap, is_filled)| {
+        let dot = Mark::circle(at(*severity, *ap), 3.0).outlined(colour, 1.5);
+        dot.filled(if *is_filled { colour } else { WHITE })
+    });
+    [Mark::polyline(places, colour, 2.0)].into_iter().chain(dots).collect()
 }
 
-fn x(severity: f64) -> f64 {
-    PLANE.x(severity / LAST)
+fn at(severity: f64, ap: f64) -> [f64; 2] {
+    PLANE.at(severity / LAST, ap)
 }

@@ -2,12 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::{colour, colour_names, heads, points, round, small_charts, table};
+use super::{colour, colour_names, heads, small_charts, table};
 use crate::report::number;
 use crate::report::paired::ends;
 use crate::report::sequential::{SHOWN_FROM, figures, found, note, p_of, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};
-use scaleproof_plot::Drawing;
+use scaleproof_plot::Anchor::{End, Middle};
+use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE};
 
 const SIDE: [f64; 2] = [220.0, 120.0];
 /// Base-10 logarithms of the evidence that a chart reaches from and to.
@@ -48,28 +49,26 @@ fn cell(decision: &Decision, unit: &str) -> String {
 
 fn chart(scores: &Scores, sequential: &Sequential, course: &Course) -> Drawing {
     let last = course.looks.max(2) as f64;
-    let x = |look: f64| round((look - 1.0) / (last - 1.0) * SIDE[0]);
-    let y = |evidence: f64| {
+    let at = |look: f64, evidence: f64| {
         let share = (evidence.clamp(EVIDENCE[0], EVIDENCE[1]) - EVIDENCE[0]) / (EVIDENCE[1] - EVIDENCE[0]);
-        round((1.0 - share) * SIDE[1])
+        [(look - 1.0) / (last - 1.0) * SIDE[0], (1.0 - share) * SIDE[1]]
     };
-    let path = |evidence: &[f64]| {
-        let places = evidence.iter().enumerate();
-        points(places.map(|(i, evidence)| (x(1.0 + i as f64), y(*evidence))))
-    };
-    let marks = html! {
-        @for (tick, name) in [(-2.0, "0.01"), (0.0, "1"), (2.0, "100"), (4.0, "10⁴")] {
-            line x1="0" x2=(SIDE[0]) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
-            text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (name) }
-        }
-        line x1="0" x2=(SIDE[0]) y1=(y(SHOWN_FROM)) y2=(y(SHOWN_FROM)) stroke="#1b1f24" stroke-dasharray="4 3" {}
-        @for (i, (_, decision)) in figures(course).into_iter().enumerate() {
-            polyline points=(path(&decision.log10_evidence)) fill="none" stroke=(colour(i)) stroke-width="2" {}
-        }
-        text x="0" y=(SIDE[1] + 13.0) font-size="9" text-anchor="middle" fill="#5b6573" { "1" }
-        text x=(SIDE[0]) y=(SIDE[1] + 13.0) font-size="9" text-anchor="middle" fill="#5b6573" { (course.looks) }
-        text x=(SIDE[0] / 2.0) y=(SIDE[1] + 15.0) font-size="10" text-anchor="middle" { (unit(sequential)) "s" }
-    };
+    let mut marks = Vec::new();
+    for (tick, name) in [(-2.0, "0.01"), (0.0, "1"), (2.0, "100"), (4.0, "10⁴")] {
+        marks.push(Mark::line(at(1.0, tick), at(last, tick), FAINT));
+        marks.push(Mark::text([-5.0, at(1.0, tick)[1] + 3.0], 9.0, End, NOTE, name));
+    }
+    marks.push(Mark::line(at(1.0, SHOWN_FROM), at(last, SHOWN_FROM), INK).dashed(true));
+    for (i, (_, decision)) in figures(course).into_iter().enumerate() {
+        let looks = decision.log10_evidence.iter().enumerate();
+        let places = looks.map(|(look, evidence)| at(1.0 + look as f64, *evidence));
+        marks.push(Mark::polyline(places, colour(i), 2.0));
+    }
+    for (x, look) in [(0.0, 1), (SIDE[0], course.looks)] {
+        marks.push(Mark::text([x, SIDE[1] + 13.0], 9.0, Middle, NOTE, look));
+    }
+    let below = format!("{}s", unit(sequential));
+    marks.push(Mark::text([SIDE[0] / 2.0, SIDE[1] + 15.0], 10.0, Middle, BLACK, below));
     Drawing {
         area: [-34.0, -8.0, 268.0, 148.0],
         label: format!(

@@ -2,12 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::{colour, points, round};
+use super::colour;
 use crate::score::Scores;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_detect::{Speed, Speeds};
-use scaleproof_plot::{Drawing, PlotAxis, Scale, tick_label};
+use scaleproof_plot::Anchor::{End, Middle, Start};
+use scaleproof_plot::{Anchor, BLACK, Drawing, FAINT, Mark, NOTE, PlotAxis, Scale, WHITE, markup, tick_label};
 
 const PLOT: (f64, f64) = (430.0, 250.0);
 const RADIUS: f64 = 4.5;
@@ -26,7 +27,7 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
     html! {
         ul.legend {
             @for (i, variant) in scores.variants().iter().enumerate() {
-                li { svg.mark viewBox="-7 -7 14 14" { (mark(0.0, 0.0, i)) } (variant) }
+                li { svg.mark viewBox="-7 -7 14 14" { (markup(&[mark([0.0; 2], i)])) } (variant) }
             }
         }
         div.scroll { (plot(scores, speeds).inline(Some("speed"))) }
@@ -46,22 +47,24 @@ fn timed<'a>(scores: &Scores, speeds: &'a Speeds) -> Vec<&'a Speed> {
 pub(in crate::report) fn plot(scores: &Scores, speeds: &Speeds) -> Drawing {
     let timed = timed(scores, speeds);
     let axis = PlotAxis::around("milliseconds a photo", Scale::Log, timed.iter().map(|s| s.ms_per_photo));
-    let x = |ms: f64| round(axis.share(ms) * PLOT.0);
-    let marks = html! {
-        @for tick in axis.ticks() {
-            line x1=(x(tick)) x2=(x(tick)) y2=(PLOT.1) stroke="#d7dce2" {}
-            text x=(x(tick)) y=(PLOT.1 + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (tick_label(tick)) }
-        }
-        @for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            line x2=(PLOT.0) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
-            text x="-6" y=(y(tick) + 4.0) font-size="11" text-anchor="end" fill="#5b6573" { (tick) }
-        }
-        rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke="#5b6573" {}
-        text x=(PLOT.0 / 2.0) y=(PLOT.1 + 36.0) font-size="12" text-anchor="middle" { (axis.title) ", logarithmic" }
-        text transform=(format!("translate(-32 {}) rotate(-90)", PLOT.1 / 2.0)) font-size="12" text-anchor="middle" { "AP@0.5" }
-        @for speed in &timed { (detector(scores, speed, x(speed.ms_per_photo))) }
-        (names(scores, &timed, x))
-    };
+    let x = |ms: f64| axis.share(ms) * PLOT.0;
+    let mut marks = Vec::new();
+    for tick in axis.ticks() {
+        let (x, name) = (x(tick), tick_label(tick));
+        marks.push(Mark::line([x, 0.0], [x, PLOT.1], FAINT));
+        marks.push(Mark::text([x, PLOT.1 + 15.0], 11.0, Middle, NOTE, name));
+    }
+    for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        marks.push(Mark::line([0.0, y(tick)], [PLOT.0, y(tick)], FAINT));
+        marks.push(Mark::text([-6.0, y(tick) + 4.0], 11.0, End, NOTE, tick));
+    }
+    marks.push(Mark::rect([0.0; 2], [PLOT.0, PLOT.1]).outlined(NOTE, 1.0));
+    let below = format!("{}, logarithmic", axis.title);
+    marks.push(Mark::text([PLOT.0 / 2.0, PLOT.1 + 36.0], 12.0, Middle, BLACK, below));
+    marks.push(Mark::text([-32.0, PLOT.1 / 2.0], 12.0, Middle, BLACK, "AP@0.5").upright());
+    let detectors = timed.iter().map(|speed| detector(scores, speed, x(speed.ms_per_photo)));
+    marks.extend(detectors.flatten());
+    marks.extend(names(scores, &timed, x));
     Drawing {
         area: [-42.0, -14.0, PLOT.0 + 130.0, PLOT.1 + 62.0],
         label: "AP at IoU 0.5 against milliseconds a photo".to_owned(),
@@ -70,7 +73,7 @@ pub(in crate::report) fn plot(scores: &Scores, speeds: &Speeds) -> Drawing {
 }
 
 fn y(ap: f64) -> f64 {
-    round((1.0 - ap) * PLOT.1)
+    (1.0 - ap) * PLOT.1
 }
 
 /// The AP of a detector on each texture, by the index of the texture.
@@ -87,38 +90,35 @@ fn ends(scores: &Scores, speed: &Speed) -> (f64, f64) {
 }
 
 /// A mark for each texture, on one upright line.
-fn detector(scores: &Scores, speed: &Speed, x: f64) -> Markup {
+fn detector(scores: &Scores, speed: &Speed, x: f64) -> Vec<Mark> {
     let (top, bottom) = ends(scores, speed);
-    html! {
-        line x1=(x) x2=(x) y1=(top.min(bottom)) y2=(bottom) stroke="#5b6573" stroke-width="1.2" {}
-        @for (i, ap) in aps(scores, &speed.detector) {
-            g.speed-mark {
-                title {
-                    (speed.detector) ", " (scores.variants()[i]) (format!(": AP@0.5 {ap:.3}, {} ms ({} to {})",
-                        speed.ms_per_photo, speed.ms_range[0], speed.ms_range[1]))
-                }
-                (mark(x, y(ap), i))
-            }
-        }
-    }
+    let line = Mark::line([x, top.min(bottom)], [x, bottom], NOTE).outlined(NOTE, 1.2);
+    let textures = aps(scores, &speed.detector).into_iter().map(|(i, ap)| {
+        let ([from, to], texture) = (speed.ms_range, scores.variants()[i]);
+        let time = format!("{} ms ({from} to {to})", speed.ms_per_photo);
+        mark([x, y(ap)], i).titled(format!("{}, {texture}: AP@0.5 {ap:.3}, {time}", speed.detector))
+    });
+    [line].into_iter().chain(textures).collect()
 }
 
 /// Every texture has its own shape and colour.
-fn mark(x: f64, y: f64, variant: usize) -> Markup {
-    let r = RADIUS;
-    let corners: &[(f64, f64)] = match variant % 4 {
-        0 => return html! { circle cx=(x) cy=(y) r=(r) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} },
-        1 => &[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)],
-        2 => &[(0.9, 0.9), (0.9, -0.9), (-0.9, -0.9), (-0.9, 0.9)],
-        _ => &[(0.0, 1.3), (1.3, 0.0), (0.0, -1.3), (-1.3, 0.0)],
+fn mark([x, y]: [f64; 2], variant: usize) -> Mark {
+    let corners: &[[f64; 2]] = match variant % 4 {
+        0 => &[],
+        1 => &[[0.0, 1.2], [1.1, -0.8], [-1.1, -0.8]],
+        2 => &[[0.9, 0.9], [0.9, -0.9], [-0.9, -0.9], [-0.9, 0.9]],
+        _ => &[[0.0, 1.3], [1.3, 0.0], [0.0, -1.3], [-1.3, 0.0]],
     };
-    let corners = points(corners.iter().map(|(dx, dy)| (round(x + r * dx), round(y + r * dy))));
-    html! { polygon points=(corners) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} }
+    let shape = match corners {
+        [] => Mark::circle([x, y], RADIUS),
+        _ => Mark::polygon(corners.iter().map(|[dx, dy]| [x + RADIUS * dx, y + RADIUS * dy])),
+    };
+    shape.filled(colour(variant)).outlined(WHITE, 0.8)
 }
 
 /// The detectors' names, beside the middles of their lines: where they cover neither another name nor another's line, if there is
 /// such a place.
-fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) -> Markup {
+fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) -> Vec<Mark> {
     let line = |speed: &&'a Speed| {
         let (top, bottom) = ends(scores, speed);
         ErrorBar {
@@ -130,13 +130,12 @@ fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) ->
     };
     let lines: Vec<ErrorBar> = timed.iter().map(line).collect();
     let mut taken: Vec<BoxPx> = Vec::new();
-    html! {
-        @for line in &lines {
-            @let name = { let name = free_label(line, &lines, &taken); taken.push(name.area); name };
-            text x=(round(name.x)) y=(round(name.y)) text-anchor=(name.anchor) font-size="11" stroke="#fff" stroke-width="3"
-                paint-order="stroke" { (line.title) }
-        }
-    }
+    let name = |line: &ErrorBar| {
+        let label = free_label(line, &lines, &taken);
+        taken.push(label.area);
+        Mark::text(label.at, 11.0, label.anchor, BLACK, line.title).outlined(WHITE, 3.0)
+    };
+    lines.iter().map(name).collect()
 }
 
 /// A detector's line from its best to its worst texture.
@@ -148,10 +147,8 @@ struct ErrorBar<'a> {
 }
 
 struct Label {
-    x: f64,
-    /// Of the text's base line.
-    y: f64,
-    anchor: &'static str,
+    at: [f64; 2],
+    anchor: Anchor,
     area: BoxPx,
 }
 
@@ -172,10 +169,9 @@ fn label_at(line: &ErrorBar, middle: f64, is_right: bool) -> Label {
     // About what a letter of 11 px takes.
     let width = 6.2 * line.title.chars().count() as f64;
     let x = line.x + if is_right { 8.0 } else { -8.0 };
-    let (anchor, left) = if is_right { ("start", x) } else { ("end", x - width) };
+    let (anchor, left) = if is_right { (Start, x) } else { (End, x - width) };
     Label {
-        x,
-        y: middle + 4.0,
+        at: [x, middle + 4.0],
         anchor,
         area: BoxPx::new(left, middle - 6.0, left + width, middle + 6.0),
     }

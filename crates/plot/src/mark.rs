@@ -1,0 +1,166 @@
+//! What charts are made of, in CSS pixels: x to the right, y down.
+//!
+//! Sheets have marks of their own (`print::sheet`): they are in millimetres with y up, and are stamped, clipped and cut; these turn, shine through and have a title for the pointer.
+
+use std::fmt;
+
+/// sRGB as `0xrrggbb`; as text `#rrggbb`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Colour(pub u32);
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "#{:06x}", self.0)
+    }
+}
+
+/// One thing in a chart. Marks are painted in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    pub shape: Shape,
+    pub fill: Option<Colour>,
+    /// Of the fill: 0 is not seen, 1 hides what is below it.
+    pub opacity: f64,
+    /// Colour and width of the line around a shape; of text it lies below the letters.
+    pub stroke: Option<(Colour, f64)>,
+    pub is_dashed: bool,
+    /// Shown under the pointer, in SVG alone.
+    pub title: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    Line([[f64; 2]; 2]),
+    /// With round joins, so that none is drawn beyond its value.
+    Polyline(Vec<[f64; 2]>),
+    Polygon(Vec<[f64; 2]>),
+    /// Upper left corner, and width and height.
+    Rect([f64; 2], [f64; 2]),
+    /// Centre and radius.
+    Circle([f64; 2], f64),
+    Text(Text),
+    /// Marks, moved by so much.
+    Group([f64; 2], Vec<Mark>),
+}
+
+/// A line of text on its baseline.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Text {
+    pub at: [f64; 2],
+    /// The em.
+    pub size: f64,
+    pub anchor: Anchor,
+    pub is_bold: bool,
+    /// Written upwards.
+    pub is_upright: bool,
+    pub words: String,
+}
+
+/// Which point of a text its place names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Mark {
+    fn new(shape: Shape) -> Self {
+        Self {
+            shape,
+            fill: None,
+            opacity: 1.0,
+            stroke: None,
+            is_dashed: false,
+            title: None,
+        }
+    }
+
+    pub fn line(from: [f64; 2], to: [f64; 2], colour: Colour) -> Self {
+        Self::new(Shape::Line([from, to].map(round))).outlined(colour, 1.0)
+    }
+
+    pub fn polyline(points: impl IntoIterator<Item = [f64; 2]>, colour: Colour, width: f64) -> Self {
+        Self::new(Shape::Polyline(points.into_iter().map(round).collect())).outlined(colour, width)
+    }
+
+    pub fn polygon(points: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        Self::new(Shape::Polygon(points.into_iter().map(round).collect()))
+    }
+
+    /// An upright rectangle; neighbours share an edge exactly.
+    pub fn rect(corner: [f64; 2], [width, height]: [f64; 2]) -> Self {
+        let ([left, top], [right, bottom]) = (round(corner), round([corner[0] + width, corner[1] + height]));
+        Self::new(Shape::Rect([left, top], round([right - left, bottom - top])))
+    }
+
+    pub fn circle(centre: [f64; 2], radius: f64) -> Self {
+        Self::new(Shape::Circle(round(centre), radius))
+    }
+
+    pub fn group(by: [f64; 2], marks: Vec<Self>) -> Self {
+        Self::new(Shape::Group(round(by), marks))
+    }
+
+    pub fn text(at: [f64; 2], size: f64, anchor: Anchor, colour: Colour, words: impl fmt::Display) -> Self {
+        let (at, words) = (round(at), words.to_string());
+        let (is_bold, is_upright) = (false, false);
+        let text = Text {
+            at,
+            size,
+            anchor,
+            is_bold,
+            is_upright,
+            words,
+        };
+        Self::new(Shape::Text(text)).filled(colour)
+    }
+
+    pub fn filled(self, colour: Colour) -> Self {
+        let fill = Some(colour);
+        Self { fill, ..self }
+    }
+
+    /// Lets what is below it shine through the fill.
+    pub fn sheer(self, opacity: f64) -> Self {
+        Self { opacity, ..self }
+    }
+
+    pub fn outlined(self, colour: Colour, width: f64) -> Self {
+        let stroke = Some((colour, width));
+        Self { stroke, ..self }
+    }
+
+    pub fn dashed(self, is_dashed: bool) -> Self {
+        Self { is_dashed, ..self }
+    }
+
+    pub fn titled(self, title: String) -> Self {
+        let title = Some(title);
+        Self { title, ..self }
+    }
+
+    /// Text in bold letters.
+    pub fn bold(self) -> Self {
+        self.lettered(|text| text.is_bold = true)
+    }
+
+    /// Text that runs upwards.
+    pub fn upright(self) -> Self {
+        self.lettered(|text| text.is_upright = true)
+    }
+
+    fn lettered(mut self, change: impl FnOnce(&mut Text)) -> Self {
+        if let Shape::Text(text) = &mut self.shape {
+            change(text);
+        }
+        self
+    }
+}
+
+/// To a tenth of a pixel, which is all a screen shows; fewer digits, smaller files. What is no number is 0.
+fn round(at: [f64; 2]) -> [f64; 2] {
+    // Adding 0 takes the sign of a zero away.
+    let tenth = |v: f64| (v * 10.0).round() / 10.0 + 0.0;
+    at.map(|v| if v.is_finite() { tenth(v) } else { 0.0 })
+}
