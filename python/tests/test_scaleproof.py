@@ -149,6 +149,8 @@ def test_a_comparison_and_a_plan():
     assert drop.p > drop.level == 0.05 and drop.json["hit_rate"]["base"] == 0.75
     assert "\\begin{tabular}" in found.to_latex() and len(found.table) == 3
     assert scaleproof.plan(0.3).pairs == 37
+    with pytest.raises(scaleproof.Error, match="did you mean random"):
+        scaleproof.compare(SKYLINE, "yolox_nano", recorded=True, progress=False, control="randon")
 
 
 def test_average_precision_of_boxes():

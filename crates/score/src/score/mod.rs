@@ -36,11 +36,11 @@ mod worn;
 
 pub use cache::Cache;
 pub use compare::{
-    ClusteredBy, CompareError, Compared, Comparison, Course, Decision, Difference, Effect, Expected, Finding,
-    InPlacesLikeThese, PlanCheck, PlanError, SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, compare,
-    compare_with, decide, most_telling, moved_drops, paired, paired_photos, pairs_needed, places_needed,
-    places_needed_among, power, power_by_place, sequential, sequential_plan, smallest_drop_among,
-    smallest_drop_by_place,
+    ClusteredBy, CompareError, Compared, Comparison, Control, Course, Decision, Difference, Effect, Expected, Finding,
+    InPlacesLikeThese, PlanCheck, PlanError, SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan,
+    check_control, compare, compare_with, decide, most_telling, moved_drops, paired, paired_control, paired_photos,
+    pairs_needed, places_needed, places_needed_among, power, power_by_place, sequential, sequential_plan,
+    smallest_drop_among, smallest_drop_by_place,
 };
 pub use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;

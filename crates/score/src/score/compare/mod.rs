@@ -1,6 +1,7 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
 mod by_place;
+mod control;
 mod decide;
 mod detectable;
 mod finding;
@@ -12,13 +13,14 @@ mod sequential;
 mod sequential_plan;
 
 pub use by_place::{places_needed, places_needed_among, power_by_place, smallest_drop_among, smallest_drop_by_place};
+pub use control::check_control;
 pub use decide::decide;
 pub(super) use decide::{LEVEL, MOST_HIT, decide_families};
 pub use finding::{Effect, Finding, InPlacesLikeThese};
 pub use moved::moved_drops;
 pub use plan::{PlanError, pairs_needed, power};
 pub use result::{
-    BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Hits, PlanCheck, Sequential,
+    BinHits, ClusteredBy, Compared, Comparison, Control, Course, Decision, Difference, Hits, PlanCheck, Sequential,
     SequentialFinding,
 };
 pub use sequential::{most_telling, sequential};
@@ -42,13 +44,23 @@ pub enum CompareError {
     NoBase { base: String, variants: String },
     #[error("all photos have the variant `{base}`: add those of another texture")]
     NothingElse { base: String },
+    #[error("no photo has the variant `{control}`, which is to be the control, only {variants}{hint}")]
+    NoControl {
+        control: String,
+        variants: String,
+        hint: String,
+    },
+    #[error("the control is the base itself, `{base}`: it has to be a second plain round, under another name{hint}")]
+    ControlIsBase { base: String, hint: String },
+    #[error("all photos have the variant `{base}` or that of its control, `{control}`: add those of a texture")]
+    NothingBesideControl { base: String, control: String },
     #[error(
         "no photo of `{variant}` was taken from the same place and bin as one of `{base}`: they cannot be compared"
     )]
     NoPair { base: String, variant: String },
 }
 
-/// Compares every variant of a run with `base`.
+/// Compares every variant of a run with `base`; the run's control holds back what it moves by as much, and is none of the variants.
 pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<Comparison, CompareError> {
     let all = variants(&scores.photos, base);
     if all.iter().all(|v| v != base) {
@@ -57,25 +69,48 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
             variants: all.join(", "),
         });
     }
-    let others = others(&all, base)?;
+    let others = others(scores, &all, base)?;
     decided(scores, base, &others, definition)
 }
 
 fn decided(scores: &Scores, base: &str, others: &[&str], definition: ApDefinition) -> Result<Comparison, CompareError> {
     let mut comparison = compare_set(scores.set(), base, others, definition)?;
+    if let Some(variant) = &scores.control {
+        let own = compare_set(scores.set(), base, &[variant], definition)?;
+        comparison.unpaired.extend(own.unpaired);
+        comparison.control = Some(Control {
+            variant: variant.clone(),
+            results: own.results,
+        });
+    }
     decide(&mut comparison);
     Ok(comparison)
 }
 
-/// What a run says of its variants against its base, for as many as can be paired; computed once.
+/// What a run says of its variants against its base, for as many as can be paired; the control stands apart.
 pub fn paired(scores: &Scores) -> &[Compared] {
-    scores.paired.get_or_init(|| {
+    compared_once(scores).map_or(&[], |comparison| &comparison.results)
+}
+
+/// What a run says of its control against its base.
+pub fn paired_control(scores: &Scores) -> &[Compared] {
+    let control = compared_once(scores).and_then(|comparison| comparison.control.as_ref());
+    control.map_or(&[], |control| &control.results)
+}
+
+fn compared_once(scores: &Scores) -> Option<&Comparison> {
+    let compared = scores.paired.get_or_init(|| {
         let (base, ap) = (&scores.base, scores.criteria.ap);
-        let others = scores.variants().into_iter().filter(|v| v != base);
+        let others = scores.variants().into_iter().filter(|v| is_texture(scores, base, v));
         let paired = others.filter(|other| pairs(scores.set(), base, other));
-        let comparison = decided(scores, base, &paired.collect::<Vec<_>>(), ap);
-        comparison.map(|comparison| comparison.results).unwrap_or_default()
-    })
+        decided(scores, base, &paired.collect::<Vec<_>>(), ap).ok()
+    });
+    compared.as_ref()
+}
+
+/// Whether a variant is neither the base nor the control.
+fn is_texture(scores: &Scores, base: &str, variant: &str) -> bool {
+    variant != base && scores.control.as_deref() != Some(variant)
 }
 
 /// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`].
@@ -88,9 +123,10 @@ pub fn compare_with(
     compare_set(scores.set(), base, others, definition)
 }
 
-/// The variants but for the base, of which there must be one.
-fn others<'a>(all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
-    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
+/// The variants but for the base and the control, of which there must be one.
+fn others<'a>(scores: &Scores, all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
+    let all = all.iter().map(String::as_str);
+    let others: Vec<&str> = all.filter(|v| is_texture(scores, base, v)).collect();
     let none = || CompareError::NothingElse { base: base.into() };
     (!others.is_empty()).then_some(others).ok_or_else(none)
 }
@@ -141,6 +177,7 @@ pub(super) fn compare_set(
         bootstrap_draws: DRAWS,
         bootstrap_seed: SEED,
         results,
+        control: None,
         unpaired,
         plan: None,
         sequential: None,
