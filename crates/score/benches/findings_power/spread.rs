@@ -22,7 +22,7 @@ pub struct Spread {
     pub photo_shared: f64,
 }
 
-/// Differences of one view, for each detector.
+/// Of each detector, by view.
 type Confidences = Vec<Vec<f64>>;
 
 impl Spread {
