@@ -206,6 +206,18 @@ fn the_base_is_known_before_anything_is_detected() {
         ),
         ("plain=a --base plain", "all photos have the variant `plain`"),
         (
+            "plain=a checker=b --base plain --control chekcer",
+            "no photo has the variant `chekcer`, which is to be the control, only plain, checker; did you mean checker?",
+        ),
+        (
+            "plain=a checker=b --base plain --control plain",
+            "the control is the base itself, `plain`",
+        ),
+        (
+            "plain=a checker=b --base plain --control checker",
+            "all photos have the variant `plain` or that of its control, `checker`",
+        ),
+        (
             "plain@lab=a checker@yard=b",
             "no photo of `checker` was taken from the same place",
         ),

@@ -351,6 +351,7 @@ def score(
     confidence: float | None = None,
     protocol: str | None = None,
     base: str | None = None,
+    control: str | None = None,
     group_by: str | Sequence[str] = (),
     weights: PathLike | None = None,
     threads: int | None = None,
@@ -362,7 +363,7 @@ def score(
     A detector is a name or a manifest of the program, ``exec:PROGRAM``, a :class:`Detector`, or just its function ``images -> [(label, confidence, box)
     for each image]`` with COCO's 80 labels, by its own name. Without any, all whose weights are at hand take part; with ``recorded`` the detections
     that the sessions store. ``weights`` is a folder to look in. ``ap`` is ``coco-101``, ``all-point``, ``voc-11`` or ``yolov5-ramp``; ``confidence``
-    counts as a hit; ``protocol``, ``base`` and ``group_by`` are as the program's options.
+    counts as a hit; ``protocol``, ``base``, ``control`` and ``group_by`` are as the program's options.
 
     ``threads`` photos are looked at side by side: by default one a core, or as many as a detector's batch. ``cache`` is a folder that keeps what networks
     and programs found; functions are always asked. Ctrl-C ends the run.
@@ -384,6 +385,7 @@ def score(
         confidence=confidence,
         protocol=protocol,
         base=base,
+        control=control,
         group_by=([group_by] if isinstance(group_by, str) else list(group_by)) or None,
         threads=_threads(threads),
         cache=cache,

@@ -163,6 +163,8 @@ def test_a_comparison_and_a_plan():
     assert (drop.base, drop.other) == pytest.approx((sum(confidence["normal"]) / 8, sum(confidence["random"]) / 8))
     assert drop.p > drop.level == 0.05 and drop.json["hit_rate"]["base"] == 0.75
     assert "\\begin{tabular}" in found.to_latex() and len(found.table) == 3
+    with pytest.raises(scaleproof.Error, match="did you mean random"):
+        scaleproof.compare(SKYLINE, "yolox_nano", recorded=True, progress=False, control="randon")
 
 
 def test_a_plan_is_that_of_the_program():

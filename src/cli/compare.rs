@@ -25,6 +25,10 @@ pub(super) struct Args {
     /// The variant that the others are held against [default: normal, else the first that is listed]
     #[arg(long, value_name = "NAME")]
     base: Option<String>,
+    /// The variant that is a second plain round, in no difference that is tested: a word for a detector is held back where it moves that detector by as much as
+    /// the texture does
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["plan", "sequential"])]
+    control: Option<String>,
     #[command(flatten)]
     detectors: at_hand::Detectors,
     #[command(flatten)]
@@ -109,13 +113,17 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let plan = args.plan.as_deref().map(SealedPlan::read).transpose()?;
     let named = args.base.as_deref().or_else(|| Some(plan.as_ref()?.0.base.as_str()));
     let base = checked_base(named, &opened.sessions)?;
+    criteria::check_control(args.control.as_deref(), &base, &opened.sessions)?;
     let detectors = args.detectors.evaluated(&opened.sessions)?;
     files::check_writable(&args.output)?;
     let criteria = args.reading.criteria()?;
     let patterns = args.patterns.of(&opened.sessions)?;
     let options = args.effort.options(&detectors)?;
     let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
-    let mut scores = scores.judged_by(criteria).against(&base);
+    let mut scores = scores
+        .judged_by(criteria)
+        .against(&base)
+        .controlled_by(args.control.as_deref())?;
     scores.patterns = patterns;
     let mut comparison = score::compare(&scores, &base, criteria.ap)?;
     let looks = args.looks.sequential.map(|by| (by, args.looks.least));

@@ -3,7 +3,7 @@
 use super::choice::completing;
 use scaleproof_detect::SCORE_FLOOR;
 use scaleproof_plot::distinct;
-use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
+use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, Protocol, Scores};
 use scaleproof_session::session::Session;
 
 /// The definition of AP and the threshold of a hit, by themselves or as a protocol has them.
@@ -87,12 +87,22 @@ pub(super) fn check_base(named: Option<&str>, sessions: &[Session]) -> super::Re
     Ok(())
 }
 
+/// Finds out, before any photo is looked at, that some have the control that is named, and others a texture.
+pub(super) fn check_control(named: Option<&str>, base: &str, sessions: &[Session]) -> Result<(), CompareError> {
+    named.map_or(Ok(()), |control| {
+        score::check_control(&variants(sessions), base, control)
+    })
+}
+
 /// What drops are measured from, and which groups of photos get figures of their own.
 #[derive(clap::Args)]
 pub(super) struct Tables {
     /// The variant that drops are measured from [default: normal, else the first that is listed]
     #[arg(long, value_name = "NAME")]
     base: Option<String>,
+    /// The variant that is a second plain round: a word for a detector is held back where it moves that detector by as much as the texture does
+    #[arg(long, value_name = "NAME")]
+    control: Option<String>,
     /// Figures for each value of these conditions, such as weather,distance,theta,phi,lux:100 (steps of 100); a condition is a column of imported
     /// photos, or place, azimuth, pitch, distance, theta or phi.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -105,12 +115,16 @@ impl Tables {
         self.group_by
             .iter()
             .try_for_each(|group| group.check_sessions(sessions))?;
-        check_base(self.base.as_deref(), sessions)
+        check_base(self.base.as_deref(), sessions)?;
+        let base = base_of(self.base.as_deref(), sessions);
+        Ok(check_control(self.control.as_deref(), base, sessions)?)
     }
 
-    /// The run under these criteria, with these drops and groups.
-    pub(super) fn made(&self, scores: Scores, criteria: Criteria) -> Result<Scores, GroupByError> {
+    /// The run under these criteria, with these drops, this control and these groups.
+    pub(super) fn made(&self, scores: Scores, criteria: Criteria) -> super::Result<Scores> {
         let base = base_of(self.base.as_deref(), &scores.sessions).to_owned();
-        scores.judged_by(criteria).against(&base).grouped_by(&self.group_by)
+        let scores = scores.judged_by(criteria).against(&base);
+        let scores = scores.controlled_by(self.control.as_deref())?;
+        Ok(scores.grouped_by(&self.group_by)?)
     }
 }

@@ -58,7 +58,7 @@ pub(super) struct Args {
     settings: Option<PathBuf>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "defence", "ranking", "settings", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "defence", "ranking", "settings", "ap", "confidence", "protocol", "base", "control", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     #[command(flatten)]
     telling: Telling,

@@ -89,6 +89,38 @@ pub fn shares(families: &[Vec<f64>], level: f64) -> Vec<f64> {
     shares
 }
 
+/// Clusters whose sums are kept for every pattern of their signs: a part of the 64 signs that are drawn at a time.
+const TOGETHER: usize = 8;
+
+/// The sums of few clusters for every pattern of their signs.
+struct SignedSums {
+    /// Measures.
+    width: usize,
+    /// Pattern by pattern; a bit that is set is a plus.
+    sums: Vec<f64>,
+}
+
+impl SignedSums {
+    fn of(clusters: &[Vec<f64>]) -> SignedSums {
+        let width = clusters[0].len();
+        let mut sums = vec![0.0; width << clusters.len()];
+        for (pattern, sums) in sums.chunks_mut(width).enumerate() {
+            for (c, differences) in clusters.iter().enumerate() {
+                let sign = if pattern >> c & 1 == 1 { 1.0 } else { -1.0 };
+                sums.iter_mut().zip(differences).for_each(|(sum, d)| *sum += sign * d);
+            }
+        }
+        SignedSums { width, sums }
+    }
+
+    /// By the lowest bits.
+    fn by(&self, bits: u64) -> &[f64] {
+        let patterns = self.sums.len() / self.width;
+        let pattern = bits as usize % patterns;
+        &self.sums[pattern * self.width..][..self.width]
+    }
+}
+
 /// Measures from the largest statistic to the smallest.
 struct Ordered {
     /// Positions in the order given.
@@ -153,17 +185,18 @@ impl Ordered {
 
     fn visit_drawn(&self, mut visit: impl FnMut(&[f64])) -> u64 {
         let mut rng = Pcg64Mcg::seed_from_u64(FLIP_SEED);
+        let tables: Vec<SignedSums> = self.by_cluster.chunks(TOGETHER).map(SignedSums::of).collect();
         let mut sums = self.sums_seen();
         visit(&sums);
         for _ in 0..DRAWN_FLIPS {
             sums.fill(0.0);
             let mut bits = 0_u64;
-            for (c, differences) in self.by_cluster.iter().enumerate() {
-                if c % 64 == 0 {
+            for (i, table) in tables.iter().enumerate() {
+                if i * TOGETHER % 64 == 0 {
                     bits = rng.random();
                 }
-                let sign = if bits >> (c % 64) & 1 == 1 { 1.0 } else { -1.0 };
-                sums.iter_mut().zip(differences).for_each(|(sum, d)| *sum += sign * d);
+                sums.iter_mut().zip(table.by(bits)).for_each(|(sum, own)| *sum += own);
+                bits >>= TOGETHER;
             }
             visit(&sums);
         }

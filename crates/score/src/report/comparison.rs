@@ -95,13 +95,14 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
 pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
     let mut lines = paper::sentences(scores, &comparison.results, &comparison.base, comparison.plan.as_ref());
     lines.push(String::new());
-    for r in &comparison.results {
+    let control = comparison.control.iter().flat_map(|control| &control.results);
+    for r in comparison.results.iter().chain(control) {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
-        lines.push(format!(
-            "{head}, {}: {}",
-            paired::basis(r),
-            paired::in_words(r, &comparison.base)
-        ));
+        let words = match &comparison.control {
+            Some(control) if control.variant == r.variant => "the control".to_owned(),
+            _ => paired::in_words(r, &comparison.base),
+        };
+        lines.push(format!("{head}, {}: {words}", paired::basis(r)));
         lines.push(line("mean confidence", r, &r.mean_confidence));
         lines.push(line("hit rate", r, &r.hit_rate.rate));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50));

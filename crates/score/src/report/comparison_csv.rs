@@ -3,10 +3,11 @@
 use serde_json::json;
 
 use super::{ReportError, Row, counted, csv_of};
-use crate::score::{Compared, Comparison, Difference, Scores};
+use crate::score::{Compared, Comparison, Control, Difference, Scores};
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
-    csv_of(comparison.results.iter().flat_map(|r| {
+    let control = comparison.control.iter().flat_map(|control| &control.results);
+    csv_of(comparison.results.iter().chain(control).flat_map(|r| {
         let endpoints = [
             ("mean_confidence", &r.mean_confidence),
             ("hit_rate", &r.hit_rate.rate),
@@ -18,7 +19,9 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, Report
 
 fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d): (&str, &Difference)) -> Row<'a> {
     let (drop, asr) = (d.interval_95, d.asr_interval_95);
+    let is_control = |control: &Control| control.variant == r.variant;
     let (role, p, level) = match (endpoint, r.finding) {
+        _ if comparison.control.as_ref().is_some_and(is_control) => ("control", None, None),
         ("mean_confidence", finding) => (
             "primary",
             finding.map(|f| f.confidence_p),
@@ -53,6 +56,10 @@ fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d)
         ("p", json!(p)),
         ("level", json!(level)),
         ("effect", json!(r.finding.map(|f| f.effect))),
+        (
+            "withheld_by_control",
+            json!(r.finding.and_then(|f| f.withheld_by_control)),
+        ),
         (
             "effect_in_places_like_these",
             json!(r.finding.and_then(|f| f.in_places_like_these).map(|like| like.effect)),

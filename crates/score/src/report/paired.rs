@@ -1,13 +1,13 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
 use super::p_value;
-use crate::score::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired};
+use crate::score::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired, paired_control};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 
-/// What the pairs of a variant and the base say of one detector; none where no photos pair.
+/// What the pairs of a variant, or of the control, and the base say of one detector; none where no photos pair.
 pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Compared> {
-    let mut results = paired(scores).iter();
+    let mut results = paired(scores).iter().chain(paired_control(scores));
     results.find(|r| r.detector == detector && r.variant == variant)
 }
 
@@ -41,10 +41,8 @@ pub(super) fn in_words(r: &Compared, base: &str) -> String {
         Effect::NothingShown => open(r),
         Effect::Hides | Effect::Weakens | Effect::Strengthens => elsewhere(r),
     };
-    format!(
-        "{effect}, {p}{}",
-        beside.map(|beside| format!("; {beside}")).unwrap_or_default()
-    )
+    let parts = [Some(format!("{effect}, {p}")), held_back(&finding), beside];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
 /// `the plain model`, or another base by its name.
@@ -53,6 +51,19 @@ pub(super) fn named_base(base: &str) -> String {
         BASE_VARIANT => "the plain model".to_owned(),
         other => format!("“{other}”"),
     }
+}
+
+/// Which word the control holds back.
+fn held_back(finding: &Finding) -> Option<String> {
+    let withheld = finding.withheld_by_control?;
+    Some(if finding.effect.is_shown() {
+        format!(
+            "“{}” is withheld: the control round moves the hits of this detector by as much",
+            briefly(withheld)
+        )
+    } else {
+        "withheld: the control round moves this detector by as much".to_owned()
+    })
 }
 
 /// The drop that photos which show nothing would have shown, or how many views are missing before anything can be.
@@ -98,7 +109,9 @@ pub(super) fn is_confidence_shown(r: &Compared) -> bool {
 /// Whether the hit rate is shown to fall, which is asked where the confidence is.
 pub(super) fn is_hit_rate_shown(r: &Compared) -> bool {
     let falls = |finding: &Finding| {
-        matches!(finding.effect, Effect::Hides | Effect::Weakens) && finding.hit_rate_p <= finding.hit_rate_level
+        let is_withheld = finding.withheld_by_control.is_some();
+        let is_reached = finding.hit_rate_p <= finding.hit_rate_level;
+        matches!(finding.effect, Effect::Hides | Effect::Weakens) && is_reached && !is_withheld
     };
     r.hit_rate.rate.drop > 0.0 && r.finding.as_ref().is_some_and(falls)
 }

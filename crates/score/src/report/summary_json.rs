@@ -28,6 +28,8 @@ pub struct SummaryPage<'a> {
     hit_confidence: f64,
     /// The variant that drops are measured from.
     base: &'a str,
+    /// The second plain round of `--control`, which holds back what it moves by as much; `null` where none is named.
+    control: Option<&'a str>,
     /// The protocol that is followed, with its source and table; `null` for none.
     protocol: Option<ProtocolTable>,
     /// One for each detector and variant, the base first.
@@ -76,6 +78,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         box_labels: counted::box_labels(scores),
         hit_confidence: scores.criteria.hit_confidence,
         base: &scores.base,
+        control: scores.control.as_deref(),
         protocol: protocol_table(scores),
         results: &scores.summaries,
         paired: paired(scores),

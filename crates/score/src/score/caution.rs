@@ -19,7 +19,7 @@ pub(super) fn cautions(
     not_scored: &[NotScored],
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
-    (base, summaries): (&str, &[Summary]),
+    (base, control, summaries): (&str, Option<&str>, &[Summary]),
 ) -> Vec<String> {
     let mut cautions = Vec::new();
     // Figures that may be of something else.
@@ -36,7 +36,7 @@ pub(super) fn cautions(
     cautions.extend(no_base(photos, base));
     cautions.extend(few_clusters(photos, base));
     cautions.extend(uneven_directions(photos, base));
-    cautions.extend(no_control(photos, base));
+    cautions.extend(no_random(photos, base, control));
     cautions.extend(renders(sessions));
     cautions.extend(few_places(photos));
     cautions.extend(hardly_found(summaries, base));
@@ -171,9 +171,9 @@ fn never_the_model<'a>(photos: &'a [ScoredPhoto], detectors: &[EvaluatedDetector
 }
 
 /// Any print of a pattern changes what detectors see; only a random one tells what the optimised one adds.
-fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
+fn no_random(photos: &[ScoredPhoto], base: &str, control: Option<&str>) -> Option<String> {
     let variants = photos.iter().map(|p| p.variant.as_str());
-    let others: BTreeSet<&str> = variants.filter(|v| *v != base).collect();
+    let others: BTreeSet<&str> = variants.filter(|v| *v != base && Some(*v) != control).collect();
     let is_control = |variant: &&str| is_control(variant);
     let lacks = !others.is_empty() && !is_control(&base) && !others.iter().any(is_control);
     lacks.then(|| {

@@ -7,7 +7,7 @@ use super::grouping::{GroupBy, GroupByError};
 use super::near_copies::{counted_once, mark_repeats};
 use super::settings::AppliedSettings;
 use super::{
-    BASE_VARIANT, Compared, Criteria, Defences, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness,
+    BASE_VARIANT, Comparison, Criteria, Defences, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness,
     ScoredPhoto, Summary, WornPattern, caution, summary,
 };
 use scaleproof_plot::distinct;
@@ -39,6 +39,8 @@ pub struct Scores {
     pub summaries: Vec<Summary>,
     /// The variant that drops are measured from.
     pub base: String,
+    /// A second plain round, which is no texture (`Scores::controlled_by`).
+    pub control: Option<String>,
     /// What the figures depend on; see [`Scores::judged_by`].
     pub criteria: Criteria,
     /// What a reader must know before believing the figures, as sentences.
@@ -61,8 +63,8 @@ pub struct Scores {
     pub patterns: Vec<WornPattern>,
     /// What the summaries group photos by, besides directions and places.
     groups: Vec<GroupBy>,
-    /// Each variant against the base, once it is asked for.
-    pub(super) paired: OnceLock<Vec<Compared>>,
+    /// Each variant against the base, once it is asked for; none where it cannot be.
+    pub(super) paired: OnceLock<Option<Comparison>>,
 }
 
 impl Scores {
@@ -98,6 +100,7 @@ impl Scores {
             causes: Vec::new(),
             summaries: Vec::new(),
             base: BASE_VARIANT.to_owned(),
+            control: None,
             criteria: Criteria::default(),
             runtime,
             sessions,
@@ -142,7 +145,7 @@ impl Scores {
         self
     }
 
-    fn sum_up(&mut self) {
+    pub(super) fn sum_up(&mut self) {
         let basis = summary::Basis {
             bins: &self.sessions[0].scene.bins,
             ap: self.criteria.ap,
@@ -155,7 +158,7 @@ impl Scores {
             &self.not_scored,
             &self.sessions,
             &self.detectors,
-            (&self.base, &self.summaries),
+            (&self.base, self.control.as_deref(), &self.summaries),
         );
         self.cautions.extend_from_slice(&self.causes);
         self.cautions

@@ -5,6 +5,7 @@ use crate::common;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_detect::{Detection, Manifest};
+use scaleproof_score::report;
 use scaleproof_score::score::{
     ApDefinition, ClusteredBy, Compared, Comparison, Criteria, Effect, Options, ScoredPhoto, Scores, SequentialFinding,
     compare, evaluated_detectors, score, sequential,
@@ -106,7 +107,7 @@ fn of_one_place(views: usize, confidence: impl Fn(usize, &str, usize) -> f64) ->
 }
 
 /// Five detectors × two textures, 24 pairs each. All 5,000 experiments: `SCALEPROOF_EXPERIMENTS=5000`; the same by the thousand, without photos:
-/// `cargo bench --bench findings_power`.
+/// `cargo bench -p scaleproof-score --bench findings_power`.
 #[test]
 fn where_nothing_differs_hardly_anything_is_called_shown() {
     let experiments = common::number("SCALEPROOF_EXPERIMENTS").unwrap_or(60_u32);
@@ -295,6 +296,104 @@ fn three_words_for_a_change() {
     ];
     for (i, word) in words.into_iter().enumerate() {
         assert_eq!(result(&comparison, i, "random").effect(), word, "detector {i}");
+    }
+}
+
+/// Eight views of one place, with a second plain round, `again`: with and without it as the control. Confidences are 0.8 in the first.
+fn with_and_without_control() -> [(Scores, Comparison); 2] {
+    let confidence = |i: usize, texture: &str| match (i, texture) {
+        // Both rounds fall alike: the light has changed.
+        (0, "random" | "again") => 0.55,
+        // The texture takes more than the light; the light took less, and the hits are lost in either.
+        (1, "random") => 0.6,
+        (1, "again") => 0.7,
+        (2, "random") => 0.2,
+        (2, "again") => 0.45,
+        // The texture's round rises by less than the other falls.
+        (3, "random") => 0.9,
+        (3, "again") => 0.6,
+        (4, "random") => 0.1,
+        (_, _) => 0.8,
+    };
+    [Some("again"), None].map(|control| {
+        let scores = stored();
+        let views = scores.photos[..8].to_vec();
+        let textures = ["normal", "random", "again"];
+        let scores = photographed(scores, &views, &["lab"], &textures, |i, texture, _, _| {
+            confidence(i, texture)
+        });
+        let scores = scores.controlled_by(control).unwrap();
+        let comparison = compared(&scores);
+        (scores, comparison)
+    })
+}
+
+/// What moves a detector between two plain rounds is no texture's doing.
+#[test]
+fn a_control_holds_back_what_it_moves_by_as_much() {
+    let [(scores, held), (_, free)] = with_and_without_control();
+    let words = |comparison: &Comparison| {
+        let effects = (0..5).map(|i| result(comparison, i, "random").effect());
+        effects.collect::<Vec<_>>()
+    };
+    use Effect::{Hides, NothingShown, Strengthens, Weakens};
+    assert_eq!(words(&free), [Weakens, Weakens, Hides, Strengthens, Hides]);
+    assert_eq!(words(&held), [NothingShown, Weakens, Weakens, NothingShown, Hides]);
+    let finding = |i: usize| result(&held, i, "random").finding.unwrap();
+    let withheld = [Some(Weakens), None, Some(Hides), Some(Strengthens), None];
+    assert_eq!([0, 1, 2, 3, 4].map(|i| finding(i).withheld_by_control), withheld);
+    // It is no texture: it has no finding, and the one texture has the whole share.
+    assert!(held.results.iter().all(|r| r.variant == "random"));
+    assert_eq!(finding(1).confidence_level, 0.05);
+    let control = held.control.as_ref().unwrap();
+    assert_eq!((control.variant.as_str(), control.results.len()), ("again", 5));
+    assert!(control.results.iter().all(|r| r.finding.is_none()));
+    assert!((control.results[0].mean_confidence.drop - 0.25).abs() < 1e-12);
+    // `score` says the same.
+    assert_eq!(scaleproof_score::score::paired(&scores), held.results);
+    let text = report::comparison_table(&scores, &held);
+    assert!(
+        text.contains("nothing shown, p = 0.008; withheld: the control round moves this detector by as much"),
+        "{text}"
+    );
+    assert!(
+        text.contains(
+            "weakens, p = 0.008; “hides” is withheld: the control round moves the hits of this detector by as much"
+        ),
+        "{text}"
+    );
+    let csv = report::comparison_csv(&scores, &held).unwrap();
+    assert_eq!(csv.lines().filter(|line| line.contains(",again,")).count(), 15, "{csv}");
+    assert_eq!(csv.matches(",control,").count(), 15);
+}
+
+#[test]
+fn only_another_variant_beside_a_texture_is_a_control() {
+    let refused = |textures: &[&str], control| {
+        let scores = stored();
+        let views = scores.photos[..8].to_vec();
+        let scores = photographed(scores, &views, &["lab"], textures, |_, _, _, _| 0.8);
+        scores.controlled_by(Some(control)).unwrap_err().to_string()
+    };
+    let all = ["normal", "random", "again"];
+    for (textures, control, words) in [
+        (
+            &all[..],
+            "agian",
+            "no photo has the variant `agian`, which is to be the control, only normal, again, random; did you mean again?",
+        ),
+        (
+            &all,
+            "normal",
+            "the control is the base itself, `normal`: it has to be a second plain round, under another name",
+        ),
+        (
+            &["normal", "again"],
+            "again",
+            "all photos have the variant `normal` or that of its control, `again`: add those of a texture",
+        ),
+    ] {
+        assert_eq!(refused(textures, control), words);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What each texture does to each detector: the table that a comparison is about.
 
 use crate::report::{Cell, CellValue, Column, Table, paired};
-use crate::score::{Compared, Effect, Scores, Summary};
+use crate::score::{Compared, Effect, Scores, Summary, paired_control};
 use scaleproof_core::spelling::{self, digits};
 
 /// A row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
@@ -20,11 +20,13 @@ pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &s
     );
     for detector in &scores.detectors {
         let name = &detector.manifest.name;
-        let own = results.iter().filter(|r| r.detector == *name).map(|r| row(scores, r));
+        let all = results.iter().chain(paired_control(scores));
+        let own = all.filter(|r| r.detector == *name).map(|r| row(scores, r));
         let unpaired = unpaired(scores, name, results).map(|(base, s)| unpaired_row(scores, base, s));
         table.add_block(own.chain(unpaired));
     }
     table.notes.extend(open(results));
+    table.notes.extend(withheld(results));
     table
 }
 
@@ -35,9 +37,13 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
     vec![
         Cell::text(scores.title(&r.detector)),
         Cell::text(&r.variant),
-        Cell::text(paired::word(r))
-            .strong(r.effect().is_shown())
-            .with_remark(remark(r)),
+        Cell::text(if scores.control.as_ref() == Some(&r.variant) {
+            "the control"
+        } else {
+            paired::word(r)
+        })
+        .strong(r.effect().is_shown())
+        .with_remark(remark(r)),
         Cell::number(d.drop, 2).with_interval(d.interval_95),
         Cell::change(d.base, d.other, 2),
         Cell::of(CellValue::ShareChange { from, to, of }),
@@ -49,7 +55,7 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
 fn remark(r: &Compared) -> Option<String> {
     let finding = r.finding.filter(|finding| finding.effect == Effect::NothingShown)?;
     match finding.views_missing {
-        _ if finding.withheld_for_copies => Some("withheld".to_owned()),
+        _ if finding.withheld_for_copies || finding.withheld_by_control.is_some() => Some("withheld".to_owned()),
         0 => finding.drop_shown_from.map(|drop| digits(drop, 2)),
         more => Some(format!("{} missing", spelling::count(more, "view"))),
     }
@@ -62,6 +68,25 @@ fn open(results: &[Compared]) -> Option<String> {
         .iter()
         .any(has_drop)
         .then(|| "(0.00): so large a drop of the confidence would have been shown, with a chance of 0.8".to_owned())
+}
+
+/// Why effects are withheld, where some are.
+fn withheld(results: &[Compared]) -> Vec<String> {
+    let findings = || results.iter().filter_map(|r| r.finding);
+    let copies = findings().any(|finding| finding.withheld_for_copies);
+    let control = findings().any(|finding| finding.withheld_by_control.is_some());
+    let reasons = [
+        (
+            copies,
+            "withheld: what is shown rests on photos that show the same moment again",
+        ),
+        (control, "withheld: the control round moves the detector by as much"),
+    ];
+    reasons
+        .into_iter()
+        .filter(|(is_so, _)| *is_so)
+        .map(|(_, reason)| reason.to_owned())
+        .collect()
 }
 
 /// Textures of a detector that share no place and bin with the base, behind the base itself.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::control::hold_back;
 use super::detectable::drop_shown_from;
 use super::finding::{Effect, Finding, InPlacesLikeThese};
 use super::result::{Compared, Comparison, PairedView, Sums};
@@ -19,7 +20,8 @@ pub(in crate::score) const MOST_HIT: f64 = 0.25;
 /// Differences of one figure: for each detector, one for each cluster.
 type Differences = Vec<Vec<f64>>;
 
-/// Decides what a comparison shows: its textures share the error rate, and the detectors of a texture are tested together.
+/// Decides what a comparison shows: its textures share the error rate, and the detectors of a texture are tested together. What the control moves by as much is
+/// held back.
 pub fn decide(comparison: &mut Comparison) {
     decide_among(comparison, |_| true);
 }
@@ -30,6 +32,9 @@ pub(super) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str)
     let families = textures.map(|family| family.iter_mut().filter(|r| is_tested(&r.detector)).collect());
     let families = families.filter(|family: &Vec<_>| !family.is_empty()).collect();
     decide_families(families, LEAST_SEEN);
+    if let Some(control) = &comparison.control {
+        hold_back(&mut comparison.results, control);
+    }
 }
 
 /// Decides several families that share the error rate: each is a list of comparisons that are tested together, on the same views.
@@ -141,6 +146,7 @@ impl Asked {
         Finding {
             effect,
             withheld_for_copies: false,
+            withheld_by_control: None,
             confidence_p: p[0],
             confidence_level: levels.confidence,
             hit_rate_p: p[1],

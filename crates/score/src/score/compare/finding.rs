@@ -34,6 +34,9 @@ pub struct Finding {
     pub effect: Effect,
     /// Whether an effect was shown and is withheld, since it does not stand when photos that show the same moment again count once.
     pub withheld_for_copies: bool,
+    /// An effect that was shown and is held back, since the control moves this detector by as much: its mean confidence, or of `hides` its hit rate, which leaves
+    /// `weakens`; `null` where nothing is held back.
+    pub withheld_by_control: Option<Effect>,
     /// p of the mean confidence by flipped signs of the views (place × bin), two-sided, corrected for the detectors.
     pub confidence_p: f64,
     /// The confidence is shown to change where its p is no larger: the texture's share of 5 %.

@@ -1,5 +1,6 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
+mod control;
 mod decide;
 mod detectable;
 mod finding;
@@ -11,6 +12,7 @@ mod sequential;
 mod sequential_plan;
 mod spread;
 
+pub use control::check_control;
 pub use decide::decide;
 use decide::decide_among;
 pub(super) use decide::{LEVEL, MOST_HIT, decide_families};
@@ -18,7 +20,7 @@ pub use finding::{Effect, Finding, InPlacesLikeThese};
 pub use moved::moved_drops;
 pub use plan::{PLAN_EXPERIMENTS, PLAN_SEED, PlanError, Question, ViewsNeeded};
 pub use result::{
-    BinHits, ClusteredBy, Compared, Comparison, Course, Decision, Difference, Hits, PlanCheck, Sequential,
+    BinHits, ClusteredBy, Compared, Comparison, Control, Course, Decision, Difference, Hits, PlanCheck, Sequential,
     SequentialFinding,
 };
 pub use sequential::{most_telling, sequential};
@@ -43,13 +45,23 @@ pub enum CompareError {
     NoBase { base: String, variants: String },
     #[error("all photos have the variant `{base}`: add those of another texture")]
     NothingElse { base: String },
+    #[error("no photo has the variant `{control}`, which is to be the control, only {variants}{hint}")]
+    NoControl {
+        control: String,
+        variants: String,
+        hint: String,
+    },
+    #[error("the control is the base itself, `{base}`: it has to be a second plain round, under another name{hint}")]
+    ControlIsBase { base: String, hint: String },
+    #[error("all photos have the variant `{base}` or that of its control, `{control}`: add those of a texture")]
+    NothingBesideControl { base: String, control: String },
     #[error(
         "no photo of `{variant}` was taken from the same place and bin as one of `{base}`: they cannot be compared"
     )]
     NoPair { base: String, variant: String },
 }
 
-/// Compares every variant of a run with `base`.
+/// Compares every variant of a run with `base`; the run's control holds back what it moves by as much, and is none of the variants.
 pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<Comparison, CompareError> {
     let all = variants(&scores.photos, base);
     if all.iter().all(|v| v != base) {
@@ -58,12 +70,20 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
             variants: all.join(", "),
         });
     }
-    let others = others(&all, base)?;
+    let others = others(scores, &all, base)?;
     decided(scores, base, &others, definition)
 }
 
 fn decided(scores: &Scores, base: &str, others: &[&str], definition: ApDefinition) -> Result<Comparison, CompareError> {
     let mut comparison = compare_set(scores.set(), base, others, definition)?;
+    if let Some(variant) = &scores.control {
+        let own = compare_set(scores.set(), base, &[variant], definition)?;
+        comparison.unpaired.extend(own.unpaired);
+        comparison.control = Some(Control {
+            variant: variant.clone(),
+            results: own.results,
+        });
+    }
     let is_tested = |name: &str| {
         let named = |d: &&EvaluatedDetector| d.manifest.name == name;
         scores.detectors.iter().find(named).is_none_or(|d| d.is_tested)
@@ -72,15 +92,30 @@ fn decided(scores: &Scores, base: &str, others: &[&str], definition: ApDefinitio
     Ok(comparison)
 }
 
-/// What a run says of its variants against its base, for as many as can be paired; computed once.
+/// What a run says of its variants against its base, for as many as can be paired; the control stands apart.
 pub fn paired(scores: &Scores) -> &[Compared] {
-    scores.paired.get_or_init(|| {
+    compared_once(scores).map_or(&[], |comparison| &comparison.results)
+}
+
+/// What a run says of its control against its base.
+pub fn paired_control(scores: &Scores) -> &[Compared] {
+    let control = compared_once(scores).and_then(|comparison| comparison.control.as_ref());
+    control.map_or(&[], |control| &control.results)
+}
+
+fn compared_once(scores: &Scores) -> Option<&Comparison> {
+    let compared = scores.paired.get_or_init(|| {
         let (base, ap) = (&scores.base, scores.criteria.ap);
-        let others = scores.variants().into_iter().filter(|v| v != base);
+        let others = scores.variants().into_iter().filter(|v| is_texture(scores, base, v));
         let paired = others.filter(|other| pairs(scores.set(), base, other));
-        let comparison = decided(scores, base, &paired.collect::<Vec<_>>(), ap);
-        comparison.map(|comparison| comparison.results).unwrap_or_default()
-    })
+        decided(scores, base, &paired.collect::<Vec<_>>(), ap).ok()
+    });
+    compared.as_ref()
+}
+
+/// Whether a variant is neither the base nor the control.
+fn is_texture(scores: &Scores, base: &str, variant: &str) -> bool {
+    variant != base && scores.control.as_deref() != Some(variant)
 }
 
 /// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`].
@@ -93,9 +128,10 @@ pub fn compare_with(
     compare_set(scores.set(), base, others, definition)
 }
 
-/// The variants but for the base, of which there must be one.
-fn others<'a>(all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
-    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
+/// The variants but for the base and the control, of which there must be one.
+fn others<'a>(scores: &Scores, all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
+    let all = all.iter().map(String::as_str);
+    let others: Vec<&str> = all.filter(|v| is_texture(scores, base, v)).collect();
     let none = || CompareError::NothingElse { base: base.into() };
     (!others.is_empty()).then_some(others).ok_or_else(none)
 }
@@ -146,6 +182,7 @@ pub(super) fn compare_set(
         bootstrap_draws: DRAWS,
         bootstrap_seed: SEED,
         results,
+        control: None,
         unpaired,
         plan: None,
         sequential: None,

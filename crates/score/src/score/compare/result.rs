@@ -191,6 +191,15 @@ pub struct PlanCheck {
     pub deviations: Vec<String>,
 }
 
+/// The second plain round, against the first.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Control {
+    /// The variant that is a second plain round.
+    pub variant: String,
+    /// One for each detector, by intervals alone: nothing is tested, and no share of an error rate used.
+    pub results: Vec<Compared>,
+}
+
 /// Every variant of a run against its base.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Comparison {
@@ -207,6 +216,9 @@ pub struct Comparison {
     pub bootstrap_seed: u64,
     /// One for each detector and other variant.
     pub results: Vec<Compared>,
+    /// With `--control`: a second plain round, which holds back what it moves by as much.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control: Option<Control>,
     /// Scored photos that are in no difference.
     pub unpaired: Vec<NotScored>,
     /// With `--sequential`: every variant against the base, look by look.

@@ -28,7 +28,7 @@ pub fn sequential(
 ) -> Result<Sequential, CompareError> {
     let mut results = Vec::new();
     let all = variants(&scores.photos, base);
-    let others = others(&all, base)?;
+    let others = others(scores, &all, base)?;
     let tests = others.len() * scores.detectors.len();
     for variant in &others {
         let (cells, _) = some_pairs(scores.set(), base, variant)?;

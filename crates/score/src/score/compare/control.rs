@@ -1,0 +1,94 @@
+//! A second plain round, the control: what moves a detector between two plain rounds is no texture's doing.
+
+use super::finding::{Effect, Finding};
+use super::result::{Compared, Control, Difference};
+use super::{CompareError, Scores, pairs};
+use scaleproof_core::spelling;
+
+/// Means that differ by less are as large.
+const TIED: f64 = 1e-9;
+
+impl Scores {
+    /// Makes a variant the control: a second plain round, which is no texture, and holds back what it moves by as much. To be called after [`Scores::against`].
+    ///
+    /// # Errors
+    /// It is the base or no variant; none of its photos pairs with one of the base; there is no texture beside it.
+    pub fn controlled_by(mut self, control: Option<&str>) -> Result<Scores, CompareError> {
+        if let Some(control) = control {
+            check_control(&self.variants(), &self.base, control)?;
+            if !pairs(self.set(), &self.base, control) {
+                let (base, variant) = (self.base.clone(), control.to_owned());
+                return Err(CompareError::NoPair { base, variant });
+            }
+        }
+        self.control = control.map(str::to_owned);
+        self.sum_up();
+        Ok(self)
+    }
+}
+
+/// Finds out whether one of these variants can be the control of some texture against a base.
+pub fn check_control(variants: &[&str], base: &str, control: &str) -> Result<(), CompareError> {
+    let others: Vec<&str> = variants.iter().copied().filter(|v| *v != base).collect();
+    let hint = || spelling::hint(control, others.iter().copied());
+    if control == base {
+        let (base, hint) = (base.to_owned(), hint());
+        Err(CompareError::ControlIsBase { base, hint })
+    } else if !others.contains(&control) {
+        let (control, variants, hint) = (control.to_owned(), variants.join(", "), hint());
+        Err(CompareError::NoControl {
+            control,
+            variants,
+            hint,
+        })
+    } else if others.len() == 1 {
+        let (base, control) = (base.to_owned(), control.to_owned());
+        Err(CompareError::NothingBesideControl { base, control })
+    } else {
+        Ok(())
+    }
+}
+
+/// Holds back what the control moves by as much.
+pub(super) fn hold_back(results: &mut [Compared], control: &Control) {
+    for compared in results {
+        let own = control.results.iter().find(|own| own.detector == compared.detector);
+        let (Some(own), Some(finding)) = (own, compared.finding) else {
+            continue;
+        };
+        compared.finding = Some(match left(finding.effect, compared, own) {
+            effect if effect == finding.effect => finding,
+            effect => held_back(finding, effect),
+        });
+    }
+}
+
+/// What is left of an effect: nothing where the mean confidence differs by no more than between the plain rounds, in size; no *hides* where the hit rate does.
+fn left(effect: Effect, compared: &Compared, control: &Compared) -> Effect {
+    let is_no_larger = |of: fn(&Compared) -> &Difference| of(compared).drop.abs() <= of(control).drop.abs() + TIED;
+    if effect.is_shown() && is_no_larger(|r| &r.mean_confidence) {
+        Effect::NothingShown
+    } else if effect == Effect::Hides && is_no_larger(|r| &r.hit_rate.rate) {
+        Effect::Weakens
+    } else {
+        effect
+    }
+}
+
+fn held_back(finding: Finding, effect: Effect) -> Finding {
+    let like = finding
+        .in_places_like_these
+        .filter(|_| effect.is_shown())
+        .map(|mut like| {
+            if like.effect == Effect::Hides {
+                like.effect = effect;
+            }
+            like
+        });
+    Finding {
+        effect,
+        withheld_by_control: Some(finding.effect),
+        in_places_like_these: like,
+        ..finding
+    }
+}
