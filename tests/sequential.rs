@@ -247,6 +247,7 @@ fn a_comparison_says_when_it_was_decided() {
         (&confidence["finding"], &hits["finding"]),
         (&"drop".into(), &"drop".into())
     );
+    assert_eq!(course(&page, "deimv2_femto")["effect"], "hides");
     // By the other command's table: a pair is there when its photo of the patterned model is.
     let score = tempfile::tempdir().unwrap();
     let scored = program()
@@ -279,6 +280,7 @@ fn a_comparison_says_when_it_was_decided() {
         text.contains(&format!("a drop, shown after {decided} of 16 pairs")),
         "{text}"
     );
+    assert!(text.contains("deimv2_femto: normal → random: hides"), "{text}");
     let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
     assert!(html.contains("However often one looks") && html.contains(&format!("shown after {decided} of 16 pairs")));
 

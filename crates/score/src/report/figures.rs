@@ -1,9 +1,12 @@
 //! The charts as files for papers, SVG and PDF, of the marks that the pages show.
 
 use super::{ReportError, certainty, html};
-use crate::score::{Comparison, Scores};
+use crate::score::{Comparison, Scores, paired};
 use scaleproof_detect::Speeds;
 use scaleproof_plot::{Drawing, Explained, figure};
+
+/// The chart that a report has only when something is compared.
+const DROPS: &str = "drop_of_confidence";
 
 /// The chart that a report has only when times are given.
 const AGAINST_TIME: &str = "ap_against_time";
@@ -27,6 +30,19 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
         }
         Ok::<(), ReportError>(())
     };
+    let results = paired(scores);
+    if !results.is_empty() {
+        let chart = html::interval_chart::chart(scores, results, &scores.base);
+        let title = "Drop of the mean confidence of each detector";
+        let legend = html::interval_chart::legend(scores, results);
+        add(
+            [DROPS, title],
+            legend,
+            Some(html::interval_chart::MARKS),
+            1,
+            vec![("", chart)],
+        )?;
+    }
     let polar = ["polar", "Mean confidence by azimuth"];
     add(
         polar,
@@ -88,8 +104,12 @@ pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
 }
 
 /// What an earlier report may have left that this one does not write.
-pub(super) fn stale(speeds: Option<&Speeds>, no_longer_robustness: bool) -> Vec<String> {
-    let charts = [(AGAINST_TIME, speeds.is_none()), (ROBUSTNESS, no_longer_robustness)];
+pub(super) fn stale(scores: &Scores, speeds: Option<&Speeds>, no_longer_robustness: bool) -> Vec<String> {
+    let charts = [
+        (DROPS, paired(scores).is_empty()),
+        (AGAINST_TIME, speeds.is_none()),
+        (ROBUSTNESS, no_longer_robustness),
+    ];
     let stale = charts.into_iter().filter(|(_, is_stale)| *is_stale);
     stale
         .flat_map(|(name, _)| ["svg", "pdf"].map(|ending| file_name(name, ending)))

@@ -158,7 +158,7 @@ impl Before {
 /// and charts that were asked for then: of a protocol, of times, of photos made worse or defended.
 fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
     let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
-    let mut stale = figures::stale(speeds, no_longer_robustness);
+    let mut stale = figures::stale(scores, speeds, no_longer_robustness);
     if no_longer_robustness {
         stale.push(robustness::NAME.to_owned());
     }

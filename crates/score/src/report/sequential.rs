@@ -1,7 +1,7 @@
 //! A comparison look by look, in words.
 
 use super::p_value;
-use super::paired::ends;
+use super::paired::{briefly, ends};
 use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
 use scaleproof_core::spelling::{self, digits};
 
@@ -23,7 +23,8 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
     )];
     for course in &sequential.results {
         let Course { detector, variant, .. } = course;
-        lines.push(format!("{detector}: {base} → {variant}{}", repeats(course)));
+        let word = briefly(course.effect);
+        lines.push(format!("{detector}: {base} → {variant}: {word}{}", repeats(course)));
         for (name, decision) in figures(course) {
             lines.push(format!(
                 "  {name:<24} {}; p {} however often one looks; {}",
@@ -40,7 +41,12 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
         let found = found(&course.mean_confidence, sequential, course.looks);
-        format!("{}: {found}, p {}", course.detector, p_of(&course.mean_confidence))
+        format!(
+            "{}: {}, {found}, p {}",
+            course.detector,
+            briefly(course.effect),
+            p_of(&course.mean_confidence)
+        )
     });
     each.collect::<Vec<_>>().join("; ")
 }

@@ -16,7 +16,7 @@ use scaleproof_session::session::Session;
 /// When a capture may end before every view is there.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// End as soon as the hit rates differ, or a drop of --least is excluded, for every detector; the session has the photos of --base already. The test holds however often
+    /// End as soon as the mean confidence is shown to change, or a drop of --least is excluded, for every detector; the session has the photos of --base already. The test holds however often
     /// it is looked at (`compare --sequential`).
     #[arg(long, requires_all = ["detectors", "source"])]
     pub(super) until_decided: bool,
@@ -35,7 +35,7 @@ pub(super) struct Args {
     /// With --until-decided: the texture that the photos are held against.
     #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
     base: String,
-    /// With --until-decided: the smallest drop of the hit rate that matters. Between 0 and 1.
+    /// With --until-decided: the smallest drop of the mean confidence that matters. Between 0 and 1.
     #[arg(long, value_name = "DROP", requires = "until_decided", allow_negative_numbers = true, value_parser = inside)]
     least: Option<f64>,
     #[command(flatten)]

@@ -33,6 +33,13 @@ pub(super) fn figure(scores: &Scores, results: &[Compared], base: &str) -> Marku
     }
 }
 
+/// The colours of the textures, with their names.
+pub(in crate::report) fn legend(scores: &Scores, results: &[Compared]) -> Vec<(Colour, String)> {
+    let all = textures(results).into_iter();
+    all.map(|texture| (colour_of(scores, texture), texture.to_owned()))
+        .collect()
+}
+
 fn textures(results: &[Compared]) -> Vec<&str> {
     distinct(results.iter().map(|r| r.variant.as_str()))
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{colour, colour_names, heads, small_charts, table};
 use crate::report::number;
-use crate::report::paired::ends;
+use crate::report::paired::{briefly, ends};
 use crate::report::sequential::{SHOWN_FROM, figures, found, note, p_of, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};
 use scaleproof_plot::Anchor::{End, Middle};
@@ -21,7 +21,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
         @for course in &sequential.results {
             @for (name, decision) in figures(course) {
                 tr {
-                    td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (name) }
+                    td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (briefly(course.effect)) } td.text { (name) }
                     td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_of(decision).replace("= ", "")) }
                     td.text { (cell(decision, unit(sequential))) }
                 }
@@ -33,7 +33,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
         (caption, chart(scores, sequential, course))
     };
     Some(html! {
-        (table(None, &heads("detector", &["texture", "figure", "finding", "p", "mean drop, 95 %"]), &rows))
+        (table(None, &heads("detector", &["texture", "effect", "figure", "finding", "p", "mean drop, 95 %"]), &rows))
         ul.legend { (colour_names(&["mean confidence", "hit rate"])) }
         (small_charts(sequential.results.iter().map(captioned)))
         p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on one test alone would show it." }

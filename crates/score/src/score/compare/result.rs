@@ -166,6 +166,8 @@ pub struct Course {
     pub looks: usize,
     /// Pairs that repeat a place and bin, which are not looked at.
     pub repeats: usize,
+    /// What is shown so far, however often one looks.
+    pub effect: Effect,
     pub mean_confidence: Decision,
     pub hit_rate: Decision,
 }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::decide::LEVEL;
+use super::decide::{LEVEL, MOST_HIT};
+use super::finding::Effect;
 use super::pairs::{Cell, Pair, pair};
 use super::result::{ClusteredBy, Course, Decision, Sequential, SequentialFinding};
 use super::{CompareError, Scores, Side, others, some_pairs, variants};
@@ -44,13 +45,16 @@ pub fn sequential(
         for (i, (side, detector)) in sides.iter().enumerate() {
             let hits = followed(&looks, (least, tests), |(base, other)| side.hit(base) - side.hit(other));
             let (mean_confidence, changed_after) = primary(&confidences, i, others.len());
+            let hit_rate = secondary(&hits, changed_after);
+            let left = mean(&looks, |(_, other)| side.hit(other));
             results.push(Course {
+                effect: effect(&mean_confidence, &hit_rate, left),
                 detector: detector.manifest.name.clone(),
                 variant: (*variant).to_owned(),
                 looks: looks.len(),
                 repeats: cells.iter().map(|cell| cell.pairs.len() - 1).sum(),
                 mean_confidence,
-                hit_rate: secondary(&hits, changed_after),
+                hit_rate,
             });
         }
     }
@@ -102,10 +106,10 @@ pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, op
     })
 }
 
-/// Of the hits of all detectors.
+/// Of the confidences of all detectors.
 fn mean_difference(scores: &Scores, (base, other): Pair) -> f64 {
-    let hits = |photo: &ScoredPhoto| photo.outcomes.iter().filter(|outcome| outcome.is_hit()).count() as f64;
-    (hits(base) - hits(other)) / scores.detectors.len().max(1) as f64
+    let sum = |photo: &ScoredPhoto| photo.outcomes.iter().map(|outcome| outcome.confidence).sum::<f64>();
+    (sum(base) - sum(other)) / scores.detectors.len().max(1) as f64
 }
 
 /// A pair is there when the later of its photos is; repeats of a place and bin tell nothing new.
@@ -144,6 +148,25 @@ struct Followed {
     /// p after each look, for this test alone.
     p: Vec<f64>,
     log10_evidence: Vec<f64>,
+}
+
+/// The mean over the looks of a figure of a pair.
+fn mean(looks: &[Look], of: impl Fn(&Pair) -> f64) -> f64 {
+    let each = looks
+        .iter()
+        .map(|look| look.pairs.iter().map(&of).sum::<f64>() / look.pairs.len() as f64);
+    each.sum::<f64>() / looks.len() as f64
+}
+
+/// What the decisions say in a word, where the share `left` of the texture's photos is still hit.
+fn effect(confidence: &Decision, hit_rate: &Decision, left: f64) -> Effect {
+    let fall = |decision: &Decision| decision.finding == SequentialFinding::Drop;
+    match confidence.finding {
+        SequentialFinding::Drop if fall(hit_rate) && left <= MOST_HIT => Effect::Hides,
+        SequentialFinding::Drop => Effect::Weakens,
+        SequentialFinding::Rise => Effect::Strengthens,
+        SequentialFinding::LessThanLeast | SequentialFinding::Undecided => Effect::NothingShown,
+    }
 }
 
 /// `tests`: how many are decided together.
