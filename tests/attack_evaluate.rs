@@ -187,16 +187,16 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
     assert_eq!(
         rows(&after("Table 1.")),
         [
-            words("pattern made"),
-            words("normal 0.50 / 0.40"),
-            words("one 0.50 / 0.40"),
-            words("two 0.50 / 0.40")
+            words("pattern The made conf."),
+            words("normal 0.50 0.40"),
+            words("one 0.50 0.40"),
+            words("two 0.50 0.40")
         ]
     );
     assert_eq!(
         rows(&after("Table 2.")),
         [
-            words("pattern other"),
+            words("pattern The other"),
             words("normal 0.50"),
             words("one 0.50"),
             words("two 0.50")

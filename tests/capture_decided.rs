@@ -179,7 +179,7 @@ fn it_ends_with_the_pair_that_decides() {
         said[2]["pairs"]
             .as_str()
             .unwrap()
-            .contains("fake: a drop, shown after 10 of 10 pairs"),
+            .contains("fake: hides (a drop, shown after 10 of 10 pairs"),
         "{}",
         said[2]
     );
@@ -319,7 +319,10 @@ fn a_page_takes_photos_until_it_is_decided() {
     let state = wait_for(&is_decided);
     assert_eq!(state["filled"], 2);
     let said = state["pairs"]["sentence"].as_str().unwrap();
-    assert!(said.contains("fake: a drop, shown after 10 of 10 pairs"), "{said}");
+    assert!(
+        said.contains("fake: hides (a drop, shown after 10 of 10 pairs"),
+        "{said}"
+    );
     assert!(state["next"].is_null() && state["ended"].is_null());
     let mut hand = running.client();
     let refused = hand.send(&http::post("/shoot"));

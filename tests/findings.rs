@@ -253,8 +253,7 @@ fn what_was_found_stands_in_a_sentence_above_and_in_files_for_papers() {
         stdout(&output)
     };
     let read = |name: &str| std::fs::read_to_string(out.path().join(name)).unwrap();
-    let sentence =
-        "“random” hides the model from 2 of 5 detectors (DEIMv2-Femto 416, DEIMv2-Atto 320); nothing is shown of 3";
+    let sentence = "In the same light, “random” hides the model from 2 of 5 detectors (DEIMv2-Femto 416, DEIMv2-Atto 320); nothing is shown for 3";
     assert!(run("compare", &[]).starts_with(sentence));
     let page = read("comparison.html");
     assert!(page.contains(sentence) && page.contains("Photos side by side"));
@@ -292,7 +291,7 @@ fn what_was_found_stands_in_a_sentence_above_and_in_files_for_papers() {
     assert!(report.contains(sentence) && report.contains("As what the model was taken"));
     let one = run("compare", &["--detector", "deimv2_femto"]);
     assert!(
-        one.starts_with("“random” hides the model from DEIMv2-Femto 416\n"),
+        one.starts_with("In the same light, “random” hides the model from DEIMv2-Femto 416\n"),
         "{one}"
     );
     // A cell of one photo has a hit or none, and no average precision.

@@ -841,7 +841,10 @@ fn a_label_of_another_name_counts_as_the_manifest_says() {
         own.replace("name = \"made\"", "name = \"german\"") + "[class_map]\nPKW = \"car\"\n",
     )
     .unwrap();
-    let scored = desk.on_folders(&["score", "--detector", "made.toml,german.toml"], &["-o", "own"]);
+    let scored = desk.on_folders(
+        &["score", "--detector", "made.toml,german.toml", "--all"],
+        &["-o", "own"],
+    );
     assert!(scored.status.success(), "{}", stderr(&scored));
     let results = read_json(&desk.at("own/summary.json"))["results"]
         .as_array()
@@ -863,7 +866,7 @@ fn a_label_of_another_name_counts_as_the_manifest_says() {
     assert_eq!(figures("german").len(), 2);
     let said = common::stdout(&scored);
     assert!(said.contains("counts as the model: car (german: PKW"), "{said}");
-    let compared = desk.on_folders(&["compare", "--detector", "german.toml"], &["-o", "own"]);
+    let compared = desk.on_folders(&["compare", "--detector", "german.toml", "--all"], &["-o", "own"]);
     assert!(
         common::stdout(&compared).contains("counts as the model: car (german: PKW"),
         "{}",

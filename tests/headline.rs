@@ -33,7 +33,7 @@ fn changed(change: impl Fn(&mut Vec<Value>)) -> tempfile::TempDir {
 }
 
 #[test]
-fn a_drop_is_red_when_it_is_shown_and_not_before() {
+fn a_drop_is_bold_when_it_is_shown_and_not_before() {
     let (out, summary, output) = scored(&skyline(), &[]);
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     let effects: Vec<&str> = summary["paired"]
@@ -44,13 +44,12 @@ fn a_drop_is_red_when_it_is_shown_and_not_before() {
         .collect();
     let shown = effects.iter().filter(|effect| **effect == "hides").count();
     assert_eq!((shown, effects.len()), (2, 5), "{effects:?}");
-    // Of each its confidence and its hits; the drops of the others, whose intervals may lie above 0, are black.
-    assert_eq!(page.matches("class=\"down\"").count(), 2 * shown);
+    // Of the first table the word is bold, of the second its confidence and its hits, of the third the matrix; the drops of the others, whose intervals may lie above 0, are not.
+    assert_eq!(page.matches("<b>hides</b>").count(), shown);
+    assert_eq!(page.matches("<td><b>0.").count(), 3 * shown, "{page}");
     let text = stdout(&output);
-    assert!(
-        text.contains("deimv2_femto    effect      hides, p = 0.008; for places like these 5 places are missing"),
-        "{text}"
-    );
+    let row = text.lines().find(|line| line.starts_with("DEIMv2-Femto 416")).unwrap();
+    assert!(row.contains(" hides ") && row.contains(" 0.49 [0.30, 0.66] "), "{text}");
     assert!(text.contains("8 pairs from 1 place × 8 bins"), "{text}");
     let tex = std::fs::read_to_string(out.path().join("table.tex")).unwrap();
     assert!(tex.contains("\\textbf{0.75} [0.38, 1.00]"), "{tex}");
@@ -121,9 +120,9 @@ fn drops_are_measured_from_the_base_that_is_named() {
     );
     assert!(drop(&summary, "random").is_null() && summary["base"] == "random");
     assert_eq!(summary["results"][0]["variant"], "random", "the base is listed first");
-    assert!(stdout(&output).contains("drop from random to normal"));
+    assert!(stdout(&output).contains("“normal” "));
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
-    assert!(page.contains("Drop: random minus this texture"));
+    assert!(page.contains("drop of the mean confidence from “random”"));
 }
 
 #[test]

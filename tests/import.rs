@@ -43,7 +43,11 @@ fn import(file: &Path, photos: &Path, more: &[&str]) -> Output {
 
 fn score(session: &Path, out: &Path) -> Output {
     let mut command = program();
-    command.arg("score").arg(session).args(["--recorded", "--out"]).arg(out);
+    command
+        .arg("score")
+        .arg(session)
+        .args(["--recorded", "--all", "--out"])
+        .arg(out);
     command.output().unwrap()
 }
 

@@ -128,14 +128,14 @@ fn averages_over_ious_are_those_of_pycocotools() {
 /// Hits of yolox_nano are 6 of 8 and 4 of 8: ASR 1 − 4/6. AP is pycocotools'.
 #[test]
 fn attack_success_rates_by_hand() {
-    let (out, summary, output) = scored(&skyline(), &[]);
+    let (out, summary, output) = scored(&skyline(), &["--all"]);
     let asr = &result(&summary, "yolox_nano", "random")["asr"];
     let near =
         |value: &Value, wanted: f64| assert!((value.as_f64().unwrap() - wanted).abs() < 1e-9, "{value} {wanted}");
     near(&asr["hit_rate"], 1.0 / 3.0);
     near(&asr["ap50"], 1.0 - 0.7158965896589657 / 0.8712871287128713);
     assert!(result(&summary, "yolox_nano", "normal")["asr"].is_null());
-    assert!(stdout(&output).contains("hit rate    0.250"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("  0.25 [0.00, 0.75]  "), "{}", stdout(&output));
     // The same on pairs, with the interval of compare.
     let compared = tempfile::tempdir().unwrap();
     assert!(run("compare", &skyline(), compared.path(), &[]).status.success());
@@ -278,7 +278,7 @@ fn a_protocol_is_named_in_every_output() {
         let name = protocol.name();
         let (out, summary, output) = scored(&skyline(), &["--protocol", name, "--detector", "yolox_nano"]);
         let read = |file: &str| std::fs::read_to_string(out.path().join(file)).unwrap();
-        assert!(stdout(&output).contains(&format!("protocol {name}: ")));
+        assert!(stdout(&output).contains(&format!("\nProtocol {name}: ")));
         assert_eq!(
             (&summary["protocol"]["name"], &summary["provenance"]["protocol"]),
             (&name.into(), &name.into())
@@ -289,9 +289,9 @@ fn a_protocol_is_named_in_every_output() {
                 .unwrap()
                 .contains(protocol.source())
         );
-        assert!(read("report.html").contains(&format!("<b>{name}</b>")));
+        assert!(read("report.html").contains(&format!("<h3>Protocol {name}: ")));
         assert!(read("table.tex").contains(&format!("Protocol: {name}.")));
-        assert!(read("protocol.tex").contains(&format!("protocol {name}.")));
+        assert!(read("protocol.tex").contains(&format!("% Protocol {name}: ")));
         for text in [&stdout(&output), &read("report.html"), &read("protocol.tex")] {
             assert!(text.contains("photos: 8 normal, 8 random"), "{text}");
         }
@@ -307,7 +307,7 @@ fn a_protocol_is_named_in_every_output() {
             "compare",
             &skyline(),
             compared.path(),
-            &["--protocol", name, "--detector", "yolox_nano"],
+            &["--protocol", name, "--detector", "yolox_nano", "--all"],
         );
         assert!(output.status.success(), "{}", stderr(&output));
         assert!(stdout(&output).contains(&format!("protocol {name}: {}", protocol.source())));

@@ -141,7 +141,7 @@ fn the_same_order_holds_and_an_exchanged_one_does_not() {
         let page = std::fs::read_to_string(scored.folder.path().join("report.html")).unwrap();
         assert!(page.contains("Order of the textures in other sessions") && page.contains("Kendall"));
         assert!(
-            stdout(&scored.output).contains("order of the textures by AP@0.5"),
+            stdout(&scored.output).contains("Order of the textures by AP@0.5"),
             "{}",
             stdout(&scored.output)
         );

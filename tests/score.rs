@@ -154,7 +154,7 @@ fn scored_as(class: &str) -> (Output, tempfile::TempDir) {
     let scene = session.path().join("scene.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
     std::fs::write(&scene, text.replace("class = \"car\"", &format!("class = {class}"))).unwrap();
-    (recorded(session.path(), out.path()), out)
+    (score(session.path(), out.path(), &["--recorded", "--all"]), out)
 }
 
 /// Car or truck: the boxes are taken from the recordings, where each label is a category of its own, and AP is computed of them by the function

@@ -307,7 +307,7 @@ fn score(session: &Path, out: &Path) -> std::process::Output {
     command
         .arg("score")
         .arg(session)
-        .args(["--recorded", "--detector", "fastestdet", "--out"]);
+        .args(["--recorded", "--detector", "fastestdet", "--all", "--out"]);
     command.arg(out).output().unwrap()
 }
 

@@ -37,16 +37,12 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
     lines
 }
 
-/// What the confidences say so far, in one line.
+/// What is shown so far, in one line: `fake: hides (a drop, shown after 10 of 16 pairs, p = 0.035)`.
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
-        let found = found(&course.mean_confidence, sequential, course.looks);
-        format!(
-            "{}: {}, {found}, p {}",
-            course.detector,
-            briefly(course.effect),
-            p_of(&course.mean_confidence)
-        )
+        let (word, confidence) = (briefly(course.effect), &course.mean_confidence);
+        let found = found(confidence, sequential, course.looks);
+        format!("{}: {word} ({found}, p {})", course.detector, p_of(confidence))
     });
     each.collect::<Vec<_>>().join("; ")
 }

@@ -17,7 +17,7 @@ pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, plan: Op
         p {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }
             "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
-            ". Confidence: misses count 0. Drop: the base minus the texture. Counts as the model: " (counted(scores)) "."
+            "; counts as the model: " (counted(scores)) ". Confidence: misses count 0. Drop: the base minus the texture."
         }
     }
 }

@@ -6,6 +6,9 @@ use super::{Cell, Side, Table, Value};
 use crate::report::number;
 use crate::report::shade::{ink, shade};
 
+/// A remark of more letters stands below its value.
+const LONG: usize = 12;
+
 impl Table {
     /// The table, which scrolls sideways where it is wider than the page, and its notes.
     pub(in crate::report) fn markup(&self) -> Markup {
@@ -36,7 +39,10 @@ impl Cell {
                 @if !self.is_repeated && self.value != Value::Text(String::new()) {
                     (words)
                     @if let Some(interval) = self.interval_words(number) { " " small { (interval) } }
-                    @if let Some(remark) = &self.remark { " " small.why { "(" (remark) ")" } }
+                    @if let Some(remark) = &self.remark {
+                        @if remark.chars().count() > LONG { br; } @else { " " }
+                        small.why { "(" (remark) ")" }
+                    }
                 }
             }
         }
