@@ -7,9 +7,7 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{
-    ReportError, certainty, comparison_csv, counted, figures, latex, paired, paper, screen, sequential, tables, verdict,
-};
+use super::{ReportError, certainty, comparison_csv, counted, figures, latex, paired, paper, screen, tables, verdict};
 use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
@@ -85,8 +83,9 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     lines.push(String::new());
     lines.extend(screen::on_screen(&tables::effects(scores, results, base)));
     if let Some(own) = &comparison.sequential {
-        lines.push(String::new());
-        lines.extend(sequential::lines(own, base));
+        let looks = tables::looks(scores, own);
+        lines.extend([String::new(), looks.caption.clone()]);
+        lines.extend(looks.lines());
     }
     lines.join("\n")
 }

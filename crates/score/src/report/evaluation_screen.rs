@@ -11,7 +11,7 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
     if let Some(comparison) = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT) {
         lines.extend(verdict::sentences(scores, &comparison.results, BASE_VARIANT));
     }
-    for table in tables::by_pattern(evaluation)
+    for table in tables::by_pattern(evaluation, usize::MAX)
         .into_iter()
         .chain([tables::differences(evaluation)])
     {

@@ -184,7 +184,7 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         evaluation.scores.criteria.ap.name(),
         commented(evaluation.scores)
     );
-    let tables = tables::by_pattern(evaluation).into_iter();
+    let tables = tables::by_pattern(evaluation, usize::MAX).into_iter();
     let tables = tables.map(|table| format!("% {}.\n{}", table.caption, table.tex()));
     format!("{comment}\n{}", tables.collect::<String>())
 }

@@ -1,9 +1,9 @@
 //! A comparison look by look, in words.
 
 use super::p_value;
-use super::paired::{briefly, ends};
+use super::paired::briefly;
 use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
-use scaleproof_core::spelling::{self, digits};
+use scaleproof_core::spelling;
 
 /// From this evidence on (a factor of 40) a drop is shown.
 pub(super) const SHOWN_FROM: f64 = 1.602;
@@ -14,27 +14,6 @@ pub(super) fn unit(sequential: &Sequential) -> &'static str {
         ClusteredBy::Place => "place",
         ClusteredBy::PlaceAndBin => "pair",
     }
-}
-
-pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
-    let unit = unit(sequential);
-    let mut lines = vec![format!(
-        "looked at after each {unit}, in the order of the photos (the findings above hold for a single look):"
-    )];
-    for course in &sequential.results {
-        let Course { detector, variant, .. } = course;
-        let word = briefly(course.effect);
-        lines.push(format!("{detector}: {base} → {variant}: {word}{}", repeats(course)));
-        for (name, decision) in figures(course) {
-            lines.push(format!(
-                "  {name:<24} {}; p {} however often one looks; {}",
-                found(decision, sequential, course.looks),
-                p_of(decision),
-                interval(decision, unit)
-            ));
-        }
-    }
-    lines
 }
 
 /// What is shown so far, in one line: `fake: hides (a drop, shown after 10 of 16 pairs, p = 0.035)`.
@@ -83,16 +62,6 @@ pub(super) fn found(decision: &Decision, sequential: &Sequential, looks: usize) 
     match decision.decided_after {
         Some(after) => format!("{what}, shown after {after} of {all}"),
         None => format!("{what} after {all}"),
-    }
-}
-
-/// `mean drop in [0.31, 0.87] from 3 whole rounds`
-pub(super) fn interval(decision: &Decision, unit: &str) -> String {
-    let rounds = rounds(decision, unit);
-    match decision.interval_95 {
-        Some(i) => format!("mean drop in {} from {rounds}", ends(i, |v| digits(v, 2))),
-        None if decision.rounds == 0 => "no interval, as no round of the bins is whole".into(),
-        None => format!("no interval, as {rounds} contradict each other"),
     }
 }
 

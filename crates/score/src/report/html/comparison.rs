@@ -2,8 +2,8 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::{Section, first, heads, interval_chart, notes, pairs, sequential, shell, table};
-use crate::report::{certainty, number, paired};
+use super::{Section, first, interval_chart, notes, pairs, sequential, shell};
+use crate::report::{certainty, number, paired, tables};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE, WHITE};
@@ -36,7 +36,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
         (
             "azimuth",
             "Drop of the hit rate by azimuth",
-            by_azimuth(scores, comparison),
+            tables::by_azimuth(scores, results).markup(),
         ),
         ("left-out", "Photos in no difference", left_out(scores, comparison)),
         ("definitions", "Definitions", definitions()),
@@ -164,34 +164,6 @@ fn numbers(d: &Difference) -> String {
     let asr = paired::asr(d, two);
     let [base, other, drop] = [d.base, d.other, d.drop].map(|v| number(v, 2));
     format!("{base} → {other}, {drop}{interval}, ASR {asr}")
-}
-
-fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
-    let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
-    let head =
-        html! { (heads("detector", &["texture"])) th { "pairs" } @for azimuth in &azimuths { th { (azimuth) "°" } } };
-    let rows = html! {
-        @for r in &comparison.results {
-            tr {
-                td { (scores.title(&r.detector)) } td.text { (r.variant) } td { (r.pairs) }
-                @for azimuth in &azimuths {
-                    td {
-                        @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
-                            Some(bin) => {
-                                (number(bin.hits.rate.drop, 2)) br;
-                                small { @if let Some(interval) = paired::interval(&bin.hits.rate, |v| number(v, 2)) { (interval) } }
-                            }
-                            None => { "–" }
-                        }
-                    }
-                }
-            }
-        }
-    };
-    html! {
-        (table(None, &head, &rows))
-        p.note { "Drop of the hit rate, with its 95 % interval where a bin has six places or more; nothing is tested. “–”: no pair." }
-    }
 }
 
 fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {

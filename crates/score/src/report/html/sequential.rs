@@ -2,11 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{colour, colour_names, heads, small_charts, table};
-use crate::report::number;
-use crate::report::paired::{briefly, ends};
-use crate::report::sequential::{SHOWN_FROM, figures, found, note, p_of, repeats, rounds, unit};
-use crate::score::{Comparison, Course, Decision, Scores, Sequential};
+use super::{colour, colour_names, small_charts};
+use crate::report::sequential::{SHOWN_FROM, figures, note, unit};
+use crate::report::tables;
+use crate::score::{Comparison, Course, Scores, Sequential};
 use scaleproof_plot::Anchor::{End, Middle};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE};
 
@@ -17,34 +16,16 @@ const EVIDENCE: [f64; 2] = [-2.0, 4.0];
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
     let sequential = comparison.sequential.as_ref()?;
-    let rows = html! {
-        @for course in &sequential.results {
-            @for (name, decision) in figures(course) {
-                tr {
-                    td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (briefly(course.effect)) } td.text { (name) }
-                    td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_of(decision).replace("= ", "")) }
-                    td.text { (cell(decision, unit(sequential))) }
-                }
-            }
-        }
-    };
     let captioned = |course: &Course| {
         let caption = html! { (scores.title(&course.detector)) ", " (course.variant) };
         (caption, chart(scores, sequential, course))
     };
     Some(html! {
-        (table(None, &heads("detector", &["texture", "effect", "figure", "finding", "p", "mean drop, 95 %"]), &rows))
+        (tables::looks(scores, sequential).markup())
         ul.legend { (colour_names(&["mean confidence", "hit rate"])) }
         (small_charts(sequential.results.iter().map(captioned)))
         p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on one test alone would show it." }
     })
-}
-
-/// `[0.31, 0.87], 3 whole rounds`
-fn cell(decision: &Decision, unit: &str) -> String {
-    let ends = decision.interval_95.map(|i| ends(i, |v| number(v, 2)));
-    let ends = ends.unwrap_or_else(|| "none".to_owned());
-    format!("{ends}, {}", rounds(decision, unit))
 }
 
 fn chart(scores: &Scores, sequential: &Sequential, course: &Course) -> Drawing {

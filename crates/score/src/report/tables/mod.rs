@@ -1,9 +1,11 @@
 //! What the reports tabulate: one file for each table.
 
+mod azimuth;
 mod conditions;
 mod defended;
 mod effects;
 mod figures;
+mod looks;
 mod order;
 mod outcomes;
 mod papers;
@@ -13,10 +15,12 @@ mod survival;
 mod taken;
 mod transfer;
 
+pub(super) use azimuth::by_azimuth;
 pub(super) use conditions::conditions;
 pub(super) use defended::defended;
 pub(super) use effects::effects;
 pub(super) use figures::{figures, figures_of_screen};
+pub(super) use looks::looks;
 pub(super) use order::order;
 pub(super) use outcomes::outcomes;
 pub(super) use papers::papers;

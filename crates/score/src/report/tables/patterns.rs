@@ -5,25 +5,22 @@ use crate::report::{Cell, Column, Table, paired};
 use crate::score::{BASE_VARIANT, Compared, EvaluatedDetector};
 use scaleproof_core::spelling;
 
-/// Table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there are any.
-pub(in crate::report) fn by_pattern(evaluation: &Evaluation) -> Vec<Table> {
-    let (targets, others) = (evaluation.targets(), evaluation.others());
+/// Table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there are any; each in
+/// several tables where it has more than so many columns `across`.
+pub(in crate::report) fn by_pattern(evaluation: &Evaluation, across: usize) -> Vec<Table> {
     let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
     let ap = evaluation.scores.criteria.ap.name();
     let first = format!(
         "Table 1. AP@0.5 ({ap}) and mean confidence, {} a pattern",
         spelling::count(photos, "photo")
     );
-    let mut tables = vec![pattern_table(evaluation, &first, &targets, true)];
-    if !others.is_empty() {
-        tables.push(pattern_table(
-            evaluation,
-            "Table 2. Transfer to other detectors, AP@0.5",
-            &others,
-            false,
-        ));
-    }
-    tables
+    let second = "Table 2. Transfer to other detectors, AP@0.5";
+    let (targets, others) = (evaluation.targets(), evaluation.others());
+    let targets = targets.chunks(across.div_ceil(2));
+    let others = others.chunks(across);
+    let targets = targets.map(|some| pattern_table(evaluation, &first, some, true));
+    let others = others.map(|some| pattern_table(evaluation, second, some, false));
+    targets.chain(others).collect()
 }
 
 /// A row for each pattern, a column or two for each detector.

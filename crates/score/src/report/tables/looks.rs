@@ -1,0 +1,55 @@
+//! A comparison look by look.
+
+use crate::report::paired::briefly;
+use crate::report::sequential::{figures, found, p_of, repeats, rounds, unit};
+use crate::report::{Cell, Column, Table};
+use crate::score::{Course, Decision, Scores, Sequential};
+
+/// Two rows for each detector and texture: what the confidence and what the hits have shown so far, and after which look.
+pub(in crate::report) fn looks(scores: &Scores, sequential: &Sequential) -> Table {
+    let unit = unit(sequential);
+    let caption = format!(
+        "Looked at after each {unit}, in the order of the photos; this holds however often one looks, and the findings above for a single look"
+    );
+    let mut table = Table::new(
+        &caption,
+        vec![
+            Column::words("detector"),
+            Column::words("texture"),
+            Column::words("effect"),
+            Column::words("figure"),
+            Column::words("finding"),
+            Column::words("p"),
+            Column::numbers("mean drop").in_unit("95 %"),
+        ],
+    );
+    for own in sequential.results.chunk_by(|a, b| a.detector == b.detector) {
+        table.add_block(own.iter().flat_map(|course| {
+            figures(course).map(|(name, decision)| row(scores, sequential, course, name, decision))
+        }));
+    }
+    table
+}
+
+fn row(scores: &Scores, sequential: &Sequential, course: &Course, name: &str, decision: &Decision) -> Vec<Cell> {
+    let unit = unit(sequential);
+    let interval = match decision.interval_95 {
+        Some(_) => rounds(decision, unit),
+        None if decision.rounds == 0 => format!(
+            "no interval: no {}",
+            if unit == "place" { "place" } else { "whole round" }
+        ),
+        None => format!("no interval: {} contradict each other", rounds(decision, unit)),
+    };
+    vec![
+        Cell::text(scores.title(&course.detector)),
+        Cell::text(&course.variant),
+        Cell::text(briefly(course.effect)).strong(course.effect.is_shown()),
+        Cell::text(name),
+        Cell::text(found(decision, sequential, course.looks) + &repeats(course)),
+        Cell::text(p_of(decision).replace("= ", "")),
+        Cell::number(decision.drop, 2)
+            .with_interval(decision.interval_95)
+            .with_remark(Some(interval)),
+    ]
+}
