@@ -233,7 +233,7 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
         "Table 2",
         "The other",
         "Differences",
-        "<td>one</td>",
+        "<td class=\"text\">one</td>",
         "<td>0.50</td>",
         "nothing shown",
     ] {
@@ -249,7 +249,8 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
         assert!(page.contains(&scaleproof_core::files::sha256_hex(&png)), "{seed}");
     }
     assert_eq!(page.matches("data:image/png;base64,").count(), 2);
-    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 3 * 2);
+    // All six photos in the strips, and again, each once, where the first screen has them side by side.
+    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 2 * 3 * 2);
     // What was rendered is scored by the ordinary command, too.
     let mut score = program();
     score

@@ -193,7 +193,7 @@ fn result<'a>(page: &'a Value, detector: &str) -> &'a Value {
 #[test]
 fn the_stored_session_compared() {
     let out = tempfile::tempdir().unwrap();
-    let output = compare(&skyline(), out.path(), &["--base", "normal"]);
+    let output = compare(&skyline(), out.path(), &["--base", "normal", "--all"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let page = read_json(&out.path().join("comparison.json"));
     // 6/8 against 0/8: six discordant pairs, all one way.

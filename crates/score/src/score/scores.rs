@@ -153,16 +153,17 @@ impl Scores {
             groups: &self.groups,
         };
         self.summaries = summary::summaries(&self.photos, &self.detectors, basis);
-        self.cautions = caution::cautions(
+        // What went wrong for most photos comes first.
+        self.cautions = self.causes.clone();
+        self.cautions
+            .extend(self.settings.iter().flat_map(AppliedSettings::cautions));
+        self.cautions.extend(caution::cautions(
             &self.photos,
             &self.not_scored,
             &self.sessions,
             &self.detectors,
             (&self.base, self.control.as_deref(), &self.summaries),
-        );
-        self.cautions.extend_from_slice(&self.causes);
-        self.cautions
-            .extend(self.settings.iter().flat_map(AppliedSettings::cautions));
+        ));
         self.paired = OnceLock::new();
     }
 

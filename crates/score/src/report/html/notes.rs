@@ -13,10 +13,10 @@ pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, plan: Op
     html! {
         @if !paper.is_empty() { h3 { "To write in a paper" } p { (paper.join(" ")) } }
         @if let Some(sentence) = certainty::tested(scores, results) { h3 { "How effects were decided" } p { (sentence) "." } }
-        @for sentence in disagreements(scores) { p { (sentence) "." } }
+        @for sentence in disagreements(scores) { p.explained { (sentence) "." } }
         p {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }
-            "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
+            "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "); a hit: " (scores.criteria.hit())
             "; counts as the model: " (counted(scores)) ". Confidence: misses count 0. Drop: the base minus the texture."
         }
     }
