@@ -280,7 +280,7 @@ fn a_comparison_says_when_it_was_decided() {
         text.contains(&format!("a drop, shown after {decided} of 16 pairs")),
         "{text}"
     );
-    assert!(text.contains("deimv2_femto: normal → random: hides"), "{text}");
+    assert!(text.contains("DEIMv2-Femto 416  random   hides "), "{text}");
     let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
     assert!(html.contains("However often one looks") && html.contains(&format!("shown after {decided} of 16 pairs")));
 

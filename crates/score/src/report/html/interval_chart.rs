@@ -15,7 +15,7 @@ const RIGHT: f64 = 200.0;
 const LINE: f64 = 17.0;
 const GAP: f64 = 9.0;
 /// Below the last row: numbers and title of the axis.
-const AXIS: f64 = 34.0;
+const AXIS: f64 = 38.0;
 
 /// What the marks mean.
 pub(in crate::report) const MARKS: &str =

@@ -23,8 +23,12 @@ pub(in crate::report) fn looks(scores: &Scores, sequential: &Sequential) -> Tabl
             Column::numbers("mean drop").in_unit("95 %"),
         ],
     );
-    for own in sequential.results.chunk_by(|a, b| a.detector == b.detector) {
-        table.add_block(own.iter().flat_map(|course| {
+    for detector in &scores.detectors {
+        let own = sequential
+            .results
+            .iter()
+            .filter(|course| course.detector == detector.manifest.name);
+        table.add_block(own.flat_map(|course| {
             figures(course).map(|(name, decision)| row(scores, sequential, course, name, decision))
         }));
     }
