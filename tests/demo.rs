@@ -8,7 +8,6 @@ use std::process::Command;
 use common::{home, program, read_json, shared, stderr, stdout, stored};
 use scaleproof_core::files::sha256_hex;
 
-const DETECTORS: [&str; 5] = ["yolox_nano", "nanodet_m", "fastestdet", "deimv2_femto", "deimv2_atto"];
 const TITLES: [&str; 5] = [
     "YOLOX-Nano 416",
     "NanoDet-m 416",

@@ -206,7 +206,7 @@ fn the_rendered_numbers_are_those_of_the_summary() {
         let ap = format!("{:.3}", overall["ap50"].as_f64().unwrap());
         let row = page
             .split("<tr")
-            .find(|row| row.contains(&format!("<td>{ap}")) && row.contains(&hits));
+            .find(|row| row.contains(&format!("<td>{ap}<")) && row.contains(&hits));
         assert!(row.is_some(), "no row with AP {ap} and {hits} hits");
     }
     assert!(page.contains("Recorded detections: no detector ran for this report."));
@@ -223,7 +223,7 @@ fn the_rendered_numbers_are_those_of_the_summary() {
 fn what_the_figures_rest_on_stands_beside_them() {
     let out = tempfile::tempdir().unwrap();
     report(out.path());
-    let compared = run("compare", out.path(), &[]);
+    let compared = run("compare", out.path(), &["--all"]);
     assert!(compared.status.success(), "{}", stderr(&compared));
     let read = |name: &str| std::fs::read_to_string(out.path().join(name)).unwrap();
     let (report, comparison) = (read("report.html"), read("comparison.html"));
@@ -374,28 +374,27 @@ fn nothing_is_cut_off_when_printed() {
     let text = String::from_utf8(text.stdout).unwrap();
     let printed = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
-    let cells = [&printed, &page].map(|text| text.matches(", ASR ").count());
+    let is_number = |rest: &&str| rest.starts_with(|c: char| c.is_ascii_digit() || c == '−');
+    let cells = [&printed, &page].map(|text| text.split("ASR ").skip(1).filter(is_number).count());
     assert!(cells[0] == cells[1] && cells[1] > 20, "{cells:?}");
-    assert!(printed.contains("median"));
 }
 
 fn results(summary: &Value) -> &Vec<Value> {
     summary["results"].as_array().unwrap()
 }
 
-/// The elements of a class: (title, attributes of the marks) of each group.
-fn groups<'a>(page: &'a roxmltree::Document, class: &str) -> Vec<(String, Vec<roxmltree::Node<'a, 'a>>)> {
-    let is_group = |n: &roxmltree::Node| n.attribute("class") == Some(class);
-    page.descendants()
-        .filter(is_group)
-        .map(|group| {
-            let title = group
-                .children()
-                .find(|n| n.has_tag_name("title"))
-                .and_then(|n| n.text());
-            (title.unwrap_or_default().to_owned(), group.children().collect())
-        })
-        .collect()
+/// What has a title with these words in it: the title, and the marks.
+fn groups<'a>(page: &'a roxmltree::Document, words: &str) -> Vec<(String, Vec<roxmltree::Node<'a, 'a>>)> {
+    let titled = page.descendants().filter_map(|node| {
+        let title = node.children().find(|n| n.has_tag_name("title"))?.text()?;
+        let marks = if node.has_tag_name("g") {
+            node.children().collect()
+        } else {
+            vec![node]
+        };
+        Some((title.to_owned(), marks))
+    });
+    titled.filter(|(title, _)| title.contains(words)).collect()
 }
 
 /// All drawings of the page as one XML document.
@@ -427,7 +426,7 @@ fn every_mark_of_the_charts_is_where_its_number_is() {
     let diagrams = summary["reliability"].as_array().unwrap();
     let bins = diagrams.iter().flat_map(|r| r["bins"].as_array().unwrap());
     let filled: Vec<&Value> = bins.filter(|b| b["detections"] != 0).collect();
-    let marks = groups(&page, "reliability");
+    let marks = groups(&page, " correct (");
     assert!(marks.len() == filled.len() && filled.len() > 20, "{} bars", marks.len());
     for ((title, marks), bin) in marks.iter().zip(filled) {
         let dot = marks.iter().find(|n| n.has_tag_name("circle")).unwrap();
@@ -438,7 +437,7 @@ fn every_mark_of_the_charts_is_where_its_number_is() {
     }
 
     // Heat maps: a cell for every bin, its number and its shade.
-    let cells = groups(&page, "cell");
+    let cells = groups(&page, " mm: mean confidence ");
     assert_eq!(
         cells.len(),
         results(&summary)
@@ -464,7 +463,7 @@ fn every_mark_of_the_charts_is_where_its_number_is() {
     );
 
     // AP against time: two textures a detector, at the AP on a height of 250 and at one x for both.
-    let marks = groups(&page, "speed-mark");
+    let marks = groups(&page, " ms");
     assert_eq!(marks.len(), 10);
     for r in results(&summary) {
         let head = format!(

@@ -71,8 +71,8 @@ fn the_figures_are_those_of_pycocotools_and_of_counting_by_hand() {
     }
     hits_counted_from_the_coco_files(out.path(), &summary);
     let text = stdout(&output);
-    assert!(text.contains("AP@0.5 (coco-101)"), "{text}");
-    assert!(text.contains("yolox_nano      0.871 / 6/8 (75 %)"), "{text}");
+    let row = text.lines().find(|line| line.starts_with("YOLOX-Nano 416")).unwrap();
+    assert!(row.contains(" 0.58 → 0.37 ") && row.ends_with("6 → 4 of 8"), "{text}");
 }
 
 /// Counts everything but AP again from the exported COCO files alone, without the program's matching.
@@ -328,10 +328,14 @@ fn the_criteria_can_be_chosen_and_stand_beside_the_figures() {
     let output = score(
         &skyline(),
         out.path(),
-        &["--recorded", "--confidence", "0.3", "--ap", "voc-11"],
+        &["--recorded", "--all", "--confidence", "0.3", "--ap", "voc-11"],
     );
     assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stdout(&output).contains("AP@0.5 (voc-11)"));
+    let told = stdout(&output);
+    assert!(
+        told.contains("AP@0.5: voc-11 (") && told.contains("a hit: confidence ≥ 0.3"),
+        "{told}"
+    );
     let summary = read_json(&out.path().join("summary.json"));
     assert_eq!(
         (&summary["ap_definition"], &summary["hit_confidence"]),
@@ -458,16 +462,18 @@ fn the_transfer_matrix_has_the_drops_of_every_detector() {
         ),
         (&0.25.into(), &0.75.into())
     );
-    let text = stdout(&output);
-    let line = |head: &str| {
-        let own = text
-            .lines()
-            .skip_while(|l| !(l.starts_with(head) && l.contains("effect")));
-        own.into_iter().find(|l| l.contains("AP@0.5  ")).unwrap()
-    };
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    let matrix = page
+        .split("Transfer: drop from normal, pattern × detector")
+        .nth(1)
+        .unwrap();
     assert!(
-        line("yolox_nano").contains("0.155 [") && line("deimv2_femto").contains("0.306 ["),
-        "{text}"
+        matrix.contains(">0.155 <small class=\"why\">(hits 0.25)</small>"),
+        "{matrix}"
+    );
+    assert!(
+        matrix.contains("<b>0.306</b> <small class=\"why\">(hits 0.75)</small>"),
+        "{matrix}"
     );
 }
 
@@ -602,7 +608,7 @@ fn a_bad_photo_is_reported_and_the_others_still_score() {
     let bin_135 = &result(&summary, "yolox_nano", "normal")["azimuth_bins"][3];
     assert!(bin_135["figures"].is_null(), "an empty bin has no figures");
     let html = std::fs::read_to_string(out.path().join("report.html")).unwrap();
-    assert!(html.contains("Photos not scored") && html.contains("14 photos scored, 2 not scored"));
+    assert!(html.contains("Photos not scored") && html.contains(" · 14 renders, 2 not scored · "));
     assert_eq!(rows(out.path()).len(), 14 * 5 + 2);
 }
 
@@ -761,7 +767,7 @@ fn score_changed(change: impl FnOnce(&mut Vec<Value>)) -> (Output, Value, tempfi
     std::fs::write(&path, file.to_string()).unwrap();
     std::fs::copy(session.path().join("normal_001.jpg"), session.path().join("copy.jpg")).unwrap();
     let out = tempfile::tempdir().unwrap();
-    let output = recorded(session.path(), out.path());
+    let output = score(session.path(), out.path(), &["--recorded", "--all"]);
     assert!(output.status.success(), "{}", stderr(&output));
     (output, read_json(&out.path().join("summary.json")), out)
 }

@@ -43,7 +43,8 @@ pub fn further_tables(scores: &Scores) -> String {
     lines.extend(paper::sentences(scores, results, &scores.base, None));
     lines.push(format!("counts as the model: {}", counted(scores)));
     lines.push(format!(
-        "AP@0.5: {}; a hit: {}",
+        "AP@0.5: {} ({}); a hit: {}",
+        scores.criteria.ap.name(),
         scores.criteria.ap.meaning(),
         scores.criteria.hit()
     ));

@@ -24,6 +24,8 @@ pub(super) fn cautions(
     let mut cautions = Vec::new();
     // Figures that may be of something else.
     cautions.extend(never_the_model(photos, detectors));
+    let cards = detectors.iter().filter_map(EvaluatedDetector::foreign);
+    cautions.extend(cards.flat_map(|card| card.notes.clone()));
     cautions.extend(turned_meshes(sessions));
     cautions.extend(guessed_cameras(photos, sessions));
     cautions.extend(other_sizes(photos, sessions));
@@ -42,8 +44,6 @@ pub(super) fn cautions(
     cautions.extend(hardly_found(summaries, base));
     cautions.extend(counted_once(photos, not_scored));
     cautions.extend(unknown_classes(sessions, detectors));
-    let cards = detectors.iter().filter_map(EvaluatedDetector::foreign);
-    cautions.extend(cards.flat_map(|card| card.notes.clone()));
     cautions.extend(loose_boxes(photos, sessions));
     cautions
 }

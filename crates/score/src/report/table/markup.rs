@@ -16,7 +16,7 @@ impl Table {
             div.scroll {
                 table aria-label=(self.caption) {
                     thead { tr { @for column in &self.columns {
-                        th.text[column.side == Side::Left] { (column.title) @if let Some(unit) = column.unit { br; small { (unit) } } }
+                        th class=[(column.side == Side::Left).then_some("text")] { (column.title) @if let Some(unit) = column.unit { br; small { (unit) } } }
                     } } }
                     tbody { @for block in &self.blocks { @for (i, row) in block.iter().enumerate() {
                         tr.first[i == 0] { @for (cell, column) in row.iter().zip(&self.columns) { (cell.markup(column.side)) } }
@@ -35,7 +35,7 @@ impl Cell {
             .map(|share| format!("background:{};color:{}", shade(share), ink(share)));
         let words = html! { @if self.is_strong { b { (self.words(number)) } } @else { (self.words(number)) } };
         html! {
-            td.text[side == Side::Left] style=[style] {
+            td class=[(side == Side::Left).then_some("text")] style=[style] {
                 @if !self.is_repeated && self.value != Value::Text(String::new()) {
                     (words)
                     @if let Some(interval) = self.interval_words(number) { " " small { (interval) } }

@@ -2,6 +2,7 @@
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{ConditionFigures, Scores};
+use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 
 /// A table for each condition; none where none was asked for. Values and textures down, detectors across.
@@ -33,13 +34,20 @@ fn condition(scores: &Scores, name: &str) -> Table {
         };
         table.add_block(scores.variants().into_iter().map(row));
     }
-    table.notes.push("–: no photo; AP@0.5 of two photos or more".to_owned());
+    table.notes.push("Hits of photos; in brackets AP@0.5, of two photos or more, and the attack success rate of the hits. –: no photo".to_owned());
     table
 }
 
+/// Hits of photos, AP@0.5 and the attack success rate of the hit rate.
 fn cell(c: &ConditionFigures) -> Cell {
     let f = &c.figures;
     // One photo has no ranking.
-    let ap50 = (f.photos > 1).then(|| format!("AP {}", scaleproof_core::spelling::digits(f.ap50, 2)));
-    Cell::share(f.hit_rate.count, f.photos).with_remark(ap50)
+    let ap50 = (f.photos > 1).then(|| format!("AP {}", digits(f.ap50, 2)));
+    let asr = c
+        .asr
+        .and_then(|asr| asr.hit_rate)
+        .map(|asr| format!("ASR {}", digits(asr, 2)));
+    let beside: Vec<String> = ap50.into_iter().chain(asr).collect();
+    let remark = (!beside.is_empty()).then(|| beside.join(", "));
+    Cell::share(f.hit_rate.count, f.photos).with_remark(remark)
 }
