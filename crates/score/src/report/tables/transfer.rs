@@ -26,6 +26,8 @@ pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Tabl
                 })
                 .collect(),
         );
+        let note = "Drop of AP@0.5, the darker the larger; in brackets that of the hit rate; bold: an effect is shown on paired photos";
+        table.notes.push(note.to_owned());
         table
     };
     scores.detectors.chunks(across).enumerate().map(of_some).collect()
