@@ -465,7 +465,7 @@ fn the_transfer_matrix_has_the_drops_of_every_detector() {
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     let matrix = page
         .split("Transfer: drop from normal, pattern × detector")
-        .nth(1)
+        .nth(2)
         .unwrap();
     assert!(
         matrix.contains(">0.155 <small class=\"why\">(hits 0.25)</small>"),
