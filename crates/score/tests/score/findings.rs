@@ -351,7 +351,16 @@ fn a_control_holds_back_what_it_moves_by_as_much() {
     assert!((control.results[0].mean_confidence.drop - 0.25).abs() < 1e-12);
     // `score` says the same.
     assert_eq!(scaleproof_score::score::paired(&scores), held.results);
-    let text = report::comparison_table(&scores, &held);
+    let screen = report::comparison_table(&scores, &held);
+    for (row, times) in [
+        (" random   nothing shown (withheld) ", 2),
+        (" random   weakens (hides: withheld) ", 1),
+        (" again    the control ", 5),
+        ("withheld: the control round moves the detector by as much", 1),
+    ] {
+        assert_eq!(screen.matches(row).count(), times, "{row}: {screen}");
+    }
+    let text = report::further_comparison(&scores, &held);
     assert!(
         text.contains("nothing shown, p = 0.008; withheld: the control round moves this detector by as much"),
         "{text}"

@@ -51,10 +51,12 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
     ]
 }
 
-/// What stands in brackets behind an effect that is not shown: the drop that would have been, or why none can be.
+/// What stands in brackets behind an effect: where nothing is shown, the drop that would have been, or why none can be; what is withheld.
 fn remark(r: &Compared) -> Option<String> {
-    let finding = r.finding.filter(|finding| finding.effect == Effect::NothingShown)?;
+    let finding = r.finding?;
     match finding.views_missing {
+        _ if finding.effect == Effect::Weakens => finding.withheld_by_control.map(|_| "hides: withheld".to_owned()),
+        _ if finding.effect != Effect::NothingShown => None,
         _ if finding.withheld_for_copies || finding.withheld_by_control.is_some() => Some("withheld".to_owned()),
         0 => finding.drop_shown_from.map(|drop| digits(drop, 2)),
         more => Some(format!("{} missing", spelling::count(more, "view"))),
@@ -100,8 +102,9 @@ fn unpaired<'a>(
         .summaries
         .iter()
         .filter(move |s| s.detector == detector && s.variant != scores.base);
+    let all = || results.iter().chain(paired_control(scores));
     others
-        .filter(|s| results.iter().all(|r| r.variant != s.variant))
+        .filter(move |s| all().all(|r| r.variant != s.variant))
         .filter_map(move |s| Some((base?, s)))
 }
 
