@@ -77,7 +77,6 @@ mod sequential;
 mod streams;
 mod survey;
 mod tag_detectors;
-mod tethered;
 mod texture;
 mod texture_bake;
 mod truth;

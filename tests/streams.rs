@@ -17,8 +17,9 @@ fn photo(number: usize) -> Vec<u8> {
     std::fs::read(skyline().join(format!("normal_{number:03}.jpg"))).unwrap()
 }
 
-/// A capture from a source, into a session of the stored scene, of this program.
-pub fn captures(mut program: Command, source: &str, session: &Path) -> Command {
+/// A capture from a source, into a session of the stored scene.
+fn captures(source: &str, session: &Path) -> Command {
+    let mut program = program();
     program.args(["capture", "--source", source, "--variant", "normal", "--place", "yard"]);
     for (option, name) in [("--scene", "scene.toml"), ("--camera", "camera.yaml")] {
         program.arg(option).arg(skyline().join(name));
@@ -28,7 +29,7 @@ pub fn captures(mut program: Command, source: &str, session: &Path) -> Command {
 }
 
 fn capture(source: &str, session: &Path) -> Output {
-    captures(program(), source, session).output().unwrap()
+    captures(source, session).output().unwrap()
 }
 
 /// The photos are those that the camera made, byte for byte: whatever is computed of them is what it is for the stored session.
@@ -151,7 +152,7 @@ fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
     let out = tempfile::tempdir().unwrap();
     let address = format!("http://127.0.0.1:{port}/");
     let session = out.path().join("session");
-    let mut running = captures(program(), &address, &session).spawn().unwrap();
+    let mut running = captures(&address, &session).spawn().unwrap();
     sends.recv_timeout(HANG).unwrap();
     send(&["-INT"], &running);
     assert_eq!(running.wait().unwrap().code(), Some(130));

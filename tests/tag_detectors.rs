@@ -127,6 +127,11 @@ fn measured(choice: TagDetectorChoice, pictures: &[(Truth, GrayImage)], scene: &
     m
 }
 
+/// Those that can be chosen, then libraries with their own corners.
+fn with_peers() -> impl Iterator<Item = TagDetectorChoice> {
+    TagDetectorChoice::ALL.into_iter().chain(TagDetectorChoice::PEERS)
+}
+
 #[test]
 fn the_default_finds_every_tag_of_the_session_and_its_corners_best() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
@@ -139,7 +144,7 @@ fn the_default_finds_every_tag_of_the_session_and_its_corners_best() {
         .collect();
     println!("detector             ms  tags whole  corner p50    p95  inset  answered  azimuth   pitch  distance");
     let mut all = Vec::new();
-    for choice in TagDetectorChoice::ALL {
+    for choice in with_peers() {
         let mut m = measured(choice, &pictures, &scene, &camera);
         let (half, most) = (quantile(&mut m.corner_px, 0.5), quantile(&mut m.corner_px, 0.95));
         let inset = quantile(&mut m.inset_px, 0.5);
@@ -154,12 +159,7 @@ fn the_default_finds_every_tag_of_the_session_and_its_corners_best() {
         );
         all.push((half, inset, m));
     }
-    let of = |wanted| {
-        TagDetectorChoice::ALL
-            .iter()
-            .position(|choice| *choice == wanted)
-            .unwrap()
-    };
+    let of = |wanted| with_peers().position(|choice| choice == wanted).unwrap();
     let own_corners = &all[of(TagDetectorChoice::AprilTagC(CornersBy::Library))];
     let default = &all[of(TagDetectorChoice::default())];
     assert_eq!(default.2.answered, pictures.len());
@@ -322,7 +322,7 @@ fn every_detector_keeps_the_conventions_for_every_family_it_reads() {
     const PHOTOS: [(usize, u32); 4] = [(0, 1), (1, 5), (2, 11), (3, 17)];
     let photos =
         TagFamily::ALL.map(|(family, _)| PHOTOS.map(|(quarters, id)| Shot::sharp(aside(quarters)).photo(family, id)));
-    for choice in TagDetectorChoice::ALL {
+    for choice in with_peers() {
         for ((family, name), photos) in TagFamily::ALL.into_iter().zip(&photos) {
             if !choice.reads(family) {
                 let refused = choice.open(&[family]).err().unwrap().to_string();
@@ -353,10 +353,8 @@ fn every_detector_keeps_the_conventions_for_every_family_it_reads() {
                     .fold(worst, f64::max);
             }
             println!("{choice:<16} {name:<18} worst corner {worst:.3} px");
-            let limit = match choice.corners_by() {
-                CornersBy::Fit => 0.1,
-                CornersBy::Library => 2.0,
-            };
+            let is_peer = TagDetectorChoice::PEERS.contains(&choice);
+            let limit = if is_peer { 2.0 } else { 0.1 };
             assert!(worst < limit, "{choice}, {name}: {worst:.3} px");
         }
     }
@@ -438,7 +436,7 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
     let folder = common::shared("photos/tags/yaw");
     let camera = Camera::pinhole(1056, 792, 329.873, 332.946, 528.0, 396.0);
     let mut yaws: Vec<Vec<Option<f64>>> = Vec::new();
-    for choice in TagDetectorChoice::ALL {
+    for choice in with_peers() {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
         let mut of_photo = |named: i32| {
             let photo = Photo::open(&folder.join(format!("yaw_{named}.png"))).unwrap();
@@ -448,11 +446,8 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
             let yaw = normal.x.atan2(-normal.z).to_degrees();
             // A library's own corners tell a tag near the front less well than ours do, and σ says so.
             let sigma_deg = located.sigma.azimuth_deg;
-            let most = if choice.corners_by() == CornersBy::Fit {
-                5.0
-            } else {
-                f64::max(5.0, 2.0 * sigma_deg)
-            };
+            let is_peer = TagDetectorChoice::PEERS.contains(&choice);
+            let most = if is_peer { f64::max(5.0, 2.0 * sigma_deg) } else { 5.0 };
             assert!(
                 (yaw - f64::from(named)).abs() < most,
                 "{choice}: yaw_{named} is answered with {yaw}°, σ {sigma_deg}°"
@@ -470,16 +465,16 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
         yaws[0].iter().flatten().count() >= yaws[1].iter().flatten().count(),
         "as many as C AprilTag"
     );
-    for (choice, line) in TagDetectorChoice::ALL.iter().zip(&yaws) {
+    for (choice, line) in with_peers().zip(&yaws) {
         let pairs = line
             .iter()
             .zip(&yaws[0])
             .filter_map(|(a, b)| Some((a.as_ref()? - b.as_ref()?).abs()));
         let apart = pairs.fold(0.0, f64::max);
         println!("{choice:<16} at most {apart:.2}° from the default");
-        // OpenCV's own corners without AprilTag's refiner are up to 2 px off on these photos.
-        let is_fitted = choice.corners_by() == CornersBy::Fit;
-        assert!(!is_fitted || apart <= 0.5, "{choice}: {apart:.2}°");
+        // OpenCV's own corners are up to 2 px off on these photos.
+        let is_peer = TagDetectorChoice::PEERS.contains(&choice);
+        assert!(is_peer || apart <= 0.5, "{choice}: {apart:.2}°");
     }
 }
 
@@ -634,6 +629,9 @@ fn a_detector_is_chosen_by_name() {
     for choice in TagDetectorChoice::ALL {
         assert_eq!(choice.name().parse(), Ok(choice));
         assert_eq!(locate(&scene, choice.name()).status.code(), Some(0), "{choice}");
+    }
+    for peer in TagDetectorChoice::PEERS {
+        assert!(peer.name().parse::<TagDetectorChoice>().is_err(), "{peer}");
     }
     assert_refused(
         &locate(&scene, "apriltags"),

@@ -26,10 +26,9 @@ pub(crate) enum Command {
 
 #[derive(clap::Args)]
 pub(crate) struct ConvertArgs {
-    /// Camera file of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt), Metashape (XML) or a NeRF program (transforms.json); with a pinhole or
-    /// fisheye lens
+    /// Camera file of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt) or a NeRF program (transforms.json); with a pinhole or fisheye lens
     input: PathBuf,
-    /// Which camera of a file of several: its name, id or label there
+    /// Which camera of a file of several: its name or id there
     #[arg(long)]
     name: Option<String>,
     /// The camera file to write

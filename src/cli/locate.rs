@@ -39,7 +39,7 @@ pub(super) struct Args {
     /// Camera file: YAML or XML of OpenCV, YAML of ROS camera_info or Kalibr, or a .cameramodel of mrcal; see `scaleproof camera`.
     #[arg(long)]
     camera: PathBuf,
-    /// What finds the tags: cascade, coarse-to-fine, apriltag, aruco, aruco-subpix, aruco-contour, aruco-apriltag or locus.
+    /// What finds the tags: cascade, coarse-to-fine, apriltag, aruco or locus.
     #[arg(long, value_name = "NAME", default_value_t)]
     tag_detector: TagDetectorChoice,
     /// Write copies of the photos here, with the tags, the model's box and axes, the pose or the reason drawn on them.

@@ -161,47 +161,4 @@ nerf = {
 corner = K - np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])
 remember("transforms.json", brown(corner, BROWN[:4]))
 
-# Agisoft Metashape: cannot be had without a licence; its formulas are those of its manual, appendix C ("Frame cameras").
-K1, K2, K3, P1, P2, B1, CX, CY = -0.05, 0.01, 3e-3, -2e-4, 1e-4, 1.5, 9.25, -5.25
-sensor = f"""<?xml version="1.0" encoding="UTF-8"?>
-<document version="2.0.0">
-  <chunk label="Chunk 1" enabled="true">
-    <sensors next_id="2">
-      <sensor id="0" label="pixel" type="frame">
-        <resolution width="1280" height="960"/>
-        <property name="layer_index" value="0"/>
-        <calibration type="frame" class="initial">
-          <resolution width="1280" height="960"/>
-          <f>1000</f>
-        </calibration>
-        <calibration type="frame" class="adjusted">
-          <resolution width="1280" height="960"/>
-          <f>1180</f>
-          <cx>{CX}</cx>
-          <cy>{CY}</cy>
-          <b1>{B1}</b1>
-          <k1>{K1}</k1>
-          <k2>{K2}</k2>
-          <k3>{K3}</k3>
-          <p1>{P1}</p1>
-          <p2>{P2}</p2>
-        </calibration>
-      </sensor>
-      <sensor id="1" label="unknown" type="frame">
-        <resolution width="640" height="480"/>
-      </sensor>
-    </sensors>
-  </chunk>
-</document>
-"""
-(HERE / "metashape.xml").write_text(sensor)
-x, y = RAYS[:, 0], RAYS[:, 1]
-r2 = x * x + y * y
-radial = 1 + K1 * r2 + K2 * r2**2 + K3 * r2**3
-bent_x = x * radial + P1 * (r2 + 2 * x * x) + 2 * P2 * x * y
-bent_y = y * radial + P2 * (r2 + 2 * y * y) + 2 * P1 * x * y
-u = SIZE[0] / 2 + CX + bent_x * 1180 + bent_x * B1 - 0.5
-v = SIZE[1] / 2 + CY + bent_y * 1180 - 0.5
-remember("metashape.xml#pixel", np.c_[u, v])
-
 (HERE / "truth.json").write_text(json.dumps(truth) + "\n")

@@ -251,7 +251,7 @@ fn the_worst_pictures_within_the_budget_take_bounded_memory() {
 #[test]
 fn every_tag_detector_survives_all_small_sizes() {
     let mut random = Pcg64::seed_from_u64(13);
-    for choice in TagDetectorChoice::ALL {
+    for choice in TagDetectorChoice::ALL.into_iter().chain(TagDetectorChoice::PEERS) {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
         for (width, height) in (1..=64).flat_map(|w| (1..=64).map(move |h| (w, h))) {
             let mut noise = GrayImage::new(width, height);

@@ -24,5 +24,3 @@ mod served;
 mod stored;
 #[path = "capture/stream.rs"]
 mod stream;
-#[path = "capture/tether.rs"]
-mod tether;

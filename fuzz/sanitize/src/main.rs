@@ -277,11 +277,11 @@ fn families(is_few: bool) -> impl Iterator<Item = TagFamily> {
     all.filter(move |family| !is_few || *family == TagFamily::default())
 }
 
-/// Every detector that can be chosen, and its faster search for live pictures; for valgrind without the one that has no C.
+/// Every detector, and its faster search for live pictures; for valgrind without the one that has no C.
 fn tag_detectors(is_few: bool) -> Vec<Box<dyn TagDetector>> {
     let mut detectors = Vec::new();
-    for choice in TagDetectorChoice::ALL {
-        if is_few && matches!(choice, TagDetectorChoice::Locus(_) | TagDetectorChoice::Cascade) {
+    for choice in TagDetectorChoice::ALL.into_iter().chain(TagDetectorChoice::PEERS) {
+        if is_few && matches!(choice, TagDetectorChoice::Locus | TagDetectorChoice::Cascade) {
             continue;
         }
         let families: Vec<TagFamily> = families(is_few).filter(|family| choice.reads(*family)).collect();

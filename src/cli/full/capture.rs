@@ -21,8 +21,7 @@ use crate::cli::full::interrupt::Opening;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
     BinName, Capture, Film, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName,
-    Store, Target, Tether, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
-    tether::found_cameras,
+    Store, Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
 };
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_core::files;
@@ -66,10 +65,9 @@ struct ListArgs {
 
 #[derive(clap::Args)]
 struct GuidedArgs {
-    /// Where photos come from: camera or camera:N (see list-cameras), http://… or rtsp://… (a camera that streams), gphoto2 or
-    /// gphoto2:PORT (a tethered camera), watch:DIR (a folder that a phone or camera copies into),
-    /// video:FILE (a film, as MP4, MOV, MKV or WebM), replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
-    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "gphoto2", "http://", "rtsp://", "watch:", "video:", "replay:", "upload"]), hide_possible_values = true)]
+    /// Where photos come from: camera or camera:N (see list-cameras), http://… or rtsp://… (a camera that streams), watch:DIR
+    /// (a folder that a phone or camera copies into), video:FILE (a film, as MP4, MOV, MKV or WebM), replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "http://", "rtsp://", "watch:", "video:", "replay:", "upload"]), hide_possible_values = true)]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
     #[arg(long)]
@@ -166,15 +164,7 @@ fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
         name: camera.name,
         description: camera.description,
     });
-    let mut cameras: Vec<NamedCamera> = cameras.collect();
-    match found_cameras() {
-        Ok(found) => cameras.extend(found.unwrap_or_default().into_iter().map(|camera| NamedCamera {
-            source: format!("gphoto2:{}", camera.port),
-            name: camera.model,
-            description: "tethered, by gphoto2".to_owned(),
-        })),
-        Err(e) => say!("note: tethered cameras are not listed: {e}"),
-    }
+    let cameras: Vec<NamedCamera> = cameras.collect();
     let lines = cameras
         .iter()
         .map(|c| format!("{}  {}  ({})", c.source, c.name, c.description));
@@ -194,7 +184,7 @@ pub(in crate::cli) struct Cameras {
 
 #[derive(Serialize, JsonSchema)]
 struct NamedCamera {
-    /// What `--source` takes, such as `camera:0` or `gphoto2:usb:001,005`.
+    /// What `--source` takes, such as `camera:0`.
     source: String,
     /// As the camera calls itself.
     name: String,
@@ -244,8 +234,7 @@ fn guide(
         capture = capture.with_film(Judge::new(&scene, TagDetectorChoice::default(), true)?);
     }
     take_back(args, &scene, &mut capture, out)?;
-    let instructions = source.as_ref().and_then(|source| source.instructions());
-    begin(args, &capture, instructions, out)?;
+    begin(args, &capture, out)?;
     let is_decided = match (page, source) {
         (Some(page), source) => {
             let about = CaptureInfo {
@@ -322,7 +311,6 @@ fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<
         SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
         SourceName::Camera(number) => Ok(Some(Box::new(LiveCamera::open(*number, camera)?))),
         SourceName::Stream(address) => Ok(Some(Box::new(stream::open(address, camera)?))),
-        SourceName::Tethered(port) => Ok(Some(Box::new(Tether::open(port.as_deref(), camera)?))),
         SourceName::Upload => Ok(None),
     }
 }
@@ -375,12 +363,7 @@ fn check_planned(meant: &BinName, capture: &Capture) -> Result<()> {
 }
 
 /// Says what the capture waits for, before anything happens; programs read it in the summary.
-fn begin(
-    args: &GuidedArgs,
-    capture: &Capture,
-    instructions: Option<String>,
-    out: &mut dyn Write,
-) -> std::io::Result<()> {
+fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
     let guidance = capture.guidance();
     let (Some(first), Some(source), false) = (guidance.open().next(), &args.source, args.json) else {
         return Ok(());
@@ -397,12 +380,9 @@ fn begin(
         SourceName::Watch(folder) => format!("copy photos into {}; Ctrl-C ends", folder.display()),
         SourceName::Replay(folder) => format!("replaying the photos of {}", folder.display()),
         SourceName::Video(file) => format!("looking at the frames of {}", file.display()),
-        SourceName::Camera(_) | SourceName::Stream(_) | SourceName::Tethered(_) => {
-            "walk round the model with the camera; Ctrl-C ends".to_owned()
-        }
+        SourceName::Camera(_) | SourceName::Stream(_) => "walk round the model with the camera; Ctrl-C ends".to_owned(),
         SourceName::Upload => "send photos to the page".to_owned(),
     };
-    let how = instructions.unwrap_or(how);
     writeln!(out, "{views}; {how}")?;
     out.flush()
 }

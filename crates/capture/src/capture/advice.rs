@@ -35,12 +35,6 @@ pub enum Advice {
     /// All gates hold, and photos are taken by hand only.
     #[error("good: take the photo")]
     Ready,
-    /// A tethered camera takes the photo.
-    #[error("good: stay like this, the camera takes the photo")]
-    Released,
-    /// A tethered camera has taken one from here, which was refused for this.
-    #[error("the photo from here was refused ({0}): see to that, then move the camera a little")]
-    RefusedHere(String),
     /// A pose by which no part of the model's box is in the image.
     #[error("the model is outside the photo: turn the camera to it")]
     NoModel,
@@ -90,8 +84,6 @@ impl Advice {
             Advice::Moving => "moving",
             Advice::Hold => "hold",
             Advice::Ready => "ready",
-            Advice::Released => "released",
-            Advice::RefusedHere(_) => "refused_here",
             Advice::NoModel => "no_model",
             Advice::NoTags => "no_tags",
             Advice::OneTag { .. } => "one_tag",

@@ -54,17 +54,6 @@ pub struct Measures {
     pub moved_px: Option<f64>,
 }
 
-/// What a frame is judged as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FrameKind {
-    /// A photo that somebody took on purpose.
-    Photo,
-    /// One of a running camera, that may be taken.
-    Live,
-    /// One of a live view, whose light and focus are not the photo's: only where it is and whether it holds still count.
-    Preview,
-}
-
 /// What a frame shows, and what follows from it.
 #[derive(Debug, Clone)]
 pub struct FrameJudgement {
@@ -142,26 +131,9 @@ impl Judge {
     /// A photo that somebody took on purpose gets first the advice about what would spoil it anywhere. Somebody who walks with a running
     /// camera gets the way first, as walking blurs.
     pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> FrameJudgement {
-        let kind = if self.is_stream {
-            FrameKind::Live
-        } else {
-            FrameKind::Photo
-        };
-        self.judge_as(kind, luma, turned_deg, camera, guidance)
-    }
-
-    /// As [`Judge::judge`], of a frame of a given kind: a source of previews gives photos between them.
-    pub fn judge_as(
-        &mut self,
-        kind: FrameKind,
-        luma: &GrayImage,
-        turned_deg: u32,
-        camera: &Camera,
-        guidance: &Guidance,
-    ) -> FrameJudgement {
-        if kind == FrameKind::Photo {
+        if !self.is_stream {
             let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
-            return self.weigh(photo, luma, guidance, kind);
+            return self.weigh(photo, luma, guidance);
         }
         self.before = std::mem::take(&mut self.last);
         let scale = f64::from(luma.width()) / f64::from(self.last_width.max(1));
@@ -184,7 +156,7 @@ impl Judge {
         let photo = at_once
             .filter(|_| is_answered || !self.unanswered.is_multiple_of(UNANSWERED))
             .unwrap_or_else(|| locate_luma(luma, turned_deg, None, scene, camera, self.tags.as_mut()));
-        let judgement = self.weigh(photo, luma, guidance, kind);
+        let judgement = self.weigh(photo, luma, guidance);
         self.pose = judgement.located.as_ref().map(|located| located.pose);
         self.tracked = (self.tracked + 1) % (MOST_TRACKED + 1);
         self.last.clone_from(&judgement.seen);
@@ -204,11 +176,11 @@ impl Judge {
             return first;
         }
         let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
-        self.weigh(photo, luma, guidance, FrameKind::Live)
+        self.weigh(photo, luma, guidance)
     }
 
     /// What follows from what a frame shows.
-    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance, kind: FrameKind) -> FrameJudgement {
+    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> FrameJudgement {
         let (seen, located) = (photo.seen, photo.result);
         let fitted = match photo.fitted {
             Ok(fitted) => fitted,
@@ -232,7 +204,7 @@ impl Judge {
             white_level: appearance.white_level,
             clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, &fitted.camera)),
             moved_px: moved_px(&self.before, &seen)
-                .filter(|_| kind != FrameKind::Photo)
+                .filter(|_| self.is_stream)
                 .map(|px| px / self.intervals),
         };
         let light = light(&measures, &seen, grey);
@@ -249,10 +221,10 @@ impl Judge {
                 let place = place(located, guidance);
                 let still = unsteady(&measures, grey);
                 let way = place.clone().err();
-                let order = match kind {
-                    FrameKind::Live => [model, light, way, focus, still],
-                    FrameKind::Photo => [model, light, focus, way, None],
-                    FrameKind::Preview => [model, way, still, None, None],
+                let order = if self.is_stream {
+                    [model, light, way, focus, still]
+                } else {
+                    [model, light, focus, way, None]
                 };
                 (place, order.into_iter().flatten().next())
             }

@@ -2,7 +2,7 @@
 //!
 //! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); what
 //! holds is taken at once by `store`, and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
-//! numbers. A tethered camera's previews go the same way, and release its shutter instead of being taken.
+//! numbers.
 
 mod advice;
 mod film;
@@ -16,7 +16,6 @@ mod replay;
 mod source;
 mod store;
 pub mod stream;
-pub mod tether;
 mod watch;
 
 use std::path::Path;
@@ -24,8 +23,6 @@ use std::path::Path;
 use image::{GrayImage, ImageFormat};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use tether::camera_of_view;
 
 use scaleproof_core::files;
 use scaleproof_core::geometry::{Rigid, rigid};
@@ -38,16 +35,13 @@ use scaleproof_session::session::PhotoEntry;
 
 pub use advice::Advice;
 pub use film::{Film, open_video};
-pub use gates::{
-    FrameJudgement, FrameKind, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures,
-};
+pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
 pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance};
 pub use live::{CameraSettings, LiveCamera};
 pub use programs::interrupt_programs;
 pub use replay::Replay;
-pub use source::{FrameSource, Original, Purpose, Shutter, SourceError, SourceFrame, SourceName};
+pub use source::{FrameSource, Original, Purpose, SourceError, SourceFrame, SourceName};
 pub use store::{Sidecar, Store, StoreError, sidecar_of, slug};
-pub use tether::Tether;
 pub use watch::Watch;
 
 /// What became of a frame.
@@ -143,8 +137,6 @@ pub struct Capture {
     pub is_auto: bool,
     /// The target that the last frames of a stream were fit for, and how many were.
     held: Option<(usize, u32)>,
-    /// Why the last photo of a tethered camera was refused, until the camera is moved: another would be refused, too.
-    refused: Option<Advice>,
     camera_settings: Option<CameraSettings>,
 }
 
@@ -161,7 +153,6 @@ impl Capture {
             place: place.to_owned(),
             is_auto: true,
             held: None,
-            refused: None,
             camera_settings: None,
         };
         capture.fill_from_store();
@@ -250,14 +241,6 @@ impl Capture {
     }
 
     pub(crate) fn look(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
-        let answer = self.answer(frame, taking)?;
-        if matches!(frame.purpose, Purpose::Released { .. }) {
-            self.refused = answer.verdict.clone().err();
-        }
-        Ok(answer)
-    }
-
-    fn answer(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => {
@@ -273,25 +256,17 @@ impl Capture {
                 });
             }
         };
-        let kind = match frame.purpose {
-            Purpose::Preview(_) => FrameKind::Preview,
-            Purpose::Filmed { after_ms, .. } => {
-                self.judge.filmed_after(after_ms);
-                FrameKind::Live
-            }
-            Purpose::Photo if self.judge.is_stream() => FrameKind::Live,
-            Purpose::Photo | Purpose::Released { .. } => FrameKind::Photo,
-        };
-        let of_view = (kind == FrameKind::Preview).then(|| camera_of_view(&self.camera, luma.dimensions().into()));
-        let camera = of_view.as_ref().unwrap_or(&self.camera);
-        let mut judgement = self.judge.judge_as(kind, &luma, turned_deg, camera, &self.guidance);
-        let is_by_hand = taking == Taking::ByHand || matches!(frame.purpose, Purpose::Released { is_by_hand: true });
+        if let Purpose::Filmed { after_ms, .. } = frame.purpose {
+            self.judge.filmed_after(after_ms);
+        }
+        let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
+        let is_by_hand = taking == Taking::ByHand;
         // Nobody holds still for a film, and the frame that is judged is the one that is kept.
         let held = match (&frame.purpose, &judgement.verdict) {
             (Purpose::Filmed { .. }, Ok(_)) => Ok(()),
-            (_, verdict) => self.hold(verdict, kind, taking),
+            (_, verdict) => self.hold(verdict, taking),
         };
-        if kind == FrameKind::Live && (is_by_hand || held.is_ok()) {
+        if self.judge.is_stream() && (is_by_hand || held.is_ok()) {
             let (camera, guidance) = (&self.camera, &self.guidance);
             judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
         }
@@ -300,11 +275,10 @@ impl Capture {
             (false, Ok(())) => judgement.verdict,
             (false, Err(advice)) => Err(advice),
         };
-        let verdict = match (target, &judgement.located, &frame.purpose) {
-            (Ok(_), _, Purpose::Preview(shutter)) => Err(self.release(shutter, is_by_hand)),
-            (Ok(target), Some(located), _) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
-            (Ok(_), None, _) => Err(Advice::NoTags), // a frame on target is located
-            (Err(advice), ..) => Err(advice),
+        let verdict = match (target, &judgement.located) {
+            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
+            (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
+            (Err(advice), _) => Err(advice),
         };
         Ok(FrameAnswer {
             size_px: luma.dimensions().into(),
@@ -322,17 +296,6 @@ impl Capture {
         })
     }
 
-    /// Lets a tethered camera take a photo.
-    fn release(&mut self, shutter: &Shutter, is_by_hand: bool) -> Advice {
-        match &self.refused {
-            Some(reason) if !is_by_hand => Advice::RefusedHere(reason.to_string()),
-            _ => {
-                shutter.release(is_by_hand);
-                Advice::Released
-            }
-        }
-    }
-
     /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
@@ -344,7 +307,7 @@ impl Capture {
                     return Err(known);
                 }
                 let luma = photo.and_then(|photo| Ok((photo.luma()?, photo.turned_deg)));
-                let is_one_of_many = self.judge.is_stream() && !matches!(frame.purpose, Purpose::Released { .. });
+                let is_one_of_many = self.judge.is_stream();
                 luma.map_err(|e| Advice::Unreadable(if is_one_of_many { DAMAGED.into() } else { e.to_string() }))
             }
         }
@@ -357,13 +320,10 @@ impl Capture {
     }
 
     /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.
-    fn hold(&mut self, verdict: &Result<usize, Advice>, kind: FrameKind, taking: Taking) -> Result<(), Advice> {
+    fn hold(&mut self, verdict: &Result<usize, Advice>, taking: Taking) -> Result<(), Advice> {
         let before = self.held.take();
-        if let (FrameKind::Preview, Err(Advice::Moving | Advice::Walk(_) | Advice::Filled { .. })) = (kind, verdict) {
-            self.refused = None;
-        }
         let target = *verdict.as_ref().map_err(Advice::clone)?;
-        if kind == FrameKind::Photo {
+        if !self.judge.is_stream() {
             return Ok(());
         }
         if !self.is_auto {

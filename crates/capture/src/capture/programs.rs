@@ -1,4 +1,4 @@
-//! Programs that run for a source and write images: asked to end (SIGTERM), so that a camera is let go, and ended when they do not.
+//! Programs that run for a source and write images: asked to end (SIGTERM), and ended when they do not.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use scaleproof_core::files;
 
-/// What a program gets to end by itself: gphoto2 finishes what the camera is at, and closes the connection.
+/// What a program gets to end by itself, closing its connection.
 const GRACE: Duration = Duration::from_secs(3);
 /// After its end its last words are heard within this; what it started itself may hold its standard error open.
 const HEARD_WITHIN: Duration = Duration::from_secs(1);
@@ -35,12 +35,9 @@ pub fn interrupt_programs() {
     running.iter().filter(is_there).for_each(|id| send(*id, Ending::Killed));
 }
 
-/// A running program. Each clone may end it; it ends with the last.
-#[derive(Clone)]
-pub(super) struct RunningProgram(Arc<Process>);
-
-struct Process {
-    child: Mutex<Child>,
+/// A running program, which ends when this is dropped.
+pub(super) struct RunningProgram {
+    child: Child,
     said: Arc<Mutex<Vec<u8>>>,
     listening: std::thread::JoinHandle<()>,
 }
@@ -57,27 +54,26 @@ impl RunningProgram {
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
         let said = Arc::new(Mutex::new(Vec::new()));
         let heard = Arc::clone(&said);
-        let program = RunningProgram(Arc::new(Process {
-            child: Mutex::new(child),
+        let program = RunningProgram {
+            child,
             said,
             listening: std::thread::spawn(move || stderr.into_iter().for_each(|stderr| listen(stderr, &heard))),
-        }));
+        };
         let stdout = stdout.ok_or(std::io::ErrorKind::BrokenPipe)?;
         Ok((program, stdout))
     }
 
     /// How it ended, if it has.
-    pub(super) fn ended(&self) -> Option<ExitStatus> {
-        let mut child = locked(&self.0.child);
-        let status = child.try_wait().ok().flatten();
+    fn ended(&mut self) -> Option<ExitStatus> {
+        let status = self.child.try_wait().ok().flatten();
         if status.is_some() {
-            locked(&RUNNING).remove(&child.id());
+            locked(&RUNNING).remove(&self.child.id());
         }
         status
     }
 
     /// How it ended, waited for.
-    pub(super) fn ended_within(&self, limit: Duration) -> Option<ExitStatus> {
+    pub(super) fn ended_within(&mut self, limit: Duration) -> Option<ExitStatus> {
         let began = Instant::now();
         loop {
             match self.ended() {
@@ -90,7 +86,7 @@ impl RunningProgram {
     /// Bounds its memory, where the system can: what reads from a network may be told of anything.
     pub(super) fn bound_memory(&self, bytes: u64) {
         #[cfg(target_os = "linux")]
-        if let Some(pid) = pid(locked(&self.0.child).id()) {
+        if let Some(pid) = pid(self.child.id()) {
             use rustix::process::{Resource, Rlimit, prlimit};
             let limit = Rlimit {
                 current: Some(bytes),
@@ -102,42 +98,30 @@ impl RunningProgram {
         let _ = bytes;
     }
 
-    /// Ends it: by asking at first.
-    pub(super) fn stop(&self) {
-        self.0.stop();
-    }
-
     /// What it has said on standard error: all of it once it has ended, which may be heard a moment later.
-    pub(super) fn said(&self) -> String {
+    pub(super) fn said(&mut self) -> String {
         let began = Instant::now();
-        while self.ended().is_some() && !self.0.listening.is_finished() && began.elapsed() < HEARD_WITHIN {
+        while self.ended().is_some() && !self.listening.is_finished() && began.elapsed() < HEARD_WITHIN {
             std::thread::sleep(LOOK_AGAIN);
         }
-        String::from_utf8_lossy(&locked(&self.0.said)).into_owned()
+        String::from_utf8_lossy(&locked(&self.said)).into_owned()
     }
 }
 
-impl Process {
-    fn stop(&self) {
-        let mut child = locked(&self.child);
-        let id = child.id();
+impl Drop for RunningProgram {
+    fn drop(&mut self) {
+        let id = self.child.id();
         // The id of one that was waited for may be another's.
         if !locked(&RUNNING).remove(&id) {
             return;
         }
         send(id, Ending::Asked);
         let began = Instant::now();
-        while began.elapsed() < GRACE && matches!(child.try_wait(), Ok(None)) {
+        while began.elapsed() < GRACE && matches!(self.child.try_wait(), Ok(None)) {
             std::thread::sleep(LOOK_AGAIN);
         }
-        let _ = child.kill();
-        let _ = child.wait();
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        self.stop();
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 
@@ -193,6 +177,6 @@ pub(super) fn is_there(name: &str) -> bool {
 }
 
 /// Locks what no thread leaves half written, even if it panics.
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -2,14 +2,11 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::{Arc, Mutex};
 
 use image::RgbImage;
 
 use super::live::{CameraSettings, LiveCameraError};
-use super::programs::locked;
 use super::stream::StreamAddress;
-use super::tether::TetherError;
 use scaleproof_core::files::FileError;
 use scaleproof_session::session::{SessionError, VideoFrame};
 use scaleproof_video::VideoError;
@@ -37,26 +34,6 @@ pub enum Purpose {
         after_ms: u32,
         frame: Box<VideoFrame>,
     },
-    /// It shows where a camera stands. When that is right the shutter is released, and the photo is the source's next frame.
-    Preview(Shutter),
-    /// The photo that a shutter was released for, amid previews.
-    Released { is_by_hand: bool },
-}
-
-/// Asks the source of a preview for a photo.
-#[derive(Debug, Clone, Default)]
-pub struct Shutter(Arc<Mutex<Option<bool>>>);
-
-impl Shutter {
-    /// `is_by_hand`: the photo is taken whatever its light, focus and steadiness.
-    pub fn release(&self, is_by_hand: bool) {
-        *locked(&self.0) = Some(is_by_hand);
-    }
-
-    /// Whether it was released since this was asked last, and how.
-    pub(super) fn was_released(&self) -> Option<bool> {
-        locked(&self.0).take()
-    }
 }
 
 /// What a source has of a frame.
@@ -111,18 +88,13 @@ pub trait FrameSource {
     fn settings(&self) -> Option<CameraSettings> {
         None
     }
-
-    /// What the photographer has to do for the next frame, where the source alone knows.
-    fn instructions(&self) -> Option<String> {
-        None
-    }
 }
 
 /// Why a source gives no (more) frames.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, gphoto2 for a tethered one, watch:DIR for a folder that photos arrive in, video:FILE for a film, replay:DIR for a stored session, or upload for what browsers send to the page"
+        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, watch:DIR for a folder that photos arrive in, video:FILE for a film, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
     Unknown { text: String },
     #[error(transparent)]
@@ -161,14 +133,6 @@ pub enum SourceError {
         "the stream {address} gives no more images ({reason}): see to the camera and run this again; what was accepted is kept"
     )]
     StreamGone { address: String, reason: LiveCameraError },
-    #[error(transparent)]
-    NoTether(#[from] TetherError),
-    #[error(
-        "the tethered {model} gives no live view ({reason}): switch it off and on, and run this again; what was accepted is kept"
-    )]
-    NoLiveView { model: String, reason: LiveCameraError },
-    #[error("the tethered {model} gives no more photos ({reason}); run this again, what was accepted is kept")]
-    TetherGone { model: String, reason: TetherError },
 }
 
 /// A source as it is named on the command line.
@@ -184,8 +148,6 @@ pub enum SourceName {
     Camera(u32),
     /// `http://…` or `rtsp://…`: a camera that streams.
     Stream(StreamAddress),
-    /// `gphoto2`, or `gphoto2:PORT`: a tethered camera, the first or the one at a port as gphoto2 calls it.
-    Tethered(Option<String>),
     /// `upload`: only what browsers send to the page.
     Upload,
 }
@@ -200,8 +162,6 @@ impl FromStr for SourceName {
             return Ok(SourceName::Stream(StreamAddress::new(text)));
         }
         match text.split_once(':') {
-            Some(("gphoto2", port)) if !port.is_empty() => Ok(SourceName::Tethered(Some(port.to_owned()))),
-            None if text == "gphoto2" => Ok(SourceName::Tethered(None)),
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
             Some(("video", file)) if !file.is_empty() => Ok(SourceName::Video(file.into())),
@@ -230,7 +190,6 @@ impl SourceName {
             SourceName::Video(_) => "video",
             SourceName::Camera(_) => "camera",
             SourceName::Stream(_) => "stream",
-            SourceName::Tethered(_) => "tethered camera",
             SourceName::Upload => "upload",
         }
     }

@@ -6,7 +6,7 @@ pub enum CameraFault {
     #[error("the file is empty")]
     Empty,
     #[error(
-        "not a camera file: give one of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt), Metashape (XML) or a NeRF program (transforms.json)"
+        "not a camera file: give one of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt) or a NeRF program (transforms.json)"
     )]
     UnknownFormat,
     #[error("not {what}: {reason}")]

@@ -35,12 +35,12 @@ impl CameraFormat {
 }
 
 impl Camera {
-    /// Reads a camera file: of any [`CameraFormat`], or of COLMAP, Metashape, NeRF programs, EuRoC, or a script around OpenCV.
+    /// Reads a camera file: of any [`CameraFormat`], or of COLMAP, NeRF programs, EuRoC, or a script around OpenCV.
     pub fn open(path: &Path) -> Result<Camera, CameraError> {
         Camera::parse(&files::read_text(path)?, path)
     }
 
-    /// Reads the camera with a name (an id, a label) from a file of several; without one as [`Camera::open`].
+    /// Reads the camera with a name (or an id) from a file of several; without one as [`Camera::open`].
     pub fn open_named(path: &Path, name: Option<&str>) -> Result<Camera, CameraError> {
         let read = parse(&files::read_text(path)?, name);
         read.map_err(|fault| FileError::content(path, fault).into())
@@ -71,7 +71,7 @@ fn parse(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
         return Err(CameraFault::Empty);
     }
     let camera = if text.trim_start().starts_with('<') {
-        xml::read(text, name)?
+        xml::read(text)?
     } else if mrcal::is(text) {
         mrcal::read(text)?
     } else if colmap::is(text) {

@@ -10,7 +10,6 @@ mod format;
 mod guess;
 mod kalibr;
 mod matrix_yaml;
-mod metashape;
 mod mrcal;
 mod nerf;
 pub mod projection;

@@ -1,22 +1,22 @@
-//! The XML formats: OpenCV's FileStorage and Agisoft Metashape's.
+//! OpenCV's FileStorage as XML.
 
 use std::collections::BTreeMap;
 
 use roxmltree::{Document, Node};
 
 use super::fields::{Fields, Value};
-use super::{Camera, CameraFault, matrix_yaml, metashape};
+use super::{Camera, CameraFault, matrix_yaml};
 
-pub(super) fn read(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
+pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     let document = Document::parse(text).map_err(|e| CameraFault::Syntax {
         what: "an XML camera file",
         reason: e.to_string(),
     })?;
-    match document.root_element() {
-        root if root.has_tag_name("opencv_storage") => matrix_yaml::read(Fields::new("", children(root))),
-        root if metashape::is(root) => metashape::read(root, name),
-        _ => Err(CameraFault::UnknownFormat),
+    let root = document.root_element();
+    if !root.has_tag_name("opencv_storage") {
+        return Err(CameraFault::UnknownFormat);
     }
+    matrix_yaml::read(Fields::new("", children(root)))
 }
 
 /// The elements of an element of FileStorage, by name; matrices have elements of their own, and nothing that is read lies deeper.

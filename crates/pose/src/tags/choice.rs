@@ -22,21 +22,9 @@ pub enum TagDetectorChoice {
     /// C AprilTag at full size.
     AprilTagC(CornersBy),
     /// OpenCV's ArUco detector at full size.
-    Aruco(ArucoRefiner, CornersBy),
+    Aruco(CornersBy),
     /// locus-core at full size.
-    Locus(CornersBy),
-}
-
-/// How OpenCV moves the corners of the polygon it found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ArucoRefiner {
-    None,
-    /// `cornerSubPix`.
-    Subpix,
-    /// Lines through the contour's points.
-    Contour,
-    /// The quads of the AprilTag 2 detector.
-    AprilTag,
+    Locus,
 }
 
 /// Who says where the corners of a found tag are.
@@ -44,7 +32,7 @@ pub enum ArucoRefiner {
 pub enum CornersBy {
     /// The fit that all choices share, so that they differ in what they find only.
     Fit,
-    /// The library that found the tag. For comparison: the yaw of one tag then differs by up to 1.5° between libraries.
+    /// The library that found the tag, OpenCV by `cornerSubPix`. For comparison: the yaw of one tag then differs by up to 1.5° between libraries.
     Library,
 }
 
@@ -77,55 +65,29 @@ pub enum StartError {
 }
 
 impl TagDetectorChoice {
-    /// Every detector with its name; the default first, those with a library's own corners last.
-    const NAMED: [(TagDetectorChoice, &str); 14] = [
-        (TagDetectorChoice::Cascade, "cascade"),
-        (TagDetectorChoice::CoarseToFine, "coarse-to-fine"),
-        (TagDetectorChoice::AprilTagC(Fit), "apriltag"),
-        (TagDetectorChoice::Aruco(ArucoRefiner::None, Fit), "aruco"),
-        (TagDetectorChoice::Aruco(ArucoRefiner::Subpix, Fit), "aruco-subpix"),
-        (TagDetectorChoice::Aruco(ArucoRefiner::Contour, Fit), "aruco-contour"),
-        (TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, Fit), "aruco-apriltag"),
-        (TagDetectorChoice::Locus(Fit), "locus"),
-        (TagDetectorChoice::AprilTagC(Library), "apriltag-raw"),
-        (TagDetectorChoice::Aruco(ArucoRefiner::None, Library), "aruco-raw"),
-        (
-            TagDetectorChoice::Aruco(ArucoRefiner::Subpix, Library),
-            "aruco-subpix-raw",
-        ),
-        (
-            TagDetectorChoice::Aruco(ArucoRefiner::Contour, Library),
-            "aruco-contour-raw",
-        ),
-        (
-            TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, Library),
-            "aruco-apriltag-raw",
-        ),
-        (TagDetectorChoice::Locus(Library), "locus-raw"),
+    /// Those that can be chosen by name, the default first: finders of tags whose corners are then fitted alike.
+    pub const ALL: [TagDetectorChoice; 5] = [
+        TagDetectorChoice::Cascade,
+        TagDetectorChoice::CoarseToFine,
+        TagDetectorChoice::AprilTagC(Fit),
+        TagDetectorChoice::Aruco(Fit),
+        TagDetectorChoice::Locus,
     ];
 
-    /// Every detector; the default first, those with a library's own corners last.
-    pub const ALL: [TagDetectorChoice; 14] = {
-        let mut all = [TagDetectorChoice::Cascade; 14];
-        let mut i = 0;
-        while i < all.len() {
-            all[i] = Self::NAMED[i].0;
-            i += 1;
-        }
-        all
-    };
+    /// Libraries with their own corners, which charts compare with the others.
+    pub const PEERS: [TagDetectorChoice; 2] =
+        [TagDetectorChoice::AprilTagC(Library), TagDetectorChoice::Aruco(Library)];
 
-    /// The name it is chosen by.
+    /// What it is called, and chosen by.
     pub fn name(self) -> &'static str {
-        let named = Self::NAMED.iter().find(|(choice, _)| *choice == self);
-        named.map_or("", |(_, name)| name)
-    }
-
-    /// Who says where its corners are.
-    pub fn corners_by(self) -> CornersBy {
         match self {
-            TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine => CornersBy::Fit,
-            TagDetectorChoice::AprilTagC(by) | TagDetectorChoice::Aruco(_, by) | TagDetectorChoice::Locus(by) => by,
+            TagDetectorChoice::Cascade => "cascade",
+            TagDetectorChoice::CoarseToFine => "coarse-to-fine",
+            TagDetectorChoice::AprilTagC(Fit) => "apriltag",
+            TagDetectorChoice::Aruco(Fit) => "aruco",
+            TagDetectorChoice::Locus => "locus",
+            TagDetectorChoice::AprilTagC(Library) => "apriltag-own",
+            TagDetectorChoice::Aruco(Library) => "aruco-own",
         }
     }
 
@@ -133,10 +95,10 @@ impl TagDetectorChoice {
     pub fn reads(self, family: TagFamily) -> bool {
         match self {
             TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
-            TagDetectorChoice::Aruco(..) => {
+            TagDetectorChoice::Aruco(_) => {
                 matches!(family, TagFamily::Tag16h5 | TagFamily::Tag25h9 | TagFamily::Tag36h11)
             }
-            TagDetectorChoice::Locus(_) => matches!(family, TagFamily::Tag16h5 | TagFamily::Tag36h11),
+            TagDetectorChoice::Locus => matches!(family, TagFamily::Tag16h5 | TagFamily::Tag36h11),
         }
     }
 

@@ -36,7 +36,7 @@ pub use appearance::{Appearance, edge_blurs, paper_levels};
 pub use apriltag_c::AprilTagC;
 pub use blur::{EdgeBlur, HOPELESS_BLUR_PX, limit_scale, sharpest_edges_px, worst_px as worst_blur_px};
 pub use cascade::{Cascade, CoarseToFine};
-pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
+pub use choice::{CornersBy, StartError, TagDetectorChoice};
 pub use expected::{ExpectedTag, StillMissing};
 pub use homography::TagHomography;
 pub use modules::Modules;
@@ -112,7 +112,7 @@ impl TagDetectorChoice {
             TagDetectorChoice::Cascade => Box::new(Cascade::new(families)?),
             TagDetectorChoice::CoarseToFine => Box::new(CoarseToFine::new(families)?),
             TagDetectorChoice::AprilTagC(by) => by.open(AprilTagC::new(families)?),
-            TagDetectorChoice::Aruco(..) | TagDetectorChoice::Locus(_) => rivals::open(self, families)?,
+            TagDetectorChoice::Aruco(_) | TagDetectorChoice::Locus => rivals::open(self, families)?,
         })
     }
 
@@ -135,10 +135,10 @@ impl TagDetectorChoice {
             TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => {
                 format!("{self} on {}", AprilTagC::PROVENANCE)
             }
-            TagDetectorChoice::Aruco(..) => {
+            TagDetectorChoice::Aruco(_) => {
                 format!("{self} of OpenCV {}", rivals::opencv_version().unwrap_or_default())
             }
-            TagDetectorChoice::Locus(_) => format!("{self} on locus-core 0.10"),
+            TagDetectorChoice::Locus => format!("{self} on locus-core 0.10"),
         }
     }
 }

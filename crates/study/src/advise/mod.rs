@@ -17,7 +17,7 @@ use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
 use scaleproof_pose::camera::{Camera, SizeError};
 use scaleproof_pose::scene::Scene;
-use scaleproof_pose::tags::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
+use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 
 use camera_check::Judged;
 pub use figures::{FigureAdvice, advise_figures};
@@ -51,15 +51,6 @@ fn also(disagreeing: usize) -> String {
     })
 }
 
-/// Finders of tags whose corners are then fitted alike: the libraries' own corners are never better.
-const FINDERS: [TagDetectorChoice; 5] = [
-    TagDetectorChoice::Cascade,
-    TagDetectorChoice::CoarseToFine,
-    TagDetectorChoice::AprilTagC(CornersBy::Fit),
-    TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit),
-    TagDetectorChoice::Locus(CornersBy::Fit),
-];
-
 /// Measures every way of every step on the photos of a session. `on_photo` is called after each photo.
 pub fn advise_poses(
     samples: &[Sample],
@@ -72,7 +63,7 @@ pub fn advise_poses(
     }
     let families = scene.families();
     let reads = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
-    let detectors: Vec<TagDetectorChoice> = FINDERS.into_iter().filter(reads).collect();
+    let detectors: Vec<TagDetectorChoice> = TagDetectorChoice::ALL.into_iter().filter(reads).collect();
     let answers_to = |question| Way::answers(question, &detectors, camera);
     let ways: Vec<Way> = Question::ALL.into_iter().flat_map(answers_to).collect();
     let open = || -> Result<Opened, AdviseError> {

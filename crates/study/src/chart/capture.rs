@@ -10,7 +10,7 @@ use scaleproof_photo::photo::{Budget, Photo};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene};
-use scaleproof_pose::tags::{CornersBy, TagDetectorChoice};
+use scaleproof_pose::tags::TagDetectorChoice;
 
 /// What a person who moves a camera does not notice yet: the limits of guided capture for the median and for 95 % of the frames, ms.
 pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
@@ -79,7 +79,7 @@ pub fn measure(
 /// The rows that [`measure`] gives: photos by each detector, and a stream by the one that has a faster search.
 pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
     let all = detectors(scene).into_iter();
-    let fitted = all.filter(|choice| choice.corners_by() == CornersBy::Fit);
+    let fitted = all.filter(|choice| !TagDetectorChoice::PEERS.contains(choice));
     let photos = fitted.map(|choice| (choice, false));
     let stream = [(TagDetectorChoice::default(), true)];
     stream.into_iter().chain(photos).collect()

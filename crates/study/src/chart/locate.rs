@@ -14,7 +14,7 @@ use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{self, Solver};
 use scaleproof_pose::scene::{Scene, Viewpoint};
-use scaleproof_pose::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
+use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
 use scaleproof_session::session::Session;
 
 /// How many of the camera file's distortion coefficients are used: none (`pinhole`), the first alone (`k1`) or all (`full`).
@@ -120,15 +120,11 @@ impl LocateRow {
     }
 }
 
-/// The tag detectors that are compared: those that read the scene's families. Of OpenCV's refiners followed by the common fit only the
-/// fastest is: the fit replaces what they differ in.
+/// The tag detectors that are compared, libraries with their own corners last: those that read the scene's families.
 pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
-    let is_compared = |choice: &TagDetectorChoice| {
-        let is_refined_twice =
-            matches!(choice, TagDetectorChoice::Aruco(refiner, CornersBy::Fit) if *refiner != ArucoRefiner::None);
-        !is_refined_twice && scene.families().iter().all(|family| choice.reads(*family))
-    };
-    TagDetectorChoice::ALL.into_iter().filter(is_compared).collect()
+    let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
+    let all = TagDetectorChoice::ALL.into_iter().chain(TagDetectorChoice::PEERS);
+    all.filter(reads_all).collect()
 }
 
 /// Measures every combination, one photo after the other on one thread. `on_done` is called after each photo of each

@@ -74,7 +74,7 @@ impl<'a, R> ChartNumbers<'a, R> {
             .iter()
             .map(|path| files::hashed(path))
             .collect::<Result<Vec<_>, _>>()?;
-        let detectors = TagDetectorChoice::ALL.iter();
+        let detectors = TagDetectorChoice::ALL.iter().chain(&TagDetectorChoice::PEERS);
         Ok(Self {
             scaleproof: env!("CARGO_PKG_VERSION"),
             session: distinct(sessions.iter().map(|session| session.name.as_str())).join(", "),

@@ -409,7 +409,7 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let compared = [
         TagDetectorChoice::default(),
         TagDetectorChoice::AprilTagC(CornersBy::Library),
-        TagDetectorChoice::Locus(CornersBy::Fit),
+        TagDetectorChoice::Locus,
     ];
     compared.into_iter().filter(reads_all).collect()
 }

@@ -1,7 +1,5 @@
 //! Why a running camera gives nothing.
 
-use crate::capture::tether::TetherError;
-
 /// Why a running camera gives nothing, as a clause; the source says which camera it is.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LiveCameraError {
@@ -22,8 +20,6 @@ pub enum LiveCameraError {
     NoImage { seconds: u64 },
     #[error("its images are {} × {} px, of another shape than the camera file's", size[0], size[1])]
     OtherShape { size: [u32; 2] },
-    #[error(transparent)]
-    Tethered(#[from] TetherError),
     /// It will give no more, whatever is tried: why, as a clause.
     #[error("{0}")]
     Ended(String),
@@ -35,6 +31,6 @@ pub enum LiveCameraError {
 impl LiveCameraError {
     /// Whether it is over at once, instead of after several tries.
     pub(super) fn is_final(&self) -> bool {
-        matches!(self, LiveCameraError::Ended(_) | LiveCameraError::Tethered(_))
+        matches!(self, LiveCameraError::Ended(_))
     }
 }

@@ -1,8 +1,8 @@
-//! JPEG files one behind the other in a stream of bytes, as `gphoto2 --capture-movie` and ffmpeg's `mjpeg` write them.
+//! JPEG files one behind the other in a stream of bytes, as ffmpeg's `mjpeg` writes them.
 
 use std::io::{self, Read};
 
-/// No image of a live view or of a network camera has more bytes.
+/// No image of a network camera has more bytes.
 const MOST_BYTES: usize = 32 << 20;
 const READ: usize = 64 << 10;
 

@@ -57,8 +57,6 @@ pub enum LiveName {
     Number(u32),
     /// A stream, by its address without passwords.
     Stream(String),
-    /// The live view of a tethered camera of this model.
-    Tethered(String),
 }
 
 impl LiveName {
@@ -66,7 +64,6 @@ impl LiveName {
         match self.clone() {
             LiveName::Number(number) => SourceError::NoCamera { number, reason },
             LiveName::Stream(address) => SourceError::NoStream { address, reason },
-            LiveName::Tethered(model) => SourceError::NoLiveView { model, reason },
         }
     }
 
@@ -74,7 +71,6 @@ impl LiveName {
         match self.clone() {
             LiveName::Number(number) => SourceError::CameraGone { number, reason },
             LiveName::Stream(address) => SourceError::StreamGone { address, reason },
-            LiveName::Tethered(model) => SourceError::NoLiveView { model, reason },
         }
     }
 
@@ -82,7 +78,6 @@ impl LiveName {
         match self {
             LiveName::Number(number) => format!("camera {number} image {count}"),
             LiveName::Stream(_) => format!("stream image {count}"),
-            LiveName::Tethered(_) => format!("live view {count}"),
         }
     }
 }
@@ -152,7 +147,7 @@ impl LiveCamera {
         let seconds = limit.as_secs();
         let too_late = match &name {
             LiveName::Stream(_) => LiveCameraError::NoImage { seconds },
-            _ => LiveCameraError::SlowToOpen { seconds },
+            LiveName::Number(_) => LiveCameraError::SlowToOpen { seconds },
         };
         let opened = shared.wait(limit, too_late, |state| state.is_open.then_some(()));
         opened.map_err(|reason| name.unusable(reason))?;

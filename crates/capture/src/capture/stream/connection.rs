@@ -86,7 +86,7 @@ impl MotionJpeg {
     }
 
     /// Why it has ended, by what ffmpeg said.
-    fn reason(&self) -> String {
+    fn reason(&mut self) -> String {
         self.program.ended_within(Duration::from_secs(1));
         let said = self.address.without_secrets(&self.program.said());
         let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();

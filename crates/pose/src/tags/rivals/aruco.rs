@@ -1,4 +1,4 @@
-//! OpenCV's ArUco detector, with each of its corner refiners.
+//! OpenCV's ArUco detector.
 
 use image::GrayImage;
 use opencv::core::Mat;
@@ -6,35 +6,27 @@ use opencv::core::Mat;
 use super::markers::{MarkerSearch, SeenMarker};
 use crate::scene::TagFamily;
 use crate::tags::search::{Found, Search};
-use crate::tags::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
+use crate::tags::{CornersBy, StartError, TagDetectorChoice};
 
-pub(super) struct ArucoOpenCv {
-    searches: Vec<(TagFamily, MarkerSearch)>,
-    /// Where the refiner has the centre of the first pixel, px.
-    pixel_centre: f64,
-}
+pub(super) struct ArucoOpenCv(Vec<(TagFamily, MarkerSearch)>);
 
 impl ArucoOpenCv {
-    pub(super) fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
-        let choice = TagDetectorChoice::Aruco(refiner, CornersBy::Fit);
-        let start = |family| MarkerSearch::new(dictionary(family), 1, refiner).map_err(|e| e.message);
-        Ok(ArucoOpenCv {
-            searches: choice.for_each_family(families, start)?,
-            // Measured on rendered tags: OpenCV's copy of AprilTag keeps that library's convention.
-            pixel_centre: if refiner == ArucoRefiner::AprilTag { 0.5 } else { 0.0 },
-        })
+    pub(super) fn new(families: &[TagFamily], by: CornersBy) -> Result<ArucoOpenCv, StartError> {
+        let choice = TagDetectorChoice::Aruco(by);
+        let start = |family| MarkerSearch::new(dictionary(family), 1, by).map_err(|e| e.message);
+        Ok(ArucoOpenCv(choice.for_each_family(families, start)?))
     }
 }
 
 impl Search for ArucoOpenCv {
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
-        for (family, search) in &self.searches {
+        for (family, search) in &self.0 {
             // An exception of OpenCV is an image it finds nothing in.
             let seen = find(grey, search).unwrap_or_default();
             found.extend(seen.into_iter().filter_map(|marker| {
                 // OpenCV's image of an AprilTag is the tag turned by 180°, so its first corner is our third.
-                let [a, b, c, d] = marker.corners_px.map(|corner| corner.map(|v| v - self.pixel_centre));
+                let [a, b, c, d] = marker.corners_px;
                 Some(Found {
                     family: *family,
                     id: u32::try_from(marker.id).ok()?,

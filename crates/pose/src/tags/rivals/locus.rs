@@ -6,7 +6,7 @@ use locus_core::{Detector, DetectorBuilder, DetectorConfig, ImageView};
 
 use crate::scene::TagFamily;
 use crate::tags::search::{Found, Search};
-use crate::tags::{CornersBy, StartError, TagDetectorChoice};
+use crate::tags::{StartError, TagDetectorChoice};
 
 /// locus-core at full size. Its detections do not say which family they belong to, so each family gets a detector.
 pub(super) struct Locus(Vec<(TagFamily, Detector)>);
@@ -53,7 +53,7 @@ impl Locus {
             let builder = DetectorBuilder::new().with_config(config).with_threads(1);
             builder.with_family(family).validated_build()
         };
-        let choice = TagDetectorChoice::Locus(CornersBy::Fit);
+        let choice = TagDetectorChoice::Locus;
         Ok(Locus(choice.for_each_family(families, start)?))
     }
 }

@@ -15,7 +15,7 @@ use opencv::objdetect::{
 };
 use opencv::prelude::*;
 
-use crate::tags::{ArucoRefiner, Modules};
+use crate::tags::{CornersBy, Modules};
 
 /// One square marker: OpenCV's id, and its corners in px, clockwise from OpenCV's first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,20 +32,19 @@ pub struct MarkerSearch {
 }
 
 impl MarkerSearch {
-    /// For OpenCV's dictionary of this number, whose markers have black borders of so many modules.
+    /// For OpenCV's dictionary of this number, whose markers have black borders of so many modules. Corners are as the outline gives them; as the
+    /// library's own they are moved by `cornerSubPix`.
     ///
     /// # Errors
     /// An exception of OpenCV, as for a number that it does not have.
-    pub fn new(dictionary: i32, border_modules: i32, refiner: ArucoRefiner) -> opencv::Result<Self> {
+    pub fn new(dictionary: i32, border_modules: i32, by: CornersBy) -> opencv::Result<Self> {
         let dictionary = get_predefined_dictionary_i32(dictionary)?;
         let mut parameters = DetectorParameters::default()?;
         parameters.set_marker_border_bits(border_modules);
-        parameters.set_corner_refinement_method(match refiner {
-            // The numbers of OpenCV's `CornerRefineMethod`, the same in both modules.
-            ArucoRefiner::None => 0,
-            ArucoRefiner::Subpix => 1,
-            ArucoRefiner::Contour => 2,
-            ArucoRefiner::AprilTag => 3,
+        // The numbers of OpenCV's `CornerRefineMethod`, the same in both modules.
+        parameters.set_corner_refinement_method(match by {
+            CornersBy::Fit => 0,
+            CornersBy::Library => 1,
         });
         #[cfg(not(opencv_aruco_in_objdetect))]
         let detector = (dictionary, Ptr::new(parameters));
@@ -157,7 +156,7 @@ impl MarkerDictionary {
 pub fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSearch, DictionaryError> {
     let (name, number) = known(dictionary)?;
     let border_modules = i32::try_from(border_modules).unwrap_or(i32::MAX);
-    MarkerSearch::new(number, border_modules, ArucoRefiner::None).map_err(|e| failed(name, e))
+    MarkerSearch::new(number, border_modules, CornersBy::Fit).map_err(|e| failed(name, e))
 }
 
 fn known(name: &str) -> Result<(&'static str, i32), DictionaryError> {

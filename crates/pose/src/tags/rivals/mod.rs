@@ -6,8 +6,9 @@ mod markers;
 
 use image::GrayImage;
 
+use super::fit::WithFittedCorners;
 use super::search::{Found, Search, Strength};
-use super::{ArucoRefiner, CornersBy, StartError, TagDetector, TagDetectorChoice};
+use super::{CornersBy, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 use aruco::ArucoOpenCv;
 use locus::Locus;
@@ -39,7 +40,7 @@ pub(super) fn finders(strength: Strength, families: &[TagFamily]) -> Result<Vec<
         finders.push(Box::new(start(&read)?));
     }
     if let (Some(read), Strength::Speed | Strength::SmallTags) = (read_by(ARUCO, families), strength) {
-        let aruco = ArucoOpenCv::new(&read, ArucoRefiner::None)?;
+        let aruco = ArucoOpenCv::new(&read, CornersBy::Fit)?;
         finders.push(match strength {
             Strength::SmallTags => Box::new(Enlarged(aruco)),
             _ => Box::new(aruco),
@@ -48,8 +49,8 @@ pub(super) fn finders(strength: Strength, families: &[TagFamily]) -> Result<Vec<
     Ok(finders)
 }
 
-const LOCUS: TagDetectorChoice = TagDetectorChoice::Locus(CornersBy::Fit);
-const ARUCO: TagDetectorChoice = TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit);
+const LOCUS: TagDetectorChoice = TagDetectorChoice::Locus;
+const ARUCO: TagDetectorChoice = TagDetectorChoice::Aruco(CornersBy::Fit);
 
 /// The families that a detector reads; `None` when there are none.
 fn read_by(detector: TagDetectorChoice, families: &[TagFamily]) -> Option<Vec<TagFamily>> {
@@ -59,10 +60,9 @@ fn read_by(detector: TagDetectorChoice, families: &[TagFamily]) -> Option<Vec<Ta
 
 /// Starts a detector of OpenCV or locus-core.
 pub(super) fn open(detector: TagDetectorChoice, families: &[TagFamily]) -> Result<Box<dyn TagDetector>, StartError> {
-    let by = detector.corners_by();
     Ok(match detector {
-        TagDetectorChoice::Aruco(refiner, _) => by.open(ArucoOpenCv::new(families, refiner)?),
-        _ => by.open(Locus::new(families)?),
+        TagDetectorChoice::Aruco(by) => by.open(ArucoOpenCv::new(families, by)?),
+        _ => Box::new(WithFittedCorners(Locus::new(families)?)),
     })
 }
 
