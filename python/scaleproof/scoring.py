@@ -445,7 +445,9 @@ def plan(
     among = None if comparisons is None else "x".join(str(number) for number in comparisons)
     where = [] if session is None else (session if isinstance(session, Session) else Session(session))._words
     found = answer("plan", *where, *options(drop=drop, power=power, comparisons=among))
-    return Plan(*(found[name] for name in ("drop", "power", "detectors", "textures", "views", "places", "photos")), json=found)
+    names = "drop power detectors textures views places photos".split()
+    drop, power, detectors, textures, views, places, photos = (found[name] for name in names)
+    return Plan(drop, power, detectors, textures, views, places, photos, found)
 
 
 def ap(

@@ -96,7 +96,7 @@ def test_figures_are_those_of_the_program(recorded, tmp_path):
     assert recorded.to_html() == (tmp_path / "here/report.html").read_text()
     assert recorded.to_latex() == (tmp_path / "here/table.tex").read_text()
     assert recorded.summary("yolox_nano", "normal").overall.hit_rate.count == 6
-    assert "<table>" in recorded._repr_html_() and "yolox_nano" in str(recorded)
+    assert "<table>" in recorded._repr_html_() and "YOLOX-Nano 416" in str(recorded)
 
 
 def test_a_function_that_finds_what_is_recorded_has_the_recorded_figures(recorded):

@@ -128,7 +128,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let mut comparison = score::compare(&scores, &base, criteria.ap)?;
     let looks = args.looks.sequential.map(|by| (by, args.looks.least));
     if let Some((by, least)) = looks.or_else(|| plan.as_ref()?.0.stopping.looks()) {
-        comparison.sequential = Some(score::sequential(&scores, &base, by, least)?);
+        let looks = score::sequential(&scores, &base, by, least)?;
+        score::decide_by_looks(&mut comparison, looks);
     }
     if let Some((plan, mut kept)) = plan {
         plan.judge(&mut comparison);

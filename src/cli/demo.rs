@@ -71,18 +71,17 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let pdf = args.output.join("template.pdf");
     // The published tile size, 16 cells over 118 mm at 1:10.
     let printed = print_template(&pattern, "random16.png", 118.0, &pdf)?;
-    writeln!(
-        out,
-        "{} renders of a 1:10 car: plain (normal), in random colours (random), in a pattern made against two other detectors (two_targets)",
-        session.photos.len()
-    )?;
     let located = if args.telling.all {
-        writeln!(out, "\n{printed}\n")?;
+        writeln!(out, "{printed}\n")?;
         locate::count_located(&session, Some(out))?
     } else {
         locate::count_located(&session, None)?
     };
-    writeln!(out, "{located} of them located by their tags")?;
+    writeln!(
+        out,
+        "{located} of {} renders of a 1:10 car are located by their tags: plain (normal), in random colours (random), in a pattern made against two other detectors (two_targets)",
+        session.photos.len()
+    )?;
     let detectors = detectors(&session, &args.folder.folders()?, out)?;
     let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &detectors)?;
     let scores = score::score_with_progress(vec![session], detectors, &Options::default())?;

@@ -61,7 +61,12 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
         box_labels: counted::box_labels(scores),
         cautions: &scores.cautions,
         effects: tables::effects(scores, &comparison.results, &comparison.base).json(),
-        paper: paper::sentences(scores, &comparison.results, &comparison.base, comparison.plan.as_ref()),
+        paper: paper::sentences(
+            scores,
+            &comparison.results,
+            &comparison.base,
+            paper::Judged::of(comparison),
+        ),
         not_scored: &scores.not_scored,
         definitions: comparison_definitions().collect(),
         provenance: provenance::from_scores(scores),
@@ -92,7 +97,12 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
 
 /// What a screen leaves out: what may be written, the drop of each figure with its interval, how effects were decided, and what counts as the model.
 pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
-    let mut lines = paper::sentences(scores, &comparison.results, &comparison.base, comparison.plan.as_ref());
+    let mut lines = paper::sentences(
+        scores,
+        &comparison.results,
+        &comparison.base,
+        paper::Judged::of(comparison),
+    );
     lines.push(String::new());
     let control = comparison.control.iter().flat_map(|control| &control.results);
     for r in comparison.results.iter().chain(control) {
@@ -106,7 +116,7 @@ pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
         lines.push(line("hit rate", r, &r.hit_rate.rate));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50));
     }
-    lines.extend(certainty::tested(scores, &comparison.results));
+    lines.extend(certainty::tested(scores, &comparison.results).filter(|_| comparison.sequential.is_none()));
     if let Some(protocol) = scores.criteria.protocol {
         lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
     }

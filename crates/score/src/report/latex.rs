@@ -27,12 +27,12 @@ fn comment(scores: &Scores) -> String {
         criteria.match_iou(),
         scores.base.replace(char::is_control, " "),
         commented(scores),
-        below(scores, all_paired(scores)),
+        below(scores, all_paired(scores), false),
     )
 }
 
 /// What stands below the notes of a table: how effects were decided, rates without an interval, and every caution; a line each.
-fn below(scores: &Scores, results: &[Compared]) -> String {
+fn below(scores: &Scores, results: &[Compared], is_by_looks: bool) -> String {
     let open = results.iter().flat_map(|r| {
         let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
         let is_open = |d: &Difference| d.asr.is_some() && d.asr_interval_95.is_none();
@@ -45,6 +45,7 @@ fn below(scores: &Scores, results: &[Compared]) -> String {
     let cautions = scores.cautions.iter().map(|caution| format!("Note: {caution}"));
     comments(
         certainty::tested(scores, results)
+            .filter(|_| !is_by_looks)
             .into_iter()
             .chain(open)
             .chain(cautions),
@@ -77,7 +78,7 @@ pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         scores.criteria.hit().replace('≥', ">="),
         protocol.unwrap_or_default(),
         commented(scores),
-        below(scores, &comparison.results)
+        below(scores, &comparison.results, comparison.sequential.is_some())
     );
     let p = |p: Option<f64>| {
         let p = p.map(|p| p_value(p).replace("= ", "").replace("< ", "$<$").replace("> ", "$>$"));
@@ -153,14 +154,22 @@ fn endpoint<'a>(
         });
         std::iter::once(title).chain(rows).collect()
     });
-    let notes = [
-        EFFECTS.to_owned(),
-        format!(
-            "Bold: shown; {}, joint sign flips.",
-            certainty::family(&comparison.results).replace('×', "$\\times$")
-        ),
-    ];
-    let notes = notes.map(|note| across(format!("\\scriptsize {note}"))).to_vec();
+    let decided = if comparison.sequential.is_some() {
+        "bets, however often one looks"
+    } else {
+        "joint sign flips"
+    };
+    let family = certainty::family(&comparison.results).replace('×', "$\\times$");
+    let bold = format!("Bold: shown; {family}, {decided}.");
+    let notes = match name {
+        "Mean confidence" => vec![EFFECTS.to_owned(), bold],
+        "Hit rate" => vec![bold],
+        _ => vec!["By intervals alone.".to_owned()],
+    };
+    let notes = notes
+        .into_iter()
+        .map(|note| across(format!("\\scriptsize {note}")))
+        .collect();
     let table = tabular(
         &format!("@{{}}{columns}@{{}}"),
         std::iter::once(vec![head]).chain(blocks).chain([notes]),

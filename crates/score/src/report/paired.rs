@@ -101,6 +101,25 @@ fn elsewhere(r: &Compared) -> Option<String> {
     })
 }
 
+/// Whether an effect is withheld for a reason, and the reason.
+pub(super) type Withheld = (fn(&Compared) -> bool, &'static str);
+
+pub(super) const WITHHELD: [Withheld; 2] = [
+    (
+        |r| r.finding.is_some_and(|finding| finding.withheld_for_copies),
+        "it rests on photos that show the same moment again",
+    ),
+    (
+        |r| r.finding.is_some_and(|finding| finding.withheld_by_control.is_some()),
+        "a second plain round, the control, moved the detector by as much",
+    ),
+];
+
+/// True where an effect was found that does not count.
+pub(super) fn is_withheld(r: &Compared) -> bool {
+    r.effect() == Effect::NothingShown && WITHHELD.iter().any(|(is_so, _)| is_so(r))
+}
+
 /// True where a change of the mean confidence is shown.
 pub(super) fn is_confidence_shown(r: &Compared) -> bool {
     r.effect().is_shown()

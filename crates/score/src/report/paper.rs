@@ -1,13 +1,30 @@
 //! What may be written in a paper about a comparison, with its caveats, ready to paste.
 
-use super::paired::named_base;
+use super::paired::{WITHHELD, is_withheld, named_base};
 use super::{p_value, verdict};
-use crate::score::{Compared, Effect, PlanCheck, Scores};
+use crate::score::{Compared, Comparison, Effect, PlanCheck, Scores};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_plot::distinct;
 
+/// By what a comparison was decided, where not by one look at the confidences.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Judged<'a> {
+    pub plan: Option<&'a PlanCheck>,
+    /// True where each pair or place was looked at.
+    pub is_by_looks: bool,
+}
+
+impl<'a> Judged<'a> {
+    pub(super) fn of(comparison: &'a Comparison) -> Judged<'a> {
+        Judged {
+            plan: comparison.plan.as_ref(),
+            is_by_looks: comparison.sequential.is_some(),
+        }
+    }
+}
+
 /// A sentence or two for each texture, then one on how it was decided and how far it holds. Nothing where nothing was tested.
-pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str, plan: Option<&PlanCheck>) -> Vec<String> {
+pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Vec<String> {
     let tested: Vec<&Compared> = results.iter().filter(|r| r.finding.is_some()).collect();
     let textures = distinct(tested.iter().map(|r| r.variant.as_str()));
     let own = |texture: &str| -> Vec<&Compared> { tested.iter().filter(|r| r.variant == texture).copied().collect() };
@@ -16,7 +33,7 @@ pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str, plan:
         .flat_map(|texture| of_texture(scores, &own(texture), base))
         .collect();
     if !all.is_empty() {
-        all.push(method(plan));
+        all.push(method(judged.plan, judged.is_by_looks));
         all.push(reach(scores, &tested));
     }
     all
@@ -52,7 +69,8 @@ fn of_texture(scores: &Scores, own: &[&Compared], base: &str) -> Vec<String> {
         )
     });
     let mut sentences: Vec<String> = shown.collect();
-    let nothing = with(&[Effect::NothingShown]);
+    let (withheld, nothing): (Vec<&Compared>, Vec<&Compared>) =
+        with(&[Effect::NothingShown]).into_iter().partition(|r| is_withheld(r));
     if !nothing.is_empty() {
         let names: Vec<&str> = nothing.iter().map(|r| scores.title(&r.detector)).collect();
         let on = if sentences.is_empty() {
@@ -61,6 +79,20 @@ fn of_texture(scores: &Scores, own: &[&Compared], base: &str) -> Vec<String> {
             "No change".to_owned()
         };
         sentences.push(format!("{on} was shown for {}{}.", names.join(", "), power(&nothing)));
+    }
+    for (is_so, why) in WITHHELD {
+        let names: Vec<&str> = withheld
+            .iter()
+            .filter(|r| is_so(r))
+            .map(|r| scores.title(&r.detector))
+            .collect();
+        if !names.is_empty() {
+            sentences.push(format!(
+                "What was seen of {} by “{}” is withheld: {why}.",
+                names.join(", "),
+                first.variant
+            ));
+        }
     }
     let unseen = with(&[Effect::BaseUnseen]);
     if !unseen.is_empty() {
@@ -99,15 +131,20 @@ fn change(scores: &Scores, r: &Compared) -> String {
     )
 }
 
-/// How large a drop would have been shown.
+/// How large a drop would have been shown, as far as that can be said of each, or how many views are missing before anything can be.
 fn power(nothing: &[&Compared]) -> String {
-    let drops = nothing.iter().filter_map(|r| r.finding?.drop_shown_from);
-    let (least, most) = drops.fold((f64::INFINITY, 0.0), |(least, most), drop| {
+    let missing = nothing.iter().filter_map(|r| Some(r.finding?.views_missing)).max();
+    if let Some(more @ 1..) = missing {
+        let views = spelling::count(more, "view");
+        return format!(", as nothing can be with {views} fewer than are needed");
+    }
+    let drops: Option<Vec<f64>> = nothing.iter().map(|r| r.finding?.drop_shown_from).collect();
+    let Some(drops) = drops else {
+        return String::new();
+    };
+    let (least, most) = drops.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), drop| {
         (drop.min(least), drop.max(most))
     });
-    if most == 0.0 {
-        return String::new();
-    }
     let [least, most] = [least, most].map(|drop| digits(drop, 2));
     let range = if least == most {
         least
@@ -117,7 +154,10 @@ fn power(nothing: &[&Compared]) -> String {
     format!(", where a drop of {range} would have been shown with a power of 0.8")
 }
 
-fn method(plan: Option<&PlanCheck>) -> String {
+fn method(plan: Option<&PlanCheck>, is_by_looks: bool) -> String {
+    if is_by_looks {
+        return "The photos were looked at pair by pair; significance is by bets on the paired differences (Waudby-Smith and Ramdas 2024), corrected for the detectors by Holm and for the number of textures, and holds however often one looks.".to_owned();
+    }
     if plan.is_some_and(|plan| plan.judged_by_hit_rate) {
         return "As sealed before the photos, findings rest on McNemar's exact test of the hit rate, corrected by Holm; confidence intervals are bootstrapped by view and uncorrected.".to_owned();
     }

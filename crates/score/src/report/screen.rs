@@ -40,7 +40,12 @@ pub fn further_tables(scores: &Scores) -> String {
     }
     lines.extend(disagreements(scores).into_iter().map(|sentence| sentence + "."));
     lines.extend(certainty::tested(scores, results).map(|sentence| sentence + "."));
-    lines.extend(paper::sentences(scores, results, &scores.base, None));
+    lines.extend(paper::sentences(
+        scores,
+        results,
+        &scores.base,
+        paper::Judged::default(),
+    ));
     lines.push(format!("counts as the model: {}", counted(scores)));
     lines.push(format!(
         "AP@0.5: {} ({}); a hit: {}",

@@ -92,7 +92,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         speed: speeds,
         cautions: &scores.cautions,
         effects: tables::effects(scores, paired(scores), &scores.base).json(),
-        paper: paper::sentences(scores, paired(scores), &scores.base, None),
+        paper: paper::sentences(scores, paired(scores), &scores.base, paper::Judged::default()),
         not_scored: &scores.not_scored,
         definitions: scores.criteria.definitions().into_iter().collect(),
         provenance: provenance::from_scores(scores),

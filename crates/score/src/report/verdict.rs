@@ -5,6 +5,9 @@ use crate::score::{Compared, Effect, Scores};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 
+/// Words of a sentence.
+const MOST_WORDS: usize = 25;
+
 /// So many detectors are named in a sentence; more are counted.
 const MOST_NAMED: usize = 2;
 
@@ -33,6 +36,15 @@ pub(super) fn are_renders(scores: &Scores) -> bool {
 }
 
 fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -> String {
+    let with_names = worded(scores, results, [texture, base], MOST_NAMED);
+    if with_names.split_whitespace().count() <= MOST_WORDS {
+        return with_names;
+    }
+    worded(scores, results, [texture, base], 0)
+}
+
+/// The sentence, in which groups of no more than so many detectors are named.
+fn worded(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2], most_named: usize) -> String {
     let own = results.iter().filter(|r| r.variant == texture && r.finding.is_some());
     let own: Vec<&Compared> = own.collect();
     let of = |effect: Effect| -> Vec<&str> {
@@ -45,27 +57,31 @@ fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -
         (of(Effect::Strengthens), "strengthens"),
     ];
     let shown: Vec<&(Vec<&str>, &str)> = verbs.iter().filter(|(names, _)| !names.is_empty()).collect();
-    let is_few = shown.iter().map(|(names, _)| names.len()).sum::<usize>() <= MOST_NAMED;
+    let is_few = shown.iter().map(|(names, _)| names.len()).sum::<usize>() <= most_named;
     let shown: Vec<String> = shown
         .iter()
         .enumerate()
         .map(|(i, (names, verb))| format!("{verb} {}", detectors(names, own.len(), i == 0, is_few)))
         .collect();
     let (nothing, unseen) = (of(Effect::NothingShown), of(Effect::BaseUnseen));
+    let withheld = match own.iter().filter(|r| paired::is_withheld(r)).count() {
+        0 => String::new(),
+        n => format!(" ({n} withheld)"),
+    };
     let mut parts = Vec::new();
     if shown.is_empty() {
-        let on = |names: &[&str]| detectors(names, own.len(), true, names.len() <= MOST_NAMED);
+        let on = |names: &[&str]| detectors(names, own.len(), true, names.len() <= most_named);
         if !nothing.is_empty() {
-            parts.push(format!("nothing is shown of “{texture}” on {}", on(&nothing)));
+            parts.push(format!("nothing is shown of “{texture}” on {}{withheld}", on(&nothing)));
         }
     } else {
         parts.push(format!("in the same light, “{texture}” {}", shown.join(" and ")));
         if !nothing.is_empty() {
-            parts.push(format!("nothing is shown for {}", nothing.len()));
+            parts.push(format!("nothing is shown for {}{withheld}", nothing.len()));
         }
     }
     if !unseen.is_empty() {
-        let who = detectors(&unseen, own.len(), parts.is_empty(), unseen.len() == 1);
+        let who = detectors(&unseen, own.len(), parts.is_empty(), unseen.len() <= most_named.min(1));
         parts.push(format!("{who} cannot tell, not seeing {}", paired::named_base(base)));
     }
     capitalised(&parts.join("; "))
@@ -86,7 +102,7 @@ fn detectors(names: &[&str], all: usize, is_first: bool, are_named: bool) -> Str
     }
 }
 
-fn capitalised(text: &str) -> String {
+pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters
         .next()

@@ -38,10 +38,10 @@ mod worn;
 pub use cache::Cache;
 pub use compare::{
     ClusteredBy, CompareError, Compared, Comparison, Control, Course, Decision, Difference, Effect, Expected, FewViews,
-    Finding, InPlacesLikeThese, Observed, PLAN_EXPERIMENTS, PLAN_SEED, PlanCheck, PlanError, Question, SEQUENTIAL_ROWS,
-    Sequential, SequentialFinding, SequentialPlan, Spread, SpreadFrom, ViewsNeeded, check_control, compare,
-    compare_with, decide, most_telling, moved_drops, paired, paired_control, paired_photos, sequential,
-    sequential_plan,
+    Finding, InPlacesLikeThese, MOST_HIT, Observed, PLAN_EXPERIMENTS, PLAN_SEED, PlanCheck, PlanError, Question,
+    SEQUENTIAL_ROWS, Sequential, SequentialFinding, SequentialPlan, Spread, SpreadFrom, ViewsNeeded, check_control,
+    compare, compare_with, decide, decide_by_looks, most_telling, moved_drops, paired, paired_control, paired_photos,
+    sequential, sequential_plan,
 };
 pub use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;

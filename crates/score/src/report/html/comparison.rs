@@ -3,6 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::{Section, first, interval_chart, notes, pairs, sequential, shell};
+use crate::report::paper::Judged;
 use crate::report::{certainty, number, paired, tables};
 use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Anchor::{End, Middle, Start};
@@ -29,7 +30,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
         ),
         ("pairs", "Photos side by side", pairs::section(scores, comparison)),
     ];
-    let method = notes::method(scores, results, base, comparison.plan.as_ref());
+    let method = notes::method(scores, results, base, Judged::of(comparison));
     let folded = [
         ("method", "How this was decided, and what to write", method),
         ("drops", "Drops of the hit rate and of AP", drops(scores, comparison)),

@@ -4,6 +4,7 @@ use maud::html;
 
 use super::{ACROSS, Section, first, lead, notes, patterns, shell};
 use crate::report::evaluation::Evaluation;
+use crate::report::paper::Judged;
 use crate::report::tables;
 use crate::score::BASE_VARIANT;
 use scaleproof_core::spelling;
@@ -13,7 +14,7 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let against_base = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT);
     let results = against_base.map_or(&[][..], |comparison| &comparison.results);
     let chance = evaluation.comparisons.first().map_or(String::new(), notes::bootstrap);
-    let method = notes::method(scores, results, BASE_VARIANT, None);
+    let method = notes::method(scores, results, BASE_VARIANT, Judged::default());
     let tables = tables::by_pattern(evaluation, ACROSS).into_iter();
     let tables = html! { @for table in tables { h3 { (table.caption) } (table.markup()) } };
     let mut sections = vec![Section::open("tables", "Tables of DTA's paper", tables)];

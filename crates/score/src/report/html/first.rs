@@ -20,7 +20,7 @@ pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Marku
         }
         @if !scores.cautions.is_empty() {
             h3 { "To know before believing it" }
-            ul.cautions { @for caution in &scores.cautions { li { (caution) "." } } }
+            ul.cautions { @for caution in &scores.cautions { li { (verdict::capitalised(caution)) "." } } }
         }
     }
 }

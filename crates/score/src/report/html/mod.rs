@@ -23,6 +23,7 @@ mod strip;
 
 use maud::{Markup, PreEscaped, html};
 
+use crate::report::paper::Judged;
 use crate::report::{Table, tables, verdict};
 use crate::score::{EvaluatedDetector, Scores, Summary, paired as all_paired};
 use scaleproof_core::spelling;
@@ -103,7 +104,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
     let conditions: Vec<Table> = tables::conditions(scores);
     let conditions = (!conditions.is_empty()).then(|| html! { @for condition in conditions { (table(condition)) } });
-    let method = notes::method(scores, all_paired(scores), &scores.base, None);
+    let method = notes::method(scores, all_paired(scores), &scores.base, Judged::default());
     let chance = "the bootstrap behind the intervals of drops has its own seed";
     let open = [
         ("conditions", "By condition", conditions),

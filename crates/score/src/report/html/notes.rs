@@ -3,16 +3,17 @@
 use maud::{Markup, html};
 
 use super::{heads, table};
+use crate::report::paper::Judged;
 use crate::report::{certainty, counted, paper, provenance, truth_boxes};
-use crate::score::{Compared, Comparison, NotScored, PlanCheck, Scores, disagreements};
+use crate::score::{Compared, Comparison, NotScored, Scores, disagreements};
 use scaleproof_core::spelling;
 
 /// How effects were decided and how far they hold, where AP and hits disagree, and what may be written of it all.
-pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, plan: Option<&PlanCheck>) -> Markup {
-    let paper = paper::sentences(scores, results, base, plan);
+pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Markup {
+    let paper = paper::sentences(scores, results, base, judged);
     html! {
         @if !paper.is_empty() { h3 { "To write in a paper" } p { (paper.join(" ")) } }
-        @if let Some(sentence) = certainty::tested(scores, results) { h3 { "How effects were decided" } p { (sentence) "." } }
+        @if let Some(sentence) = certainty::tested(scores, results).filter(|_| !judged.is_by_looks) { h3 { "How effects were decided" } p { (sentence) "." } }
         @for sentence in disagreements(scores) { p.explained { (sentence) "." } }
         p {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }

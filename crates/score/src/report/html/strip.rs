@@ -32,7 +32,7 @@ pub(super) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup 
             }
             p.note.under {
                 (base) " | " (strip.texture) ", as " (title) " sees them, with its confidence"
-                @if i + 1 == strips.len() { " (dashed: the model; blue: found; orange: taken for something else)" } "."
+                @if i == 0 { " (dashed: the model; blue: found; orange: taken for something else)" } "."
             }
         }
     }

@@ -1,6 +1,28 @@
 //! A table in lines of plain text.
 
-use super::{Cell, Side, Table};
+use super::{Cell, Side, Table, Value};
+
+/// Columns that a screen always has.
+const FEWEST: usize = 4;
+
+/// Letters of a name on a screen.
+const NAME: usize = 22;
+
+impl Cell {
+    /// Takes letters out of the middle of a long name: of names that differ at either end both ends are kept.
+    fn shorten(&mut self) {
+        let Value::Text(name) = &mut self.value else { return };
+        let letters: Vec<char> = name.chars().collect();
+        if letters.len() > NAME {
+            let (first, last) = (NAME / 2, NAME - NAME / 2 - 1);
+            let kept = letters[..first]
+                .iter()
+                .chain(['…'].iter())
+                .chain(&letters[letters.len() - last..]);
+            *name = kept.collect();
+        }
+    }
+}
 
 impl Table {
     /// The headings, then a line for each row, its columns two spaces apart.
@@ -23,13 +45,17 @@ impl Table {
         rows.iter().map(line).collect()
     }
 
-    /// The lines of a screen so many letters wide: the last columns are left out where they have no room, but never the first two.
+    /// The lines of a screen so many letters wide: long names in the first two columns are shortened in their middle, and the last columns are left out where they have no
+    /// room, but never the first four.
     pub fn lines_within(&self, letters: usize) -> Vec<String> {
         let mut narrow = self.clone();
+        for row in narrow.blocks.iter_mut().flatten() {
+            row.iter_mut().take(2).for_each(Cell::shorten);
+        }
         loop {
             let lines = narrow.lines();
             let is_wider = lines.iter().any(|line| line.chars().count() > letters);
-            if !is_wider || narrow.columns.len() <= 2 {
+            if !is_wider || narrow.columns.len() <= FEWEST {
                 return lines;
             }
             narrow.columns.pop();

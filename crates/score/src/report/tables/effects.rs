@@ -1,7 +1,7 @@
 //! What each texture does to each detector: the table that a comparison is about.
 
 use crate::report::{Cell, CellValue, Column, Table, paired};
-use crate::score::{Compared, Effect, Scores, Summary, paired_control};
+use crate::score::{Compared, Effect, MOST_HIT, Scores, Summary, paired_control};
 use scaleproof_core::spelling::{self, digits};
 
 /// A row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
@@ -27,6 +27,7 @@ pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &s
     }
     table.notes.extend(open(results));
     table.notes.extend(withheld(results));
+    table.notes.extend(unsaid(results));
     table
 }
 
@@ -70,6 +71,14 @@ fn open(results: &[Compared]) -> Option<String> {
         .iter()
         .any(has_drop)
         .then(|| "(0.00): so large a drop of the confidence would have been shown, with a chance of 0.8".to_owned())
+}
+
+/// Why a texture does not hide the model, though few hits are left.
+fn unsaid(results: &[Compared]) -> Option<String> {
+    let few_left = |r: &Compared| r.effect() == Effect::Weakens && r.hit_rate.rate.other <= MOST_HIT;
+    let is_unsaid = |r: &Compared| few_left(r) && r.hit_rate.rate.drop > 0.0 && !paired::is_hit_rate_shown(r);
+    let note = "weakens, though few hits are left: these views are too few to show that the hits fall, too";
+    results.iter().any(is_unsaid).then(|| note.to_owned())
 }
 
 /// Why effects are withheld, where some are.

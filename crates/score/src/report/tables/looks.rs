@@ -8,9 +8,8 @@ use crate::score::{Course, Decision, Scores, Sequential};
 /// Two rows for each detector and texture: what the confidence and what the hits have shown so far, and after which look.
 pub(in crate::report) fn looks(scores: &Scores, sequential: &Sequential) -> Table {
     let unit = unit(sequential);
-    let caption = format!(
-        "Looked at after each {unit}, in the order of the photos; this holds however often one looks, and the findings above for a single look"
-    );
+    let caption =
+        format!("Looked at after each {unit}, in the order of the photos; what is said holds however often one looks");
     let mut table = Table::new(
         &caption,
         vec![

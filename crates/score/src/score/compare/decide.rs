@@ -15,7 +15,7 @@ pub(in crate::score) const LEVEL: f64 = 0.05;
 pub(super) const LEAST_SEEN: f64 = 0.1;
 
 /// A texture hides the model where at most so many photos are still hits.
-pub(in crate::score) const MOST_HIT: f64 = 0.25;
+pub const MOST_HIT: f64 = 0.25;
 
 /// Differences of one figure: for each detector, one for each cluster.
 type Differences = Vec<Vec<f64>>;

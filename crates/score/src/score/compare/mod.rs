@@ -13,9 +13,9 @@ mod sequential_plan;
 mod spread;
 
 pub use control::check_control;
-pub use decide::decide;
 use decide::decide_among;
-pub(super) use decide::{LEVEL, MOST_HIT, decide_families};
+pub(super) use decide::{LEVEL, decide_families};
+pub use decide::{MOST_HIT, decide};
 pub use finding::{Effect, Finding, InPlacesLikeThese};
 pub use moved::moved_drops;
 pub use plan::{PLAN_EXPERIMENTS, PLAN_SEED, PlanError, Question, ViewsNeeded};
@@ -23,7 +23,7 @@ pub use result::{
     BinHits, ClusteredBy, Compared, Comparison, Control, Course, Decision, Difference, Hits, PlanCheck, Sequential,
     SequentialFinding,
 };
-pub use sequential::{most_telling, sequential};
+pub use sequential::{decide_by_looks, most_telling, sequential};
 pub use sequential_plan::{Expected, SEQUENTIAL_ROWS, SequentialPlan, sequential_plan};
 pub use spread::{FewViews, Observed, Spread, SpreadFrom};
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::decide::{LEVEL, MOST_HIT};
 use super::finding::Effect;
 use super::pairs::{Cell, Pair, pair};
-use super::result::{ClusteredBy, Course, Decision, Sequential, SequentialFinding};
+use super::result::{ClusteredBy, Compared, Comparison, Course, Decision, Sequential, SequentialFinding};
 use super::{CompareError, Scores, Side, others, some_pairs, variants};
 use crate::score::ScoredPhoto;
 use scaleproof_core::geometry::angle::turn;
@@ -63,6 +63,29 @@ pub fn sequential(
         least,
         results,
     })
+}
+
+/// Lets the looks decide: what `comparison` says of each detector and texture is what its looks have shown, with their p, and nothing is said of places like these. A
+/// detector that does not see the base still cannot tell.
+pub fn decide_by_looks(comparison: &mut Comparison, sequential: Sequential) {
+    for course in &sequential.results {
+        let own = |r: &&mut Compared| r.detector == course.detector && r.variant == course.variant;
+        let Some(finding) = comparison.results.iter_mut().find(own).and_then(|r| r.finding.as_mut()) else {
+            continue;
+        };
+        let confidence = &course.mean_confidence;
+        if finding.effect != Effect::BaseUnseen {
+            finding.effect = course.effect;
+        }
+        finding.confidence_p = confidence.p_corrected.unwrap_or(confidence.p_always_valid);
+        finding.confidence_level = LEVEL;
+        finding.hit_rate_p = course.hit_rate.p_always_valid;
+        finding.hit_rate_level = LEVEL;
+        finding.views_missing = 0;
+        finding.drop_shown_from = None;
+        finding.in_places_like_these = None;
+    }
+    comparison.sequential = Some(sequential);
 }
 
 /// Which of some bins, not photographed yet in the second of two variants at a place, would tell most: the one whose direction differed most in earlier pairs. A
