@@ -19,7 +19,10 @@ use markdown::Page;
 use scratch::Scratch;
 
 /// Options of other programs that the documentation shows.
-const FOREIGN_OPTIONS: [&str; 21] = [
+const FOREIGN_OPTIONS: [&str; 24] = [
+    "--capture-tethered",
+    "--filename",
+    "--keep",
     "--all-targets",
     "--array",
     "--bench",

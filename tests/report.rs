@@ -805,7 +805,7 @@ fn the_tables_of_a_comparison_fit_one_column_of_a_paper_of_two() {
         let widths = table_widths_pt(tex);
         assert_eq!(widths.len(), 3);
         assert!(
-            widths.iter().flatten().all(|pt| (180.0..237.13).contains(pt)),
+            widths.iter().flatten().all(|pt| (100.0..237.13).contains(pt)),
             "{widths:?}"
         );
     }
