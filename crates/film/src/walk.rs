@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::choose::{Chosen, SMEARED_PX, Wish};
+use crate::choose::{Chosen, Wish};
 use crate::hold::Held;
 use crate::journal::{About, Journal};
 use crate::keep::{KeepError, Keeper, Kept};
@@ -77,7 +77,12 @@ impl Walk {
         wish: &Wish,
         mut looked: impl FnMut(&[Look]) -> bool,
     ) -> Result<(Journal, Vec<Look>, Held), LookError> {
-        let (mut journal, mut looks) = Journal::open(journal, about)?;
+        let (mut journal, known) = Journal::open(journal, about)?;
+        let mut looks = Vec::new();
+        for look in known {
+            looks.push(look);
+            motion::set(&mut looks);
+        }
         let mut held = Held::default();
         let mut goes_on = looked(&looks);
         let selection = Selection {
@@ -108,6 +113,7 @@ impl Walk {
             let look = looker.look(frame);
             journal.add(&look)?;
             looks.push(look);
+            motion::set(&mut looks);
             if let Some(planes) = planes {
                 held.add(planes, &looks, wish, |looks| self.choose(looks, wish));
             }
@@ -117,7 +123,6 @@ impl Walk {
                 return Err(LookError::Interrupted { time_s: look.time_s });
             }
         }
-        motion::set(&mut looks);
         Ok((journal, looks, held))
     }
 
@@ -204,7 +209,7 @@ impl Walk {
     }
 
     /// What to know before the photos are believed, as sentences.
-    pub fn notes(&self, looks: &[Look], kept: &[Kept]) -> Vec<String> {
+    pub fn notes(&self, kept: &[Kept]) -> Vec<String> {
         let mut notes: Vec<String> = self.video.colour_note().into_iter().collect();
         let faults = self.wanted.faults.iter();
         notes.extend(faults.map(|fault| format!("no pair is looked for: {fault}")));
@@ -216,15 +221,6 @@ impl Walk {
             .iter()
             .map(|(advice, number)| format!("{} of {}: {advice}", number, count(kept.len(), "chosen frame")));
         notes.extend(said);
-        let smears: Vec<f64> = kept.iter().filter_map(|one| looks.get(one.at)?.smear_px()).collect();
-        let most = smears.iter().copied().fold(0.0, f64::max);
-        if most > SMEARED_PX {
-            let smeared = smears.iter().filter(|px| **px > SMEARED_PX).count();
-            notes.push(format!(
-                "{smeared} of {}: smeared by motion, over {most:.1} px at most, and nothing sharper is in their bins: go slower, or film with shorter exposures",
-                count(kept.len(), "chosen frame")
-            ));
-        }
         notes
     }
 }

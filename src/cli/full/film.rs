@@ -152,8 +152,6 @@ struct ChosenFrame {
     viewpoint: Viewpoint,
     sigma: Sigma,
     gates: Measures,
-    /// How far motion smears the model in it, px: by the motion of the camera and the exposure, both as the video tells them.
-    smear_px: Option<f64>,
     pair: Option<Pair>,
 }
 
@@ -468,7 +466,6 @@ fn write(
         viewpoint: one.viewpoint,
         sigma: one.sigma,
         gates: one.measures,
-        smear_px: looks[one.at].smear_px(),
         pair: one.pair.map(|(place, difference)| Pair {
             file: walk.wanted.files[place].clone(),
             difference,
@@ -500,7 +497,7 @@ fn write(
         unpaired: walk.unpaired(kept),
         contact_sheet,
         coverage,
-        notes: walk.notes(looks, kept),
+        notes: walk.notes(kept),
     };
     let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
     let words = words(&answer) + &in_words(&file, photos.len(), &variants, &args.output);
@@ -530,12 +527,11 @@ fn words(answer: &Answer) -> String {
             .gates
             .blur_px
             .map_or(String::new(), |px| format!(", blur {px:.2} px"));
-        let smear = one.smear_px.map_or(String::new(), |px| format!(", smear {px:.1} px"));
         let pair = one.pair.as_ref().map_or(String::new(), |pair| {
             format!(", {:.2}° from {}", pair.difference.apart_deg, pair.file)
         });
         lines.push(format!(
-            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{smear}{pair}",
+            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{pair}",
             one.file,
             one.frame,
             one.time_s,
