@@ -520,7 +520,7 @@ fn shells_complete_names_and_not_files() {
         format!("COMP_WORDS=(scaleproof capture --source \"$1\")\nCOMP_CWORD=3\n{script}{ask}"),
     );
     for (typed, names) in [
-        ("", "camera gphoto2 http:// rtsp:// watch: video: replay: upload"),
+        ("", "camera gphoto2 http:// rtsp:// watch: replay: upload"),
         ("re", "replay:"),
     ] {
         let output = std::process::Command::new("bash")
@@ -533,11 +533,11 @@ fn shells_complete_names_and_not_files() {
     for (shell, words) in [
         (
             "zsh",
-            "SOURCE:(camera gphoto2 http\\:// rtsp\\:// watch\\: video\\: replay\\: upload)",
+            "SOURCE:(camera gphoto2 http\\:// rtsp\\:// watch\\: replay\\: upload)",
         ),
         (
             "fish",
-            "-r -f -a \"camera\\t''\ngphoto2\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nvideo:\\t''\nreplay:\\t''\nupload\\t''\"",
+            "-r -f -a \"camera\\t''\ngphoto2\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nreplay:\\t''\nupload\\t''\"",
         ),
     ] {
         let script = stdout(&run(&["completions", shell]));

@@ -1,7 +1,7 @@
 //! A video of a walk round the model, from its frames to the photos: looked at, chosen, kept.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::choose::{Chosen, Wish};
 use crate::hold::Held;
@@ -57,6 +57,32 @@ pub enum LookError {
 const AHEAD_S: f64 = 0.5;
 /// Less than the time between two frames, s, and more than roundings.
 const SAME_S: f64 = 1e-5;
+
+/// Why a video is not one that a walk can be looked at in.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    #[error(
+        "{video}: {reason}; videos are cropped otherwise than photos, so the camera file must be of its videos", video = video.display()
+    )]
+    OtherCamera { video: PathBuf, reason: String },
+}
+
+/// Describes a video whose frames a camera file fits.
+///
+/// # Errors
+/// No ffmpeg; a file that is no video, or none that can be decoded within bounds; frames of another shape than the camera file's.
+pub fn open_video(path: &Path, camera: &Camera) -> Result<Video, OpenError> {
+    let video = Video::open(path)?;
+    match camera.for_photo(video.width, video.height, video.turned_deg) {
+        Ok(_) => Ok(video),
+        Err(reason) => Err(OpenError::OtherCamera {
+            video: path.to_owned(),
+            reason: reason.to_string(),
+        }),
+    }
+}
 
 /// Every so-manieth frame is looked at where nobody says otherwise.
 pub fn usual_step(video: &Video) -> u64 {

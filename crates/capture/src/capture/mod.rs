@@ -5,7 +5,6 @@
 //! numbers. A tethered camera's previews go the same way, and release its shutter instead of being taken.
 
 mod advice;
-mod film;
 mod gates;
 mod guidance;
 pub mod live;
@@ -37,7 +36,6 @@ use scaleproof_pose::tags::SeenTag;
 use scaleproof_session::session::PhotoEntry;
 
 pub use advice::Advice;
-pub use film::{Film, open_video};
 pub use gates::{
     FrameJudgement, FrameKind, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures,
 };
@@ -275,10 +273,6 @@ impl Capture {
         };
         let kind = match frame.purpose {
             Purpose::Preview(_) => FrameKind::Preview,
-            Purpose::Filmed { after_ms, .. } => {
-                self.judge.filmed_after(after_ms);
-                FrameKind::Live
-            }
             Purpose::Photo if self.judge.is_stream() => FrameKind::Live,
             Purpose::Photo | Purpose::Released { .. } => FrameKind::Photo,
         };
@@ -286,11 +280,7 @@ impl Capture {
         let camera = of_view.as_ref().unwrap_or(&self.camera);
         let mut judgement = self.judge.judge_as(kind, &luma, turned_deg, camera, &self.guidance);
         let is_by_hand = taking == Taking::ByHand || matches!(frame.purpose, Purpose::Released { is_by_hand: true });
-        // Nobody holds still for a film, and the frame that is judged is the one that is kept.
-        let held = match (&frame.purpose, &judgement.verdict) {
-            (Purpose::Filmed { .. }, Ok(_)) => Ok(()),
-            (_, verdict) => self.hold(verdict, kind, taking),
-        };
+        let held = self.hold(&judgement.verdict, kind, taking);
         if kind == FrameKind::Live && (is_by_hand || held.is_ok()) {
             let (camera, guidance) = (&self.camera, &self.guidance);
             judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
@@ -337,7 +327,7 @@ impl Capture {
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
-            Original::Pixels { upright, turned_deg } => Ok((image::imageops::grayscale(upright), *turned_deg)),
+            Original::Pixels(upright) => Ok((image::imageops::grayscale(upright), 0)),
             Original::Encoded(bytes) => {
                 let photo = Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
                 if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
@@ -396,10 +386,6 @@ impl Capture {
                 variant: self.variant.clone(),
                 place: Some(self.place.clone()),
                 taken: frame.taken.clone(),
-                frame: match &frame.purpose {
-                    Purpose::Filmed { frame, .. } => Some((**frame).clone()),
-                    _ => None,
-                },
                 ..PhotoEntry::default()
             },
             sha256: sha256.clone(),
@@ -464,8 +450,8 @@ fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
             let is_png = image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::Png);
             Ok((bytes.clone(), if is_png { "png" } else { "jpg" }))
         }
-        Original::Pixels { upright, turned_deg } => {
-            let bytes = photo::sensor_png(upright, *turned_deg).ok_or("the camera's image cannot be kept as PNG")?;
+        Original::Pixels(upright) => {
+            let bytes = photo::sensor_png(upright, 0).ok_or("the camera's image cannot be kept as PNG")?;
             Ok((bytes, "png"))
         }
     }

@@ -11,8 +11,7 @@ use super::programs::locked;
 use super::stream::StreamAddress;
 use super::tether::TetherError;
 use scaleproof_core::files::FileError;
-use scaleproof_session::session::{SessionError, VideoFrame};
-use scaleproof_video::VideoError;
+use scaleproof_session::session::SessionError;
 
 /// One image of a source.
 #[derive(Debug, Clone)]
@@ -31,12 +30,6 @@ pub enum Purpose {
     /// It may be taken as it is.
     #[default]
     Photo,
-    /// It is one of a video file's: nobody holds still for it, and it may be taken as it is.
-    Filmed {
-        /// How long after the last frame it is shown.
-        after_ms: u32,
-        frame: Box<VideoFrame>,
-    },
     /// It shows where a camera stands. When that is right the shutter is released, and the photo is the source's next frame.
     Preview(Shutter),
     /// The photo that a shutter was released for, amid previews.
@@ -64,12 +57,8 @@ impl Shutter {
 pub enum Original {
     /// A JPEG or PNG file; it is kept byte for byte.
     Encoded(Vec<u8>),
-    /// The pixels of a camera or video that gives no file; kept as PNG that lies as the sensor does.
-    Pixels {
-        upright: RgbImage,
-        /// How far that is turned clockwise from the sensor's image, degrees.
-        turned_deg: u32,
-    },
+    /// The pixels of a camera that gives no file; kept as PNG that lies as the sensor does.
+    Pixels(RgbImage),
     /// None: the sentence says why.
     Unreadable(String),
 }
@@ -122,19 +111,13 @@ pub trait FrameSource {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, gphoto2 for a tethered one, watch:DIR for a folder that photos arrive in, video:FILE for a film, replay:DIR for a stored session, or upload for what browsers send to the page"
+        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, gphoto2 for a tethered one, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
     Unknown { text: String },
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
     File(#[from] FileError),
-    #[error(transparent)]
-    Video(#[from] VideoError),
-    #[error(
-        "{video}: {reason}; videos are cropped otherwise than photos, so the camera file must be of its videos", video = video.display()
-    )]
-    OtherCamera { video: PathBuf, reason: String },
     #[error("the session in {folder} has no photo of the variant {variant}, only of {others}: replay another, or name one of these", folder = folder.display())]
     NoSuchVariant {
         folder: PathBuf,
@@ -178,8 +161,6 @@ pub enum SourceName {
     Replay(PathBuf),
     /// `watch:DIR`: photos that arrive in a folder.
     Watch(PathBuf),
-    /// `video:FILE`: a film.
-    Video(PathBuf),
     /// `camera:N`, or `camera` for the first.
     Camera(u32),
     /// `http://…` or `rtsp://…`: a camera that streams.
@@ -204,7 +185,6 @@ impl FromStr for SourceName {
             None if text == "gphoto2" => Ok(SourceName::Tethered(None)),
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
-            Some(("video", file)) if !file.is_empty() => Ok(SourceName::Video(file.into())),
             Some(("camera", number)) => number.parse().map(SourceName::Camera).map_err(|_| unknown()),
             None if text == "camera" => Ok(SourceName::Camera(0)),
             None if text == "upload" => Ok(SourceName::Upload),
@@ -227,7 +207,6 @@ impl SourceName {
         match self {
             SourceName::Replay(_) => "replay",
             SourceName::Watch(_) => "watched folder",
-            SourceName::Video(_) => "video",
             SourceName::Camera(_) => "camera",
             SourceName::Stream(_) => "stream",
             SourceName::Tethered(_) => "tethered camera",
