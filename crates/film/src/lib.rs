@@ -1,7 +1,6 @@
 //! A video of a walk round the model becomes photos of a session.
 //!
 //! - [`look`]: where the camera stood in each frame, how sharp it is, and whether the whole model is in it; tracked from frame to frame;
-//! - [`journal`]: what was looked at, so that an interrupted run goes on;
 //! - [`motion`]: what the camera's motion in each frame adds to σ of its viewpoint;
 //! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
 //! - [`hold`]: those that may be chosen, held while the film is looked at;
@@ -13,7 +12,6 @@
 pub mod choose;
 pub mod coverage;
 pub mod hold;
-pub mod journal;
 pub mod keep;
 pub mod look;
 pub mod motion;

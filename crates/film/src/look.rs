@@ -3,8 +3,6 @@
 //! The pose of the frame before says where tags are, and only there it is looked. Every so often, and when that fails, the whole image is
 //! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
 
-use serde::{Deserialize, Serialize};
-
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::photo::Luma;
 use scaleproof_pose::camera::Camera;
@@ -13,9 +11,8 @@ use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice, edge_blurs, worst_blur_px};
 use scaleproof_video::{Frame, Picture};
 
-/// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer, and a run that goes on
-/// at the beginning of such a group sees what an uninterrupted one sees.
-pub const GROUP: usize = 25;
+/// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer.
+const GROUP: usize = 25;
 /// Of frames in a row without a pose, each so-manieth is searched by every means.
 const SEARCHED_WELL: u32 = 12;
 
@@ -28,7 +25,7 @@ const REPEATED_S: f64 = 0.12;
 const LOOKED_AT_PX: u32 = 1920;
 
 /// One frame, looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     /// Its number in the video, from 0.
     pub number: u64,
@@ -41,11 +38,10 @@ pub struct Look {
 }
 
 /// What a frame with a pose shows.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     pub viewpoint: Viewpoint,
     /// What the camera's motion adds to σ of the viewpoint, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
-    #[serde(skip)]
     pub moved: Option<Sigma>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
@@ -56,8 +52,7 @@ pub struct View {
 }
 
 /// Why a frame has no pose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unplaced {
     NoTags,
     Blurred,
@@ -108,11 +103,6 @@ impl<'a> Looker<'a> {
             lost: 0,
             last: None,
         })
-    }
-
-    /// Is told the frame before the first that is looked at, which an earlier run has looked at.
-    pub fn begin_after(&mut self, frame: Frame<Picture>) {
-        self.last = Some((frame.time_s, frame.image));
     }
 
     /// Looks at the next frame.

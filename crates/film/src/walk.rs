@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 
 use crate::choose::{Chosen, Wish};
 use crate::hold::Held;
-use crate::journal::{About, Journal};
 use crate::keep::{KeepError, Keeper, Kept};
 use crate::look::{Look, Looker, Unplaced};
 use crate::motion;
 use crate::pairs::Wanted;
 use scaleproof_capture::capture::MAX_BLUR_PX;
-use scaleproof_core::files::FileError;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
@@ -37,8 +35,6 @@ pub struct Walk {
 #[derive(Debug, thiserror::Error)]
 pub enum LookError {
     #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
     Tags(#[from] StartError),
     #[error("{error}")]
     Video {
@@ -47,16 +43,11 @@ pub enum LookError {
         whole_s: Option<f64>,
     },
     #[error("interrupted")]
-    Interrupted {
-        /// The time of the last frame in the journal, s.
-        time_s: f64,
-    },
+    Interrupted,
 }
 
 /// So much before the damage frames are surely whole, s: ffmpeg decodes some frames ahead.
 const AHEAD_S: f64 = 0.5;
-/// Less than the time between two frames, s, and more than roundings.
-const SAME_S: f64 = 1e-5;
 
 /// Why a video is not one that a walk can be looked at in.
 #[derive(Debug, thiserror::Error)]
@@ -91,33 +82,17 @@ pub fn usual_step(video: &Video) -> u64 {
 }
 
 impl Walk {
-    /// Looks at the frames that a journal has not; `about` says which and of what. `looked` hears of each frame, and says whether to go on. Frames that may be
-    /// chosen by `wish` are held, for [`Walk::keep`].
+    /// Looks at the frames of a part. `looked` hears of each frame, and says whether to go on. Frames that may be chosen by `wish` are held, for [`Walk::keep`].
     ///
     /// # Errors
-    /// The video breaks off; the journal cannot be written; `looked` says no, and the journal has what was looked at.
+    /// The video breaks off; `looked` says no.
     pub fn looks(
         &self,
-        journal: &Path,
-        about: &About,
+        part: &Selection,
         wish: &Wish,
         mut looked: impl FnMut(&[Look]) -> bool,
-    ) -> Result<(Journal, Vec<Look>, Held), LookError> {
-        let (mut journal, known) = Journal::open(journal, about)?;
-        let mut looks = Vec::new();
-        for look in known {
-            looks.push(look);
-            motion::set(&mut looks);
-        }
-        let mut held = Held::default();
-        let mut goes_on = looked(&looks);
-        let selection = Selection {
-            // From the last frame of an earlier run on, which the next one may repeat.
-            from_s: looks.last().map_or(about.from_s, |last| last.time_s - SAME_S),
-            to_s: about.to_s,
-            every: about.every,
-            ..Selection::default()
-        };
+    ) -> Result<(Vec<Look>, Held), LookError> {
+        let (mut looks, mut held) = (Vec::new(), Held::default());
         let (scene, camera) = (&self.scene, &self.camera);
         let mut looker = Looker::new(scene, camera, self.video.turned_deg, TagDetectorChoice::default())?;
         let failed = |error: VideoError, looks: &[Look]| {
@@ -129,37 +104,29 @@ impl Walk {
             };
             LookError::Video { error, whole_s }
         };
-        for frame in self.video.pictures(&selection).map_err(|e| failed(e, &[]))? {
+        for frame in self.video.pictures(part).map_err(|e| failed(e, &[]))? {
             let frame = frame.map_err(|e| failed(e, &looks))?;
-            if looks.last().is_some_and(|last| frame.number <= last.number) {
-                looker.begin_after(frame);
-                continue;
-            }
             let planes = frame.image.planes().cloned();
-            let look = looker.look(frame);
-            journal.add(&look)?;
-            looks.push(look);
+            looks.push(looker.look(frame));
             motion::set(&mut looks);
             if let Some(planes) = planes {
                 held.add(planes, &looks, wish, |looks| self.choose(looks, wish));
             }
-            goes_on &= looked(&looks);
-            if !goes_on {
-                journal.flush()?;
-                return Err(LookError::Interrupted { time_s: look.time_s });
+            if !looked(&looks) {
+                return Err(LookError::Interrupted);
             }
         }
-        Ok((journal, looks, held))
+        Ok((looks, held))
     }
 
     /// How many frames there will be to look at, by the header.
-    pub fn expected(&self, about: &About) -> usize {
+    pub fn expected(&self, part: &Selection) -> usize {
         let video = &self.video;
         let whole_s = video.duration_s.unwrap_or(0.0);
-        let seconds = about.to_s.unwrap_or(whole_s).min(whole_s) - about.from_s;
+        let seconds = part.to_s.unwrap_or(whole_s).min(whole_s) - part.from_s;
         let all = video.frames.map(|frames| frames as f64);
         let rate = video.frames_per_s.or_else(|| Some(all? / whole_s)).unwrap_or(0.0);
-        (seconds * rate / about.every as f64).clamp(0.0, 1e9).round() as usize
+        (seconds * rate / part.every as f64).clamp(0.0, 1e9).round() as usize
     }
 
     /// What is asked of its frames.

@@ -1,4 +1,4 @@
-//! The crate's tests: which frames are chosen, and what is kept of a run. The stored walk is tested through the program.
+//! The crate's tests: which frames are chosen. The stored walk is tested through the program.
 
 #[path = "film/hold.rs"]
 mod hold;
@@ -10,8 +10,7 @@ mod motion;
 use proptest::prelude::*;
 
 use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
-use scaleproof_film::journal::{About, Journal, read};
-use scaleproof_film::look::{GROUP, Look, Unplaced, View};
+use scaleproof_film::look::{Look, Unplaced, View};
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 
@@ -164,45 +163,6 @@ fn viewpoints_are_apart_by_the_way_between_them() {
     assert!((apart_deg(&at(40.0, 10.0, 1000.0), &at(40.0, 10.0, 990.0)) - 0.573).abs() < 1e-3);
 }
 
-fn about() -> About {
-    About {
-        program: "0.1.0".into(),
-        video: "ab".repeat(32),
-        scene: "cd".repeat(32),
-        camera: "ef".repeat(32),
-        from_s: 0.0,
-        to_s: None,
-        every: 1,
-    }
-}
-
-#[test]
-fn a_journal_goes_on_behind_its_last_whole_line_and_only_for_the_same_video() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("journal");
-    let look = |n: u64| match n % 7 {
-        3 => Look {
-            shows: Err(Unplaced::NoTags),
-            ..frame(n, 0.0, 0.0)
-        },
-        // The motion is set again, from all frames.
-        _ => with(frame(n, 0.1 + n as f64 / 3.0, 0.6), |view| view.moved = None),
-    };
-    let looks: Vec<Look> = (0..2 * GROUP as u64).map(look).collect();
-    let (mut journal, known) = Journal::open(&path, &about()).unwrap();
-    assert!(known.is_empty());
-    looks.iter().for_each(|look| journal.add(look).unwrap());
-    journal.flush().unwrap();
-    drop(journal);
-    assert_eq!(Journal::open(&path, &about()).unwrap().1, looks);
-    // A killed run leaves half a line.
-    let bytes = std::fs::read(&path).unwrap();
-    std::fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
-    assert_eq!(Journal::open(&path, &about()).unwrap().1, looks[..GROUP]);
-    let other = About { every: 2, ..about() };
-    assert!(Journal::open(&path, &other).unwrap().1.is_empty());
-}
-
 #[test]
 fn a_bin_has_blurred_frames_only_where_it_has_no_sharp_one() {
     let bins = bins();
@@ -219,14 +179,6 @@ fn a_bin_has_blurred_frames_only_where_it_has_no_sharp_one() {
 }
 
 proptest! {
-    #[test]
-    fn no_bytes_make_a_journal_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
-        prop_assert_eq!(read(&bytes, &about()), None);
-        let head = serde_json::to_string(&about()).unwrap() + "\n";
-        let looks = read(&[head.as_bytes(), &bytes].concat(), &about());
-        prop_assert_eq!(looks, Some(Vec::new()));
-    }
-
     /// The issue's own rule, counted here for any walk.
     #[test]
     fn no_frame_blurred_above_one_and_a_half_px_is_chosen_where_a_sharper_one_is_within_5_degrees(
